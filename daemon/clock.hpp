@@ -1,8 +1,9 @@
-// The clocks of the service: instants in CLOCK_MONOTONIC_RAW, which nothing steps or slews. Thread-safe, real-time safe.
+// The clocks of the service: instants in CLOCK_MONOTONIC_RAW, which nothing steps or slews. Thread-safe, real-time
+// safe.
 #pragma once
 
-#include <ctime>
 #include <cstdint>
+#include <ctime>
 
 namespace dwell {
 

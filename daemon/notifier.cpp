@@ -8,7 +8,8 @@ namespace dwell {
 
 Notifier::Notifier() {
   std::uint64_t period_us = 0;
-  if (sd_watchdog_enabled(0, &period_us) > 0) watchdog_ms_ = std::max<std::int64_t>(1, static_cast<std::int64_t>(period_us / 1000));
+  if (sd_watchdog_enabled(0, &period_us) > 0)
+    watchdog_ms_ = std::max<std::int64_t>(1, static_cast<std::int64_t>(period_us / 1000));
 }
 
 void Notifier::ready() const { sd_notify(0, "READY=1"); }

@@ -1,4 +1,5 @@
-// Tells systemd how the service stands (sd_notify). Where nobody asked for it (no NOTIFY_SOCKET) every call does nothing.
+// Tells systemd how the service stands (sd_notify). Where nobody asked for it (no NOTIFY_SOCKET) every call does
+// nothing.
 #pragma once
 
 #include <cstdint>

@@ -42,10 +42,14 @@ EstimatorOptions options_for(const config::RigFile& file) {
 
 Level level_of(dwell_level level) {
   switch (level) {
-    case DWELL_DEBUG: return Level::debug;
-    case DWELL_INFO: return Level::info;
-    case DWELL_WARNING: return Level::warning;
-    case DWELL_ERROR: return Level::error;
+    case DWELL_DEBUG:
+      return Level::debug;
+    case DWELL_INFO:
+      return Level::info;
+    case DWELL_WARNING:
+      return Level::warning;
+    case DWELL_ERROR:
+      return Level::error;
   }
   return Level::error;
 }

@@ -1,5 +1,5 @@
-// Whether the service works, for systemd's watchdog: every thread has turned within its bound, and no ring holds samples
-// that nobody takes. Pure: the caller brings the instants; never fed by a timer alone. Bound to one thread.
+// Whether the service works, for systemd's watchdog: every thread has turned within its bound, and no ring holds
+// samples that nobody takes. Pure: the caller brings the instants; never fed by a timer alone. Bound to one thread.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct WatchedThread {
 
 struct WatchedRing {
   std::string name;
-  std::uint64_t entered = 0;      // read before `left`
+  std::uint64_t entered = 0;  // read before `left`
   std::uint64_t left = 0;
 };
 
@@ -33,7 +33,7 @@ class Watchdog {
  private:
   struct Progress {
     std::uint64_t left = 0;
-    std::int64_t since_ns = 0;    // when it moved last, or was last found empty
+    std::int64_t since_ns = 0;  // when it moved last, or was last found empty
   };
   std::unordered_map<std::string, Progress> rings_;
 };

@@ -28,8 +28,7 @@ std::size_t ring_capacity(const config::DeviceSettings& settings) noexcept {
   return static_cast<std::size_t>(std::clamp(samples, 4096.0, 262144.0));
 }
 
-DeviceHost::DeviceHost(const config::DeviceSettings& settings, const dwell_driver_table& table,
-                       DeviceLink::LogLine log)
+DeviceHost::DeviceHost(const config::DeviceSettings& settings, const dwell_driver_table& table, DeviceLink::LogLine log)
     : link_(settings.name, indices(settings), ring_capacity(settings), std::move(log)), table_(table) {}
 
 tl::expected<std::unique_ptr<DeviceHost>, std::string> DeviceHost::make(const config::DeviceSettings& settings,

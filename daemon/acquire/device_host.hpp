@@ -1,4 +1,5 @@
-// One device: its plugin instance, created, started, stopped and destroyed in that order, and the link it delivers into.
+// One device: its plugin instance, created, started, stopped and destroyed in that order, and the link it delivers
+// into.
 #pragma once
 
 #include <memory>

@@ -26,8 +26,8 @@ namespace dwell {
 // The driver said that a channel does not deliver, or does again.
 struct StateEvent {
   static constexpr std::size_t kReasonSize = 160;
-  std::int64_t t_ns = 0;               // when it was said
-  std::int32_t channel = -1;           // Rig::channels index; -1: every channel of the device
+  std::int64_t t_ns = 0;      // when it was said
+  std::int32_t channel = -1;  // Rig::channels index; -1: every channel of the device
   Fault fault = Fault::none;
   std::array<char, kReasonSize> reason{};  // zero-terminated, printable; empty: none given
 };
@@ -56,7 +56,8 @@ class DeviceLink {
   void count(dwell_fault fault) noexcept;
   void turn() noexcept;
 
-  // The estimation thread. Take the events before the samples: then every sample pushed before an event is seen with it.
+  // The estimation thread. Take the events before the samples: then every sample pushed before an event is seen with
+  // it.
   bool pop_event(StateEvent& out) noexcept { return events_.pop(out); }
   std::size_t pop_samples(Record* out, std::size_t room) noexcept;
 
@@ -65,7 +66,9 @@ class DeviceLink {
     return channel < positions_.size() ? positions_[channel] : -1;
   }
   // By position. late, overflow and settle belong to the estimation thread.
-  [[nodiscard]] ChannelCounters& counters(int position) noexcept { return counters_[static_cast<std::size_t>(position)]; }
+  [[nodiscard]] ChannelCounters& counters(int position) noexcept {
+    return counters_[static_cast<std::size_t>(position)];
+  }
   [[nodiscard]] const ChannelCounters& counters(int position) const noexcept {
     return counters_[static_cast<std::size_t>(position)];
   }
@@ -93,8 +96,8 @@ class DeviceLink {
   boost::lockfree::spsc_queue<StateEvent> events_;
 
   // The driver's thread alone.
-  std::vector<std::uint8_t> gap_;       // by position: samples were lost before the next one
-  std::vector<StateEvent> waiting_;     // by position: the newest change for which there was no room
+  std::vector<std::uint8_t> gap_;    // by position: samples were lost before the next one
+  std::vector<StateEvent> waiting_;  // by position: the newest change for which there was no room
   std::vector<std::uint8_t> is_waiting_;
   bool any_waiting_ = false;
 

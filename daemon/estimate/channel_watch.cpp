@@ -17,8 +17,8 @@ ChannelWatch::ChannelWatch(const std::vector<double>& nominal_rate_hz, std::int6
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
     const double silence_ns = nominal_rate_hz[i] > 0.0 ? kSilentIntervals * kNsPerS / nominal_rate_hz[i] : 0.0;
-    channel.silence_ns = static_cast<std::int64_t>(std::clamp(silence_ns, static_cast<double>(kShortestSilence_ns),
-                                                              static_cast<double>(kLongestSilence_ns)));
+    channel.silence_ns = static_cast<std::int64_t>(
+        std::clamp(silence_ns, static_cast<double>(kShortestSilence_ns), static_cast<double>(kLongestSilence_ns)));
     channel.since_ns = now_ns;
     channel.rate_since_ns = now_ns;
   }

@@ -15,10 +15,10 @@ class ChannelWatch {
   struct Channel {
     Fault fault = Fault::silent;
     std::string reason = "nothing received yet";
-    std::int64_t since_ns = 0;      // when `fault` began
-    std::int64_t heard_ns = -1;     // when its newest sample was taken in; -1: never
-    std::int64_t silence_ns = 0;    // nothing for so long is silence
-    std::uint64_t samples = 0;      // taken in
+    std::int64_t since_ns = 0;    // when `fault` began
+    std::int64_t heard_ns = -1;   // when its newest sample was taken in; -1: never
+    std::int64_t silence_ns = 0;  // nothing for so long is silence
+    std::uint64_t samples = 0;    // taken in
     double rate_hz = 0.0;
     std::int64_t rate_since_ns = 0;
     std::uint64_t rate_samples = 0;

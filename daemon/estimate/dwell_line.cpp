@@ -44,8 +44,10 @@ std::string finished_line(const Dwell& dwell, const Rig& rig) {
       line += "; c_" + k + ", r_" + k + " none: " + element.reason;
       continue;
     }
-    line += "; c_" + k + " = " + interval(element.stiffness.value, element.stiffness.U95) + (turns ? " N*m/rad" : " N/m");
-    line += ", r_" + k + " = " + interval(element.damping.value, element.damping.U95) + (turns ? " N*m*s/rad" : " N*s/m");
+    line +=
+        "; c_" + k + " = " + interval(element.stiffness.value, element.stiffness.U95) + (turns ? " N*m/rad" : " N/m");
+    line +=
+        ", r_" + k + " = " + interval(element.damping.value, element.damping.U95) + (turns ? " N*m*s/rad" : " N*s/m");
   }
   for (const std::string& warning : dwell.warnings) line += "; warning: " + warning;
   return line;

@@ -132,7 +132,9 @@ void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
       if (own.gap != 0) record.flags |= kGap;
       ChannelCounters& counters = link.counters(link.position(record.channel));
       switch (merger_.push(device, record)) {
-        case Merger::Admission::queued: own.gap = 0; break;
+        case Merger::Admission::queued:
+          own.gap = 0;
+          break;
         case Merger::Admission::late:
           own.gap = 1;
           counters.late();

@@ -1,8 +1,8 @@
 // The estimation: drains the devices' rings, merges, feeds the pipeline, publishes snapshots.
 //
 // Virtual time: turn() is one pass at the instant it is given; EstimationThread calls it every 10 ms. All members are
-// bound to the one thread that calls turn() and finish(), except latest() and refresh(), which belong to the one reader,
-// and rearm(), which belongs to one thread as well (in dwelld the event loop for all three).
+// bound to the one thread that calls turn() and finish(), except latest() and refresh(), which belong to the one
+// reader, and rearm(), which belongs to one thread as well (in dwelld the event loop for all three).
 #pragma once
 
 #include <boost/lockfree/spsc_queue.hpp>
@@ -25,9 +25,9 @@
 namespace dwell {
 
 struct EstimatorOptions {
-  std::int64_t hold_back_ns = 100'000'000;   // how far the merger waits for the slowest source
-  std::size_t kept_dwells = 1000;            // finished dwells kept
-  std::vector<double> nominal_rate_hz;       // per channel, 0: not known
+  std::int64_t hold_back_ns = 100'000'000;  // how far the merger waits for the slowest source
+  std::size_t kept_dwells = 1000;           // finished dwells kept
+  std::vector<double> nominal_rate_hz;      // per channel, 0: not known
 };
 
 class Estimator {
@@ -68,16 +68,16 @@ class Estimator {
                  std::int64_t now_ns);
 
   struct PerChannel {
-    std::uint64_t handed = 0;     // samples given to the pipeline
-    std::uint8_t gap = 0;         // samples were lost on the way to the merger
+    std::uint64_t handed = 0;  // samples given to the pipeline
+    std::uint8_t gap = 0;      // samples were lost on the way to the merger
     double half_width_s = 0.0;
-    bool recovered = false;       // within this turn
-    std::int64_t stale_ns = 0;    // for how long it had been stale
+    bool recovered = false;     // within this turn
+    std::int64_t stale_ns = 0;  // for how long it had been stale
     bool ever_heard = false;
   };
   struct PerDevice {
-    std::vector<Throttle> throttles;            // by Fault
-    std::vector<std::uint64_t> counted;         // by Fault: occurrences already told or waiting to be
+    std::vector<Throttle> throttles;     // by Fault
+    std::vector<std::uint64_t> counted;  // by Fault: occurrences already told or waiting to be
   };
 
   const Rig rig_;

@@ -1,7 +1,8 @@
-// Hands the newest value from one writer thread to one reader thread; neither ever waits, values in between are skipped.
+// Hands the newest value from one writer thread to one reader thread; neither ever waits, values in between are
+// skipped.
 //
-// Three slots: the writer fills its own and swaps it for the middle one, the reader swaps the middle one for its own when
-// it is newer. Lock-free; publishing and reading cost one atomic exchange.
+// Three slots: the writer fills its own and swaps it for the middle one, the reader swaps the middle one for its own
+// when it is newer. Lock-free; publishing and reading cost one atomic exchange.
 #pragma once
 
 #include <array>

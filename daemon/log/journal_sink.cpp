@@ -13,12 +13,16 @@ namespace {
 
 int priority_of(spdlog::level::level_enum level) {
   switch (level) {
-    case spdlog::level::warn: return LOG_WARNING;
+    case spdlog::level::warn:
+      return LOG_WARNING;
     case spdlog::level::err:
-    case spdlog::level::critical: return LOG_ERR;
+    case spdlog::level::critical:
+      return LOG_ERR;
     case spdlog::level::trace:
-    case spdlog::level::debug: return LOG_DEBUG;
-    default: return LOG_INFO;
+    case spdlog::level::debug:
+      return LOG_DEBUG;
+    default:
+      return LOG_INFO;
   }
 }
 

@@ -21,10 +21,14 @@ namespace {
 
 spdlog::level::level_enum to_spdlog(Level level) {
   switch (level) {
-    case Level::debug: return spdlog::level::debug;
-    case Level::info: return spdlog::level::info;
-    case Level::warning: return spdlog::level::warn;
-    case Level::error: return spdlog::level::err;
+    case Level::debug:
+      return spdlog::level::debug;
+    case Level::info:
+      return spdlog::level::info;
+    case Level::warning:
+      return spdlog::level::warn;
+    case Level::error:
+      return spdlog::level::err;
   }
   return spdlog::level::err;
 }
@@ -75,11 +79,11 @@ tl::expected<std::unique_ptr<Log>, std::string> Log::make(const LogOptions& opti
       sinks.push_back(std::make_shared<WithoutFields>(std::make_shared<spdlog::sinks::stderr_color_sink_st>()));
     }
     if (!options.file.empty()) {
-      sinks.push_back(std::make_shared<WithoutFields>(std::make_shared<spdlog::sinks::rotating_file_sink_st>(
-          options.file, options.file_bytes, options.files)));
+      sinks.push_back(std::make_shared<WithoutFields>(
+          std::make_shared<spdlog::sinks::rotating_file_sink_st>(options.file, options.file_bytes, options.files)));
     }
-    impl->pool = std::make_shared<spdlog::details::thread_pool>(
-        options.queue, 1, [] { pthread_setname_np(pthread_self(), "log"); });
+    impl->pool = std::make_shared<spdlog::details::thread_pool>(options.queue, 1,
+                                                                [] { pthread_setname_np(pthread_self(), "log"); });
     impl->logger = std::make_shared<spdlog::async_logger>("dwelld", sinks.begin(), sinks.end(), impl->pool,
                                                           spdlog::async_overflow_policy::overrun_oldest);
     impl->logger->set_level(to_spdlog(options.level));

@@ -57,10 +57,9 @@ class Caller : public std::enable_shared_from_this<Caller> {
 
   void read() {
     limit_time();
-    asio::async_read_until(socket_, asio::dynamic_buffer(line_, server_->options.line_bytes), '\n',
-                           [self = shared_from_this()](const error_code& error, std::size_t size) {
-                             self->received(error, size);
-                           });
+    asio::async_read_until(
+        socket_, asio::dynamic_buffer(line_, server_->options.line_bytes), '\n',
+        [self = shared_from_this()](const error_code& error, std::size_t size) { self->received(error, size); });
   }
 
   void close() {

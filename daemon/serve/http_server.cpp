@@ -148,12 +148,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     response->content_length(reply.body.size());
     if (!head) response->body() = std::move(reply.body);
     stream_.expires_after(server_->options.request_time);
-    http::async_write(stream_, *response,
-                      [self = shared_from_this(), response](const error_code& error, std::size_t) {
-                        if (error) return;
-                        if (response->keep_alive()) return self->read();
-                        self->shut();
-                      });
+    http::async_write(stream_, *response, [self = shared_from_this(), response](const error_code& error, std::size_t) {
+      if (error) return;
+      if (response->keep_alive()) return self->read();
+      self->shut();
+    });
   }
 
   // Says that nothing more comes, then waits a little for what the client still sends: closing on unread bytes would
@@ -254,8 +253,10 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
   ++refused;
   // A word of explanation if it can be had for nothing.
   const std::string body = http_error(503, "too many clients").body;
-  const std::string text = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nConnection: close\r\n"
-                           "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+  const std::string text =
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nConnection: close\r\n"
+      "Content-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n" + body;
   error_code ignored;
   socket.non_blocking(true, ignored);
   socket.write_some(asio::buffer(text), ignored);

@@ -24,25 +24,26 @@ struct HttpReply {
 };
 
 struct HttpOptions {
-  std::string host = "127.0.0.1";             // a numeric address, or "localhost"
-  std::uint16_t port = 8380;                  // 0: the kernel chooses
-  std::string server = "dwelld";              // Server field
+  std::string host = "127.0.0.1";  // a numeric address, or "localhost"
+  std::uint16_t port = 8380;       // 0: the kernel chooses
+  std::string server = "dwelld";   // Server field
   std::string stream_path = "/api/v1/stream";
-  std::size_t clients = 128;                  // connections at once; more are answered 503
-  std::size_t streams = 96;                   // of which live streams; the rest stays free for requests
-  std::size_t header_bytes = 8 * 1024;        // beyond: 431
-  std::size_t body_bytes = 16 * 1024;         // beyond: 413
-  std::size_t events_waiting = 16;            // per stream; beyond, the oldest is dropped
-  std::chrono::milliseconds request_time{10'000};  // from its first chance to be sent until it is here, and for the answer
+  std::size_t clients = 128;            // connections at once; more are answered 503
+  std::size_t streams = 96;             // of which live streams; the rest stays free for requests
+  std::size_t header_bytes = 8 * 1024;  // beyond: 431
+  std::size_t body_bytes = 16 * 1024;   // beyond: 413
+  std::size_t events_waiting = 16;      // per stream; beyond, the oldest is dropped
+  std::chrono::milliseconds request_time{
+      10'000};  // from its first chance to be sent until it is here, and for the answer
   std::chrono::milliseconds stream_write_time{30'000};  // for one event; then the reader is given up
 };
 
 struct HttpStats {
-  std::uint64_t clients = 0;           // now
-  std::uint64_t streams = 0;           // now
+  std::uint64_t clients = 0;  // now
+  std::uint64_t streams = 0;  // now
   std::uint64_t requests = 0;
-  std::uint64_t refused = 0;           // connections, because there were too many
-  std::uint64_t events_dropped = 0;    // because a reader was slow
+  std::uint64_t refused = 0;         // connections, because there were too many
+  std::uint64_t events_dropped = 0;  // because a reader was slow
 };
 
 class HttpServer {
