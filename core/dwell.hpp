@@ -31,7 +31,7 @@ struct Coefficient {
   double u = kNaN;
   double dof = kNaN;
   double U95 = kNaN;
-  bool significant = false;  // |value| > U95: the value differs from nothing
+  bool significant = false;  // |value| >= u; otherwise the value is shown, but nothing may rest on it (method section 7)
 };
 
 // y(t) = amplitude · sin(2πf (t - t_ref) + phase) + mean, as the motion (the transducer's own response divided out).
