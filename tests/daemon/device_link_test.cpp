@@ -78,7 +78,7 @@ TEST_F(DeviceLinkTest, TheGapRidesOnTheNextAcceptedSampleOfThatChannelAlone) {
 }
 
 TEST_F(DeviceLinkTest, AForeignChannelIsRefusedAndCounted) {
-  for (const std::uint16_t channel : {0, 5, 8, 65535}) {
+  for (const std::uint16_t channel : std::array<std::uint16_t, 4>{0, 5, 8, 65535}) {
     const dwell_sample sample{1, 1.0, 5, channel, 0};
     EXPECT_FALSE(link.push(&sample, 1));
     link.state(channel, DWELL_FAULT_TIMEOUT, nullptr);
