@@ -42,7 +42,7 @@ struct FaultName {
 [[nodiscard]] const std::vector<FaultName>& fault_names();
 
 struct Options {
-  dwell::Chain chain{dwell::Boundary::clamped, {12, 8, 5}, {24000, 15000, 9000, 12000}, {60, 45, 30, 40}};
+  dwell::Chain chain{dwell::Boundary::clamped, {12, 8, 5}, {24000, 8000, 6000, 8000}, {60, 45, 30, 40}};
   dwell::Drive drive{4.0, 0.005, 0.0, 0.25, {}};
   bool from_steady = false;      // begin in the steady state instead of at rest
   bool stopped = false;          // the drive awaits `start`

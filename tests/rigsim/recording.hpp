@@ -17,7 +17,7 @@ struct RecordingOptions {
   bool long_form =
       false;  // t,channel,value with each sample's own instant; else t,y0,… with the scan's nominal instant,
               // as a careless logger would write it: what skew and jitter do is then not in the file
-  std::vector<std::string> script;  // "SECONDS CONTROL LINE", in the order of time
+  std::vector<std::string> script{};  // "SECONDS CONTROL LINE", in the order of time
 };
 
 // Writes it, every number with 17 digits; noise, quantization, stuck and invalid readings included. Invalid ones are
