@@ -23,11 +23,11 @@ struct Harmonic {
 };
 
 struct Drive {
-  double frequency_hz = 0.0;        // ≥ 0
-  double amplitude = 0.0;           // A_1 with φ_1 = 0, m (rad)
-  double offset = 0.0;              // m (rad)
-  double ramp_s = 0.0;              // within which the amplitudes go over
-  std::vector<Harmonic> harmonics;  // further parts of the table's motion
+  double frequency_hz = 0.0;          // ≥ 0
+  double amplitude = 0.0;             // A_1 with φ_1 = 0, m (rad)
+  double offset = 0.0;                // m (rad)
+  double ramp_s = 0.0;                // within which the amplitudes go over
+  std::vector<Harmonic> harmonics{};  // further parts of the table's motion
 };
 
 // SI; index 0 is the table, 1 … n the masses.

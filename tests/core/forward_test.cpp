@@ -134,7 +134,7 @@ TEST(NaturalValues, MakeTheDynamicStiffnessSingular) {
 
 TEST(DrivenChain, TendsToTheSteadyResponse) {
   const Chain chain = three_masses();
-  DrivenChain driven(chain, {.frequency_hz = 4.0, .amplitude = 0.005, .offset = 0.001, .ramp_s = 0.3, .harmonics = {}},
+  DrivenChain driven(chain, {.frequency_hz = 4.0, .amplitude = 0.005, .offset = 0.001, .ramp_s = 0.3},
                      DrivenChain::Start::rest);
   const double omega = 2 * pi * 4.0;
   const auto steady = steady_response(chain, omega, 0.005);
@@ -152,7 +152,7 @@ TEST(DrivenChain, TendsToTheSteadyResponse) {
 
 TEST(DrivenChain, BegunSteadyHasNoTransient) {
   const Chain chain = three_masses();
-  DrivenChain driven(chain, {.frequency_hz = 4.0, .amplitude = 0.005, .offset = 0, .ramp_s = 5.0, .harmonics = {}},
+  DrivenChain driven(chain, {.frequency_hz = 4.0, .amplitude = 0.005, .offset = 0, .ramp_s = 5.0},
                      DrivenChain::Start::steady);
   const auto steady = steady_response(chain, 8 * pi, 0.005);
   for (std::size_t k = 0; k < 4; ++k)
@@ -195,8 +195,7 @@ TEST(DrivenChain, AgreesWithASmallStepIntegrator) {
   const Chain chain = random_chain(random, 3, Boundary::clamped);
   const double omega = 2 * pi * 4.5, A = 0.003;
   std::vector<double> y{A * 0, 0.001, -0.002, 0.0005}, v{A * omega, 0.1, 0.0, -0.2};
-  DrivenChain driven(chain, {.frequency_hz = 4.5, .amplitude = A, .offset = 0, .ramp_s = 0, .harmonics = {}},
-                     DrivenChain::Start::rest);
+  DrivenChain driven(chain, {.frequency_hz = 4.5, .amplitude = A, .offset = 0, .ramp_s = 0}, DrivenChain::Start::rest);
   driven.set_state(0.0, {y[1], y[2], y[3]}, {v[1], v[2], v[3]});
 
   const auto rates = [&](double t, const std::vector<double>& y_now, const std::vector<double>& v_now) {
@@ -278,8 +277,7 @@ TEST(DrivenChain, GoesOnSmoothlyWhenTheDriveChanges) {
 }
 
 TEST(DrivenChain, WithoutARampKeepsTheMassesButNotTheTable) {
-  DrivenChain driven(three_masses(),
-                     {.frequency_hz = 4.0, .amplitude = 0.005, .offset = 0, .ramp_s = 0, .harmonics = {}},
+  DrivenChain driven(three_masses(), {.frequency_hz = 4.0, .amplitude = 0.005, .offset = 0, .ramp_s = 0},
                      DrivenChain::Start::rest);
   const ChainMotion before = driven.at(1.0625);  // a quarter of a period: the table at its peak
   driven.set_drive(1.0625, {});
@@ -291,7 +289,7 @@ TEST(DrivenChain, WithoutARampKeepsTheMassesButNotTheTable) {
 TEST(DrivenChain, ManyMassesStayExact) {
   std::mt19937_64 random(9);
   const Chain chain = random_chain(random, 32, Boundary::free);
-  DrivenChain driven(chain, {.frequency_hz = 2.0, .amplitude = 0.004, .offset = 0, .ramp_s = 0, .harmonics = {}},
+  DrivenChain driven(chain, {.frequency_hz = 2.0, .amplitude = 0.004, .offset = 0, .ramp_s = 0},
                      DrivenChain::Start::rest);
   const double rate = slowest_decay_rate(chain);
   const auto steady = steady_response(chain, 4 * pi, 0.004);

@@ -1,0 +1,56 @@
+// The simulated transducers: what each channel of the driven chain reads at an instant, with the faults of a reading
+// (noise, quantization, a stuck value, no number). Virtual time only: the caller says when it is.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/rigsim/options.hpp"
+
+namespace rigsim {
+
+// Bound to one thread.
+class Device {
+ public:
+  explicit Device(const Options& options);
+
+  // "y0" the table, "y1" … the masses, and for a clamped chain "reaction", the force on the ground.
+  [[nodiscard]] const std::vector<std::string>& channels() const noexcept { return channels_; }
+  [[nodiscard]] bool is_force(std::size_t channel) const noexcept { return channel > masses_; }
+
+  // The readings of all channels at t (s, at or after the last change of the drive), SI; NaN: no number.
+  void read(double t_s, std::span<double> values);
+
+  // One control line's words, effective at t. Empty: done; else what is wrong; none: the verb is not the device's.
+  [[nodiscard]] std::optional<std::string> command(double t_s, const std::vector<std::string>& words);
+
+  // The drive as it is now; amplitude and harmonics are those of the running drive even when stopped.
+  [[nodiscard]] const dwell::Drive& drive() const noexcept { return drive_; }
+  [[nodiscard]] bool running() const noexcept { return running_; }
+  Faults faults;
+
+ private:
+  void truth(double t_s, std::span<double> values);
+  void apply_drive(double t_s);
+  [[nodiscard]] std::string set_stuck(double t_s, const std::vector<std::string>& words);
+
+  std::size_t masses_;
+  bool clamped_;
+  dwell::Drive drive_;
+  bool running_;
+  dwell::DrivenChain chain_;
+  std::vector<std::string> channels_;
+  std::vector<double> full_;                  // each channel's steady amplitude under the first drive
+  std::vector<std::optional<double>> stuck_;  // the value a channel is stuck at
+  std::mt19937_64 random_;
+  std::normal_distribution<double> gauss_;
+};
+
+// A finite number from a word of a command; none: it is not.
+[[nodiscard]] std::optional<double> number(const std::string& word);
+
+}  // namespace rigsim

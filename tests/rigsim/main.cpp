@@ -1,0 +1,191 @@
+#include <poll.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+
+#include "tests/rigsim/control.hpp"
+#include "tests/rigsim/recording.hpp"
+#include "tests/rigsim/server.hpp"
+#include "tests/rigsim/sockets.hpp"
+#include "tests/rigsim/truth.hpp"
+
+namespace {
+
+using rigsim::Options;
+using rigsim::RecordingOptions;
+
+constexpr int kWrongUsage = 2;
+
+struct Arguments {
+  Options rig;
+  RecordingOptions recording;
+  std::string boundary = "clamped";
+  std::string tcp, unit = "m", csv;
+  std::vector<std::string> harmonics, stuck;
+  bool print_truth = false;
+};
+
+int wrong(const std::string& message) {
+  std::cerr << "rigsim: " << message << '\n';
+  return kWrongUsage;
+}
+
+void define(CLI::App& app, Arguments& arguments) {
+  Options& rig = arguments.rig;
+  app.add_option("--boundary", arguments.boundary, "clamped or free")->check(CLI::IsMember({"clamped", "free"}));
+  app.add_option("--masses", rig.chain.masses, "m_1,m_2,... kg (none for a clamped element alone: --masses '')")
+      ->delimiter(',')
+      ->expected(0, 1000);
+  app.add_option("--stiffness", rig.chain.stiffness, "c_1,c_2,... N/m")->delimiter(',');
+  app.add_option("--damping", rig.chain.damping, "r_1,r_2,... N*s/m")->delimiter(',');
+  app.add_option("--frequency", rig.drive.frequency_hz, "of the drive, Hz")->check(CLI::Range(0.0, 1e4));
+  app.add_option("--amplitude", rig.drive.amplitude, "of the table, m")->check(CLI::NonNegativeNumber);
+  app.add_option("--offset", rig.drive.offset, "of the table, m");
+  app.add_option("--harmonic", arguments.harmonics, "MULTIPLE:AMPLITUDE[:PHASE] of the table, m and rad; repeatable");
+  app.add_option("--ramp", rig.drive.ramp_s, "within which the drive's amplitude goes over, s")
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_flag("--from-steady", rig.from_steady, "begin in the steady state instead of at rest");
+  app.add_flag("--stopped", rig.stopped, "the drive awaits the control line 'start'");
+  app.add_option("--unit", arguments.unit, "of floats and CSV: m or mm")->check(CLI::IsMember({"m", "mm"}));
+  app.add_option("--tcp", arguments.tcp, "serve Modbus TCP at ADDRESS:PORT (port 0: any)");
+  app.add_option("--rtu", rig.rtu_link, "serve Modbus RTU on a pseudo-terminal, linked from this path");
+  app.add_option("--baud", rig.baud, "of the simulated wire; default: as the client sets it")
+      ->check(CLI::Range(300, 10000000));
+  app.add_option("--control", rig.control_path, "unix stream socket for control lines");
+  app.add_option("--clock-drift", rig.clock_drift_ppm, "of the rig's clock, ppm")->check(CLI::Range(-1e5, 1e5));
+  app.add_option("--stuck", arguments.stuck, "a channel stuck from the beginning; repeatable");
+  app.add_option("--seed", rig.seed, "of everything random");
+  for (const rigsim::FaultName& fault : rigsim::fault_names())
+    app.add_option("--" + std::string(fault.name), rig.faults.*fault.member, fault.help)
+        ->check(CLI::Range(0.0, fault.highest));
+  app.add_flag("--print-truth", arguments.print_truth, "print coefficients and steady phasors as JSON, and end");
+  RecordingOptions& recording = arguments.recording;
+  app.add_option("--csv", arguments.csv, "write a recording to this file (-: standard output), and end");
+  app.add_option("--duration", recording.duration_s, "of the recording, s")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--rate", recording.rate_hz, "samples per second and channel")->check(CLI::Range(1e-3, 1e6));
+  app.add_option("--skew", recording.skew_s, "by which the last channel is sampled after the first, s")
+      ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--jitter", recording.jitter, "of the instants, uniform, +- this part of the interval")
+      ->check(CLI::Range(0.0, 0.49));
+  app.add_flag("--long", recording.long_form, "t,channel,value: each sample its own instant");
+  app.add_option("--at", recording.script, "\"SECONDS CONTROL LINE\" during the recording; repeatable, in order");
+}
+
+// MULTIPLE:AMPLITUDE[:PHASE]
+std::optional<dwell::Harmonic> parse_harmonic(const std::string& text) {
+  dwell::Harmonic harmonic;
+  char rest = 0;
+  const int fields =
+      std::sscanf(text.c_str(), "%d:%lf:%lf%c", &harmonic.multiple, &harmonic.amplitude, &harmonic.phase_rad, &rest);
+  if ((fields != 2 && fields != 3) || harmonic.multiple < 2 || harmonic.multiple > 100) return std::nullopt;
+  return harmonic;
+}
+
+std::string settle(Arguments& arguments) {
+  Options& rig = arguments.rig;
+  rig.chain.boundary = arguments.boundary == "free" ? dwell::Boundary::free : dwell::Boundary::clamped;
+  if (const std::string fault = rig.chain.fault(); !fault.empty()) return fault;
+  for (const std::string& text : arguments.harmonics) {
+    const auto harmonic = parse_harmonic(text);
+    if (!harmonic) return "--harmonic " + text + ": expected MULTIPLE:AMPLITUDE[:PHASE]";
+    rig.drive.harmonics.push_back(*harmonic);
+  }
+  rig.millimetres = arguments.unit == "mm";
+  rig.rtu = !rig.rtu_link.empty();
+  rig.tcp_port.reset();
+  if (!arguments.tcp.empty()) {
+    const auto colon = arguments.tcp.rfind(':');
+    const auto port = colon == std::string::npos ? std::nullopt : rigsim::number(arguments.tcp.substr(colon + 1));
+    if (!port || *port < 0 || *port > 65535) return "--tcp " + arguments.tcp + ": expected ADDRESS:PORT";
+    rig.tcp_host = arguments.tcp.substr(0, colon);
+    rig.tcp_port = static_cast<std::uint16_t>(*port);
+  }
+  return {};
+}
+
+int record(const Arguments& arguments) {
+  std::ofstream file;
+  if (arguments.csv != "-") file.open(arguments.csv);
+  std::ostream& out = arguments.csv == "-" ? std::cout : file;
+  if (!out) return wrong("cannot write " + arguments.csv);
+  if (const std::string fault = rigsim::write_recording(out, arguments.rig, arguments.recording); !fault.empty())
+    return wrong(fault);
+  out.flush();
+  return out ? 0 : wrong("cannot write " + arguments.csv);
+}
+
+// Answers control lines from standard input until a signal comes; the end of the input alone ends nothing.
+void attend(rigsim::Server& server, int signals) {
+  std::array<pollfd, 2> polled{pollfd{signals, POLLIN, 0}, pollfd{STDIN_FILENO, POLLIN, 0}};
+  std::string in;
+  while (true) {
+    if (::poll(polled.data(), polled.size(), -1) < 0) continue;
+    if (polled[0].revents != 0) return;
+    if (polled[1].revents == 0) continue;
+    std::array<char, 512> chunk{};
+    const ssize_t size = ::read(STDIN_FILENO, chunk.data(), chunk.size());
+    if (size <= 0) {
+      polled[1].fd = -1;
+      continue;
+    }
+    in.append(chunk.data(), static_cast<std::size_t>(size));
+    for (auto end = in.find('\n'); end != std::string::npos; end = in.find('\n')) {
+      std::cout << server.command(in.substr(0, end)) << std::endl;
+      in.erase(0, end + 1);
+    }
+    if (in.size() > rigsim::kLongestLine) in.clear();
+  }
+}
+
+int serve(const Arguments& arguments) {
+  if (!arguments.rig.tcp_port && !arguments.rig.rtu)
+    return wrong("nothing to do: expected --tcp, --rtu, --csv or --print-truth");
+  // Blocked before the server's thread is made, so that it inherits this and the signal comes to us.
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  ::sigprocmask(SIG_BLOCK, &set, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+  const rigsim::Fd signals(::signalfd(-1, &set, SFD_CLOEXEC));
+  auto server = rigsim::Server::start(arguments.rig);
+  if (!server) return wrong(server.error());
+  for (const std::string& channel : arguments.stuck)
+    if (const std::string answer = (*server)->command("stuck " + channel + " on"); answer != "ok") return wrong(answer);
+  if (arguments.rig.tcp_port) std::cout << "tcp " << arguments.rig.tcp_host << ':' << (*server)->tcp_port() << '\n';
+  if (arguments.rig.rtu) std::cout << "rtu " << (*server)->rtu_path() << '\n';
+  if (!arguments.rig.control_path.empty()) std::cout << "control " << arguments.rig.control_path << '\n';
+  std::cout << "ready" << std::endl;
+  attend(**server, signals.get());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app(
+      "A simulated rig: a driven chain of masses, served as Modbus devices or written as a recording.\n"
+      "Station 1 float32 abcd, 2 cdab, 3 badc, 4 dcba; 5-8 float64; 9-12 int32 (nm, mN); 13-16 uint32; 17-20 int16\n"
+      "(um, 0.1 N); 21-24 uint16; unsigned ones count from mid-range. Channel i (the table, the masses, the ground\n"
+      "force) begins at register i times the type's words, in both tables. Control lines are read from standard "
+      "input.");
+  define(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  if (const std::string fault = settle(arguments); !fault.empty()) return wrong(fault);
+  if (arguments.print_truth) {
+    std::cout << rigsim::truth_json(arguments.rig.chain, arguments.rig.drive) << '\n';
+    return 0;
+  }
+  return arguments.csv.empty() ? serve(arguments) : record(arguments);
+}
