@@ -272,9 +272,9 @@ class Probed {
 
 #include "dwell_driver_instance.hpp"
 
-// Exports the plugin's one symbol. `keys`: a constexpr array of dwell_key.
-#define DWELL_DRIVER(Class, name, version, help, keys)                                                       \
-  extern "C" __attribute__((visibility("default"))) const dwell_driver_table* dwell_driver(void) {           \
-    static constexpr dwell_driver_table table = dwell::driver::make_table<Class>(name, version, help, keys); \
-    return &table;                                                                                           \
+// Exports the plugin's one symbol. `keys`: an array of dwell_key, or a span of one.
+#define DWELL_DRIVER(Class, name, version, help, keys)                                                   \
+  extern "C" __attribute__((visibility("default"))) const dwell_driver_table* dwell_driver(void) {       \
+    static const dwell_driver_table table = dwell::driver::make_table<Class>(name, version, help, keys); \
+    return &table;                                                                                       \
   }

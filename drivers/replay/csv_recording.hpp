@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -40,7 +41,9 @@ inline constexpr std::size_t kCsvMaxLine = 1U << 20U;  // bytes
 inline constexpr double kCsvLatest = 9e9;              // s: instants must fit 64 bit of ns
 
 // Reads the file; its size bounds the memory (at most about 12 bytes per byte). Thread-safe; a few 10 ns per sample.
-[[nodiscard]] inline tl::expected<CsvRecording, std::string> read_csv(const std::string& path);
+// `go_on` is asked about every MiB; false ends the reading with an error.
+[[nodiscard]] inline tl::expected<CsvRecording, std::string> read_csv(const std::string& path,
+                                                                      const std::function<bool()>& go_on = {});
 
 // The same from memory; `name` stands for the file in error texts.
 [[nodiscard]] inline tl::expected<CsvRecording, std::string> parse_csv(std::string_view text, const std::string& name);
@@ -266,7 +269,7 @@ inline tl::expected<CsvRecording, std::string> parse_csv(std::string_view text, 
   return parser.finish();
 }
 
-inline tl::expected<CsvRecording, std::string> read_csv(const std::string& path) {
+inline tl::expected<CsvRecording, std::string> read_csv(const std::string& path, const std::function<bool()>& go_on) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"), &std::fclose);
   auto failed = [&](int code) {
     return tl::make_unexpected(path + ":1:1: cannot be read: " + std::generic_category().message(code));
@@ -278,6 +281,7 @@ inline tl::expected<CsvRecording, std::string> read_csv(const std::string& path)
   std::size_t held = 0;
   bool ended = false;
   while (!ended) {
+    if (go_on && !go_on()) return tl::make_unexpected(path + ":1:1: reading was given up");
     const std::size_t got = std::fread(buffer.data() + held, 1, buffer.size() - held, file.get());
     if (got == 0 && std::ferror(file.get()) != 0) return failed(errno);
     ended = got == 0;
