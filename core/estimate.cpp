@@ -1,0 +1,376 @@
+#include "core/estimate.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/identify.hpp"
+#include "core/student.hpp"
+#include "core/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::MatrixXcd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+using Index = Eigen::Index;
+
+// A harmonic of an element's force or deformation above this part of its fundamental makes c and r equivalent
+// coefficients of that one amplitude (harmonic linearization, method section 9).
+constexpr double kFarFromLinear = 0.1;
+
+double device_delay(const Rig& rig, const Channel& channel) {
+  return channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
+}
+
+// reading X = T · (displacement or force on the ground)
+Complex transfer(const Rig& rig, const Channel& channel, double omega) {
+  const Complex H = response(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
+  return std::pow(Complex{0.0, omega}, derivative_order(channel.measures)) * H * (channel.force_on_mass ? -1.0 : 1.0);
+}
+
+// The chain at one frequency, everything a linear function of x = (Y_0, d_1 … d_n, F).
+struct ChainState {
+  const Rig& rig;
+  int n;
+  double omega;
+  VectorXcd x;
+
+  [[nodiscard]] Complex Y(int k) const { return x.head(k + 1).sum(); }
+  // Row a with a·x = the force that element k (1 …) transmits towards the ground; and the row of its deformation.
+  [[nodiscard]] VectorXcd force_row(int k) const {
+    VectorXcd row = VectorXcd::Zero(n + 2);
+    if (rig.boundary == Boundary::clamped) row(n + 1) = k == n + 1 ? 1.0 : -1.0;
+    if (k == n + 1) return row;
+    double beyond = 0.0;  // mass of all that moves with d_l: Σ_{i >= max(k, l)} m_i
+    for (int l = n; l >= 1; --l) {
+      if (l >= k) beyond += rig.masses[static_cast<std::size_t>(l - 1)];
+      row(l) = omega * omega * beyond;
+    }
+    row(0) = omega * omega * beyond;
+    return row;
+  }
+  [[nodiscard]] VectorXcd deformation_row(int k) const {
+    VectorXcd row = VectorXcd::Zero(n + 2);
+    if (k <= n)
+      row(k) = 1.0;
+    else
+      row.head(n + 1).setOnes();  // Y_n (n = 0: Y_0)
+    return row;
+  }
+};
+
+// One source of error and what one standard deviation of it does.
+struct Source {
+  std::string name;
+  double dof;       // infinity: type B
+  VectorXcd on_x;   // to x
+  VectorXcd on_Z;   // to Z directly, beside what it does through x
+  double on_omega;  // to ω, rad/s
+};
+
+class Propagation {
+ public:
+  Propagation(const ChainState& chain, const MatrixXcd& force_rows, const MatrixXcd& deformation_rows,
+              const VectorXcd& Z, const VectorXcd& d)
+      : chain_(chain), Z_(Z), d_(d), elements_(Z.size()) {
+    through_x_.resize(elements_, chain.n + 2);
+    for (Index e = 0; e < elements_; ++e)
+      through_x_.row(e) = (force_rows.row(e) - Z(e) * deformation_rows.row(e)) / d(e);
+    covariance_ = Eigen::MatrixXd::Zero(2 * elements_, 2 * elements_);
+    deformation_rows_ = deformation_rows;
+    deformation_variance_ = VectorXd::Zero(elements_);
+  }
+
+  void add(const Source& source) {
+    const double omega = chain_.omega;
+    VectorXd v(2 * elements_);
+    for (Index e = 0; e < elements_; ++e) {
+      const Complex dZ = through_x_.row(e).transpose().cwiseProduct(source.on_x).sum() + source.on_Z(e);
+      v(2 * e) = dZ.real();
+      v(2 * e + 1) = dZ.imag() / omega - damping(Z_(e), omega) * source.on_omega / omega;
+      // per component, which is what |d| against its noise is about
+      deformation_variance_(e) += 0.5 * std::norm(deformation_rows_.row(e).transpose().cwiseProduct(source.on_x).sum());
+    }
+    v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined are left out later
+    covariance_ += v * v.transpose();
+    auto& of_name =
+        by_name_.try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_), source.dof}).first->second;
+    of_name.variance += v.cwiseAbs2();
+  }
+
+  [[nodiscard]] double deformation_u(Index e) const { return std::sqrt(deformation_variance_(e)); }
+  [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
+
+  [[nodiscard]] Coefficient coefficient(Index i, double value) const {
+    Coefficient out;
+    out.value = value;
+    const double variance = covariance_(i, i);
+    out.u = std::sqrt(variance);
+    double shares = 0.0;  // Σ u_i⁴ / ν_i
+    for (const auto& [name, part] : by_name_) shares += part.variance(i) * part.variance(i) / part.dof;
+    out.dof = shares > 0 ? variance * variance / shares : std::numeric_limits<double>::infinity();
+    out.U95 = student_t95(out.dof) * out.u;
+    out.significant = std::abs(value) >= out.u;
+    return out;
+  }
+
+  [[nodiscard]] std::vector<BudgetShare> budget(Index e) const {
+    std::vector<BudgetShare> out;
+    const double c = covariance_(2 * e, 2 * e), r = covariance_(2 * e + 1, 2 * e + 1);
+    for (const auto& [name, part] : by_name_) {
+      BudgetShare share{name, c > 0 ? part.variance(2 * e) / c : 0.0, r > 0 ? part.variance(2 * e + 1) / r : 0.0};
+      if (share.stiffness_share > 0 || share.damping_share > 0) out.push_back(std::move(share));
+    }
+    std::stable_sort(out.begin(), out.end(), [](const BudgetShare& a, const BudgetShare& b) {
+      return a.stiffness_share + a.damping_share > b.stiffness_share + b.damping_share;
+    });
+    return out;
+  }
+
+ private:
+  struct Contribution {
+    VectorXd variance;
+    double dof;
+  };
+  const ChainState& chain_;
+  const VectorXcd& Z_;
+  const VectorXcd& d_;
+  Index elements_;
+  MatrixXcd through_x_, deformation_rows_;
+  Eigen::MatrixXd covariance_;
+  VectorXd deformation_variance_;
+  std::map<std::string, Contribution> by_name_;
+};
+
+// All sources that the rig file and the data name.
+std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                               const VectorXcd& o, const ChainState& chain, const VectorXcd& Z, const VectorXcd& d,
+                               const Frequency& frequency) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double omega = frequency.omega;
+  const Index elements = Z.size();
+  std::vector<Source> out;
+  const VectorXcd nothing = VectorXcd::Zero(elements);
+  const auto through_channel = [&](Index c, Complex change) -> VectorXcd { return gain.gain.col(c) * change; };
+
+  VectorXcd relative_omega = VectorXcd::Zero(chain.n + 2);  // ∂x/∂ω through the transducers
+  std::map<int, VectorXcd> device_delay_x, turnaround_x;
+  for (Index c = 0; c < o.size(); ++c) {
+    const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+    const Evidence& seen = evidence[static_cast<std::size_t>(c)];
+    if (!seen.usable || gain.gain.col(c).isZero(0)) continue;
+    const Complex per_reading = 1.0 / transfer(rig, channel, omega);
+    Eigen::Matrix2d turn;
+    turn << per_reading.real(), -per_reading.imag(), per_reading.imag(), per_reading.real();
+    // Two independent errors with this covariance: along the principal axes.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(turn * seen.covariance * turn.transpose());
+    for (Index axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
+      out.push_back({"noise of " + channel.name, seen.dof, through_channel(c, {step(0), step(1)}), nothing, 0.0});
+    }
+    const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
+    const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
+    if (channel.scale_u > 0)
+      out.push_back({"scale of " + channel.name, kInfinity, through_channel(c, o(c) * channel.scale_u), nothing, 0.0});
+    if (channel.delay_u_s > 0)
+      out.push_back(
+          {"delay of " + channel.name, kInfinity, through_channel(c, delayed * channel.delay_u_s), nothing, 0.0});
+    if (channel.lowpass.hz_u > 0)
+      out.push_back({"low-pass of " + channel.name, kInfinity,
+                     through_channel(c, -o(c) * slopes.lowpass_corner * channel.lowpass.hz_u), nothing, 0.0});
+    if (channel.highpass.hz_u > 0)
+      out.push_back({"high-pass of " + channel.name, kInfinity,
+                     through_channel(c, -o(c) * slopes.highpass_corner * channel.highpass.hz_u), nothing, 0.0});
+    if (channel.device >= 0) {
+      const VectorXcd zero = VectorXcd::Zero(chain.n + 2);
+      if (const double u = rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s; u > 0)
+        device_delay_x.try_emplace(channel.device, zero).first->second += through_channel(c, delayed * u);
+      if (seen.turnaround_u_s > 0)
+        turnaround_x.try_emplace(channel.device, zero).first->second +=
+            through_channel(c, delayed * seen.turnaround_u_s);
+    }
+    relative_omega += through_channel(c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega +
+                                                  slopes.frequency / (2 * std::numbers::pi)));
+  }
+  for (auto& [device, on_x] : device_delay_x)
+    out.push_back({"delay of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
+  for (auto& [device, on_x] : turnaround_x)
+    out.push_back(
+        {"turnaround of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
+
+  for (std::size_t i = 0; i < rig.mass_u.size(); ++i) {
+    if (!(rig.mass_u[i] > 0)) continue;
+    VectorXcd on_Z = nothing;
+    for (Index e = 0; e <= static_cast<Index>(i) && e < chain.n; ++e)
+      on_Z(e) = omega * omega * chain.Y(static_cast<int>(i) + 1) * rig.mass_u[i] / d(e);
+    out.push_back({"mass " + std::to_string(i + 1), kInfinity, VectorXcd::Zero(chain.n + 2), on_Z, 0.0});
+  }
+
+  VectorXcd by_omega = nothing;  // 2ω Σ_{i>=k} m_i Y_i / d_k
+  Complex inertia = 0.0;
+  for (int k = chain.n; k >= 1; --k) {
+    inertia += rig.masses[static_cast<std::size_t>(k - 1)] * chain.Y(k);
+    by_omega(k - 1) = 2 * omega * inertia / d(k - 1);
+  }
+  for (const auto& [name, u] : {std::pair<const char*, double>{"frequency", frequency.u},
+                                std::pair<const char*, double>{"clock rate", frequency.clock_u * omega}})
+    if (u > 0) out.push_back({name, kInfinity, relative_omega * u, by_omega * u, u});
+  return out;
+}
+
+std::string missing_channels(const Rig& rig, const std::vector<Evidence>& evidence) {
+  std::string out;
+  for (std::size_t c = 0; c < evidence.size(); ++c)
+    if (!evidence[c].usable && rig.channels[c].measures != Quantity::auxiliary)
+      out += (out.empty() ? "" : "; ") + rig.channels[c].name + ": " + evidence[c].reason;
+  return out;
+}
+
+}  // namespace
+
+Complex as_observed(const Rig& rig, int channel, Complex X, double omega, int h) {
+  return X / transfer(rig, rig.channels[static_cast<std::size_t>(channel)], h * omega);
+}
+
+VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& evidence, double omega) {
+  VectorXd weights = VectorXd::Zero(static_cast<Index>(rig.channels.size()));
+  // Displacement and force are weighed each among their own; a common factor for either changes nothing.
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    if (!evidence[c].usable || rig.channels[c].measures == Quantity::auxiliary) continue;
+    const Complex T = transfer(rig, rig.channels[c], omega);
+    const double noise = std::sqrt(0.5 * evidence[c].covariance.trace());
+    const double size = std::abs(evidence[c].X[0]);
+    // 1e-12: a reading without noise must not outweigh the others without bound.
+    weights(static_cast<Index>(c)) =
+        std::abs(T) / std::hypot(noise, rig.channels[c].scale_u * size, 1e-12 * size + 1e-300);
+  }
+  const double largest = weights.maxCoeff();
+  for (const bool force : {false, true}) {
+    double scale = 0.0;
+    for (std::size_t c = 0; c < rig.channels.size(); ++c)
+      if ((rig.channels[c].measures == Quantity::force) == force)
+        scale = std::max(scale, weights(static_cast<Index>(c)));
+    for (std::size_t c = 0; c < rig.channels.size(); ++c)
+      if ((rig.channels[c].measures == Quantity::force) == force && scale > 0) weights(static_cast<Index>(c)) /= scale;
+  }
+  return largest > 0 ? weights : VectorXd::Zero(weights.size());
+}
+
+ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                                 const Frequency& frequency) {
+  const int n = rig.mass_count();
+  const auto elements = static_cast<Index>(rig.element_count());
+  const auto channels = static_cast<Index>(rig.channels.size());
+  const int H = rig.excitation.harmonics;
+
+  // Per harmonic: what the transducers see, the chain's state, the elements' forces and deformations.
+  std::vector<ChainState> chains;
+  VectorXcd o(channels);
+  for (int h = 1; h <= H; ++h) {
+    VectorXcd seen(channels);
+    for (Index c = 0; c < channels; ++c)
+      seen(c) = evidence[static_cast<std::size_t>(c)].usable
+                    ? as_observed(rig, static_cast<int>(c),
+                                  evidence[static_cast<std::size_t>(c)].X[static_cast<std::size_t>(h - 1)],
+                                  frequency.omega, h)
+                    : Complex{};
+    chains.push_back({rig, n, h * frequency.omega, gain.gain * seen});
+    if (h == 1) o = seen;
+  }
+  const ChainState& chain = chains.front();
+  MatrixXcd force_rows(elements, n + 2), deformation_rows(elements, n + 2);
+  VectorXcd Z(elements), d(elements), f(elements);
+  std::vector<bool> determined(static_cast<std::size_t>(elements));
+  for (Index e = 0; e < elements; ++e) {
+    const int k = static_cast<int>(e) + 1;
+    force_rows.row(e) = chain.force_row(k).transpose();
+    deformation_rows.row(e) = chain.deformation_row(k).transpose();
+    determined[static_cast<std::size_t>(e)] =
+        gain.determines(force_rows.row(e).transpose()) && gain.determines(deformation_rows.row(e).transpose());
+    f(e) = force_rows.row(e).transpose().cwiseProduct(chain.x).sum();
+    d(e) = deformation_rows.row(e).transpose().cwiseProduct(chain.x).sum();
+    Z(e) = f(e) / d(e);
+  }
+
+  Propagation propagation(chain, force_rows, deformation_rows, Z, d);
+  for (const Source& source : sources_of(rig, gain, evidence, o, chain, Z, d, frequency)) propagation.add(source);
+
+  ElementsResult result;
+  const std::string missing = missing_channels(rig, evidence);
+  std::vector<Index> rows;
+  for (Index e = 0; e < elements; ++e) {
+    ElementEstimate element;
+    element.k = static_cast<int>(e) + 1;
+    const bool known = determined[static_cast<std::size_t>(e)];
+    if (!known) {
+      element.reason = missing.empty() ? "the channels present do not determine it" : missing;
+      Z(e) = Complex{kNaN, kNaN};
+    } else {
+      element.deformation = {std::abs(d(e)), propagation.deformation_u(e)};
+      const Coefficient c = propagation.coefficient(2 * e, stiffness(Z(e)));
+      const Coefficient r = propagation.coefficient(2 * e + 1, damping(Z(e), frequency.omega));
+      const double u_Z = std::hypot(c.u, frequency.omega * r.u);
+      if (!(element.deformation.value > 3 * element.deformation.u)) {
+        element.reason = "it barely deforms: |d| is not above 3 u(d)";
+      } else if (!(u_Z < std::abs(Z(e)) / 3)) {
+        element.reason = "its force is not resolved: u(Z) is not below |Z|/3";
+      } else {
+        element.identifiable = true;
+        element.stiffness = c;
+        element.damping = r;
+        const double eta = frequency.omega * r.value / c.value;
+        const Eigen::MatrixXd& C = propagation.covariance();
+        const double variance = C(2 * e + 1, 2 * e + 1) / (r.value * r.value) + C(2 * e, 2 * e) / (c.value * c.value) -
+                                2 * C(2 * e, 2 * e + 1) / (r.value * c.value);
+        element.loss_factor = {eta, std::abs(eta) * std::sqrt(std::max(0.0, variance))};
+        element.budget = propagation.budget(e);
+        rows.push_back(2 * e);
+        rows.push_back(2 * e + 1);
+      }
+    }
+    // Harmonics of what the element feels and does, where they stand out of the noise.
+    double worst = 0.0;
+    int worst_h = 0;
+    const char* worst_of = "";
+    for (int h = 2; known && h <= H; ++h) {
+      const ChainState& at = chains[static_cast<std::size_t>(h - 1)];
+      const VectorXcd rows_of[2] = {at.deformation_row(element.k), at.force_row(element.k)};
+      const double fundamental[2] = {std::abs(d(e)), std::abs(f(e))};
+      for (int which = 0; which < 2; ++which) {
+        const double amplitude = std::abs(rows_of[which].cwiseProduct(at.x).sum());
+        double variance = 0.0;
+        for (Index c = 0; c < channels; ++c) {
+          const auto& seen = evidence[static_cast<std::size_t>(c)];
+          if (!seen.usable) continue;
+          const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, h);
+          variance += std::norm(rows_of[which].cwiseProduct(gain.gain.col(c)).sum() * per_reading) * 0.5 *
+                      seen.covariance.trace();
+        }
+        const double ratio = amplitude / fundamental[which];
+        if (ratio > kFarFromLinear && amplitude > 4 * std::sqrt(variance) && ratio > worst) {
+          worst = ratio;
+          worst_h = h;
+          worst_of = which == 0 ? "deformation" : "force";
+        }
+      }
+    }
+    if (worst_h > 0) {
+      const std::string thousandths = std::to_string(static_cast<int>(std::lround(1000 * worst)) + 1000).substr(1);
+      result.warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +
+                                std::to_string(worst_h) + " of its " + worst_of + " is " +
+                                (worst < 1 ? "0." + thousandths : std::to_string(worst)) +
+                                " of the fundamental; c and r hold for this amplitude alone");
+    }
+    result.elements.push_back(std::move(element));
+  }
+  result.Z.assign(Z.data(), Z.data() + Z.size());
+  for (const Index i : rows)
+    for (const Index j : rows) result.covariance.push_back(propagation.covariance()(i, j));
+  return result;
+}
+
+}  // namespace dwell

@@ -1,0 +1,62 @@
+// From the phasors of all channels to the elements, with uncertainty by the GUM's law of propagation.
+//
+// Every source of error is a small vector: what one standard deviation of it does to all coefficients at once (method
+// section 7, first order; errors are assumed value minus true value). The covariance is the sum of the outer products,
+// so correlations stay, and the budget is read off source by source.
+//
+//   δZ_k = [ ω² Σ_{i>=k} (m_i δY_i + Y_i δm_i) + 2ω Σ_{i>=k} m_i Y_i δω - δF - Z_k δd_k ] / d_k
+//   δZ_{n+1} = (δF - Z_{n+1} δY_n) / Y_n
+//   δc = Re δZ, δr = Im δZ / ω - r δω / ω
+//   δY = noise + Y δs/s + jωY δτ - Y (q/ω + H'/H) δω
+//
+// Noise is type A with the degrees of freedom of its residuals; all else is type B with none to count (infinite); the
+// effective degrees of freedom follow Welch and Satterthwaite (GUM G.4).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "core/dwell.hpp"
+#include "core/observation.hpp"
+#include "core/rig.hpp"
+
+namespace dwell {
+
+// What is known of one channel at the frequency of the drive.
+struct Evidence {
+  bool usable = false;
+  std::string reason;                                    // why not
+  std::array<std::complex<double>, kMaxHarmonics> X{};   // phasors of the reading at ω … Hω, SI
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (Re X_1, Im X_1)
+  double dof = 0.0;                                      // degrees of freedom behind that covariance
+  double turnaround_u_s = 0.0;                           // standard uncertainty of the instants, shared by the device
+};
+
+struct Frequency {
+  double omega = 0.0;    // rad/s
+  double u = 0.0;        // rad/s, as measured or stated, against the host's clock
+  double clock_u = 0.0;  // relative, of the clock
+};
+
+struct ElementsResult {
+  std::vector<ElementEstimate> elements;  // one per element of the chain
+  std::vector<double> covariance;         // row-major, of [c, r] of the identifiable ones
+  std::vector<std::string> warnings;
+  std::vector<std::complex<double>> Z;  // N/m; NaN where not determined
+};
+
+// The channel's reading turned into what the chain sees: displacement or force on the ground, harmonic h of omega.
+[[nodiscard]] std::complex<double> as_observed(const Rig& rig, int channel, std::complex<double> X, double omega,
+                                               int h);
+
+// Weights 1/u of each channel for solve_observation, from noise and scale at the present phasors; 0 where not usable.
+[[nodiscard]] Eigen::VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& evidence, double omega);
+
+// All elements. gain: for the channels that are usable. Allocates; O(sources · elements²).
+[[nodiscard]] ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                                               const Frequency& frequency);
+
+}  // namespace dwell

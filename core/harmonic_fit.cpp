@@ -1,0 +1,101 @@
+#include "core/harmonic_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace dwell {
+namespace {
+
+constexpr int kMaxParameters = 2 * kMaxHarmonics + 1;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxParameters, 1>;
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxParameters, kMaxParameters>;
+
+// Σ u^j cos kθ and Σ u^j sin kθ, k of either sign.
+struct Instants {
+  const double* set;
+  int count;
+  [[nodiscard]] double c(int j, int k) const noexcept { return set[moments::cosine(count, j, std::abs(k))]; }
+  [[nodiscard]] double s(int j, int k) const noexcept {
+    const double value = set[moments::sine(count, j, std::abs(k))];
+    return k < 0 ? -value : value;
+  }
+  // Σ u^j times products of two of the regressors, by the sums and differences of their angles.
+  [[nodiscard]] double sin_sin(int j, int h, int l) const noexcept { return 0.5 * (c(j, h - l) - c(j, h + l)); }
+  [[nodiscard]] double cos_cos(int j, int h, int l) const noexcept { return 0.5 * (c(j, h - l) + c(j, h + l)); }
+  [[nodiscard]] double sin_cos(int j, int h, int l) const noexcept { return 0.5 * (s(j, h + l) + s(j, h - l)); }
+};
+
+}  // namespace
+
+HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept {
+  HarmonicFit fit;
+  const ChannelMoments sums = totals.channel(channel);
+  const int H = harmonics, parameters = 2 * H + 1;
+  const Instants M{sums.instants, parameters};
+  const double* Z = sums.readings;
+  fit.samples = M.c(0, 0);
+  if (fit.samples < parameters + 1) return fit;
+
+  // Order of the parameters: b, p_1 … p_H, q_1 … q_H.
+  Matrix R(parameters, parameters);
+  Vector z(parameters);
+  R(0, 0) = fit.samples;
+  z(0) = Z[moments::cosine(H + 1, 0, 0)];
+  for (int h = 1; h <= H; ++h) {
+    R(h, 0) = M.s(0, h);
+    R(H + h, 0) = M.c(0, h);
+    z(h) = Z[moments::sine(H + 1, 0, h)];
+    z(H + h) = Z[moments::cosine(H + 1, 0, h)];
+    for (int l = 1; l <= H; ++l) {
+      if (l <= h) R(h, l) = M.sin_sin(0, h, l);
+      R(H + h, l) = M.sin_cos(0, l, h);
+      if (l <= h) R(H + h, H + l) = M.cos_cos(0, h, l);
+    }
+  }
+  const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
+  // A pivot is the part of a regressor's energy that those before it do not explain; what is left of one in a
+  // thousandth of its energy cannot be told from the others.
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-3 * fit.samples)) return fit;
+  const Vector theta = factor.solve(z);
+
+  // Below the second term the difference is rounding.
+  const double squares = std::max(sums.sum_squares - theta.dot(z), 1e-15 * sums.sum_squares);
+  fit.sigma2 = squares / (fit.samples - parameters);
+  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> unit(parameters, 2);
+  unit.setZero();
+  unit(1, 0) = unit(H + 1, 1) = 1.0;
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> columns = factor.solve(unit);
+  fit.covariance << columns(1, 0), columns(1, 1), columns(H + 1, 0), columns(H + 1, 1);
+  fit.covariance *= fit.sigma2;
+  fit.mean = theta(0) + reference;
+  for (int h = 1; h <= H; ++h) fit.X[static_cast<std::size_t>(h - 1)] = {theta(h), theta(H + h)};
+  fit.usable = theta.allFinite() && fit.covariance.allFinite();
+  if (!fit.usable) return fit;
+
+  // ∂s/∂ω = g = u Σ_h h (p_h cos hθ - q_h sin hθ). gX = Xᵀg, gg = gᵀg, gs = gᵀs.
+  Vector gX = Vector::Zero(parameters);
+  double gg = 0.0, gs = 0.0;
+  for (int h = 1; h <= H; ++h) {
+    const double p = h * theta(h), q = h * theta(H + h);
+    gs += p * Z[moments::cosine(H + 1, 1, h)] - q * Z[moments::sine(H + 1, 1, h)];
+    gX(0) += p * M.c(1, h) - q * M.s(1, h);
+    for (int l = 1; l <= H; ++l) {
+      gX(l) += p * M.sin_cos(1, l, h) - q * M.sin_sin(1, l, h);
+      gX(H + l) += p * M.cos_cos(1, l, h) - q * M.sin_cos(1, h, l);
+      const double pl = l * theta(l), ql = l * theta(H + l);
+      gg += p * pl * M.cos_cos(2, h, l) - p * ql * M.sin_cos(2, l, h) - q * pl * M.sin_cos(2, h, l) +
+            q * ql * M.sin_sin(2, h, l);
+    }
+  }
+  const Vector explained = factor.solve(gX);
+  const double curvature = gg - gX.dot(explained);
+  if (fit.sigma2 > 0 && curvature > 0) {
+    fit.score = (gs - gX.dot(theta)) / fit.sigma2;
+    fit.information = curvature / fit.sigma2;
+  }
+  return fit;
+}
+
+}  // namespace dwell

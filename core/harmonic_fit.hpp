@@ -1,0 +1,35 @@
+// The harmonic fit: from moments to phasors, with their covariance.
+//
+//   s_i = b + Σ_{h=1..H} [ p_h sin(hω(t_i - t_ref)) + q_h cos(hω(t_i - t_ref)) ] + e_i ,     X_h = p_h + j q_h
+//
+// Ordinary least squares on each sample's own instant (method section 5). White residuals of variance σ² give
+// Cov(θ) = σ² R⁻¹, the Cramér-Rao bound for Gaussian noise.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+
+#include "core/blocks.hpp"
+#include "core/dwell.hpp"
+#include "core/rig.hpp"
+
+namespace dwell {
+
+// The fit of one channel, of the reading as it is (transducer not divided out). Not usable: all NaN.
+struct HarmonicFit {
+  bool usable = false;  // enough samples, spread enough, result finite
+  double samples = 0.0;
+  double mean = kNaN;                                   // b, the reference added back
+  std::array<std::complex<double>, kMaxHarmonics> X{};  // X_1 … X_H at [0] …
+  double sigma2 = kNaN;                                 // residual variance, sum of squares over samples - (2H+1)
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Constant(kNaN);  // of (p_1, q_1), white residuals
+  // For refining ω: the residuals' slope and curvature by ω in this channel, each already divided by σ².
+  double score = 0.0, information = 0.0;  // s (rad/s)⁻¹ … : δω = Σ score / Σ information
+};
+
+// Fits one channel over the totals. `reference` is what the readings were taken relative to. O(H³). Real-time safe,
+// thread-safe.
+[[nodiscard]] HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept;
+
+}  // namespace dwell

@@ -1,0 +1,75 @@
+// The settling detector: holds until what is left of the transient is small, and says from where the data count.
+//
+// It looks at windows of one period that end at each quarter of a period. From a window come, per channel, the phasor
+// relative to the table's (so that a frequency slightly off turns nothing) and the residual variance, the two places
+// where a transient shows: a mode close to the drive in the phasor, any other in the residuals. Both are compared with
+// those of all earlier windows since the drive has been steady. A transient that decays with time constant T and that
+// differs by D between two windows a time Δ apart has at most
+//
+//   left = D q / (1 - q),   q = exp(-Δ/T)
+//
+// left at the later one: a mode that looks constant over one window (Δ « T) is not believed to be gone until Δ is long
+// enough to tell. T is the slowest of the identified chain's eigenvalues (method section 6); until there is one, the
+// time that the detector has been looking. Differences within three standard deviations of the noise count as none.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace dwell {
+
+class SettlingDetector {
+ public:
+  // channels: those that are watched; tolerance: the transient allowed, relative to a channel's steady amplitude.
+  // All memory is allocated here.
+  SettlingDetector(int channels, double tolerance);
+
+  // One channel in one window, in any unit of its own.
+  struct Reading {
+    std::complex<double> relative;  // phasor over the table's phase
+    double u = 0.0;                 // standard deviation of either component of it, from the residuals
+    double variance = 0.0;          // of the residuals
+    double samples = 0.0;           // in the window
+    bool usable = false;            // no: the channel is left out
+  };
+
+  // Forgets everything; the drive is steady from now on as far as known.
+  void restart() noexcept;
+
+  struct Verdict {
+    bool settled = false;
+    std::int64_t from_serial = 0;  // settled: the first quarter block that counts
+    double settles_in_s = 0.0;     // not settled: expected time left; NaN: not known
+    int worst_channel = -1;        // not settled: which channel holds it up; -1: too little seen yet
+    double worst_left = 0.0;       // its transient relative to what is allowed
+  };
+
+  // Takes the window that covers quarter blocks [first, last] and ends at t_s. table_amplitude, table_u: of the drive,
+  // and its standard deviation. time_constant_s: T, NaN if not known. O(history · channels), no allocation.
+  Verdict update(std::int64_t first, std::int64_t last, double t_s, double table_amplitude, double table_u,
+                 std::span<const Reading> readings, double period_s, double time_constant_s) noexcept;
+
+ private:
+  static constexpr int kHistory = 192;     // windows remembered; beyond, every second one is dropped
+  static constexpr double kSure = 3.0;     // standard deviations within which a difference is noise
+  static constexpr double kPeriods = 2.0;  // that must agree before anything is said
+
+  struct Window {
+    std::int64_t first, last;
+    double t_s, table_amplitude, table_u;
+  };
+  [[nodiscard]] Reading& reading(int window, int channel) noexcept;
+  void remember(const Window& window, std::span<const Reading> readings) noexcept;
+  [[nodiscard]] double allowed(const Reading& now) const noexcept;
+  [[nodiscard]] bool agrees(int window, const Window& now, std::span<const Reading> readings) noexcept;
+
+  int channels_;
+  double tolerance_;
+  std::vector<Window> windows_;
+  std::vector<Reading> readings_;
+  int stride_ = 1, skipped_ = 0;
+};
+
+}  // namespace dwell
