@@ -30,7 +30,8 @@ std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(seconds * 
 Exchange::Exchange(Responder& responder, const std::function<std::int64_t()>& clock, const SimulatedClock& time)
     : responder_(responder), clock_(clock), time_(time) {}
 
-void Exchange::add_terminal(PseudoTerminal terminal) {
+void Exchange::add_terminal(PseudoTerminal terminal, bool parity) {
+  parity_ = parity;
   terminal_ = std::move(terminal);
   links_.push_back({kRtu, {}, {}});
 }
@@ -125,7 +126,7 @@ void Exchange::handle(Link& link, const Request& request) {
   const bool rtu = link.id == kRtu;
   const std::int64_t clock_ns = clock_();
   const std::int64_t now = monotonic_ns();
-  const Line line = rtu ? line_settings(terminal_) : Line{};
+  const Line line = rtu ? line_settings(terminal_, parity_) : Line{};
   const Fate fate = responder_.decide(request, static_cast<double>(now) * 1e-9, rtu ? &line : nullptr);
   if (fate.kind == Fate::Kind::nothing) return;
   if (fate.kind == Fate::Kind::reset) return reset_connection(link.connection);

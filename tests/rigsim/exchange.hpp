@@ -21,7 +21,7 @@ class Exchange {
   // clock: the host's, as the simulated time is counted from; both outlive this.
   Exchange(Responder& responder, const std::function<std::int64_t()>& clock, const SimulatedClock& time);
 
-  void add_terminal(PseudoTerminal terminal);
+  void add_terminal(PseudoTerminal terminal, bool parity);
   void accept_connection(const Fd& listener);
   void close_connections();
   void reset_connections();
@@ -67,6 +67,7 @@ class Exchange {
   const std::function<std::int64_t()>& clock_;
   const SimulatedClock& time_;
   PseudoTerminal terminal_;
+  bool parity_ = true;
   std::vector<Link> links_;
   std::vector<Pending> pending_;
   std::uint64_t next_id_ = 1;

@@ -104,7 +104,7 @@ Result<void> Server::Impl::open() {
       }
       rtu_path = options.rtu_link;
     }
-    exchange.add_terminal(std::move(*made));
+    exchange.add_terminal(std::move(*made), options.parity);
   }
   if (!options.control_path.empty()) {
     auto listener = listen_unix(options.control_path);

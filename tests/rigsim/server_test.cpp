@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <random>
@@ -272,7 +271,7 @@ TEST_F(Rig, TakesControlLinesFromItsSocket) {
   start();
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  std::strcpy(address.sun_path, options.control_path.c_str());
+  options.control_path.copy(address.sun_path, sizeof address.sun_path - 1);
   const Fd control(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   ASSERT_EQ(::connect(control.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   const std::string lines = "exception 1\nstuck y0 on\n";
