@@ -39,9 +39,9 @@ std::string contents(const std::string& path) {
 }
 
 // Starts dwellctl; its outputs go to files, so that neither can block it.
-class Run {
+class Program {
  public:
-  explicit Run(std::vector<std::string> arguments) {
+  explicit Program(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), DWELLCTL);
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
@@ -58,11 +58,11 @@ class Run {
       _exit(98);
     }
   }
-  ~Run() {
+  ~Program() {
     if (process_ > 0) (void)wait();
   }
-  Run(const Run&) = delete;
-  Run& operator=(const Run&) = delete;
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
 
   void interrupt() const { ::kill(process_, SIGINT); }
   [[nodiscard]] std::string out() const { return contents(folder_.path("out")); }
@@ -79,7 +79,7 @@ class Run {
   pid_t process_ = -1;
 };
 
-Outcome run(const std::vector<std::string>& arguments) { return Run(arguments).wait(); }
+Outcome run(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
 
 std::string sample_text() { return to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()); }
 std::string settling_text() { return to_json(test::settling_dwell(), test::sample_rig(), test::sample_run()); }
@@ -181,7 +181,7 @@ TEST(CommandLine, WatchAppendsWhereThereIsNoTerminalAndComesBackAfterARestart) {
 
 TEST(CommandLine, WatchEndsWithCtrlC) {
   ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text()), true}});
-  Run watch({"watch", "--url", server.url()});
+  Program watch({"watch", "--url", server.url()});
   for (int i = 0; i < 3000 && watch.out().find("24.6 s of data") == std::string::npos; ++i) ::usleep(10'000);
   watch.interrupt();
   const Outcome outcome = watch.wait();
@@ -287,9 +287,28 @@ TEST(CommandLine, CheckProbesTheDevicesOfARigFileItself) {
   EXPECT_EQ(channels[0]["name"], "y0");
   EXPECT_EQ(channels[0]["status"], "ok");
   EXPECT_TRUE(channels[1]["value"].is_number());
-  (void)folder.file("data.csv", "t,y0\n0,1\n");
-  EXPECT_EQ(run({"check", "--rig", rig}).code, 1) << "the force has no column";
   EXPECT_EQ(run({"check", "--rig", folder.file("bad.toml", "[rig]\nname = 3\n")}).code, 2);
+}
+
+TEST(CommandLine, CheckIsNoWhereADeviceDoesNotAnswer) {
+  const test::TemporaryFolder folder;
+  std::string port;
+  {
+    const ScriptedServer server({});
+    port = std::to_string(server.port());
+  }
+  std::string rig = kRig;
+  const auto replace = [&rig](const std::string& what, const std::string& by) {
+    for (auto at = rig.find(what); at != std::string::npos; at = rig.find(what, at + by.size())) {
+      rig.replace(at, what.size(), by);
+    }
+  };
+  replace("driver = \"replay\"\nfile = \"data.csv\"",
+          "driver = \"modbus\"\ntransport = \"tcp\"\nhost = \"127.0.0.1\"\nrate = 100\nport = " + port);
+  replace("device = \"recording\"\n", "device = \"recording\"\nregister = 0\ntype = \"float32\"\n");
+  const Outcome outcome = run({"check", "--rig", folder.file("rig.toml", rig)});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_NE(outcome.out.find("refused"), std::string::npos) << outcome.out;
 }
 
 TEST(CommandLine, IdentifyPrintsTheDwellsOfARecording) {

@@ -19,16 +19,15 @@ Rig mount() {
   rig.excitation.search_low_hz = 3.92;
   rig.excitation.search_high_hz = 4.08;
   rig.excitation.minimum = 2e-5;
-  Channel y0;
+  rig.channels.resize(2);
+  Channel& y0 = rig.channels[0];
   y0.name = "y0";
   y0.unit = "mm";
   y0.si_per_unit = 1e-3;
-  Channel force;
+  Channel& force = rig.channels[1];
   force.name = "force";
   force.measures = Quantity::force;
   force.at = kGround;
-  force.unit = "N";
-  rig.channels = {y0, force};
   return rig;
 }
 

@@ -24,9 +24,9 @@ TEST(Tables, ChannelsShowWhatTheServiceKnowsAndDashesForWhatItDoesNot) {
   EXPECT_EQ(channels_table(list),
             R"(channel  value            age      rate  received    used  dropped  queued  gaps  status
 y0       4.70639 mm   0.002 s  499.9 Hz    123456  123450        4       2     1  ok
-θ        —           12.500 s         —         9       9        0       0     0  timeout: no answer within 0.1 s
-         —                  —         —         —       —        —       —     —
-         —                  —         —         —       —        —       —     —
+θ              —     12.500 s         —         9       9        0       0     0  timeout: no answer within 0.1 s
+               —            —         —         —       —        —       —     —
+               —            —         —         —       —        —       —     —
 )");
 }
 
@@ -38,7 +38,13 @@ TEST(Tables, DwellsHaveOneLinePerElement) {
   second.state = State::complete;
   second.ended_by = EndedBy::end;
   const Rig rig = test::sample_rig();
-  EXPECT_EQ(dwells_table({make_view(first, rig, {}), make_view(second, rig, {})}), "");
+  EXPECT_EQ(dwells_table({make_view(first, rig, {}), make_view(second, rig, {})}),
+            R"(dwell  ended by       frequency                 data  element  stiffness               damping
+    1  drive changed  4.000300 ± 0.000039 Hz  24.6 s        1   24.010 ±   0.027 kN/m  60.20 ± 0.79 N·s/m
+                                                            2        —                     —                the deformation is less than three times its uncertainty
+                                                            3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m
+    2  end             4.00000 ±        — Hz       —                                                        not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
+)");
 }
 
 TEST(Tables, ACheckSaysWhoAnswers) {
