@@ -80,7 +80,7 @@ TEST(RigFileMistakes, OfMassesPointToTheMass) {
 }
 
 TEST(RigFileMistakes, OfTheExcitation) {
-  constexpr const char* hz = ": expected a number from 0.001 to 1000 (Hz)";
+  constexpr const char* hz = ": expected a number from 0.001 to 100000 (Hz)";
   expect_mistake("frequency = 4.0", "frequency = @0.0", std::string("\"frequency\" is 0") + hz);
   expect_mistake("frequency = 4.0", "frequency = @-4", std::string("\"frequency\" is -4") + hz);
   expect_mistake("frequency = 4.0", "frequency = @nan", std::string("\"frequency\" is nan") + hz);
@@ -123,9 +123,9 @@ TEST(RigFileMistakes, OfSettlingAndEstimation) {
   expect_good("tolerance = 0.01", "tolerance = 0.5");
   expect_mistake("memory = 300", "memory = @-1", "\"memory\" is -1: expected a number above 0, at most 604800 (s)");
   expect_mistake("memory = 300", "memory = @1.2",
-                 "a memory of 1.2 s holds 4.8 periods: expected 5 to 1000000, that is 1.25 to 250000 s");
-  expect_mistake("memory = 300", "memory = @250001",
-                 "a memory of 250001 s holds 1000004 periods: expected 5 to 1000000, that is 1.25 to 250000 s");
+                 "a memory of 1.2 s holds 4.8 periods: expected 5 to 100000000, that is 1.25 to 25000000 s");
+  expect_mistake("memory = 300", "memory = @604801",
+                 "\"memory\" is 604801: expected a number above 0, at most 604800 (s)");
   expect_good("memory = 300", "memory = 1.25");
   for (const char* wrong : {"0", "-1", "nan", "1e9"}) {
     expect_mistake("update = 0.2", std::string("update = @") + wrong,
@@ -141,8 +141,17 @@ TEST(RigFileMistakes, OfADefaultThatDoesNotFitPointToWhatItDoesNotFit) {
   text.erase(search, 20);
   text.erase(text.find("memory = 300\n"), 13);
   EXPECT_EQ(mistakes_in(text),
-            "rig.toml:9:13: a memory of 600 s holds 3 periods: expected 5 to 1000000, that is 1000 to 200000000 s (key "
+            "rig.toml:9:13: a memory of 600 s holds 3 periods: expected 5 to 100000000, that is 1000 to 2e+10 s (key "
             "\"memory\" in [estimation])\n");
+}
+
+TEST(RigFileMistakes, OfAMemoryOfTooManyPeriods) {
+  EXPECT_EQ(mistakes_in("rig = {name='a', boundary='clamped', masses=[]}\nexcitation = {frequency=1e5}\n"
+                        "estimation = {memory=3600}\n[[channel]]\nname='y'\nmeasures='displacement'\nat=0\nunit='m'\n"
+                        "[[channel]]\nname='f'\nmeasures='force'\nat='ground'\nunit='N'\n",
+                        nullptr),
+            "rig.toml:3:22: a memory of 3600 s holds 360000000 periods: expected 5 to 100000000, that is 5e-05 to 1000 "
+            "s\n");
 }
 
 TEST(RigFileMistakes, OfTheListeningAddress) {

@@ -1,0 +1,67 @@
+#include "daemon/estimate/dwell_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace dwell {
+namespace {
+
+std::string number(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+}  // namespace
+
+std::string interval(double value, double half_width) {
+  if (!std::isfinite(value) || !std::isfinite(half_width)) return "none";
+  if (!(half_width > 0.0)) return number("%.9g", value) + " ± 0";
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(half_width)));
+  char text[128];
+  if (decimals >= 0 && decimals <= 12) {
+    std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, half_width);
+  } else {
+    std::snprintf(text, sizeof text, "%.6g ± %.2g", value, half_width);
+  }
+  return text;
+}
+
+std::string finished_line(const Dwell& dwell, const Rig& rig) {
+  const bool turns = rig.motion == Motion::rotation;
+  std::string line = "dwell " + (dwell.index ? std::to_string(*dwell.index) : std::string("-")) + " complete (" +
+                     to_string(dwell.ended_by) + "): ";
+  if (!std::isfinite(dwell.settled_s)) {
+    line += "never settled";
+    if (!dwell.settling_reason.empty()) line += ", " + dwell.settling_reason;
+    return line;
+  }
+  line += number("%.6g Hz", dwell.frequency_hz.value) + number(", %.1f s counted", dwell.end_s - dwell.settled_s);
+  for (const ElementEstimate& element : dwell.elements) {
+    const std::string k = std::to_string(element.k);
+    if (!element.identifiable) {
+      line += "; c_" + k + ", r_" + k + " none: " + element.reason;
+      continue;
+    }
+    line +=
+        "; c_" + k + " = " + interval(element.stiffness.value, element.stiffness.U95) + (turns ? " N*m/rad" : " N/m");
+    line +=
+        ", r_" + k + " = " + interval(element.damping.value, element.damping.U95) + (turns ? " N*m*s/rad" : " N*s/m");
+  }
+  for (const std::string& warning : dwell.warnings) line += "; warning: " + warning;
+  return line;
+}
+
+std::string state_line(State before, const Dwell& now) {
+  std::string line = std::string("state ") + to_string(before) + " -> " + to_string(now.state);
+  if (now.index) line += ", dwell " + std::to_string(*now.index);
+  if (!now.settling_reason.empty()) {
+    line += ": " + now.settling_reason;
+  } else if (!now.warnings.empty()) {
+    line += ": " + now.warnings.front();
+  }
+  return line;
+}
+
+}  // namespace dwell
