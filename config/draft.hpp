@@ -33,6 +33,7 @@ struct Draft {
   std::optional<Section> rig, excitation, estimation, gpio;
   std::vector<DeviceDraft> devices;
   std::vector<ChannelDraft> channels;
+  bool devices_named = true;  // every device has a name that can be read
   bool motion_known = true;
   bool boundary_known = false;
   bool masses_known = false;  // at least how many there are

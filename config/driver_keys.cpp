@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <span>
 
 #include "config/draft.hpp"
@@ -26,7 +26,8 @@ std::string expected_of(const dwell_key& key) {
       std::replace(out.begin(), out.end(), '|', ' ');
       return out;
   }
-  if (bounded) out += " from " + number_text(key.minimum) + " to " + number_text(key.maximum);
+  if (bounded && std::isfinite(key.minimum)) out += ", at least " + number_text(key.minimum);
+  if (bounded && std::isfinite(key.maximum)) out += ", at most " + number_text(key.maximum);
   return out + unit;
 }
 
@@ -133,6 +134,10 @@ std::vector<Entry> read_driver_keys(Section& section, const dwell_driver_table* 
 void run_driver_check(const DeviceDraft& device, std::size_t index, Draft& draft) {
   if (device.driver == nullptr || device.driver->check == nullptr || !device.clean) return;
   const DeviceSettings& settings = draft.file.devices[index];
+  // A channel whose device cannot be told may be the one that this device seems to lack.
+  const std::vector<Channel>& channels = draft.file.rig.channels;
+  const auto homeless = [](const Channel& channel) { return channel.device < 0; };
+  if (settings.channels.empty() && std::any_of(channels.begin(), channels.end(), homeless)) return;
   const DriverSettings as_c(settings, draft.file.directory);
   CheckContext context{&device, &settings, &draft};
   device.driver->check(&as_c.get(), take_report, &context);

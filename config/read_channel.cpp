@@ -24,6 +24,17 @@ void read_name(Section& section, Channel& channel, std::size_t number) {
   }
 }
 
+std::string some_names(const std::vector<Device>& devices) {
+  constexpr std::size_t most = 8;
+  std::string out;
+  for (std::size_t i = 0; i < devices.size() && i < most; ++i) {
+    if (i > 0) out += ", ";
+    out += in_quotes(devices[i].name);
+  }
+  if (devices.empty()) return "a [[device]] of that name";
+  return devices.size() > most ? out + ", ..." : out;
+}
+
 void read_device_of(Section& section, Channel& channel, const Draft& draft, bool checked) {
   const std::vector<Device>& devices = draft.file.rig.devices;
   std::string name;
@@ -33,15 +44,13 @@ void read_device_of(Section& section, Channel& channel, const Draft& draft, bool
     return;
   }
   if (!section.text("device", name, "the name of a device")) return;
-  std::string known;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
+  for (std::size_t i = 0; i < devices.size() && channel.device < 0; ++i) {
     if (devices[i].name == name) channel.device = static_cast<int>(i);
-    known += (i == 0 ? "" : ", ") + in_quotes(devices[i].name);
   }
+  if (channel.device >= 0) return;
   // With a recording as text the file may name devices that it does not describe.
-  if (channel.device >= 0 || (!checked && devices.empty())) return;
-  section.wrong("device",
-                "no device is named " + in_quotes(name) + ": expected " + (known.empty() ? "a [[device]]" : known));
+  if (!draft.devices_named || (!checked && devices.empty())) return;
+  section.wrong("device", "no device is named " + in_quotes(name) + ": expected " + some_names(devices));
 }
 
 std::string places(const Draft& draft, bool with_ground) {

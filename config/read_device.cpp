@@ -35,6 +35,7 @@ void read_device(const toml::table& table, std::size_t number, const SchemaSourc
   DeviceSettings settings;
   if (!section.text("name", settings.name, "the device's name, printable text", Need::required)) {
     settings.name = "device " + std::to_string(number);
+    draft.devices_named = false;
   }
   if (section.text("driver", settings.driver, "the name of a plugin, for instance \"modbus\"", Need::required)) {
     device.driver = find_driver(section, settings.driver, schemas);
@@ -43,12 +44,14 @@ void read_device(const toml::table& table, std::size_t number, const SchemaSourc
   common.name = settings.name;
   section.real("delay", common.delay_s, {kDelay, -10.0, 10.0});
   section.real("delay_u", common.delay_u_s, {kDelayU, 0.0, 10.0});
-  if (const toml::node* rate = section.peek("rate"); rate != nullptr && rate->is_number()) {
-    settings.rate_hz = rate->value<double>();
-  }
   const std::size_t before = draft.mistakes.count();
   settings.entries = read_driver_keys(section, device.driver, DWELL_DEVICE, draft.mistakes);
   device.clean = draft.mistakes.count() == before;
+  const bool rate_fits = std::any_of(settings.entries.begin(), settings.entries.end(),
+                                     [](const Entry& entry) { return entry.key == "rate"; });
+  if (const toml::node* rate = section.peek("rate"); rate_fits && rate->is_number()) {
+    settings.rate_hz = rate->value<double>();
+  }
 
   draft.file.rig.devices.push_back(std::move(common));
   draft.file.devices.push_back(std::move(settings));

@@ -181,7 +181,11 @@ void Section::refuse_rest() {
 void Section::refuse(std::string_view key) {
   if (mistakes_->full()) return mistakes_->add({}, {});
   std::string message = "unknown key " + in_quotes(key) + " in " + title_ + ": ";
-  if (const std::string near = nearest_name(key, asked_); !near.empty()) {
+  std::vector<std::string> not_given;
+  for (const std::string& name : asked_) {
+    if (peek(name) == nullptr) not_given.push_back(name);
+  }
+  if (const std::string near = nearest_name(key, not_given); !near.empty()) {
     message += "did you mean \"" + near + "\"?";
   } else {
     message += "expected ";

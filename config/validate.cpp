@@ -7,7 +7,7 @@ namespace dwell::config {
 namespace {
 
 constexpr double kLeastPeriods = 5.0;
-constexpr double kMostPeriods = 1e6;  // of memory: bounds what the estimator holds
+constexpr double kMostPeriods = 1e8;  // of memory: what the estimator counts in quarters of a period stays an int
 
 bool is_motion(const Channel& channel) {
   return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary;

@@ -74,8 +74,7 @@ tl::expected<Begun, std::string> request(const Url& url, std::string_view path, 
   auto socket = StreamSocket::connect_tcp(url.host, url.port, deadline);
   if (!socket) return tl::unexpected(socket.error());
   std::string text = "GET " + url.prefix;
-  text.append(path).append(" HTTP/1.1\r\nHost: ");
-  text.append(url.host.find(':') == std::string::npos ? url.host : "[" + url.host + "]").append(":").append(url.port);
+  text.append(path).append(" HTTP/1.1\r\nHost: ").append(url.authority);
   text.append("\r\nAccept: ").append(accept).append("\r\nConnection: close\r\nUser-Agent: dwellctl\r\n\r\n");
   if (const auto sent = socket->send(text, deadline); !sent) return tl::unexpected(sent.error());
   std::string received;
@@ -122,7 +121,7 @@ tl::expected<HttpAnswer, std::string> get(const Url& url, std::string_view path,
 
 tl::expected<Url, std::string> parse_url(std::string_view text) {
   const auto refused = [&] {
-    return tl::unexpected("\"" + std::string(text) + "\" is no address of the service: expected http://HOST[:PORT]");
+    return tl::unexpected(std::string(text) + " is no address of the service: expected http://HOST[:PORT]");
   };
   constexpr std::string_view scheme = "http://";
   // Nothing that could end the request line early may come from the command line.
@@ -136,6 +135,7 @@ tl::expected<Url, std::string> parse_url(std::string_view text) {
   while (!prefix.empty() && prefix.back() == '/') prefix.remove_suffix(1);
   url.prefix = prefix;
   std::string_view host = rest.substr(0, slash);
+  url.authority = host;
   std::string_view after = host;
   if (!host.empty() && host.front() == '[') {
     const auto close = host.find(']');

@@ -18,8 +18,9 @@ namespace dwell::ctl {
 struct Url {
   std::string host;  // without the brackets of an IPv6 address
   std::string port = "80";
-  std::string prefix;  // path in front of the service's own, without a slash at its end
-  std::string text;    // as given
+  std::string authority;  // HOST[:PORT] as given
+  std::string prefix;     // path in front of the service's own, without a slash at its end
+  std::string text;       // as given
 };
 
 // "http://HOST[:PORT][/PREFIX]". The error says what was expected.

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "config/units.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 
@@ -107,7 +108,8 @@ ElementEstimate element(const Json& value, Motion& motion) {
   if (!e.identifiable) e.reason = string_of(value, "reason");
   const Json& deformation = member(value, "deformation");
   e.deformation = {real_of(deformation, "amplitude"), real_of(deformation, "u")};
-  if (string_of(deformation, "unit") == deformation_unit(Motion::rotation)) motion = Motion::rotation;
+  if (string_of(deformation, "unit") == config::si_unit(Quantity::displacement, Motion::rotation))
+    motion = Motion::rotation;
   e.stiffness = coefficient(member(value, "stiffness"));
   e.damping = coefficient(member(value, "damping"));
   e.loss_factor = estimate(member(value, "loss_factor"));

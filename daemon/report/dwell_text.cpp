@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "config/units.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -28,6 +29,13 @@ NumberText relative_phase(const ChannelPhasor& p, const ChannelPhasor& reference
   if (&p == &reference) return {"0", "", "°"};
   const double U = kNormal95 * std::hypot(p.u_phase_rad, reference.u_phase_rad);
   return number_text(degrees * std::arg(p.Y / reference.Y), degrees * U, "°");
+}
+
+// The mean to the digits that the amplitude has: it is known no better.
+NumberText mean_text(const ChannelPhasor& p, const std::string& unit) {
+  NumberText text = number_text(p.mean, kNormal95 * p.u_amplitude, unit);
+  text.uncertainty.clear();
+  return text;
 }
 
 std::string largest_harmonic(const ChannelPhasor& p) {
@@ -137,7 +145,7 @@ std::string phasor_table(const DwellView& view) {
     const NumberText none{kNoNumber, "", ""};
     amplitudes.push_back(p.valid ? number_text(std::abs(p.Y), kNormal95 * p.u_amplitude, label.unit) : none);
     phases.push_back(p.valid && reference ? relative_phase(p, phasors[*reference]) : none);
-    means.push_back(p.valid ? number_text(p.mean, label.unit, 5) : none);
+    means.push_back(p.valid ? mean_text(p, label.unit) : none);
     harmonics.push_back(p.valid ? largest_harmonic(p) : kNoNumber);
     states.push_back(p.valid ? "ok" : p.reason.empty() ? "no reason stated" : p.reason);
   }
@@ -165,13 +173,13 @@ std::string element_table(const DwellView& view, const Truth* truth) {
   if (insignificant) notes += "n.s.: not significant, smaller than its standard uncertainty\n";
   Table table;
   table.add("element", numbers, Align::right);
-  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
+  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, config::stiffness_unit(view.motion)));
   if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, stiffness_unit(view.motion));
+    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, config::stiffness_unit(view.motion));
   }
-  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, damping_unit(view.motion)));
+  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, config::damping_unit(view.motion)));
   if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
+    add_truth(table, elements, &ElementEstimate::damping, truth->damping, config::damping_unit(view.motion));
   } else {
     table.add("most of u²(c)", source_cells(elements, &BudgetShare::stiffness_share));
     table.add("most of u²(r)", source_cells(elements, &BudgetShare::damping_share));

@@ -21,7 +21,7 @@ struct RunInfo {
 
 struct ChannelLabel {
   std::string name;
-  std::string unit;  // SI, as in the JSON: "m/s2", "N*m"
+  std::string unit;  // SI, as in the JSON: "m/s2", "N*m"; of an auxiliary channel as in the rig file
 };
 
 struct DwellView {
@@ -30,13 +30,6 @@ struct DwellView {
   RunInfo run;
   Dwell dwell;
 };
-
-// Units as written in the JSON (ASCII).
-[[nodiscard]] const char* deformation_unit(Motion motion) noexcept;  // "m", "rad"
-[[nodiscard]] const char* stiffness_unit(Motion motion) noexcept;    // "N/m", "N*m/rad"
-[[nodiscard]] const char* damping_unit(Motion motion) noexcept;      // "N*s/m", "N*m*s/rad"
-// The SI unit of what a channel reads; an auxiliary channel keeps the unit of the rig file.
-[[nodiscard]] std::string si_unit(const Channel& channel, Motion motion);
 
 // Labels of all channels of a rig, in its order.
 [[nodiscard]] std::vector<ChannelLabel> channel_labels(const Rig& rig);

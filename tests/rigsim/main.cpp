@@ -27,6 +27,7 @@ struct Arguments {
   Options rig;
   RecordingOptions recording;
   std::string boundary = "clamped";
+  std::string parity = "even";
   std::string masses, tcp, unit = "m", csv;
   std::vector<std::string> harmonics, stuck;
   bool print_truth = false;
@@ -56,6 +57,8 @@ void define(CLI::App& app, Arguments& arguments) {
   app.add_option("--rtu", rig.rtu_link, "serve Modbus RTU on a pseudo-terminal, linked from this path");
   app.add_option("--baud", rig.baud, "of the simulated wire; default: as the client sets it")
       ->check(CLI::Range(300, 10000000));
+  app.add_option("--parity", arguments.parity, "of the simulated wire: a pseudo-terminal does not tell the client's")
+      ->check(CLI::IsMember({"even", "odd", "none"}));
   app.add_option("--control", rig.control_path, "unix stream socket for control lines");
   app.add_option("--clock-drift", rig.clock_drift_ppm, "of the rig's clock, ppm")->check(CLI::Range(-1e5, 1e5));
   app.add_option("--stuck", arguments.stuck, "a channel stuck from the beginning; repeatable");
@@ -103,8 +106,8 @@ std::string settle_masses(Arguments& arguments) {
 std::string settle(Arguments& arguments) {
   Options& rig = arguments.rig;
   rig.chain.boundary = arguments.boundary == "free" ? dwell::Boundary::free : dwell::Boundary::clamped;
-  if (const std::string fault = settle_masses(arguments); !fault.empty()) return fault;
-  if (const std::string fault = rig.chain.fault(); !fault.empty()) return fault;
+  if (std::string fault = settle_masses(arguments); !fault.empty()) return fault;
+  if (std::string fault = rig.chain.fault(); !fault.empty()) return fault;
   for (const std::string& text : arguments.harmonics) {
     const auto harmonic = parse_harmonic(text);
     if (!harmonic) return "--harmonic " + text + ": expected MULTIPLE:AMPLITUDE[:PHASE]";
@@ -112,6 +115,7 @@ std::string settle(Arguments& arguments) {
   }
   rig.millimetres = arguments.unit == "mm";
   rig.rtu = !rig.rtu_link.empty();
+  rig.parity = arguments.parity != "none";
   rig.tcp_port.reset();
   if (!arguments.tcp.empty()) {
     const auto colon = arguments.tcp.rfind(':');
