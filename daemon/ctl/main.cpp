@@ -30,7 +30,7 @@ int run(int argc, char** argv) {
 
   Service service;
   service.url = "http://127.0.0.1:8380";
-  service.control = "/run/dwell/control.sock";
+  service.control = "/run/dwell/control";
   WatchOptions watching;
   IdentifyOptions identifying;
   std::string rig;

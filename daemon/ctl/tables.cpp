@@ -43,10 +43,9 @@ std::string status_with_reason(const std::string& status, const std::string& rea
 // A reading in the unit that the operator chose in the rig file: no prefix of ours.
 NumberText reading(double value, const std::string& unit) {
   if (!std::isfinite(value)) return {kNoNumber, "", ""};
-  NumberText text = number_text(value, "", 6);
-  if (!text.unit.empty()) text.unit += ' ';
-  text.unit += pretty_unit(unit);
-  return text;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return {text.data(), "", pretty_unit(unit)};
 }
 
 NumberText interval(const ElementEstimate& e, const Coefficient& c, const char* unit) {

@@ -1,8 +1,10 @@
 #include "daemon/estimate/dwell_line.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "daemon/report/dwell_view.hpp"
+#include "daemon/report/number_text.hpp"
 
 namespace dwell {
 namespace {
@@ -15,21 +17,7 @@ std::string number(const char* format, double value) {
 
 }  // namespace
 
-std::string interval(double value, double half_width) {
-  if (!std::isfinite(value) || !std::isfinite(half_width)) return "none";
-  if (!(half_width > 0.0)) return number("%.9g", value) + " ± 0";
-  const int decimals = 1 - static_cast<int>(std::floor(std::log10(half_width)));
-  char text[128];
-  if (decimals >= 0 && decimals <= 12) {
-    std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, half_width);
-  } else {
-    std::snprintf(text, sizeof text, "%.6g ± %.2g", value, half_width);
-  }
-  return text;
-}
-
 std::string finished_line(const Dwell& dwell, const Rig& rig) {
-  const bool turns = rig.motion == Motion::rotation;
   std::string line = "dwell " + (dwell.index ? std::to_string(*dwell.index) : std::string("-")) + " complete (" +
                      to_string(dwell.ended_by) + "): ";
   if (!std::isfinite(dwell.settled_s)) {
@@ -44,10 +32,10 @@ std::string finished_line(const Dwell& dwell, const Rig& rig) {
       line += "; c_" + k + ", r_" + k + " none: " + element.reason;
       continue;
     }
+    line += "; c_" + k + " = " +
+            join(number_text(element.stiffness.value, element.stiffness.U95, stiffness_unit(rig.motion)));
     line +=
-        "; c_" + k + " = " + interval(element.stiffness.value, element.stiffness.U95) + (turns ? " N*m/rad" : " N/m");
-    line +=
-        ", r_" + k + " = " + interval(element.damping.value, element.damping.U95) + (turns ? " N*m*s/rad" : " N*s/m");
+        ", r_" + k + " = " + join(number_text(element.damping.value, element.damping.U95, damping_unit(rig.motion)));
   }
   for (const std::string& warning : dwell.warnings) line += "; warning: " + warning;
   return line;

@@ -8,14 +8,11 @@
 
 namespace dwell {
 
-// "dwell 3 complete (drive stopped): 4.0003 Hz, c_1 = 24010 ± 27 N/m, r_1 = 60.2 ± 0.8 N*s/m, …"; ± is U95. An element
+// "dwell 3 complete (drive stopped): 4.0003 Hz, 22.1 s counted; c_1 = 24.010 ± 0.027 kN/m, …"; ± is U95. An element
 // without coefficients says why.
 [[nodiscard]] std::string finished_line(const Dwell& dwell, const Rig& rig);
 
 // "state idle -> settling: …", with what the new state rests on.
 [[nodiscard]] std::string state_line(State before, const Dwell& now);
-
-// value ± half_width, rounded to two digits of half_width. Not finite: "none".
-[[nodiscard]] std::string interval(double value, double half_width);
 
 }  // namespace dwell

@@ -1,6 +1,7 @@
 #include "daemon/estimate/estimator.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -42,7 +43,8 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       actions_(kActions),
       scratch_(kScratch),
       channels_(rig.channels.size()),
-      devices_(links_.size(), PerDevice{std::vector<Throttle>(kFaultCount), std::vector<std::uint64_t>(kFaultCount)}),
+      devices_(links_.size(),
+               PerDevice{std::vector<Throttle>(kFaultCount), std::vector<std::uint64_t>(kFaultCount), 0}),
       released_ns_(std::numeric_limits<std::int64_t>::min()),
       next_publish_ns_(now_ns),
       finished_(std::make_shared<const FinishedDwells>()) {}
@@ -67,7 +69,6 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
     record.kind = Kind::action;
     record.flags = static_cast<std::uint8_t>(action);
     merger_.push(tick_source_, record);
-    log_.info("the operator rearms: the dwell begins anew");
   }
   Record tick;
   tick.t_ns = now_ns;
@@ -95,7 +96,6 @@ void Estimator::take_events(std::size_t device, std::int64_t now_ns) {
   DeviceLink& link = *links_[device];
   StateEvent event;
   while (link.pop_event(event)) {
-    std::string which;
     for (const std::uint16_t channel : link.channels()) {
       if (event.channel >= 0 && event.channel != channel) continue;
       const std::int64_t stale_ns = event.t_ns - watch_[channel].since_ns;
@@ -103,13 +103,11 @@ void Estimator::take_events(std::size_t device, std::int64_t now_ns) {
       admit_state(device, channel, event.t_ns, event.fault);
       PerChannel& own = channels_[channel];
       own.recovered = event.fault == Fault::none;
+      own.stale = !own.recovered;
       if (own.recovered) own.stale_ns = stale_ns;
-      if (!which.empty()) which += ", ";
-      which += rig_.channels[channel].name;
     }
-    if (!which.empty() && event.fault != Fault::none)
-      log_stale(device, which, event.fault, watch_[link.channels().front()].reason, now_ns);
   }
+  log_stale(device, now_ns);
 }
 
 void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
@@ -163,16 +161,13 @@ void Estimator::admit_state(std::size_t device, std::size_t channel, std::int64_
 void Estimator::find_silence(std::int64_t now_ns) {
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
-    std::string which;
-    std::string reason;
     for (const std::uint16_t channel : links_[device]->channels()) {
       if (!watch_.fell_silent(channel, now_ns)) continue;
       admit_state(device, channel, now_ns, Fault::silent);
-      if (!which.empty()) which += ", ";
-      which += rig_.channels[channel].name;
-      reason = watch_[channel].reason;
+      channels_[channel].stale = true;
+      ++devices_[device].silences;
     }
-    if (!which.empty()) log_stale(device, which, Fault::silent, reason, now_ns);
+    log_stale(device, now_ns);
   }
 }
 
@@ -248,21 +243,44 @@ void Estimator::publish(std::int64_t now_ns) {
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
     for (int kind = 0; kind < kFaultCount; ++kind)
-      to.devices[device].faults[static_cast<std::size_t>(kind)] = links_[device]->faults(static_cast<Fault>(kind));
+      to.devices[device].faults[static_cast<std::size_t>(kind)] = occurrences(device, static_cast<Fault>(kind));
     to.devices[device].foreign = links_[device]->foreign();
   }
   snapshots_.publish();
   published_();
 }
 
-void Estimator::log_stale(std::size_t device, const std::string& which, Fault fault, const std::string& reason,
+std::uint64_t Estimator::occurrences(std::size_t device, Fault fault) const {
+  return links_[device]->faults(fault) + (fault == Fault::silent ? devices_[device].silences : 0);
+}
+
+// One line for all channels of the device that went stale together, for the same reason.
+void Estimator::log_stale(std::size_t device, std::int64_t now_ns) {
+  for (const std::uint16_t first : links_[device]->channels()) {
+    if (!channels_[first].stale) continue;
+    const Fault fault = watch_[first].fault;
+    std::string which;
+    for (const std::uint16_t channel : links_[device]->channels()) {
+      if (!channels_[channel].stale || watch_[channel].fault != fault) continue;
+      channels_[channel].stale = false;
+      if (!which.empty()) which += ", ";
+      which += rig_.channels[channel].name;
+    }
+    std::string words = which + " stale, " + to_string(fault);
+    if (watch_[first].reason != to_string(fault)) words += ": " + watch_[first].reason;
+    log_fault(device, fault, 1, words, now_ns);
+  }
+}
+
+void Estimator::log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words,
                           std::int64_t now_ns) {
-  const auto stands_for = devices_[device].throttles[static_cast<std::size_t>(fault)].admit(now_ns);
-  if (!stands_for) return;
+  PerDevice& own = devices_[device];
+  const auto kind = static_cast<std::size_t>(fault);
+  if (!own.throttles[kind].admit(now_ns, fresh)) return;
+  own.told[kind] = occurrences(device, fault);
   const std::string& name = links_[device]->name();
-  std::string line = "device " + name + ": " + which + " stale, " + to_string(fault);
-  if (reason != to_string(fault)) line += ": " + reason;
-  if (*stands_for > 1) line += " (" + std::to_string(*stands_for) + " times since the last such line)";
+  std::string line = "device " + name + ": " + words;
+  if (own.told[kind] > 1) line += " (" + std::to_string(own.told[kind]) + " times by now)";
   log_.warning(line, {{"DWELL_DEVICE", name}, {"DWELL_FAULT", to_string(fault)}});
 }
 
@@ -290,19 +308,14 @@ void Estimator::log_recoveries(std::size_t device, std::int64_t now_ns) {
   log_.info(line, {{"DWELL_DEVICE", name}});
 }
 
+// Faults that made no channel stale, or go on.
 void Estimator::log_counted_faults(std::int64_t now_ns) {
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
-    for (std::size_t kind = 1; kind < static_cast<std::size_t>(kFaultCount); ++kind) {
-      const std::uint64_t total = links_[device]->faults(static_cast<Fault>(kind));
-      const std::uint64_t fresh = total - std::exchange(devices_[device].counted[kind], total);
-      const auto stands_for = devices_[device].throttles[kind].admit(now_ns, fresh);
-      if (!stands_for) continue;
-      const char* fault = to_string(static_cast<Fault>(kind));
-      const std::string& name = links_[device]->name();
-      log_.warning("device " + name + ": " + fault + ", " + std::to_string(*stands_for) +
-                       (*stands_for == 1 ? " time (" : " times (") + std::to_string(total) + " in all)",
-                   {{"DWELL_DEVICE", name}, {"DWELL_FAULT", fault}});
+    for (int kind = 1; kind < kFaultCount; ++kind) {
+      const auto fault = static_cast<Fault>(kind);
+      const std::uint64_t fresh = occurrences(device, fault) - devices_[device].told[static_cast<std::size_t>(kind)];
+      if (fresh > 0) log_fault(device, fault, fresh, to_string(fault), now_ns);
     }
   }
 }

@@ -64,20 +64,23 @@ class Estimator {
   void publish(std::int64_t now_ns);
   void log_recoveries(std::size_t device, std::int64_t now_ns);
   void log_counted_faults(std::int64_t now_ns);
-  void log_stale(std::size_t device, const std::string& which, Fault fault, const std::string& reason,
-                 std::int64_t now_ns);
+  void log_stale(std::size_t device, std::int64_t now_ns);
+  void log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words, std::int64_t now_ns);
+  [[nodiscard]] std::uint64_t occurrences(std::size_t device, Fault fault) const;
 
   struct PerChannel {
     std::uint64_t handed = 0;  // samples given to the pipeline
     std::uint8_t gap = 0;      // samples were lost on the way to the merger
     double half_width_s = 0.0;
     bool recovered = false;     // within this turn
+    bool stale = false;         // likewise
     std::int64_t stale_ns = 0;  // for how long it had been stale
     bool ever_heard = false;
   };
   struct PerDevice {
-    std::vector<Throttle> throttles;     // by Fault
-    std::vector<std::uint64_t> counted;  // by Fault: occurrences already told or waiting to be
+    std::vector<Throttle> throttles;  // by Fault
+    std::vector<std::uint64_t> told;  // by Fault: occurrences when the last line was written
+    std::uint64_t silences = 0;       // times that channels fell silent
   };
 
   const Rig rig_;

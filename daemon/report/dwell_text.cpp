@@ -31,6 +31,13 @@ NumberText relative_phase(const ChannelPhasor& p, const ChannelPhasor& reference
   return number_text(degrees * std::arg(p.Y / reference.Y), degrees * U, "°");
 }
 
+// The mean to the digits that the amplitude has: it is known no better.
+NumberText mean_text(const ChannelPhasor& p, const std::string& unit) {
+  NumberText text = number_text(p.mean, kNormal95 * p.u_amplitude, unit);
+  text.uncertainty.clear();
+  return text;
+}
+
 std::string largest_harmonic(const ChannelPhasor& p) {
   const auto largest = std::max_element(p.harmonics.begin(), p.harmonics.end());
   if (largest == p.harmonics.end() || !std::isfinite(*largest)) return kNoNumber;
@@ -138,7 +145,7 @@ std::string phasor_table(const DwellView& view) {
     const NumberText none{kNoNumber, "", ""};
     amplitudes.push_back(p.valid ? number_text(std::abs(p.Y), kNormal95 * p.u_amplitude, label.unit) : none);
     phases.push_back(p.valid && reference ? relative_phase(p, phasors[*reference]) : none);
-    means.push_back(p.valid ? number_text(p.mean, label.unit, 5) : none);
+    means.push_back(p.valid ? mean_text(p, label.unit) : none);
     harmonics.push_back(p.valid ? largest_harmonic(p) : kNoNumber);
     states.push_back(p.valid ? "ok" : p.reason.empty() ? "no reason stated" : p.reason);
   }

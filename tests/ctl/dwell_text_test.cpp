@@ -16,11 +16,11 @@ reason     0.2 % of the transient is left, 0.5 % allowed
 memory     5.90 s measured, 5.70 s predicted from the coefficients
 frequency  4.000300 ± 0.000039 Hz
 
-channel   amplitude               phase to y0        mean            harmonic  status
-y0        5.00000 ± 0.00020 mm          0         °  1.2000 mm     0.2 % (2f)  ok
-a1         4.2000 ±  0.0020 m/s²  173.789 ± 0.027 °  1.2000 mm/s²  0.2 % (2f)  ok
-y2              —                       —                 —                 —  stale: timeout
-reaction   86.300 ±   0.098 N     -20.054 ± 0.067 °  1.2000 mN     0.2 % (2f)  ok
+channel   amplitude               phase to y0        mean             harmonic  status
+y0        5.00000 ± 0.00020 mm          0         °  1.20000 mm     0.2 % (2f)  ok
+a1         4.2000 ±  0.0020 m/s²  173.789 ± 0.027 °      1.2 mm/s²  0.2 % (2f)  ok
+y2              —                       —                  —                 —  stale: timeout
+reaction   86.300 ±   0.098 N     -20.054 ± 0.067 °        1 mN     0.2 % (2f)  ok
 
 element  stiffness               damping                   most of u²(c)     most of u²(r)
       1   24.010 ±   0.027 kN/m  60.20 ± 0.79 N·s/m        60 % scale of y1  85 % delay of y0
