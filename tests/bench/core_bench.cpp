@@ -1,0 +1,121 @@
+// The sample path and identification, against one libm sincos.
+#include <benchmark/benchmark.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "core/blocks.hpp"
+#include "core/identify.hpp"
+#include "core/merger.hpp"
+#include "tests/core/bench_rig.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr int kChannels = 8, kHarmonics = 3, kScans = 1024;
+constexpr double kOmega = 2 * M_PI * 10;
+
+void libm_sincos(benchmark::State& state) {
+  std::vector<double> angles;
+  for (int i = 0; i < kScans; ++i) angles.push_back(std::remainder(0.01 * i, M_PI));
+  for (auto _ : state)
+    for (const double angle : angles) {
+      double s = 0, c = 0;
+      sincos(angle, &s, &c);
+      benchmark::DoNotOptimize(s);
+      benchmark::DoNotOptimize(c);
+    }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kScans);
+}
+BENCHMARK(libm_sincos);
+
+// kChannels at 1 kHz and 10 Hz; skew_ns 0: all at one instant.
+void fit(benchmark::State& state, std::int64_t skew_ns) {
+  Blocks blocks(kChannels, kHarmonics);
+  const std::int64_t quarter_ns = 25'000'000, step_ns = 1'000'000;
+  std::int64_t t = 0;
+  blocks.open(0, quarter_ns, kOmega);
+  for (auto _ : state)
+    for (int i = 0; i < kScans; ++i, t += step_ns) {
+      if (t >= blocks.open_end_ns()) {
+        const std::int64_t end = blocks.open_end_ns();
+        blocks.close();
+        blocks.open(end, end + quarter_ns, kOmega);
+      }
+      for (int c = 0; c < kChannels; ++c) blocks.add(c, t + c * skew_ns, 0.5 + 1e-3 * c);
+    }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kScans * kChannels);
+}
+void fit_own_instants(benchmark::State& state) { fit(state, 100'000); }
+void fit_shared_instant(benchmark::State& state) { fit(state, 0); }
+BENCHMARK(fit_own_instants);
+BENCHMARK(fit_shared_instant);
+
+Chain seven_masses() {
+  std::mt19937_64 rng(1);
+  return random_chain(rng, 7, Boundary::free, 10);
+}
+
+// A minute of motion of a seven-mass rig, its eight channels 0.1 ms apart, noise included.
+std::vector<Record> minute_of_records() {
+  const Chain chain = seven_masses();
+  const Rig rig = rig_of(chain, 10);
+  DrivenChain motion(chain, {.frequency_hz = 10, .amplitude = 0.002, .offset = 0, .ramp_s = 0, .harmonics = {}},
+                     DrivenChain::Start::steady);
+  std::mt19937_64 rng(2);
+  std::normal_distribution<double> normal;
+  std::vector<Record> records;
+  for (int i = 0; i < 60'000; ++i)
+    for (int c = 0; c < kChannels; ++c) {
+      Record record;
+      record.t_ns = 1'000'000LL * i + 100'000LL * c;
+      record.value = exact_reading(rig, motion.at(1e-9 * static_cast<double>(record.t_ns)), c) + 1e-6 * normal(rng);
+      record.channel = static_cast<std::uint16_t>(c);
+      records.push_back(record);
+    }
+  return records;
+}
+
+// Merger, pipeline and the result published every tenth of a second, as in the service.
+void pipeline(benchmark::State& state) {
+  static const std::vector<Record> records = minute_of_records();
+  const Rig rig = rig_of(seven_masses(), 10);
+  for (auto _ : state) {
+    Pipeline pipeline(rig);
+    Merger merger(2, 100'000'000, 4096);
+    std::int64_t publish_ns = 0;
+    for (const Record& record : records) {
+      merger.push(record.channel & 1, record);
+      for (Record out; merger.pop(out);) {
+        pipeline.push(out);
+        if (out.t_ns < publish_ns) continue;
+        publish_ns = out.t_ns + 100'000'000;
+        benchmark::DoNotOptimize(pipeline.current());
+      }
+    }
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * records.size()));
+}
+BENCHMARK(pipeline)->Unit(benchmark::kMillisecond);
+
+void identification(benchmark::State& state) {
+  const auto n = static_cast<std::size_t>(state.range(0));
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> uniform(0.5, 1.5);
+  std::vector<double> masses(n);
+  std::vector<Complex> Y(n + 1), d(n), Z(n + 1);
+  for (double& m : masses) m = uniform(rng);
+  for (Complex& y : Y) y = std::polar(uniform(rng), uniform(rng));
+  for (std::size_t k = 0; k < n; ++k) d[k] = Y[k + 1] - Y[k];
+  for (auto _ : state) {
+    identify(Boundary::clamped, masses, kOmega, Y, d, {1.0, 0.5}, Z);
+    benchmark::DoNotOptimize(Z.data());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * n));
+}
+BENCHMARK(identification)->Arg(1)->Arg(10)->Arg(100)->Arg(1000);
+
+}  // namespace
+}  // namespace dwell
