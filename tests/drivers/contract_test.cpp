@@ -171,7 +171,8 @@ TEST_P(DriverContract, StopsInTimeWhileTheDeviceIsAbsent) {
 TEST_P(DriverContract, StopsInTimeWhileTheDeviceIsSilent) {
   device_->come();
   if (!device_->fall_silent()) GTEST_SKIP() << "this device cannot be there without delivering";
-  Instance instance(table_, *given_.set("timeout", 2.0).settings(), host_);
+  given_.set_device("timeout", 2.0);
+  Instance instance(table_, *given_.settings(), host_);
   ASSERT_TRUE(instance.start());
   ASSERT_TRUE(eventually([&] { return host_.turns() >= 3; }));
   EXPECT_LT(instance.stop(), kStopWithin_s);
