@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <ostream>
 
 #include "daemon/acquire/plugin.hpp"
 #include "tests/drivers/fake_host.hpp"
@@ -98,6 +99,7 @@ struct Case {
   const char* plugin;
   std::unique_ptr<Device> (*make)();
 };
+void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 
 class DriverContract : public ::testing::TestWithParam<Case> {
  protected:
