@@ -11,6 +11,8 @@
 #include "core/harmonic_fit.hpp"
 #include "core/identify.hpp"
 #include "core/observation.hpp"
+#include "core/refine.hpp"
+#include "core/report.hpp"
 #include "core/settling.hpp"
 #include "core/transducer.hpp"
 
@@ -18,11 +20,11 @@ namespace dwell {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr int kQuarters = 4;             // windows of one period
+constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
-constexpr double kLostPeriods = 2.0;     // without a sample, and at least kLost_s: a channel no longer delivers
+constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr double kOverGain = 1.15;       // the data grow by this factor before ω is refined again
+constexpr double kGrowth = 1.17;  // of the data, before ω is refined again
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -73,7 +75,7 @@ struct Pipeline::Impl {
     double gain = 1.0, offset = 0.0, low = -INFINITY, high = INFINITY;  // SI
     ChannelNow now;
     std::int64_t last_ns = INT64_MIN;
-    double half_ns_sum = 0.0, half_count = 0.0;   // of this dwell
+    double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
     std::uint64_t rejected_before = 0, overrange = 0;
     bool referenced = false;
   };
@@ -88,15 +90,15 @@ struct Pipeline::Impl {
   const Eigen::MatrixXd G;
   int drive_channel = -1;
   std::vector<Live> live;
-  std::vector<HarmonicFit> fits;                    // of the newest window
+  std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
   Gain provisional_gain;
   Eigen::VectorXcd observed, state_x;
   std::vector<Complex> Y, d, Z;
-  Eigen::VectorXd weights;                          // of this dwell, from its verdict on
+  Eigen::VectorXd weights;  // of this dwell, from its verdict on
 
   State state = State::idle;
-  double omega;                                     // rad/s, best known
+  double omega;  // rad/s, best known
   std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
   int index = 0, low_windows = 0, window_periods = 1;
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
@@ -104,6 +106,8 @@ struct Pipeline::Impl {
   SettlingDetector::Verdict verdict;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
   Dwell finished;
+  bool pending = false;  // `finished` awaits its reason
+  std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
 
   [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
@@ -129,7 +133,9 @@ struct Pipeline::Impl {
     now_ns = record.t_ns;
     advance();
     switch (record.kind) {
-      case Kind::sample: sample(record); break;
+      case Kind::sample:
+        sample(record);
+        break;
       case Kind::channel_state:
         if (record.channel < live.size()) live[record.channel].now.fault = static_cast<Fault>(record.flags);
         break;
@@ -137,7 +143,8 @@ struct Pipeline::Impl {
         if (record.flags == static_cast<std::uint8_t>(Action::rearm)) rearm();
         break;
       case Kind::edge:
-      case Kind::tick: break;
+      case Kind::tick:
+        break;
     }
     return changes;
   }
@@ -206,11 +213,10 @@ struct Pipeline::Impl {
     const std::int64_t begin_ns = blocks.block(from).begin_ns;
     const std::int64_t centre_ns = begin_ns + (end_ns - begin_ns) / 2;
 
-    const bool all = state == State::settling;
-    if (all)
-      blocks.sum(from, to, false, omega, centre_ns, window);
-    else
-      blocks.sum_channel(drive_channel, from, to, false, omega, centre_ns, window);
+    // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
+    // first windows do not differ from the later ones for their frequency alone.
+    if (tracked() && !std::isfinite(drive.omega())) acquire(from, to, centre_ns);
+    blocks.sum_channel(drive_channel, from, to, false, omega, centre_ns, window);
     const HarmonicFit table = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
     if (!delivers(drive_channel)) return lose_data();
     if (!table.usable) {
@@ -222,24 +228,35 @@ struct Pipeline::Impl {
     const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
     const double u0 = std::sqrt(0.5 * table.covariance.trace()) * per_reading;
 
+    if (pending && blocks.serials() >= pending_until_serial) emit(EndedBy::drive_changed);
     if (std::abs(Y0) < rig.excitation.minimum || std::abs(Y0) < 3 * u0) {
       if (++low_windows >= 2) stop();
       if (state == State::idle || state == State::fault) refresh_reference();
       return;
     }
     low_windows = 0;
-    if (state == State::idle || state == State::fault) return arm(from);
+    if (state == State::idle || state == State::fault) arm(from);
     if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega)) return change(from);
     if (state == State::settling) {
-      if (tracked() && std::isfinite(drive.omega())) omega = searched(drive.omega());
-      settle(from, end_ns, table, Y0, u0);
+      if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
+      blocks.sum(blocks.count() - quarters, blocks.count(), false, omega, centre_ns, window);
+      settle(blocks.count() - quarters, end_ns, table, Y0, u0);
     } else if (state == State::measuring && blocks.serials() >= refine_at_serial) {
       refine();
     }
   }
 
-  [[nodiscard]] double searched(double w) const {
-    return std::clamp(w, kTwoPi * rig.excitation.search_low_hz, kTwoPi * rig.excitation.search_high_hz);
+  // ω from one window of the drive channel, where that is known to a hundredth.
+  void acquire(int from, int to, std::int64_t centre_ns) {
+    double w = kTwoPi * rig.excitation.frequency_hz, information = 0.0;
+    for (int step = 0; step < 4; ++step) {
+      blocks.sum_channel(drive_channel, from, to, false, w, centre_ns, window);
+      const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+      if (!(fit.information > 0)) return;
+      information = fit.information;
+      w = within_search(rig, w + fit.score / fit.information);
+    }
+    if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
   }
 
   // A channel delivers while no fault is known of it and its newest sample is not too old.
@@ -273,11 +290,14 @@ struct Pipeline::Impl {
     if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
   }
 
+  // The drive is another than in this hold. Whether it changed or stopped shows when the change has passed through the
+  // window; until then the finished dwell is kept back.
   void change(int from) {
     if (state == State::measuring) {
       // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most.
       const int back = std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1);
-      complete(EndedBy::drive_changed, std::max(0, blocks.count() - back), false);
+      conclude(std::max(0, blocks.count() - back), false);
+      pending_until_serial = blocks.serials() + kQuarters * window_periods + 1;
       if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
       return arm(from);
     }
@@ -286,30 +306,43 @@ struct Pipeline::Impl {
   }
 
   void stop() {
-    if (state == State::settling || state == State::measuring) {
+    if (pending) {
+      --index;  // what was armed after the change was no dwell
+      emit(EndedBy::drive_stopped);
+    } else if (state == State::settling || state == State::measuring) {
       const int back = std::min(kQuarters * window_periods + drive.windows_since_good() + 2, blocks.count());
-      complete(EndedBy::drive_stopped, blocks.count() - back, false);
+      conclude(blocks.count() - back, false);
+      emit(EndedBy::drive_stopped);
     }
     enter(State::idle);
     omega = kTwoPi * rig.excitation.frequency_hz;
   }
 
-  void lose_data() {
-    if (state == State::settling || state == State::measuring) complete(EndedBy::data_lost, blocks.count(), false);
-    enter(State::fault);
+  // Ends the run of dwells for another reason than the drive.
+  void end(EndedBy ended_by, State next, bool with_open) {
+    if (pending) {
+      --index;
+      emit(EndedBy::drive_changed);
+    } else if (state == State::settling || state == State::measuring) {
+      conclude(blocks.count(), with_open);
+      emit(ended_by);
+    }
+    enter(next);
   }
-
+  void lose_data() { end(EndedBy::data_lost, State::fault, false); }
   void rearm() {
-    if (state != State::settling && state != State::measuring) return;
-    if (state == State::measuring) complete(EndedBy::drive_changed, blocks.count(), false);
-    enter(State::idle);
+    if (state == State::settling || state == State::measuring) end(EndedBy::drive_changed, State::idle, false);
   }
 
-  // While nothing is measured the means may be taken anew, so that they never cost digits however long the service runs.
+  // While nothing is measured the means may be taken anew, so that they never cost digits however long the service
+  // runs.
   void refresh_reference() {
     if (blocks.count() < kEmptyBlocks) return;
     blocks.clear();
-    for (int c = 0; c < channel_count; ++c) blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value) ? live[static_cast<std::size_t>(c)].now.value : 0.0);
+    for (int c = 0; c < channel_count; ++c)
+      blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value)
+                                  ? live[static_cast<std::size_t>(c)].now.value
+                                  : 0.0);
   }
 
   // ---- settling ---------------------------------------------------------------------------------------------------
@@ -331,8 +364,8 @@ struct Pipeline::Impl {
                      watched && fit.usable};
     }
     provisional();
-    verdict = settling.update(blocks.block(from).first_serial, blocks.serials() - 1, axis_s(end_ns), std::abs(Y0), u0, readings,
-                              period_s() * window_periods, time_constant_s);
+    verdict = settling.update(blocks.block(from).first_serial, blocks.serials() - 1, axis_s(end_ns), std::abs(Y0), u0,
+                              readings, period_s() * window_periods, time_constant_s);
     if (!verdict.settled || out_of_search()) return;
     const int first = blocks.index_of(verdict.from_serial);
     if (first >= blocks.count()) return;
@@ -366,60 +399,33 @@ struct Pipeline::Impl {
     time_constant_s = decay.time_constant_s(Z, omega);
   }
 
-  // ---- the frequency ----------------------------------------------------------------------------------------------
-
-  // Gauss-Newton on ω over all blocks from `from` to `to`, all channels of motion and force together. Returns the
-  // standard uncertainty (rad/s); leaves `totals` at the refined ω about the centroid of the drive channel's samples.
-  double sum_refined(int from, int to, bool with_open, double& w) const {
-    const bool search = tracked();
-    std::int64_t t_ref = blocks.count() > from ? blocks.block(from).begin_ns : now_ns;
-    double information = 0.0;
-    for (int step = 0;; ++step) {
-      blocks.sum(from, to, with_open, w, t_ref, totals);
-      const ChannelMoments sums = totals.channel(drive_channel);
-      if (step == 0 && sums.instants[0] > 0) {
-        t_ref += to_ns(sums.instants[moments::cosine(2 * H + 1, 1, 0)] / sums.instants[0]);
-        continue;
-      }
-      if (!search || step > 6) break;
-      double score = 0.0;
-      information = 0.0;
-      for (int c = 0; c < channel_count; ++c) {
-        if (rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary) continue;
-        const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
-        if (!fit.usable) continue;
-        score += fit.score;
-        information += fit.information;
-      }
-      if (!(information > 0)) break;
-      const double delta = score / information;
-      // A step that turns the ends of the data by less than a hundredth of their uncertainty changes nothing.
-      if (std::abs(delta) * std::sqrt(information) < 1e-2 || std::abs(delta) < 1e-14 * w) break;
-      w = searched(w + delta);
-    }
-    return information > 0 ? 1 / std::sqrt(information) : kTwoPi * rig.excitation.frequency_u_hz;
-  }
-
+  // ω from all data that count, whenever these have grown by a sixth.
   void refine() {
-    if (tracked()) sum_refined(0, blocks.count(), false, omega);
-    const std::int64_t counted = blocks.serials() - blocks.block(0).first_serial;
-    refine_at_serial = blocks.block(0).first_serial + static_cast<std::int64_t>(kOverGain * static_cast<double>(counted)) + 1;
+    if (tracked()) refine_and_sum(rig, blocks, {0, blocks.count(), false}, drive_channel, now_ns, omega, totals);
+    const std::int64_t first = blocks.block(0).first_serial;
+    refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
   }
 
   // ---- results ----------------------------------------------------------------------------------------------------
 
-  void complete(EndedBy ended_by, int to, bool with_open) {
-    finished = evaluate(to, with_open);
+  void conclude(int to, bool with_open) {
+    finished = evaluate(to, with_open, false);
     finished.state = State::complete;
-    finished.ended_by = ended_by;
     finished.settles_in_s = kNaN;
+    pending = true;
+  }
+
+  void emit(EndedBy ended_by) {
+    finished.ended_by = ended_by;
+    pending = false;
     changes |= kCompleted;
   }
 
-  [[nodiscard]] Dwell evaluate(int to, bool with_open) const;
+  // Blocks up to `to`. up_to_now: a channel that does not deliver now is withheld; a dwell that has ended keeps what it
+  // had.
+  [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
-  [[nodiscard]] std::vector<Evidence> evidence_at(double w) const;
-  void fill_phasors(Dwell& dwell, double w, const std::vector<Evidence>& evidence) const;
+  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
 };
 
 std::string Pipeline::Impl::settling_reason() const {
@@ -433,75 +439,30 @@ std::string Pipeline::Impl::settling_reason() const {
     return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
   if (state == State::settling) {
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1) {
-      const double percent = 100 * verdict.worst_left * rig.tolerance;
-      const std::string number = std::to_string(percent);
+      const std::string times = std::to_string(verdict.worst_left);
       return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
-             number.substr(0, number.find('.') + 3) + " % of what is allowed times 1/tolerance";
+             times.substr(0, times.find('.') + 2) + " times what is allowed";
     }
     return "too few periods seen";
   }
   return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
 }
 
-std::vector<Evidence> Pipeline::Impl::evidence_at(double) const {
-  std::vector<Evidence> evidence(live.size());
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
-    Evidence& out = evidence[i];
-    const Live& channel = live[i];
-    if (!delivers(c)) {
-      out.reason = channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
-                       ? "no sample yet"
-                       : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
-    } else if (!fit.usable) {
-      out.reason = "too few samples in the data that count";
-    } else {
-      out.usable = true;
-    }
-    out.X = fit.X;
-    out.covariance = fit.covariance;
-    out.dof = fit.samples - (2 * H + 1);
-    out.turnaround_u_s = channel.half_count > 0 ? channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3 : 0.0;
-  }
-  return evidence;
+ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
+  const Live& channel = live[static_cast<std::size_t>(c)];
+  ChannelResult result;
+  result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
+  if (up_to_now && !delivers(c))
+    result.withheld =
+        channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
+            ? "no sample yet"
+            : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+  if (channel.half_count > 0)
+    result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
+  return result;
 }
 
-void Pipeline::Impl::fill_phasors(Dwell& dwell, double w, const std::vector<Evidence>& evidence) const {
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const Channel& channel = rig.channels[i];
-    const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
-    ChannelPhasor out;
-    out.valid = evidence[i].usable;
-    out.reason = evidence[i].reason;
-    out.samples = fit.samples;
-    if (fit.usable) {
-      const double delay = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
-      const Complex response_1 = response(channel, delay, w / kTwoPi);
-      out.Y = fit.X[0] / response_1;
-      out.mean = fit.mean;
-      out.sigma = std::sqrt(fit.sigma2);
-      const double amplitude = std::abs(fit.X[0]);
-      // The covariance along the phasor and across it.
-      const Eigen::Vector2d along(fit.X[0].real() / amplitude, fit.X[0].imag() / amplitude), across(-along(1), along(0));
-      const double u_along = std::sqrt(along.dot(fit.covariance * along)) / std::abs(response_1);
-      const double u_across = std::sqrt(across.dot(fit.covariance * across)) / std::abs(response_1);
-      const double device_delay_u =
-          channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s : 0.0;
-      out.u_amplitude = std::hypot(u_along, std::abs(out.Y) * channel.scale_u);
-      out.u_phase_rad = std::hypot(u_across / std::abs(out.Y),
-                                   w * std::hypot(channel.delay_u_s, device_delay_u, evidence[i].turnaround_u_s));
-      const double fundamental = std::abs(out.Y);
-      for (int h = 2; h <= H; ++h)
-        out.harmonics.push_back(std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, delay, h * w / kTwoPi)) /
-                                fundamental);
-    }
-    dwell.phasors.push_back(std::move(out));
-  }
-}
-
-Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
+Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = state;
   dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
@@ -515,18 +476,18 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
   const bool settled = state == State::measuring;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   double w = omega;
-  const double u = sum_refined(from, to, with_open, w);
+  const double u = refine_and_sum(rig, blocks, {from, to, with_open}, drive_channel, now_ns, w, totals);
   dwell.t_ref_s = axis_s(totals.t_ref_ns);
-  const std::vector<Evidence> evidence = evidence_at(w);
-  fill_phasors(dwell, w, evidence);
-  const double clock = w * rig.excitation.clock_u;
-  dwell.frequency_hz = active ? Estimate{w / kTwoPi, std::hypot(u, clock) / kTwoPi} : Estimate{};
+  std::vector<ChannelResult> results;
+  for (int c = 0; c < channel_count; ++c) results.push_back(result_of(c, up_to_now));
+  report_phasors(rig, results, w, u, dwell);
+  if (!active) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
   for (int c = 0; c < channel_count; ++c) {
     const Live& channel = live[static_cast<std::size_t>(c)];
     if (channel.overrange > 0)
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + std::to_string(channel.overrange) +
-                               " readings beyond its range were left out");
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " +
+                               std::to_string(channel.overrange) + " readings beyond its range were left out");
   }
   if (!settled) {
     if (active) {
@@ -539,11 +500,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
-  const Gain gain = solve_observation(G, observation_weights(rig, evidence, w));
-  ElementsResult result = estimate_elements(rig, gain, evidence, {w, u, rig.excitation.clock_u});
-  dwell.elements = std::move(result.elements);
-  dwell.covariance = std::move(result.covariance);
-  for (std::string& warning : result.warnings) dwell.warnings.push_back(std::move(warning));
+  report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }
 
@@ -558,14 +515,11 @@ std::uint8_t Pipeline::push(const Record& record) noexcept { return impl_->push(
 
 std::uint8_t Pipeline::finish() {
   impl_->changes = kNothing;
-  if (impl_->state == State::settling || impl_->state == State::measuring) {
-    impl_->complete(EndedBy::end, impl_->blocks.count(), true);
-    impl_->enter(State::idle);
-  }
+  impl_->end(EndedBy::end, State::idle, true);
   return impl_->changes;
 }
 
-Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true); }
+Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished; }
 State Pipeline::state() const noexcept { return impl_->state; }
 

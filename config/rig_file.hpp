@@ -1,0 +1,77 @@
+// The rig file: read, checked whole, and turned into plain structs.
+//
+// load() either returns everything, fit to be handed to the pipeline and to the plugins without another look, or every
+// mistake in the file with its line and column. Nothing here keeps state; all functions are safe to call from any
+// thread as long as the schema source is. Cost: milliseconds; never on the sample path.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "config/driver_settings.hpp"
+#include "config/mistake.hpp"
+#include "core/rig.hpp"
+#include "drivers/dwell_driver.h"
+
+namespace dwell::config {
+
+struct ServerSettings {
+  std::string listen = "127.0.0.1:8380";
+  std::string host = "127.0.0.1";  // of `listen`; without the brackets of an IPv6 address
+  std::uint16_t port = 8380;       // 0: any free one
+};
+
+struct RecordingSettings {
+  std::string directory = "/var/lib/dwell";  // a relative one starts at the rig file's directory
+};
+
+struct GpioLine {
+  enum class Bias : std::uint8_t { as_is, disabled, pull_up, pull_down };
+  std::string chip;  // "/dev/gpiochip0"
+  unsigned line = 0;
+  bool active_low = false;
+  Bias bias = Bias::as_is;  // inputs only
+  double debounce_s = 0.0;  // inputs only
+};
+
+struct GpioSettings {
+  std::optional<GpioLine> interlock;  // input: shaker permitted to run
+  std::optional<GpioLine> sync;       // input: one pulse per excitation period
+  std::optional<GpioLine> ready;      // output: lamp
+  std::optional<GpioLine> fault;      // output: lamp
+};
+
+struct RigFile {
+  Rig rig;
+  std::vector<DeviceSettings> devices;  // in the order of rig.devices
+  ServerSettings server;
+  RecordingSettings recording;
+  GpioSettings gpio;
+  std::string path;       // as given
+  std::string directory;  // of the file: relative paths in it start there
+  std::string sha256;     // of the file's bytes, hexadecimal
+};
+
+// The driver table of a name, or one line that says why there is none ("no driver \"x\": installed are modbus,
+// replay"). An empty function leaves the drivers' keys unchecked: a rig file that goes with a recording as text needs
+// no devices, and its channels no `device`.
+using SchemaSource = std::function<tl::expected<const dwell_driver_table*, std::string>(std::string_view driver)>;
+
+inline constexpr std::size_t kMaxFileBytes = 1u << 20;
+inline constexpr std::size_t kMaxChannels = 65535;
+inline constexpr std::size_t kMaxDevices = 1000;
+inline constexpr std::size_t kMaxMasses = 1000;
+
+// Reads and checks the file at `path`. Fails with every mistake (of syntax errors the first), sorted by position; a
+// file that cannot be read, is no regular file or exceeds kMaxFileBytes is one mistake without a position.
+[[nodiscard]] Result<RigFile> load(const std::string& path, const SchemaSource& schemas);
+
+// The same for the file's text; `path` is only what the file is called.
+[[nodiscard]] Result<RigFile> parse(std::string_view text, const std::string& path, const SchemaSource& schemas);
+
+}  // namespace dwell::config

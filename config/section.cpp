@@ -1,0 +1,209 @@
+#include "config/section.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dwell::config {
+
+bool RealRule::admits(double number) const noexcept {
+  if (!std::isfinite(number)) return false;
+  return (low_open ? number > low : number >= low) && (high_open ? number < high : number <= high);
+}
+
+Position position(const toml::node& node) {
+  const auto begin = node.source().begin;
+  return {std::max(1, static_cast<int>(begin.line)), std::max(1, static_cast<int>(begin.column))};
+}
+
+const char* type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number with a fraction";
+    case toml::node_type::boolean:
+      return "a truth value";
+    case toml::node_type::date:
+      return "a date";
+    case toml::node_type::time:
+      return "a time";
+    case toml::node_type::date_time:
+      return "a date with a time";
+    case toml::node_type::none:
+      break;
+  }
+  return "nothing";
+}
+
+std::string shown(const toml::node& node) {
+  if (const auto* text = node.as_string()) return in_quotes(text->get());
+  if (const auto* integer = node.as_integer()) return std::to_string(integer->get());
+  if (const auto* real = node.as_floating_point()) return number_text(real->get());
+  return type_name(node);
+}
+
+bool printable(std::string_view text) {
+  if (text.empty() || text.size() > 4096) return false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte < 0x20 || byte == 0x7F) return false;
+    // U+0080 … U+009F, and the line and paragraph separators U+2028 and U+2029.
+    if (byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0) return false;
+    if (text.substr(i, 3) == "\xE2\x80\xA8" || text.substr(i, 3) == "\xE2\x80\xA9") return false;
+  }
+  return true;
+}
+
+bool Section::real(std::string_view key, double& target, const RealRule& rule, Need need) {
+  const toml::node* node = value(key);
+  if (node == nullptr) {
+    if (need == Need::required) missing(key, rule.expected);
+    return false;
+  }
+  if (!node->is_number()) {
+    wrong_type(*node, key, rule.expected);
+    return false;
+  }
+  const double number = node->value<double>().value_or(std::nan(""));
+  if (!rule.admits(number)) {
+    wrong(key, in_quotes(key) + " is " + shown(*node) + ": expected " + rule.expected);
+    return false;
+  }
+  target = number;
+  return true;
+}
+
+bool Section::integer(std::string_view key, std::int64_t& target, std::int64_t low, std::int64_t high,
+                      const char* expected, Need need) {
+  const toml::node* node = value(key);
+  if (node == nullptr) {
+    if (need == Need::required) missing(key, expected);
+    return false;
+  }
+  const auto* given = node->as_integer();
+  if (given == nullptr) {
+    wrong_type(*node, key, expected);
+    return false;
+  }
+  if (given->get() < low || given->get() > high) {
+    wrong(key, in_quotes(key) + " is " + shown(*node) + ": expected " + expected);
+    return false;
+  }
+  target = given->get();
+  return true;
+}
+
+bool Section::boolean(std::string_view key, bool& target) {
+  const toml::node* node = value(key);
+  if (node == nullptr) return false;
+  const auto* given = node->as_boolean();
+  if (given == nullptr) {
+    wrong_type(*node, key, "true or false");
+    return false;
+  }
+  target = given->get();
+  return true;
+}
+
+bool Section::text(std::string_view key, std::string& target, const char* expected, Need need) {
+  const toml::node* node = value(key);
+  if (node == nullptr) {
+    if (need == Need::required) missing(key, expected);
+    return false;
+  }
+  const auto* given = node->as_string();
+  if (given == nullptr) {
+    wrong_type(*node, key, expected);
+    return false;
+  }
+  if (!printable(given->get())) {
+    const char* fault = given->get().empty() ? " is empty" : " holds control characters or is too long";
+    wrong(key, in_quotes(key) + fault + ": expected " + expected);
+    return false;
+  }
+  target = given->get();
+  return true;
+}
+
+const toml::table* Section::table(std::string_view key, const char* expected, Need need) {
+  const toml::node* node = value(key);
+  if (node == nullptr) {
+    if (need == Need::required) missing(key, expected);
+    return nullptr;
+  }
+  if (!node->is_table()) wrong_type(*node, key, expected);
+  return node->as_table();
+}
+
+const toml::array* Section::array(std::string_view key, const char* expected, Need need) {
+  const toml::node* node = value(key);
+  if (node == nullptr) {
+    if (need == Need::required) missing(key, expected);
+    return nullptr;
+  }
+  if (!node->is_array()) wrong_type(*node, key, expected);
+  return node->as_array();
+}
+
+const toml::node* Section::value(std::string_view key) {
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
+  return table_->get(key);
+}
+
+void Section::wrong(std::string_view key, std::string message) { mistakes_->add(where(key), std::move(message)); }
+
+void Section::wrong_type(const toml::node& node, std::string_view key, std::string_view expected) {
+  wrong(key, in_quotes(key) + " is " + type_name(node) + ": expected " + std::string(expected));
+}
+
+void Section::missing(std::string_view key, std::string_view expected) {
+  mistakes_->add(where(), title_ + " has no " + in_quotes(key) + ": expected " + std::string(expected));
+}
+
+std::vector<std::pair<std::string, const toml::node*>> Section::rest() const {
+  std::vector<std::pair<std::string, const toml::node*>> out;
+  for (const auto& [key, node] : *table_) {
+    if (std::find(asked_.begin(), asked_.end(), key.str()) == asked_.end()) out.emplace_back(key.str(), &node);
+  }
+  return out;
+}
+
+void Section::refuse_rest() {
+  for (const auto& [key, node] : rest()) refuse(key);
+}
+
+void Section::refuse(std::string_view key) {
+  if (mistakes_->full()) return mistakes_->add({}, {});
+  std::string message = "unknown key " + in_quotes(key) + " in " + title_ + ": ";
+  std::vector<std::string> not_given;
+  for (const std::string& name : asked_) {
+    if (peek(name) == nullptr) not_given.push_back(name);
+  }
+  if (const std::string near = nearest_name(key, not_given); !near.empty()) {
+    message += "did you mean \"" + near + "\"?";
+  } else {
+    message += "expected ";
+    for (std::size_t i = 0; i < asked_.size(); ++i) message += (i == 0 ? "" : ", ") + asked_[i];
+  }
+  mistakes_->add(where_key(key), std::move(message));
+}
+
+Position Section::where(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  return node == nullptr ? where() : position(*node);
+}
+
+Position Section::where_key(std::string_view key) const {
+  const auto found = table_->find(key);
+  if (found == table_->end()) return where();
+  const auto begin = found->first.source().begin;
+  return {std::max(1, static_cast<int>(begin.line)), std::max(1, static_cast<int>(begin.column))};
+}
+
+}  // namespace dwell::config
