@@ -1,17 +1,17 @@
 /* Plugins that are wrong in one way each: BAD_ABI, BAD_SIZE, BAD_STOP, BAD_TABLE, BAD_SYMBOL. */
 #include "drivers/dwell_driver.h"
 
-static void check(const dwell_settings *s, dwell_report report, void *context) { (void)s, (void)report, (void)context; }
-static void probe(const dwell_settings *s, dwell_probed probed, void *context) { (void)s, (void)probed, (void)context; }
-static void *create(const dwell_settings *s, const dwell_host *host, char *error, size_t size) {
+static void check(const dwell_settings* s, dwell_report report, void* context) { (void)s, (void)report, (void)context; }
+static void probe(const dwell_settings* s, dwell_probed probed, void* context) { (void)s, (void)probed, (void)context; }
+static void* create(const dwell_settings* s, const dwell_host* host, char* error, size_t size) {
   (void)s, (void)host, (void)error, (void)size;
   return NULL;
 }
-static int32_t start(void *instance, char *error, size_t size) {
+static int32_t start(void* instance, char* error, size_t size) {
   (void)instance, (void)error, (void)size;
   return 1;
 }
-static void done(void *instance) { (void)instance; }
+static void done(void* instance) { (void)instance; }
 
 #ifndef BAD_ABI
 #define BAD_ABI DWELL_DRIVER_ABI
@@ -26,10 +26,10 @@ static void done(void *instance) { (void)instance; }
 #define BAD_SYMBOL dwell_driver
 #endif
 
-static const dwell_driver_table table = {BAD_SIZE, BAD_ABI, BAD_NAME, "0",      "",  NULL, 0,
+static const dwell_driver_table table = {BAD_SIZE, BAD_ABI, BAD_NAME, "0",   "",       NULL, 0,
                                          check,    probe,   create,   start, BAD_STOP, done};
 
-__attribute__((visibility("default"))) const dwell_driver_table *BAD_SYMBOL(void) {
+__attribute__((visibility("default"))) const dwell_driver_table* BAD_SYMBOL(void) {
 #ifdef BAD_TABLE
   (void)table;
   return NULL;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <ostream>
 
 #include "daemon/acquire/plugin.hpp"
 #include "tests/drivers/fake_host.hpp"
@@ -98,6 +99,7 @@ struct Case {
   const char* plugin;
   std::unique_ptr<Device> (*make)();
 };
+void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 
 class DriverContract : public ::testing::TestWithParam<Case> {
  protected:
@@ -171,7 +173,8 @@ TEST_P(DriverContract, StopsInTimeWhileTheDeviceIsAbsent) {
 TEST_P(DriverContract, StopsInTimeWhileTheDeviceIsSilent) {
   device_->come();
   if (!device_->fall_silent()) GTEST_SKIP() << "this device cannot be there without delivering";
-  Instance instance(table_, *given_.set("timeout", 2.0).settings(), host_);
+  given_.set_device("timeout", 2.0);
+  Instance instance(table_, *given_.settings(), host_);
   ASSERT_TRUE(instance.start());
   ASSERT_TRUE(eventually([&] { return host_.turns() >= 3; }));
   EXPECT_LT(instance.stop(), kStopWithin_s);

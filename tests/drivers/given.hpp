@@ -2,10 +2,12 @@
 // .channel("y0").set("register", 0). set() goes to the channel added last, before that to the device.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "drivers/dwell_driver.h"
@@ -20,8 +22,48 @@ class Given {
     tables_.emplace_back();
   }
 
+  Given(Given&&) = default;
+  Given& operator=(Given&&) = default;
+
   template <class T>
-  Given& set(const std::string& key, const T& value) {
+  Given& set(const std::string& key, const T& value) & {
+    put(tables_.back(), key, value);
+    return *this;
+  }
+  template <class T>
+  Given&& set(const std::string& key, const T& value) && {
+    return std::move(set(key, value));
+  }
+  // Goes to the device, whatever was added since.
+  template <class T>
+  void set_device(const std::string& key, const T& value) {
+    put(tables_.front(), key, value);
+  }
+
+  // Channels are numbered from 10, so that an index mistaken for a position shows.
+  Given& channel(std::string name) & {
+    names_.push_back(keep(std::move(name)));
+    tables_.emplace_back();
+    return *this;
+  }
+  Given&& channel(std::string name) && { return std::move(channel(std::move(name))); }
+  static constexpr std::uint16_t kFirstIndex = 10;
+
+  // Valid as long as this object, until it is changed.
+  const dwell_settings* settings() {
+    channels_.clear();
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      channels_.push_back(
+          {names_[i], static_cast<std::uint16_t>(kFirstIndex + i), tables_[i + 1].data(), tables_[i + 1].size()});
+    settings_ = {sizeof settings_,  device_,          directory_,      tables_[0].data(),
+                 tables_[0].size(), channels_.data(), channels_.size()};
+    return &settings_;
+  }
+
+ private:
+  // Replaces what the key held before.
+  template <class T>
+  void put(std::vector<dwell_entry>& table, const std::string& key, const T& value) {
     dwell_entry entry{};
     entry.key = keep(key);
     if constexpr (std::is_same_v<T, bool>) {
@@ -38,30 +80,13 @@ class Given {
       entry.type = DWELL_STRING;
       entry.string = keep(value);
     }
-    tables_.back().push_back(entry);
-    return *this;
+    const auto same = std::find_if(table.begin(), table.end(), [&](const dwell_entry& e) { return key == e.key; });
+    if (same == table.end())
+      table.push_back(entry);
+    else
+      *same = entry;
   }
 
-  // Channels are numbered from 10, so that an index mistaken for a position shows.
-  Given& channel(std::string name) {
-    names_.push_back(keep(std::move(name)));
-    tables_.emplace_back();
-    return *this;
-  }
-  static constexpr std::uint16_t kFirstIndex = 10;
-
-  // Valid as long as this object, until it is changed.
-  const dwell_settings* settings() {
-    channels_.clear();
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      channels_.push_back(
-          {names_[i], static_cast<std::uint16_t>(kFirstIndex + i), tables_[i + 1].data(), tables_[i + 1].size()});
-    settings_ = {sizeof settings_,  device_,          directory_,      tables_[0].data(),
-                 tables_[0].size(), channels_.data(), channels_.size()};
-    return &settings_;
-  }
-
- private:
   const char* keep(std::string text) { return texts_.emplace_back(std::move(text)).c_str(); }
 
   std::deque<std::string> texts_;

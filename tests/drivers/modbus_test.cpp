@@ -1,41 +1,15 @@
 // The modbus plugin against devices that lie, dawdle and vanish.
 #include <gtest/gtest.h>
-#include <modbus/modbus.h>
 
 #include <cmath>
-#include <set>
 
-#include "daemon/acquire/plugin.hpp"
 #include "drivers/modbus/decode.hpp"
-#include "tests/drivers/fake_host.hpp"
-#include "tests/drivers/given.hpp"
-#include "tests/drivers/modbus_device.hpp"
+#include "tests/drivers/modbus_fixture.hpp"
 
 namespace dwell::test {
 namespace {
 
 using namespace std::chrono_literals;
-
-const dwell_driver_table& driver_table() { return *acquire::load_plugin("modbus", {TEST_PLUGIN_DIR}).value(); }
-
-Given over_tcp(const ModbusDevice& device) {
-  Given given("amplifier");
-  given.set("transport", "tcp").set("host", "127.0.0.1").set("port", device.port()).set("rate", 200.0);
-  return given;
-}
-
-Given over_serial(const ModbusDevice& device) {
-  Given given("line");
-  given.set("transport", "rtu").set("serial", device.serial()).set("baud", 115200).set("rate", 50.0);
-  return given;
-}
-
-Given& add_word(Given& given, const std::string& name, int first, int station = 1) {
-  return given.channel(name).set("station", station).set("register", first).set("type", "uint16");
-}
-
-std::uint16_t register_number(unsigned r) { return static_cast<std::uint16_t>(r); }
-std::vector<Reply> honest(const Request& request) { return {answer(request, register_number)}; }
 
 TEST(ModbusPlugin, DeliversEveryTypeAndTable) {
   ModbusDevice device(ModbusDevice::Over::tcp, [](const Request& request) -> std::vector<Reply> {
@@ -196,95 +170,6 @@ TEST(ModbusPlugin, BringsADeadStationBack) {
   ASSERT_TRUE(eventually([&] { return host.state_of(11).fault == DWELL_FAULT_NONE; }));
   EXPECT_FALSE(host.samples(11).empty());
 }
-
-// What one scripted fault of every other answer is counted as; the answers between must still be delivered.
-struct Fault {
-  const char* name;
-  ModbusDevice::Over over;
-  dwell_fault counted;
-  std::function<std::vector<Reply>(const Request&)> reply;
-};
-
-Reply changed(const Request& request, const std::function<void(Reply&)>& change) {
-  Reply reply = answer(request, register_number);
-  change(reply);
-  return reply;
-}
-
-class ModbusFault : public ::testing::TestWithParam<Fault> {};
-
-TEST_P(ModbusFault, IsCountedByKindAndCostsOnlyItsOwnSamples) {
-  const Fault& fault = GetParam();
-  ModbusDevice device(fault.over, [&](const Request& request) -> std::vector<Reply> {
-    return request.number % 2 == 0 ? honest(request) : fault.reply(request);
-  });
-  Given given = fault.over == ModbusDevice::Over::tcp ? over_tcp(device) : over_serial(device);
-  given.set("timeout", 0.03);
-  add_word(given, "a", 3);
-  add_word(given, "b", 4);
-  FakeHost host;
-  Instance instance(driver_table(), *given.settings(), host);
-  ASSERT_TRUE(instance.start());
-  ASSERT_TRUE(eventually([&] { return host.counted(fault.counted) >= 3 && host.sample_count() >= 8; }));
-  instance.stop();
-  for (const dwell_sample& sample : host.samples(10)) EXPECT_EQ(sample.raw, 3.0);
-  for (const dwell_sample& sample : host.samples(11)) EXPECT_EQ(sample.raw, 4.0);
-  for (const std::size_t scan : host.scans()) EXPECT_EQ(scan, 2U);
-}
-
-constexpr auto kTcp = ModbusDevice::Over::tcp;
-constexpr auto kSerial = ModbusDevice::Over::serial;
-
-INSTANTIATE_TEST_SUITE_P(
-    Every, ModbusFault,
-    ::testing::Values(
-        Fault{"TcpTimeout", kTcp, DWELL_FAULT_TIMEOUT, [](const Request&) { return std::vector<Reply>{}; }},
-        Fault{"TcpException", kTcp, DWELL_FAULT_EXCEPTION,
-              [](const Request& r) { return std::vector<Reply>{exception(r, 6)}; }},
-        Fault{"TcpShortFrame", kTcp, DWELL_FAULT_SHORT_FRAME,
-              [](const Request& r) { return std::vector<Reply>{changed(r, [](Reply& reply) { reply.keep = 10; })}; }},
-        Fault{"TcpFewerRegisters", kTcp, DWELL_FAULT_SHORT_FRAME,
-              [](const Request& r) {
-                return std::vector<Reply>{changed(r, [](Reply& reply) {
-                  reply.pdu[1] = 2;
-                  reply.pdu.resize(4);
-                })};
-              }},
-        Fault{"TcpMoreRegisters", kTcp, DWELL_FAULT_BAD_FRAME,
-              [](const Request& r) {
-                return std::vector<Reply>{changed(r, [](Reply& reply) {
-                  reply.pdu[1] = 6;
-                  reply.pdu.resize(8);
-                })};
-              }},
-        Fault{"TcpOtherStation", kTcp, DWELL_FAULT_BAD_FRAME,
-              [](const Request& r) { return std::vector<Reply>{changed(r, [](Reply& reply) { reply.unit = 9; })}; }},
-        Fault{"TcpOtherFunction", kTcp, DWELL_FAULT_BAD_FRAME,
-              [](const Request& r) { return std::vector<Reply>{changed(r, [](Reply& reply) { reply.pdu[0] = 3; })}; }},
-        Fault{"TcpHeaderOutOfStep", kTcp, DWELL_FAULT_BAD_FRAME,
-              [](const Request& r) {
-                return std::vector<Reply>{changed(r, [](Reply& reply) { reply.pdu.push_back(0); })};
-              }},
-        Fault{"TcpForeignTransaction", kTcp, DWELL_FAULT_LATE_ANSWER,
-              [](const Request& r) {
-                return std::vector<Reply>{changed(
-                    r, [&](Reply& reply) { reply.transaction = static_cast<std::uint16_t>(r.transaction ^ 0x8000U); })};
-              }},
-        Fault{
-            "TcpReset", kTcp, DWELL_FAULT_DISCONNECTED,
-            [](const Request& r) { return std::vector<Reply>{changed(r, [](Reply& reply) { reply.reset = true; })}; }},
-        Fault{"SerialTimeout", kSerial, DWELL_FAULT_TIMEOUT, [](const Request&) { return std::vector<Reply>{}; }},
-        Fault{"SerialException", kSerial, DWELL_FAULT_EXCEPTION,
-              [](const Request& r) { return std::vector<Reply>{exception(r, 4)}; }},
-        Fault{"SerialBadChecksum", kSerial, DWELL_FAULT_BAD_CHECKSUM,
-              [](const Request& r) {
-                return std::vector<Reply>{changed(r, [](Reply& reply) { reply.bad_checksum = true; })};
-              }},
-        Fault{"SerialShortFrame", kSerial, DWELL_FAULT_SHORT_FRAME,
-              [](const Request& r) { return std::vector<Reply>{changed(r, [](Reply& reply) { reply.keep = 5; })}; }},
-        Fault{"SerialOtherStation", kSerial, DWELL_FAULT_BAD_FRAME,
-              [](const Request& r) { return std::vector<Reply>{changed(r, [](Reply& reply) { reply.unit = 9; })}; }}),
-    [](const ::testing::TestParamInfo<Fault>& each) { return std::string(each.param.name); });
 
 TEST(ModbusPlugin, ReconnectsToADeviceThatFellSilent) {
   std::atomic<bool> silent{true};
