@@ -24,15 +24,24 @@ struct Kernel {
 template <typename F>
 void with_kernel(int harmonics, F&& use) {
   switch (harmonics) {
-    case 1: return use(Kernel<1>{});
-    case 2: return use(Kernel<2>{});
-    case 3: return use(Kernel<3>{});
-    case 4: return use(Kernel<4>{});
-    case 5: return use(Kernel<5>{});
-    case 6: return use(Kernel<6>{});
-    case 7: return use(Kernel<7>{});
-    case 8: return use(Kernel<8>{});
-    default: assert(false && "harmonics outside 1 … kMaxHarmonics");
+    case 1:
+      return use(Kernel<1>{});
+    case 2:
+      return use(Kernel<2>{});
+    case 3:
+      return use(Kernel<3>{});
+    case 4:
+      return use(Kernel<4>{});
+    case 5:
+      return use(Kernel<5>{});
+    case 6:
+      return use(Kernel<6>{});
+    case 7:
+      return use(Kernel<7>{});
+    case 8:
+      return use(Kernel<8>{});
+    default:
+      assert(false && "harmonics outside 1 … kMaxHarmonics");
   }
 }
 static_assert(kMaxHarmonics == 8);
@@ -160,7 +169,7 @@ void Blocks::break_away(int c) noexcept {
   moments::Regressors missed;
   evaluate(members_[static_cast<std::size_t>(leader)].last_ns, missed);
   assert(leader != c || member.next >= 0);  // whoever brought that instant has not missed it and stays in the group
-  if (leader == c) {  // the set passes to the next in the group
+  if (leader == c) {                        // the set passes to the next in the group
     const int heir = member.next;
     std::copy_n(instants(current_, c), instants_size_, instants(current_, heir));
     members_[static_cast<std::size_t>(heir)].last_ns = member.last_ns;
@@ -168,7 +177,8 @@ void Blocks::break_away(int c) noexcept {
       members_[static_cast<std::size_t>(f)].leader = heir;
   } else {
     int before = leader;
-    while (members_[static_cast<std::size_t>(before)].next != c) before = members_[static_cast<std::size_t>(before)].next;
+    while (members_[static_cast<std::size_t>(before)].next != c)
+      before = members_[static_cast<std::size_t>(before)].next;
     members_[static_cast<std::size_t>(before)].next = member.next;
     std::copy_n(instants(current_, leader), instants_size_, instants(current_, c));
   }
@@ -190,9 +200,10 @@ void Blocks::regroup() noexcept {
       if (leader.leader != l) continue;
       const double* other = instants(current_, at(current_, l).owner);
       // Number, Σu and Σu² of the instants, bit for bit: both were added up in the same order.
-      const bool same = own == other || (own[0] == other[0] &&
-                                         own[moments::cosine(instants_count_, 1, 0)] == other[moments::cosine(instants_count_, 1, 0)] &&
-                                         own[moments::cosine(instants_count_, 2, 0)] == other[moments::cosine(instants_count_, 2, 0)]);
+      const bool same = own == other ||
+                        (own[0] == other[0] &&
+                         own[moments::cosine(instants_count_, 1, 0)] == other[moments::cosine(instants_count_, 1, 0)] &&
+                         own[moments::cosine(instants_count_, 2, 0)] == other[moments::cosine(instants_count_, 2, 0)]);
       if (!same) continue;
       member.leader = l;
       member.next = leader.next;
@@ -206,7 +217,8 @@ void Blocks::close() noexcept {
   assert(open_);
   for (int c = 0; c < channels_; ++c)
     if (members_[static_cast<std::size_t>(c)].leader == c) settle_members(c);
-  // A leader that left its group in this very pass has handed its followers over; an heir has the instant by definition.
+  // A leader that left its group in this very pass has handed its followers over; an heir has the instant by
+  // definition.
   for (int c = 0; c < channels_; ++c) at(current_, c).owner = members_[static_cast<std::size_t>(c)].leader;
   regroup();
   order_.push_back(static_cast<std::uint16_t>(current_));
@@ -229,12 +241,15 @@ void Blocks::compact() noexcept {
   }
 }
 
-void Blocks::sum_instants(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns, double* out) const noexcept {
+void Blocks::sum_instants(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
+                          double* out) const noexcept {
   const double shift = seconds(block.centre_ns - t_ref_ns);
-  moments::rebase_add(instants(slot, at(slot, c).owner), instants_count_, omega - block.omega, omega * shift, shift, out);
+  moments::rebase_add(instants(slot, at(slot, c).owner), instants_count_, omega - block.omega, omega * shift, shift,
+                      out);
 }
 
-void Blocks::sum_readings(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns, double* out) const noexcept {
+void Blocks::sum_readings(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
+                          double* out) const noexcept {
   const double shift = seconds(block.centre_ns - t_ref_ns);
   moments::rebase_add(readings(slot, c), readings_count_, omega - block.omega, omega * shift, shift, out);
 }
@@ -246,7 +261,8 @@ void Blocks::join(std::size_t position) noexcept {
   const Block& a = blocks_[older];
   const Block& b = blocks_[newer];
   Block& sum = blocks_[into];
-  sum = {a.begin_ns, b.end_ns, a.begin_ns + (b.end_ns - a.begin_ns) / 2, b.omega, a.first_serial, a.quarters + b.quarters};
+  sum = {a.begin_ns, b.end_ns,       a.begin_ns + (b.end_ns - a.begin_ns) / 2,
+         b.omega,    a.first_serial, a.quarters + b.quarters};
   std::fill_n(instants(into, 0), instants_size_ * static_cast<std::size_t>(channels_), 0.0);
   std::fill_n(readings(into, 0), readings_size_ * static_cast<std::size_t>(channels_), 0.0);
   for (int c = 0; c < channels_; ++c) {
@@ -306,8 +322,8 @@ void Blocks::sum_channel(int channel, int from, int to, bool with_open, double o
   sum_one(channel, true, from, to, with_open, omega, t_ref_ns, out);
 }
 
-void Blocks::sum_one(int channel, bool with_instants, int from, int to, bool with_open, double omega, std::int64_t t_ref_ns,
-                     Totals& out) const noexcept {
+void Blocks::sum_one(int channel, bool with_instants, int from, int to, bool with_open, double omega,
+                     std::int64_t t_ref_ns, Totals& out) const noexcept {
   const auto c = static_cast<std::size_t>(channel);
   double* instants_sum = &out.instants_[c * instants_size_];
   double* readings_sum = &out.readings_[c * readings_size_];

@@ -1,8 +1,8 @@
 // The samples of one dwell, condensed: a bounded sequence of blocks, each the moments of all channels over a stretch.
 //
 // New blocks are a quarter of a period long. The newest stay as they are; of older ones neighbours are joined, so that
-// the lengths grow with age and a fixed number of blocks holds any dwell (as an exponential histogram does). Forgetting,
-// refining ω, admitting data after the fact and taking data back all act on blocks, not on samples.
+// the lengths grow with age and a fixed number of blocks holds any dwell (as an exponential histogram does).
+// Forgetting, refining ω, admitting data after the fact and taking data back all act on blocks, not on samples.
 //
 // Channels read at the same instants share one set of instants' moments: who shares is learned from the stream itself
 // (channels whose instants were identical in one block share in the next), and a channel that misses an instant gets a
@@ -28,14 +28,14 @@ class Totals {
  public:
   Totals(int channels, int harmonics);
   [[nodiscard]] ChannelMoments channel(int c) const noexcept;
-  double omega = 0.0;           // rad/s
+  double omega = 0.0;  // rad/s
   std::int64_t t_ref_ns = 0;
 
  private:
   friend class Blocks;
   int instants_count_, readings_count_;
   std::vector<double> instants_, readings_, sum_squares_;
-  std::vector<int> owner_;      // which channel's instants are meant
+  std::vector<int> owner_;  // which channel's instants are meant
 };
 
 class Blocks {
@@ -51,9 +51,9 @@ class Blocks {
   struct Block {
     std::int64_t begin_ns, end_ns;  // [begin, end)
     std::int64_t centre_ns;
-    double omega;                   // rad/s, at which its moments were taken
-    std::int64_t first_serial;      // serial number of the first of the quarter blocks joined in it
-    int quarters;                   // how many quarter blocks
+    double omega;               // rad/s, at which its moments were taken
+    std::int64_t first_serial;  // serial number of the first of the quarter blocks joined in it
+    int quarters;               // how many quarter blocks
   };
 
   // Empties everything; channel c's readings are taken relative to reference[c] from now on.
@@ -92,7 +92,7 @@ class Blocks {
  private:
   struct Slot {  // per channel in a block
     double sum_squares;
-    int owner;   // channel whose instants' moments it shares
+    int owner;  // channel whose instants' moments it shares
   };
   struct Member {          // per channel, in the open block
     int leader;            // channel whose set is shared; itself: its own
@@ -118,8 +118,10 @@ class Blocks {
   void compact() noexcept;
   void sum_one(int channel, bool with_instants, int from, int to, bool with_open, double omega, std::int64_t t_ref_ns,
                Totals& out) const noexcept;
-  void sum_instants(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns, double* out) const noexcept;
-  void sum_readings(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns, double* out) const noexcept;
+  void sum_instants(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
+                    double* out) const noexcept;
+  void sum_readings(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
+                    double* out) const noexcept;
 
   int channels_, harmonics_, instants_count_, readings_count_;
   std::size_t instants_size_, readings_size_;
@@ -130,7 +132,7 @@ class Blocks {
   std::vector<double> reference_;
   std::vector<Member> members_;
   bool open_ = false;
-  std::size_t current_ = 0;                  // slot of the open block
+  std::size_t current_ = 0;  // slot of the open block
   std::int64_t serials_ = 0;
   moments::Regressors now_;
   Evaluate evaluate_ = nullptr;

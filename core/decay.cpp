@@ -6,7 +6,9 @@
 namespace dwell {
 
 DecayRate::DecayRate(Boundary boundary, std::span<const double> masses)
-    : boundary_(boundary), masses_(masses.begin(), masses.end()), solver_(static_cast<Eigen::Index>(2 * masses.size())) {
+    : boundary_(boundary),
+      masses_(masses.begin(), masses.end()),
+      solver_(static_cast<Eigen::Index>(2 * masses.size())) {
   const auto n = static_cast<Eigen::Index>(masses.size());
   A_.resize(2 * n, 2 * n);
 }

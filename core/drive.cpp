@@ -47,8 +47,7 @@ bool DriveMonitor::update(double centre_s, std::complex<double> Y, double u, dou
   if (!other) {
     // A running mean that in the end follows what is slower than 64 windows.
     amplitude_ += (amplitude - amplitude_) / static_cast<double>(std::min(seen_ + 1, 64L));
-    if (std::isfinite(measured))
-      omega_ += (measured - omega_) / static_cast<double>(std::min(++frequencies_, 64L));
+    if (std::isfinite(measured)) omega_ += (measured - omega_) / static_cast<double>(std::min(++frequencies_, 64L));
   }
   ++seen_;
   return false;

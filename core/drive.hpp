@@ -28,8 +28,8 @@ class DriveMonitor {
   [[nodiscard]] int windows_since_good() const noexcept { return since_good_; }
 
  private:
-  static constexpr int kLag = 4;          // windows in a period
-  static constexpr double kSure = 4.0;    // standard deviations
+  static constexpr int kLag = 4;        // windows in a period
+  static constexpr double kSure = 4.0;  // standard deviations
   struct Window {
     double centre_s;
     std::complex<double> Y;
@@ -37,8 +37,8 @@ class DriveMonitor {
   };
   double tolerance_;
   std::array<Window, kLag> last_{};
-  long seen_ = 0;        // windows since restart
-  long frequencies_ = 0; // windows that gave a frequency
+  long seen_ = 0;         // windows since restart
+  long frequencies_ = 0;  // windows that gave a frequency
   double amplitude_ = 0.0, omega_ = 0.0;
   int suspicious_ = 0, since_good_ = 0;
 };

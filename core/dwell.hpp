@@ -16,8 +16,8 @@ inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 enum class State : std::uint8_t { idle, settling, measuring, complete, fault };
 enum class EndedBy : std::uint8_t { none, drive_changed, drive_stopped, interlock, data_lost, end };
 
-[[nodiscard]] const char* to_string(State state) noexcept;      // "idle", "settling", …
-[[nodiscard]] const char* to_string(EndedBy ended_by) noexcept; // "drive changed", …
+[[nodiscard]] const char* to_string(State state) noexcept;       // "idle", "settling", …
+[[nodiscard]] const char* to_string(EndedBy ended_by) noexcept;  // "drive changed", …
 
 // A number with its standard uncertainty (k = 1). NaN: no number.
 struct Estimate {
@@ -31,56 +31,57 @@ struct Coefficient {
   double u = kNaN;
   double dof = kNaN;
   double U95 = kNaN;
-  bool significant = false;  // |value| >= u; otherwise the value is shown, but nothing may rest on it (method section 7)
+  bool significant =
+      false;  // |value| >= u; otherwise the value is shown, but nothing may rest on it (method section 7)
 };
 
 // y(t) = amplitude · sin(2πf (t - t_ref) + phase) + mean, as the motion (the transducer's own response divided out).
 struct ChannelPhasor {
-  std::complex<double> Y{kNaN, kNaN};   // amplitude · exp(j phase), SI, in the channel's own quantity
+  std::complex<double> Y{kNaN, kNaN};  // amplitude · exp(j phase), SI, in the channel's own quantity
   double u_amplitude = kNaN;
   double u_phase_rad = kNaN;
   double mean = kNaN;
-  std::vector<double> harmonics;        // amplitudes of 2ω … Hω relative to the fundamental
-  double sigma = kNaN;                  // standard deviation of the residuals
-  double samples = 0;                   // how many stand behind it
+  std::vector<double> harmonics;  // amplitudes of 2ω … Hω relative to the fundamental
+  double sigma = kNaN;            // standard deviation of the residuals
+  double samples = 0;             // how many stand behind it
   bool valid = false;
-  std::string reason;                   // why not valid
+  std::string reason;  // why not valid
 };
 
 struct BudgetShare {
-  std::string source;                   // for instance "scale of y1"
-  double stiffness_share = 0.0;         // parts of the variance; each column adds up to 1
+  std::string source;            // for instance "scale of y1"
+  double stiffness_share = 0.0;  // parts of the variance; each column adds up to 1
   double damping_share = 0.0;
 };
 
 struct ElementEstimate {
-  int k = 0;                            // 1 …
+  int k = 0;  // 1 …
   bool identifiable = false;
-  std::string reason;                   // why not
-  Estimate deformation;                 // |d_k|, m or rad
-  Coefficient stiffness;                // N/m or N·m/rad
-  Coefficient damping;                  // N·s/m or N·m·s/rad
-  Estimate loss_factor;                 // ω r / c
-  std::vector<BudgetShare> budget;      // largest first
+  std::string reason;               // why not
+  Estimate deformation;             // |d_k|, m or rad
+  Coefficient stiffness;            // N/m or N·m/rad
+  Coefficient damping;              // N·s/m or N·m·s/rad
+  Estimate loss_factor;             // ω r / c
+  std::vector<BudgetShare> budget;  // largest first
 };
 
 struct Dwell {
-  std::optional<int> index;             // 1 … within the run; none while idle
+  std::optional<int> index;  // 1 … within the run; none while idle
   State state = State::idle;
   EndedBy ended_by = EndedBy::none;
-  double start_s = kNaN;                // on the run's t axis: when this dwell was armed
-  double settled_s = kNaN;              // the data count from here on; NaN: not settled
-  double verdict_s = kNaN;              // when that was first said
-  double end_s = kNaN;                  // the last datum that counts; live: so far
-  double memory_time_s = kNaN;          // how long the transient took, as measured
-  double memory_time_predicted_s = kNaN;// the same from the eigenvalues of the identified chain
-  double settles_in_s = kNaN;           // while settling: expected time left; NaN: not known
-  std::string settling_reason;          // what the verdict rests on, or what is awaited
+  double start_s = kNaN;                  // on the run's t axis: when this dwell was armed
+  double settled_s = kNaN;                // the data count from here on; NaN: not settled
+  double verdict_s = kNaN;                // when that was first said
+  double end_s = kNaN;                    // the last datum that counts; live: so far
+  double memory_time_s = kNaN;            // how long the transient took, as measured
+  double memory_time_predicted_s = kNaN;  // the same from the eigenvalues of the identified chain
+  double settles_in_s = kNaN;             // while settling: expected time left; NaN: not known
+  std::string settling_reason;            // what the verdict rests on, or what is awaited
   Estimate frequency_hz;
-  double t_ref_s = kNaN;                // centroid of the data
-  std::vector<ChannelPhasor> phasors;   // one per Rig::channels, in that order
-  std::vector<ElementEstimate> elements;// one per element when settled, else empty
-  std::vector<double> covariance;       // row-major, of [c, r] of the identifiable elements in order
+  double t_ref_s = kNaN;                  // centroid of the data
+  std::vector<ChannelPhasor> phasors;     // one per Rig::channels, in that order
+  std::vector<ElementEstimate> elements;  // one per element when settled, else empty
+  std::vector<double> covariance;         // row-major, of [c, r] of the identifiable elements in order
   std::vector<std::string> warnings;
 };
 

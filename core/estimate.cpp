@@ -18,7 +18,6 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using Index = Eigen::Index;
 
-
 // A harmonic of an element's force or deformation above this part of its fundamental makes c and r equivalent
 // coefficients of that one amplitude (harmonic linearization, method section 9).
 constexpr double kFarFromLinear = 0.1;
@@ -75,8 +74,8 @@ struct Source {
 
 class Propagation {
  public:
-  Propagation(const ChainState& chain, const MatrixXcd& force_rows, const MatrixXcd& deformation_rows, const VectorXcd& Z,
-              const VectorXcd& d)
+  Propagation(const ChainState& chain, const MatrixXcd& force_rows, const MatrixXcd& deformation_rows,
+              const VectorXcd& Z, const VectorXcd& d)
       : chain_(chain), Z_(Z), d_(d), elements_(Z.size()) {
     through_x_.resize(elements_, chain.n + 2);
     for (Index e = 0; e < elements_; ++e)
@@ -98,7 +97,8 @@ class Propagation {
     }
     v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined are left out later
     covariance_ += v * v.transpose();
-    auto& of_name = by_name_.try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_), source.dof}).first->second;
+    auto& of_name =
+        by_name_.try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_), source.dof}).first->second;
     of_name.variance += v.cwiseAbs2();
   }
 
@@ -147,8 +147,9 @@ class Propagation {
 };
 
 // All sources that the rig file and the data name.
-std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence, const VectorXcd& o,
-                               const ChainState& chain, const VectorXcd& Z, const VectorXcd& d, const Frequency& frequency) {
+std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                               const VectorXcd& o, const ChainState& chain, const VectorXcd& Z, const VectorXcd& d,
+                               const Frequency& frequency) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double omega = frequency.omega;
   const Index elements = Z.size();
@@ -176,7 +177,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     if (channel.scale_u > 0)
       out.push_back({"scale of " + channel.name, kInfinity, through_channel(c, o(c) * channel.scale_u), nothing, 0.0});
     if (channel.delay_u_s > 0)
-      out.push_back({"delay of " + channel.name, kInfinity, through_channel(c, delayed * channel.delay_u_s), nothing, 0.0});
+      out.push_back(
+          {"delay of " + channel.name, kInfinity, through_channel(c, delayed * channel.delay_u_s), nothing, 0.0});
     if (channel.lowpass.hz_u > 0)
       out.push_back({"low-pass of " + channel.name, kInfinity,
                      through_channel(c, -o(c) * slopes.lowpass_corner * channel.lowpass.hz_u), nothing, 0.0});
@@ -188,15 +190,17 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
       if (const double u = rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s; u > 0)
         device_delay_x.try_emplace(channel.device, zero).first->second += through_channel(c, delayed * u);
       if (seen.turnaround_u_s > 0)
-        turnaround_x.try_emplace(channel.device, zero).first->second += through_channel(c, delayed * seen.turnaround_u_s);
+        turnaround_x.try_emplace(channel.device, zero).first->second +=
+            through_channel(c, delayed * seen.turnaround_u_s);
     }
-    relative_omega += through_channel(
-        c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega + slopes.frequency / (2 * std::numbers::pi)));
+    relative_omega += through_channel(c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega +
+                                                  slopes.frequency / (2 * std::numbers::pi)));
   }
   for (auto& [device, on_x] : device_delay_x)
     out.push_back({"delay of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
   for (auto& [device, on_x] : turnaround_x)
-    out.push_back({"turnaround of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
+    out.push_back(
+        {"turnaround of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
 
   for (std::size_t i = 0; i < rig.mass_u.size(); ++i) {
     if (!(rig.mass_u[i] > 0)) continue;
@@ -241,13 +245,15 @@ VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& eviden
     const double noise = std::sqrt(0.5 * evidence[c].covariance.trace());
     const double size = std::abs(evidence[c].X[0]);
     // 1e-12: a reading without noise must not outweigh the others without bound.
-    weights(static_cast<Index>(c)) = std::abs(T) / std::hypot(noise, rig.channels[c].scale_u * size, 1e-12 * size + 1e-300);
+    weights(static_cast<Index>(c)) =
+        std::abs(T) / std::hypot(noise, rig.channels[c].scale_u * size, 1e-12 * size + 1e-300);
   }
   const double largest = weights.maxCoeff();
   for (const bool force : {false, true}) {
     double scale = 0.0;
     for (std::size_t c = 0; c < rig.channels.size(); ++c)
-      if ((rig.channels[c].measures == Quantity::force) == force) scale = std::max(scale, weights(static_cast<Index>(c)));
+      if ((rig.channels[c].measures == Quantity::force) == force)
+        scale = std::max(scale, weights(static_cast<Index>(c)));
     for (std::size_t c = 0; c < rig.channels.size(); ++c)
       if ((rig.channels[c].measures == Quantity::force) == force && scale > 0) weights(static_cast<Index>(c)) /= scale;
   }
@@ -268,7 +274,8 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
     VectorXcd seen(channels);
     for (Index c = 0; c < channels; ++c)
       seen(c) = evidence[static_cast<std::size_t>(c)].usable
-                    ? as_observed(rig, static_cast<int>(c), evidence[static_cast<std::size_t>(c)].X[static_cast<std::size_t>(h - 1)],
+                    ? as_observed(rig, static_cast<int>(c),
+                                  evidence[static_cast<std::size_t>(c)].X[static_cast<std::size_t>(h - 1)],
                                   frequency.omega, h)
                     : Complex{};
     chains.push_back({rig, n, h * frequency.omega, gain.gain * seen});
@@ -340,7 +347,8 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
           const auto& seen = evidence[static_cast<std::size_t>(c)];
           if (!seen.usable) continue;
           const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, h);
-          variance += std::norm(rows_of[which].cwiseProduct(gain.gain.col(c)).sum() * per_reading) * 0.5 * seen.covariance.trace();
+          variance += std::norm(rows_of[which].cwiseProduct(gain.gain.col(c)).sum() * per_reading) * 0.5 *
+                      seen.covariance.trace();
         }
         const double ratio = amplitude / fundamental[which];
         if (ratio > kFarFromLinear && amplitude > 4 * std::sqrt(variance) && ratio > worst) {

@@ -36,20 +36,21 @@ struct Evidence {
 };
 
 struct Frequency {
-  double omega = 0.0;         // rad/s
-  double u = 0.0;             // rad/s, as measured or stated, against the host's clock
-  double clock_u = 0.0;       // relative, of the clock
+  double omega = 0.0;    // rad/s
+  double u = 0.0;        // rad/s, as measured or stated, against the host's clock
+  double clock_u = 0.0;  // relative, of the clock
 };
 
 struct ElementsResult {
-  std::vector<ElementEstimate> elements;   // one per element of the chain
-  std::vector<double> covariance;          // row-major, of [c, r] of the identifiable ones
+  std::vector<ElementEstimate> elements;  // one per element of the chain
+  std::vector<double> covariance;         // row-major, of [c, r] of the identifiable ones
   std::vector<std::string> warnings;
-  std::vector<std::complex<double>> Z;     // N/m; NaN where not determined
+  std::vector<std::complex<double>> Z;  // N/m; NaN where not determined
 };
 
 // The channel's reading turned into what the chain sees: displacement or force on the ground, harmonic h of omega.
-[[nodiscard]] std::complex<double> as_observed(const Rig& rig, int channel, std::complex<double> X, double omega, int h);
+[[nodiscard]] std::complex<double> as_observed(const Rig& rig, int channel, std::complex<double> X, double omega,
+                                               int h);
 
 // Weights 1/u of each channel for solve_observation, from noise and scale at the present phasors; 0 where not usable.
 [[nodiscard]] Eigen::VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& evidence, double omega);

@@ -55,8 +55,8 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
     }
   }
   const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
-  // A pivot is the part of a regressor's energy that those before it do not explain; what is left of one in a thousandth
-  // of its energy cannot be told from the others.
+  // A pivot is the part of a regressor's energy that those before it do not explain; what is left of one in a
+  // thousandth of its energy cannot be told from the others.
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-3 * fit.samples)) return fit;
   const Vector theta = factor.solve(z);
 

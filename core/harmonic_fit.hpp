@@ -18,14 +18,14 @@ namespace dwell {
 
 // The fit of one channel, of the reading as it is (transducer not divided out). Not usable: all NaN.
 struct HarmonicFit {
-  bool usable = false;                                       // enough samples, spread enough, result finite
+  bool usable = false;  // enough samples, spread enough, result finite
   double samples = 0.0;
-  double mean = kNaN;                                        // b, the reference added back
-  std::array<std::complex<double>, kMaxHarmonics> X{};       // X_1 … X_H at [0] …
-  double sigma2 = kNaN;                                      // residual variance, sum of squares over samples - (2H+1)
+  double mean = kNaN;                                   // b, the reference added back
+  std::array<std::complex<double>, kMaxHarmonics> X{};  // X_1 … X_H at [0] …
+  double sigma2 = kNaN;                                 // residual variance, sum of squares over samples - (2H+1)
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Constant(kNaN);  // of (p_1, q_1), white residuals
   // For refining ω: the residuals' slope and curvature by ω in this channel, each already divided by σ².
-  double score = 0.0, information = 0.0;                     // s (rad/s)⁻¹ … : δω = Σ score / Σ information
+  double score = 0.0, information = 0.0;  // s (rad/s)⁻¹ … : δω = Σ score / Σ information
 };
 
 // Fits one channel over the totals. `reference` is what the readings were taken relative to. O(H³). Real-time safe,

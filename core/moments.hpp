@@ -5,8 +5,9 @@
 //   of the instants,  M_k^j = Σ u^j exp(jkθ),    k = 0 … 2H, j = 0, 1, 2
 //   of the readings,  Z_h^j = Σ s u^j exp(jhθ),  h = 0 … H,  j = 0, 1, 2
 //
-// Every product of two of the regressors 1, sin hθ, cos hθ is a sum of cos and sin of (h ± l)θ, so the (2H+1)² information
-// matrix is made of the 4H+1 numbers M^0. The moments with u and u² say how all of it changes with ω and t_c:
+// Every product of two of the regressors 1, sin hθ, cos hθ is a sum of cos and sin of (h ± l)θ, so the (2H+1)²
+// information matrix is made of the 4H+1 numbers M^0. The moments with u and u² say how all of it changes with ω and
+// t_c:
 //
 //   exp(jk(θ + φ + δu)) = exp(jkφ) (1 + jkδu - k²δ²u²/2 - …)
 //

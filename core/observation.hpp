@@ -4,9 +4,9 @@
 //
 // o_c is channel c's phasor as displacement (transducer divided out, integrated) or as force on the ground. An absolute
 // transducer at k has ones at Y_0, d_1 … d_k; one measuring y_at - y_relative_to has ones at the deformations between;
-// a load cell has a one at F. Taking the deformations as the unknowns keeps every digit of a transducer mounted across an
-// element. With as many channels as unknowns G is square and nothing is fitted; with more, weighted least squares gives
-// the best x from all (method section 3), and the weights stay fixed for the dwell.
+// a load cell has a one at F. Taking the deformations as the unknowns keeps every digit of a transducer mounted across
+// an element. With as many channels as unknowns G is square and nothing is fitted; with more, weighted least squares
+// gives the best x from all (method section 3), and the weights stay fixed for the dwell.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,8 +26,8 @@ struct Gain {
 // G of a rig: channels × (n + 2); the column of F and the rows of auxiliary channels are zero where they mean nothing.
 [[nodiscard]] Eigen::MatrixXd observation_matrix(const Rig& rig);
 
-// Weighted least squares by a complete orthogonal decomposition. weights: 1/u of each channel (any common factor), 0 for
-// one not available. Allocates.
+// Weighted least squares by a complete orthogonal decomposition. weights: 1/u of each channel (any common factor), 0
+// for one not available. Allocates.
 [[nodiscard]] Gain solve_observation(const Eigen::MatrixXd& G, const Eigen::VectorXd& weights);
 
 }  // namespace dwell

@@ -18,11 +18,11 @@ namespace dwell {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr int kQuarters = 4;             // windows of one period
+constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
-constexpr double kLostPeriods = 2.0;     // without a sample, and at least kLost_s: a channel no longer delivers
+constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr double kOverGain = 1.15;       // the data grow by this factor before ω is refined again
+constexpr double kOverGain = 1.15;  // the data grow by this factor before ω is refined again
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -73,7 +73,7 @@ struct Pipeline::Impl {
     double gain = 1.0, offset = 0.0, low = -INFINITY, high = INFINITY;  // SI
     ChannelNow now;
     std::int64_t last_ns = INT64_MIN;
-    double half_ns_sum = 0.0, half_count = 0.0;   // of this dwell
+    double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
     std::uint64_t rejected_before = 0, overrange = 0;
     bool referenced = false;
   };
@@ -88,15 +88,15 @@ struct Pipeline::Impl {
   const Eigen::MatrixXd G;
   int drive_channel = -1;
   std::vector<Live> live;
-  std::vector<HarmonicFit> fits;                    // of the newest window
+  std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
   Gain provisional_gain;
   Eigen::VectorXcd observed, state_x;
   std::vector<Complex> Y, d, Z;
-  Eigen::VectorXd weights;                          // of this dwell, from its verdict on
+  Eigen::VectorXd weights;  // of this dwell, from its verdict on
 
   State state = State::idle;
-  double omega;                                     // rad/s, best known
+  double omega;  // rad/s, best known
   std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
   int index = 0, low_windows = 0, window_periods = 1;
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
@@ -104,6 +104,8 @@ struct Pipeline::Impl {
   SettlingDetector::Verdict verdict;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
   Dwell finished;
+  bool pending = false;  // `finished` awaits its reason
+  std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
 
   [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
@@ -129,7 +131,9 @@ struct Pipeline::Impl {
     now_ns = record.t_ns;
     advance();
     switch (record.kind) {
-      case Kind::sample: sample(record); break;
+      case Kind::sample:
+        sample(record);
+        break;
       case Kind::channel_state:
         if (record.channel < live.size()) live[record.channel].now.fault = static_cast<Fault>(record.flags);
         break;
@@ -137,7 +141,8 @@ struct Pipeline::Impl {
         if (record.flags == static_cast<std::uint8_t>(Action::rearm)) rearm();
         break;
       case Kind::edge:
-      case Kind::tick: break;
+      case Kind::tick:
+        break;
     }
     return changes;
   }
@@ -206,11 +211,10 @@ struct Pipeline::Impl {
     const std::int64_t begin_ns = blocks.block(from).begin_ns;
     const std::int64_t centre_ns = begin_ns + (end_ns - begin_ns) / 2;
 
-    const bool all = state == State::settling;
-    if (all)
-      blocks.sum(from, to, false, omega, centre_ns, window);
-    else
-      blocks.sum_channel(drive_channel, from, to, false, omega, centre_ns, window);
+    // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
+    // first windows do not differ from the later ones for their frequency alone.
+    if (tracked() && !std::isfinite(drive.omega())) acquire(from, to, centre_ns);
+    blocks.sum_channel(drive_channel, from, to, false, omega, centre_ns, window);
     const HarmonicFit table = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
     if (!delivers(drive_channel)) return lose_data();
     if (!table.usable) {
@@ -222,20 +226,35 @@ struct Pipeline::Impl {
     const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
     const double u0 = std::sqrt(0.5 * table.covariance.trace()) * per_reading;
 
+    if (pending && blocks.serials() >= pending_until_serial) emit(EndedBy::drive_changed);
     if (std::abs(Y0) < rig.excitation.minimum || std::abs(Y0) < 3 * u0) {
       if (++low_windows >= 2) stop();
       if (state == State::idle || state == State::fault) refresh_reference();
       return;
     }
     low_windows = 0;
-    if (state == State::idle || state == State::fault) return arm(from);
+    if (state == State::idle || state == State::fault) arm(from);
     if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega)) return change(from);
     if (state == State::settling) {
       if (tracked() && std::isfinite(drive.omega())) omega = searched(drive.omega());
-      settle(from, end_ns, table, Y0, u0);
+      blocks.sum(blocks.count() - quarters, blocks.count(), false, omega, centre_ns, window);
+      settle(blocks.count() - quarters, end_ns, table, Y0, u0);
     } else if (state == State::measuring && blocks.serials() >= refine_at_serial) {
       refine();
     }
+  }
+
+  // ω from one window of the drive channel, where that is known to a hundredth.
+  void acquire(int from, int to, std::int64_t centre_ns) {
+    double w = kTwoPi * rig.excitation.frequency_hz, information = 0.0;
+    for (int step = 0; step < 4; ++step) {
+      blocks.sum_channel(drive_channel, from, to, false, w, centre_ns, window);
+      const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+      if (!(fit.information > 0)) return;
+      information = fit.information;
+      w = searched(w + fit.score / fit.information);
+    }
+    if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
   }
 
   [[nodiscard]] double searched(double w) const {
@@ -273,11 +292,14 @@ struct Pipeline::Impl {
     if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
   }
 
+  // The drive is another than in this hold. Whether it changed or stopped shows when the change has passed through the
+  // window; until then the finished dwell is kept back.
   void change(int from) {
     if (state == State::measuring) {
       // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most.
       const int back = std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1);
-      complete(EndedBy::drive_changed, std::max(0, blocks.count() - back), false);
+      conclude(std::max(0, blocks.count() - back), false);
+      pending_until_serial = blocks.serials() + kQuarters * window_periods + 1;
       if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
       return arm(from);
     }
@@ -286,30 +308,43 @@ struct Pipeline::Impl {
   }
 
   void stop() {
-    if (state == State::settling || state == State::measuring) {
+    if (pending) {
+      --index;  // what was armed after the change was no dwell
+      emit(EndedBy::drive_stopped);
+    } else if (state == State::settling || state == State::measuring) {
       const int back = std::min(kQuarters * window_periods + drive.windows_since_good() + 2, blocks.count());
-      complete(EndedBy::drive_stopped, blocks.count() - back, false);
+      conclude(blocks.count() - back, false);
+      emit(EndedBy::drive_stopped);
     }
     enter(State::idle);
     omega = kTwoPi * rig.excitation.frequency_hz;
   }
 
-  void lose_data() {
-    if (state == State::settling || state == State::measuring) complete(EndedBy::data_lost, blocks.count(), false);
-    enter(State::fault);
+  // Ends the run of dwells for another reason than the drive.
+  void end(EndedBy ended_by, State next, bool with_open) {
+    if (pending) {
+      --index;
+      emit(EndedBy::drive_changed);
+    } else if (state == State::settling || state == State::measuring) {
+      conclude(blocks.count(), with_open);
+      emit(ended_by);
+    }
+    enter(next);
   }
-
+  void lose_data() { end(EndedBy::data_lost, State::fault, false); }
   void rearm() {
-    if (state != State::settling && state != State::measuring) return;
-    if (state == State::measuring) complete(EndedBy::drive_changed, blocks.count(), false);
-    enter(State::idle);
+    if (state == State::settling || state == State::measuring) end(EndedBy::drive_changed, State::idle, false);
   }
 
-  // While nothing is measured the means may be taken anew, so that they never cost digits however long the service runs.
+  // While nothing is measured the means may be taken anew, so that they never cost digits however long the service
+  // runs.
   void refresh_reference() {
     if (blocks.count() < kEmptyBlocks) return;
     blocks.clear();
-    for (int c = 0; c < channel_count; ++c) blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value) ? live[static_cast<std::size_t>(c)].now.value : 0.0);
+    for (int c = 0; c < channel_count; ++c)
+      blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value)
+                                  ? live[static_cast<std::size_t>(c)].now.value
+                                  : 0.0);
   }
 
   // ---- settling ---------------------------------------------------------------------------------------------------
@@ -331,8 +366,8 @@ struct Pipeline::Impl {
                      watched && fit.usable};
     }
     provisional();
-    verdict = settling.update(blocks.block(from).first_serial, blocks.serials() - 1, axis_s(end_ns), std::abs(Y0), u0, readings,
-                              period_s() * window_periods, time_constant_s);
+    verdict = settling.update(blocks.block(from).first_serial, blocks.serials() - 1, axis_s(end_ns), std::abs(Y0), u0,
+                              readings, period_s() * window_periods, time_constant_s);
     if (!verdict.settled || out_of_search()) return;
     const int first = blocks.index_of(verdict.from_serial);
     if (first >= blocks.count()) return;
@@ -403,22 +438,29 @@ struct Pipeline::Impl {
   void refine() {
     if (tracked()) sum_refined(0, blocks.count(), false, omega);
     const std::int64_t counted = blocks.serials() - blocks.block(0).first_serial;
-    refine_at_serial = blocks.block(0).first_serial + static_cast<std::int64_t>(kOverGain * static_cast<double>(counted)) + 1;
+    refine_at_serial =
+        blocks.block(0).first_serial + static_cast<std::int64_t>(kOverGain * static_cast<double>(counted)) + 1;
   }
 
   // ---- results ----------------------------------------------------------------------------------------------------
 
-  void complete(EndedBy ended_by, int to, bool with_open) {
-    finished = evaluate(to, with_open);
+  void conclude(int to, bool with_open) {
+    finished = evaluate(to, with_open, false);
     finished.state = State::complete;
-    finished.ended_by = ended_by;
     finished.settles_in_s = kNaN;
+    pending = true;
+  }
+
+  void emit(EndedBy ended_by) {
+    finished.ended_by = ended_by;
+    pending = false;
     changes |= kCompleted;
   }
 
-  [[nodiscard]] Dwell evaluate(int to, bool with_open) const;
+  // up_to_now: a channel that does not deliver now is withdrawn; a dwell that has ended keeps what it had.
+  [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
-  [[nodiscard]] std::vector<Evidence> evidence_at(double w) const;
+  [[nodiscard]] std::vector<Evidence> gather_evidence(bool up_to_now) const;
   void fill_phasors(Dwell& dwell, double w, const std::vector<Evidence>& evidence) const;
 };
 
@@ -443,17 +485,18 @@ std::string Pipeline::Impl::settling_reason() const {
   return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
 }
 
-std::vector<Evidence> Pipeline::Impl::evidence_at(double) const {
+std::vector<Evidence> Pipeline::Impl::gather_evidence(bool up_to_now) const {
   std::vector<Evidence> evidence(live.size());
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
     Evidence& out = evidence[i];
     const Live& channel = live[i];
-    if (!delivers(c)) {
+    if (up_to_now && !delivers(c)) {
       out.reason = channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
                        ? "no sample yet"
-                       : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+                       : std::string("stale, ") +
+                             to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
     } else if (!fit.usable) {
       out.reason = "too few samples in the data that count";
     } else {
@@ -462,7 +505,8 @@ std::vector<Evidence> Pipeline::Impl::evidence_at(double) const {
     out.X = fit.X;
     out.covariance = fit.covariance;
     out.dof = fit.samples - (2 * H + 1);
-    out.turnaround_u_s = channel.half_count > 0 ? channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3 : 0.0;
+    out.turnaround_u_s =
+        channel.half_count > 0 ? channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3 : 0.0;
   }
   return evidence;
 }
@@ -484,7 +528,8 @@ void Pipeline::Impl::fill_phasors(Dwell& dwell, double w, const std::vector<Evid
       out.sigma = std::sqrt(fit.sigma2);
       const double amplitude = std::abs(fit.X[0]);
       // The covariance along the phasor and across it.
-      const Eigen::Vector2d along(fit.X[0].real() / amplitude, fit.X[0].imag() / amplitude), across(-along(1), along(0));
+      const Eigen::Vector2d along(fit.X[0].real() / amplitude, fit.X[0].imag() / amplitude),
+          across(-along(1), along(0));
       const double u_along = std::sqrt(along.dot(fit.covariance * along)) / std::abs(response_1);
       const double u_across = std::sqrt(across.dot(fit.covariance * across)) / std::abs(response_1);
       const double device_delay_u =
@@ -494,14 +539,14 @@ void Pipeline::Impl::fill_phasors(Dwell& dwell, double w, const std::vector<Evid
                                    w * std::hypot(channel.delay_u_s, device_delay_u, evidence[i].turnaround_u_s));
       const double fundamental = std::abs(out.Y);
       for (int h = 2; h <= H; ++h)
-        out.harmonics.push_back(std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, delay, h * w / kTwoPi)) /
-                                fundamental);
+        out.harmonics.push_back(
+            std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, delay, h * w / kTwoPi)) / fundamental);
     }
     dwell.phasors.push_back(std::move(out));
   }
 }
 
-Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
+Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = state;
   dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
@@ -517,7 +562,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
   double w = omega;
   const double u = sum_refined(from, to, with_open, w);
   dwell.t_ref_s = axis_s(totals.t_ref_ns);
-  const std::vector<Evidence> evidence = evidence_at(w);
+  const std::vector<Evidence> evidence = gather_evidence(up_to_now);
   fill_phasors(dwell, w, evidence);
   const double clock = w * rig.excitation.clock_u;
   dwell.frequency_hz = active ? Estimate{w / kTwoPi, std::hypot(u, clock) / kTwoPi} : Estimate{};
@@ -525,8 +570,8 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
   for (int c = 0; c < channel_count; ++c) {
     const Live& channel = live[static_cast<std::size_t>(c)];
     if (channel.overrange > 0)
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + std::to_string(channel.overrange) +
-                               " readings beyond its range were left out");
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " +
+                               std::to_string(channel.overrange) + " readings beyond its range were left out");
   }
   if (!settled) {
     if (active) {
@@ -558,14 +603,11 @@ std::uint8_t Pipeline::push(const Record& record) noexcept { return impl_->push(
 
 std::uint8_t Pipeline::finish() {
   impl_->changes = kNothing;
-  if (impl_->state == State::settling || impl_->state == State::measuring) {
-    impl_->complete(EndedBy::end, impl_->blocks.count(), true);
-    impl_->enter(State::idle);
-  }
+  impl_->end(EndedBy::end, State::idle, true);
   return impl_->changes;
 }
 
-Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true); }
+Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished; }
 State Pipeline::state() const noexcept { return impl_->state; }
 

@@ -15,19 +15,19 @@ namespace dwell {
 // What a push brought about; a bit set.
 enum Change : std::uint8_t {
   kNothing = 0,
-  kStateChanged = 1,   // the state (idle, settling, measuring) is another than before
-  kCompleted = 2,      // a dwell has ended: completed() is it
+  kStateChanged = 1,  // the state (idle, settling, measuring) is another than before
+  kCompleted = 2,     // a dwell has ended: completed() is it
 };
 
 // What the newest sample of a channel says, for displays.
 struct ChannelNow {
-  double value = kNaN;                 // SI
+  double value = kNaN;  // SI
   std::int64_t t_ns = 0;
-  Fault fault = Fault::silent;         // none: it delivers
-  bool overrange = false;              // the newest reading is beyond its range
-  std::uint64_t used = 0;              // samples taken into account
-  std::uint64_t rejected = 0;          // samples that were not: not finite, overrange, not after the one before
-  std::uint64_t gaps = 0;              // times that samples were lost
+  Fault fault = Fault::silent;  // none: it delivers
+  bool overrange = false;       // the newest reading is beyond its range
+  std::uint64_t used = 0;       // samples taken into account
+  std::uint64_t rejected = 0;   // samples that were not: not finite, overrange, not after the one before
+  std::uint64_t gaps = 0;       // times that samples were lost
 };
 
 class Pipeline {
@@ -55,7 +55,8 @@ class Pipeline {
   [[nodiscard]] State state() const noexcept;
 
   // Amplitude and phase now, over the data that count (while settling: over the last period), SI in the channel's own
-  // quantity with the transducer's response divided out, phase at the newest sample's instant. NaN: none. No allocation.
+  // quantity with the transducer's response divided out, phase at the newest sample's instant. NaN: none. No
+  // allocation.
   [[nodiscard]] std::complex<double> phasor(int channel) const noexcept;
 
   [[nodiscard]] ChannelNow channel(int channel) const noexcept;

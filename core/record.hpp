@@ -11,7 +11,7 @@ namespace dwell {
 
 // What a record tells. The fields of Record that a kind does not name are zero.
 enum class Kind : std::uint8_t {
-  sample,         // `value`: the device's own number, before scale and offset; `t_half_ns`; `flags`: kGap, kStampReplaced
+  sample,  // `value`: the device's own number, before scale and offset; `t_half_ns`; `flags`: kGap, kStampReplaced
   channel_state,  // `flags`: a Fault; Fault::none says that the channel delivers again
   edge,           // a GPIO edge; `channel`: the line; `value`: the level after it, 0 or 1
   action,         // an operator's action; `flags`: an Action
@@ -25,17 +25,17 @@ inline constexpr std::uint8_t kStampReplaced = 2;  // the device's stamp was imp
 // Why a channel does not deliver. The numbers are those of dwell_driver.h (DWELL_FAULT_...), and are recorded.
 enum class Fault : std::uint8_t {
   none = 0,
-  disconnected = 1,    // no connection to the device
-  timeout = 2,         // no answer within the time allowed
-  exception = 3,       // the device refused the request
-  bad_checksum = 4,    // a frame arrived damaged
-  short_frame = 5,     // a frame arrived incomplete
-  bad_frame = 6,       // a frame arrived that does not answer what was asked
-  late_answer = 7,     // an answer to an earlier request
-  invalid_value = 8,   // not a number, or beyond what the type can carry
-  missed_deadline = 9, // a poll began too late and was skipped
-  end_of_data = 10,    // a finite source has been played to its end
-  silent = 11,         // nothing arrived although nothing failed
+  disconnected = 1,     // no connection to the device
+  timeout = 2,          // no answer within the time allowed
+  exception = 3,        // the device refused the request
+  bad_checksum = 4,     // a frame arrived damaged
+  short_frame = 5,      // a frame arrived incomplete
+  bad_frame = 6,        // a frame arrived that does not answer what was asked
+  late_answer = 7,      // an answer to an earlier request
+  invalid_value = 8,    // not a number, or beyond what the type can carry
+  missed_deadline = 9,  // a poll began too late and was skipped
+  end_of_data = 10,     // a finite source has been played to its end
+  silent = 11,          // nothing arrived although nothing failed
 };
 inline constexpr int kFaultCount = 12;
 
@@ -48,10 +48,10 @@ enum class Action : std::uint8_t {
 
 // One element of the stream, 24 bytes, trivially copyable.
 struct Record {
-  std::int64_t t_ns = 0;         // ns, CLOCK_MONOTONIC_RAW (live) or the recording's own axis
-  double value = 0.0;            // see Kind
-  std::uint32_t t_half_ns = 0;   // ns, half width of what is known of the instant (rectangular)
-  std::uint16_t channel = 0;     // index into Rig::channels
+  std::int64_t t_ns = 0;        // ns, CLOCK_MONOTONIC_RAW (live) or the recording's own axis
+  double value = 0.0;           // see Kind
+  std::uint32_t t_half_ns = 0;  // ns, half width of what is known of the instant (rectangular)
+  std::uint16_t channel = 0;    // index into Rig::channels
   Kind kind = Kind::sample;
   std::uint8_t flags = 0;
 };

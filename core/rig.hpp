@@ -1,5 +1,5 @@
-// The rig as the method sees it: chain, drive, transducers. Plain data with defaults; config fills it from the rig file.
-// All quantities SI (rad instead of m for rotation) unless a name says otherwise.
+// The rig as the method sees it: chain, drive, transducers. Plain data with defaults; config fills it from the rig
+// file. All quantities SI (rad instead of m for rotation) unless a name says otherwise.
 #pragma once
 
 #include <cstdint>
@@ -24,33 +24,33 @@ enum class FilterKind : std::uint8_t { none, butterworth, bessel, rc };
 // A transducer's own low-pass or high-pass, unit gain in its pass band.
 struct Filter {
   FilterKind kind = FilterKind::none;
-  int order = 0;        // 1 … 8
-  double hz = 0.0;      // -3 dB corner (rc: corner of each of `order` equal stages)
-  double hz_u = 0.0;    // standard uncertainty of the corner, Hz
+  int order = 0;      // 1 … 8
+  double hz = 0.0;    // -3 dB corner (rc: corner of each of `order` equal stages)
+  double hz_u = 0.0;  // standard uncertainty of the corner, Hz
 };
 
 inline constexpr int kGround = -1;  // Channel::at of the reaction force
 
 struct Channel {
   std::string name;
-  int device = -1;                   // index into Rig::devices; -1: none (a recording as text)
+  int device = -1;  // index into Rig::devices; -1: none (a recording as text)
   Quantity measures = Quantity::displacement;
-  int at = 0;                        // 0 the table, k mass k, kGround the ground
-  std::optional<int> relative_to;    // the reading is y_at - y_relative_to
-  bool force_on_mass = false;        // force only: a positive reading is force on the mass, not on the ground
-  std::string unit = "m";            // as in the rig file
-  double si_per_unit = 1.0;          // value_SI = si_per_unit · (scale · raw + offset)
-  double scale = 1.0;                // unit per raw
-  double offset = 0.0;               // unit
-  double scale_u = 0.0;              // standard uncertainty of the scale, relative
-  double delay_s = 0.0;              // by which the reading lags the motion, device's delay not included
+  int at = 0;                      // 0 the table, k mass k, kGround the ground
+  std::optional<int> relative_to;  // the reading is y_at - y_relative_to
+  bool force_on_mass = false;      // force only: a positive reading is force on the mass, not on the ground
+  std::string unit = "m";          // as in the rig file
+  double si_per_unit = 1.0;        // value_SI = si_per_unit · (scale · raw + offset)
+  double scale = 1.0;              // unit per raw
+  double offset = 0.0;             // unit
+  double scale_u = 0.0;            // standard uncertainty of the scale, relative
+  double delay_s = 0.0;            // by which the reading lags the motion, device's delay not included
   double delay_u_s = 0.0;
   Filter lowpass;
   Filter highpass;
-  std::optional<double> range_low;   // in `unit`; a reading beyond is overrange and not used
+  std::optional<double> range_low;  // in `unit`; a reading beyond is overrange and not used
   std::optional<double> range_high;
   std::string calibration_id;
-  std::string calibration_due;       // ISO date
+  std::string calibration_due;  // ISO date
 };
 
 // What all channels of one device share.
@@ -61,14 +61,14 @@ struct Device {
 };
 
 struct Excitation {
-  double frequency_hz = 0.0;         // nominal
-  double frequency_u_hz = 0.0;       // standard uncertainty of a fixed one
-  double clock_u = 5e-5;             // relative standard uncertainty of the host's clock rate
-  double minimum = 0.0;              // table amplitude (m, rad) below which the rig is idle
-  double search_low_hz = 0.0;        // where a drive is looked for
+  double frequency_hz = 0.0;    // nominal
+  double frequency_u_hz = 0.0;  // standard uncertainty of a fixed one
+  double clock_u = 5e-5;        // relative standard uncertainty of the host's clock rate
+  double minimum = 0.0;         // table amplitude (m, rad) below which the rig is idle
+  double search_low_hz = 0.0;   // where a drive is looked for
   double search_high_hz = 0.0;
   Reference reference = Reference::tracked;
-  int harmonics = 3;                 // H, 1 … kMaxHarmonics
+  int harmonics = 3;  // H, 1 … kMaxHarmonics
 };
 
 inline constexpr int kMaxHarmonics = 8;
@@ -77,12 +77,12 @@ struct Rig {
   std::string name;
   Motion motion = Motion::translation;
   Boundary boundary = Boundary::free;
-  std::vector<double> masses;        // m_1 … m_n, kg (kg·m²)
-  std::vector<double> mass_u;        // standard uncertainties, the same unit; empty: none stated
+  std::vector<double> masses;  // m_1 … m_n, kg (kg·m²)
+  std::vector<double> mass_u;  // standard uncertainties, the same unit; empty: none stated
   Excitation excitation;
-  double tolerance = 0.005;          // transient left, relative to each channel's steady amplitude
-  double memory_s = 600.0;           // the longest stretch that counts
-  double update_s = 0.1;             // between published estimates
+  double tolerance = 0.005;  // transient left, relative to each channel's steady amplitude
+  double memory_s = 600.0;   // the longest stretch that counts
+  double update_s = 0.1;     // between published estimates
   std::vector<Device> devices;
   std::vector<Channel> channels;
 

@@ -20,7 +20,8 @@ void SettlingDetector::restart() noexcept {
 }
 
 SettlingDetector::Reading& SettlingDetector::reading(int window, int channel) noexcept {
-  return readings_[static_cast<std::size_t>(window) * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(channel)];
+  return readings_[static_cast<std::size_t>(window) * static_cast<std::size_t>(channels_) +
+                   static_cast<std::size_t>(channel)];
 }
 
 // Keeps every stride-th window, so that any time since restart is covered by a bounded number of them.
@@ -36,7 +37,8 @@ void SettlingDetector::remember(const Window& window, std::span<const Reading> r
     stride_ *= 2;
   }
   windows_.push_back(window);
-  for (int c = 0; c < channels_; ++c) reading(static_cast<int>(windows_.size()) - 1, c) = readings[static_cast<std::size_t>(c)];
+  for (int c = 0; c < channels_; ++c)
+    reading(static_cast<int>(windows_.size()) - 1, c) = readings[static_cast<std::size_t>(c)];
 }
 
 // tolerance × steady amplitude; a channel that hardly moves is held to what ten periods of its noise resolve.
@@ -50,20 +52,24 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
   const Window& then = windows_[static_cast<std::size_t>(window)];
   // The drive must agree more closely than the channels: a ramp is no transient that decays.
   const double u_table = std::hypot(then.table_u, now.table_u);
-  if (std::abs(then.table_amplitude - now.table_amplitude) > std::max(0.1 * tolerance_ * now.table_amplitude, kSure * u_table))
+  if (std::abs(then.table_amplitude - now.table_amplitude) >
+      std::max(0.1 * tolerance_ * now.table_amplitude, kSure * u_table))
     return false;
   for (int c = 0; c < channels_; ++c) {
     const Reading& a = reading(window, c);
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!a.usable || !b.usable) continue;
     const double u = std::hypot(a.u, b.u);
-    if (std::abs(a.relative - b.relative) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * std::numbers::sqrt2 * u)) return false;
+    if (std::abs(a.relative - b.relative) >
+        std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * std::numbers::sqrt2 * u))
+      return false;
   }
   return true;
 }
 
-SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int64_t last, double t_s, double table_amplitude,
-                                                   double table_u, std::span<const Reading> readings, double period_s,
+SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int64_t last, double t_s,
+                                                   double table_amplitude, double table_u,
+                                                   std::span<const Reading> readings, double period_s,
                                                    double time_constant_s) noexcept {
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
   const Window now{first, last, t_s, table_amplitude, table_u};
@@ -102,8 +108,9 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
   // How far back the windows agree with this one.
   int agreeing = static_cast<int>(windows_.size());
   while (agreeing > 0 && agrees(agreeing - 1, now, readings)) --agreeing;
-  const double agreed_s =
-      agreeing < static_cast<int>(windows_.size()) ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s : period_s;
+  const double agreed_s = agreeing < static_cast<int>(windows_.size())
+                              ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s
+                              : period_s;
   const double wanted_s = kPeriods * period_s - agreed_s;
   if (verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s) {
     verdict.settled = true;

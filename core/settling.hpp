@@ -52,9 +52,9 @@ class SettlingDetector {
                  std::span<const Reading> readings, double period_s, double time_constant_s) noexcept;
 
  private:
-  static constexpr int kHistory = 192;    // windows remembered; beyond, every second one is dropped
-  static constexpr double kSure = 3.0;    // standard deviations within which a difference is noise
-  static constexpr double kPeriods = 2.0; // that must agree before anything is said
+  static constexpr int kHistory = 192;     // windows remembered; beyond, every second one is dropped
+  static constexpr double kSure = 3.0;     // standard deviations within which a difference is noise
+  static constexpr double kPeriods = 2.0;  // that must agree before anything is said
 
   struct Window {
     std::int64_t first, last;

@@ -30,16 +30,22 @@ double within(double t, double nu) noexcept {
 }  // namespace
 
 double student_t95(double dof) noexcept {
-  if (!(dof < 1e6)) {
-    // Cornish-Fisher, exact to 1e-12 this far out.
-    const double z = kNormal95;
-    return std::isfinite(dof) ? z + (z * z * z + z) / (4 * dof) : z;
+  if (!(dof < 60)) {
+    // Cornish-Fisher (Abramowitz and Stegun 26.7.5); the next term is below 1e-9 of the result.
+    if (!std::isfinite(dof)) return kNormal95;
+    const double z = kNormal95, z2 = z * z, i = 1 / dof;
+    const double g1 = z * (z2 + 1) / 4;
+    const double g2 = z * ((5 * z2 + 16) * z2 + 3) / 96;
+    const double g3 = z * (((3 * z2 + 19) * z2 + 17) * z2 - 15) / 384;
+    const double g4 = z * ((((79 * z2 + 776) * z2 + 1482) * z2 - 1920) * z2 - 945) / 92160;
+    return z + i * (g1 + i * (g2 + i * (g3 + i * g4)));
   }
   const double nu = dof < 1 ? 1 : dof;
-  double t = nu < 1.5 ? 12.7 : kNormal95 * (1 + 1.3 / nu);
-  for (int i = 0; i < 50; ++i) {
-    const double step = (within(t, nu) - 0.95) / (2 * density(t, nu));
-    t -= step;
+  // The probability is concave in t, so Newton's steps from below the root never pass it.
+  double t = kNormal95;
+  for (int i = 0; i < 100; ++i) {
+    const double step = (0.95 - within(t, nu)) / (2 * density(t, nu));
+    t += step;
     if (std::abs(step) < 1e-12 * t) break;
   }
   return t;

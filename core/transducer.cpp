@@ -20,7 +20,8 @@ Complex butterworth(int order, Complex s) noexcept {
   return product;
 }
 
-// θ_n(0) / θ_n(s) with the reverse Bessel polynomial θ_n by its recurrence θ_n = (2n-1) θ_{n-1} + s² θ_{n-2}: unit delay.
+// θ_n(0) / θ_n(s) with the reverse Bessel polynomial θ_n by its recurrence θ_n = (2n-1) θ_{n-1} + s² θ_{n-2}: unit
+// delay.
 Complex bessel_unit_delay(int order, Complex s) noexcept {
   Complex before = 1.0, now = s + 1.0;
   double now_0 = 1.0;  // θ_n(0)
@@ -50,21 +51,28 @@ Complex filter_response(const Filter& filter, bool high, double f_hz) noexcept {
   Complex s{0.0, f_hz / filter.hz};
   if (high) s = 1.0 / s;
   switch (filter.kind) {
-    case FilterKind::none: return 1.0;
-    case FilterKind::butterworth: return butterworth(filter.order, s);
-    case FilterKind::bessel: return bessel_unit_delay(filter.order, s * bessel_corner(filter.order));
-    case FilterKind::rc: return std::pow(1.0 / (1.0 + s), filter.order);
+    case FilterKind::none:
+      return 1.0;
+    case FilterKind::butterworth:
+      return butterworth(filter.order, s);
+    case FilterKind::bessel:
+      return bessel_unit_delay(filter.order, s * bessel_corner(filter.order));
+    case FilterKind::rc:
+      return std::pow(1.0 / (1.0 + s), filter.order);
   }
   return 1.0;
 }
 
 int derivative_order(Quantity quantity) noexcept {
   switch (quantity) {
-    case Quantity::velocity: return 1;
-    case Quantity::acceleration: return 2;
+    case Quantity::velocity:
+      return 1;
+    case Quantity::acceleration:
+      return 2;
     case Quantity::displacement:
     case Quantity::force:
-    case Quantity::auxiliary: return 0;
+    case Quantity::auxiliary:
+      return 0;
   }
   return 0;
 }
@@ -80,7 +88,8 @@ LogSlopes response_slopes(const Channel& channel, double device_delay_s, double 
   constexpr double kStep = 1e-4;
   const auto log_slope = [f_hz](const Filter& filter, bool high) {
     if (filter.kind == FilterKind::none) return Complex{};
-    return std::log(filter_response(filter, high, f_hz * (1 + kStep)) / filter_response(filter, high, f_hz * (1 - kStep))) /
+    return std::log(filter_response(filter, high, f_hz * (1 + kStep)) /
+                    filter_response(filter, high, f_hz * (1 - kStep))) /
            (2 * kStep);
   };
   const Complex low = log_slope(channel.lowpass, false), high = log_slope(channel.highpass, true);

@@ -3,8 +3,8 @@
 // A reading is the motion's q-th derivative (q = 0 displacement and force, 1 velocity, 2 acceleration), delayed, and
 // filtered. With y = Im(Y exp(jωt)) the channel's phasor is X = Y (jω)^q H(jω), H = exp(-jωτ) H_low H_high.
 //
-// Filters have unit gain in the pass band. butterworth and bessel: the corner is where the magnitude is 1/√2. rc: `order`
-// equal first-order stages, each with that corner. A high-pass is the low-pass with s -> 1/s about the corner.
+// Filters have unit gain in the pass band. butterworth and bessel: the corner is where the magnitude is 1/√2. rc:
+// `order` equal first-order stages, each with that corner. A high-pass is the low-pass with s -> 1/s about the corner.
 #pragma once
 
 #include <complex>

@@ -116,6 +116,10 @@ typedef struct dwell_host {
 
   /* The instance's thread is alive: call once per turn of its loop, retries and waits included, at least every 0.5 s. */
   void (*turn)(void *context);
+
+  /* How many samples the next push is sure to find room for. For a source that can wait instead of losing a scan: push
+   * only what fits, as a refused scan is a loss. Real-time safe, like push. NULL: the host does not tell. */
+  size_t (*room)(void *context);
 } dwell_host;
 
 /* Receives one mistake of check: `channel` an index into settings->channels or -1 for the device, `key` the offending

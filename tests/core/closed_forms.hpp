@@ -9,7 +9,7 @@ namespace dwell {
 
 struct ClosedFormInput {
   bool clamped;
-  std::vector<double> m;         // m_1 … m_n at m[0] …
+  std::vector<double> m;  // m_1 … m_n at m[0] …
   double omega;
   std::vector<double> A, alpha;  // of y_0 … y_n
   double f, beta;                // force on the ground
@@ -26,8 +26,8 @@ inline double deformation_squared(const ClosedFormInput& in, std::size_t k) {
 }
 
 struct ClosedFormSigns {
-  double inertia_in_r = 1.0;   // the sign before the inertial sum of r_k
-  double force = 1.0;          // +1: f is the force on the ground
+  double inertia_in_r = 1.0;        // the sign before the inertial sum of r_k
+  double force = 1.0;               // +1: f is the force on the ground
   bool repeat_last_cosine = false;  // (19): cos(α_k-α_{k-1}) twice in the term of mass n of c_k, 1 < k < n
 };
 
@@ -47,13 +47,12 @@ inline std::vector<Pair> closed_forms(const ClosedFormInput& in, const ClosedFor
       c += in.m[i - 1] * A[i] * (A[k] * to_k - A[k - 1] * to_before);
       r += in.m[i - 1] * A[i] * (A[k] * std::sin(a[i] - a[k]) - A[k - 1] * std::sin(a[i] - a[k - 1]));
     }
-    out.push_back({(w * w * c - f * (A[k] * std::cos(a[k] - beta) - A[k - 1] * std::cos(a[k - 1] - beta))) / D,
-                   (signs.inertia_in_r * w * w * r +
-                    f * (A[k] * std::sin(a[k] - beta) - A[k - 1] * std::sin(a[k - 1] - beta))) /
-                       (w * D)});
+    out.push_back(
+        {(w * w * c - f * (A[k] * std::cos(a[k] - beta) - A[k - 1] * std::cos(a[k - 1] - beta))) / D,
+         (signs.inertia_in_r * w * w * r + f * (A[k] * std::sin(a[k] - beta) - A[k - 1] * std::sin(a[k - 1] - beta))) /
+             (w * D)});
   }
-  if (in.clamped)
-    out.push_back({in.f * std::cos(a[n] - beta) / A[n], -in.f * std::sin(a[n] - beta) / (w * A[n])});
+  if (in.clamped) out.push_back({in.f * std::cos(a[n] - beta) / A[n], -in.f * std::sin(a[n] - beta) / (w * A[n])});
   return out;
 }
 

@@ -88,7 +88,8 @@ TEST(HarmonicFit, EqualsADirectLeastSquaresSolutionWhateverIsMissingJoinedOrShar
         // What the second-order step leaves of the phase of the longest block: (δ u 2H)³/6.
         const double left = std::pow(3e-4 * kPi / 4 * longest * 2 * H, 3) / 6 + 1e-9;
         EXPECT_NEAR(fit.X[static_cast<std::size_t>(h - 1)].real(), truth(h), left) << "trial " << trial << " h " << h;
-        EXPECT_NEAR(fit.X[static_cast<std::size_t>(h - 1)].imag(), truth(H + h), left) << "trial " << trial << " h " << h;
+        EXPECT_NEAR(fit.X[static_cast<std::size_t>(h - 1)].imag(), truth(H + h), left)
+            << "trial " << trial << " h " << h;
       }
     }
   }
@@ -98,7 +99,8 @@ TEST(HarmonicFit, ItsScoreLeadsToTheFrequencyOfTheMotion) {
   const double omega = 2 * kPi * 5, wrong = omega * 1.002;
   std::vector<Reading> readings;
   for (int i = 0; i < 2000; ++i)
-    readings.push_back({0, i * 2'000'000LL, 3 * std::sin(omega * i * 0.002 + 0.4) + 0.2 * std::sin(2 * omega * i * 0.002)});
+    readings.push_back(
+        {0, i * 2'000'000LL, 3 * std::sin(omega * i * 0.002 + 0.4) + 0.2 * std::sin(2 * omega * i * 0.002)});
   Blocks blocks(1, 3);
   feed(blocks, wrong, readings);
   Totals totals(1, 3);

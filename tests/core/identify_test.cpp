@@ -54,7 +54,8 @@ std::vector<Complex> identified(const Case& one) {
 }
 
 ClosedFormInput polar(const Case& one) {
-  ClosedFormInput in{one.boundary == Boundary::clamped, one.masses, one.omega, {}, {}, std::abs(one.F), std::arg(one.F)};
+  ClosedFormInput in{
+      one.boundary == Boundary::clamped, one.masses, one.omega, {}, {}, std::abs(one.F), std::arg(one.F)};
   for (const Complex& y : one.Y) in.A.push_back(std::abs(y)), in.alpha.push_back(std::arg(y));
   return in;
 }
@@ -92,8 +93,8 @@ TEST(Identify, TheDampingFormulas18To20AsPrintedComeOutNegative) {
     const auto printed = printed_free_18_to_20(polar(one));
     for (std::size_t k = 0; k < one.r.size(); ++k)
       EXPECT_LT(printed[k].r * one.r[k], 0.0) << one.name << ", r_" << k + 1;
-    // (19)'s last term for c_k, cos(α_k - α_{k-1}) twice, is wrong wherever it applies (elements between the ends); in a
-    // chain of 16 or more the last mass moves too little to show it.
+    // (19)'s last term for c_k, cos(α_k - α_{k-1}) twice, is wrong wherever it applies (elements between the ends); in
+    // a chain of 16 or more the last mass moves too little to show it.
     if (one.masses.size() > 8) continue;
     for (std::size_t k = 1; k + 1 < one.c.size(); ++k)
       EXPECT_GT(std::abs(printed[k].c / one.c[k] - 1.0), 1e-6) << one.name << ", c_" << k + 1;

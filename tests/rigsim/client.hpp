@@ -71,7 +71,7 @@ inline Bytes read_pdu(std::uint16_t address, std::uint16_t count, std::uint8_t f
 inline Bytes receive_tcp(const Fd& fd) {
   Bytes frame = receive_bytes(fd, 6);
   if (frame.size() < 6) return {};
-  const Bytes rest = receive_bytes(fd, static_cast<std::size_t>(frame[4]) * 256 + frame[5]);
+  const Bytes rest = receive_bytes(fd, std::size_t{256} * frame[4] + frame[5]);
   frame.insert(frame.end(), rest.begin(), rest.end());
   return frame;
 }

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <sstream>
 
 #include "tests/rigsim/control.hpp"
 #include "tests/rigsim/recording.hpp"
@@ -26,7 +27,8 @@ struct Arguments {
   Options rig;
   RecordingOptions recording;
   std::string boundary = "clamped";
-  std::string tcp, unit = "m", csv;
+  std::string parity = "even";
+  std::string masses, tcp, unit = "m", csv;
   std::vector<std::string> harmonics, stuck;
   bool print_truth = false;
 };
@@ -39,9 +41,7 @@ int wrong(const std::string& message) {
 void define(CLI::App& app, Arguments& arguments) {
   Options& rig = arguments.rig;
   app.add_option("--boundary", arguments.boundary, "clamped or free")->check(CLI::IsMember({"clamped", "free"}));
-  app.add_option("--masses", rig.chain.masses, "m_1,m_2,... kg (none for a clamped element alone: --masses '')")
-      ->delimiter(',')
-      ->expected(0, 1000);
+  app.add_option("--masses", arguments.masses, "m_1,m_2,... kg; none: a clamped element alone");
   app.add_option("--stiffness", rig.chain.stiffness, "c_1,c_2,... N/m")->delimiter(',');
   app.add_option("--damping", rig.chain.damping, "r_1,r_2,... N*s/m")->delimiter(',');
   app.add_option("--frequency", rig.drive.frequency_hz, "of the drive, Hz")->check(CLI::Range(0.0, 1e4));
@@ -57,6 +57,8 @@ void define(CLI::App& app, Arguments& arguments) {
   app.add_option("--rtu", rig.rtu_link, "serve Modbus RTU on a pseudo-terminal, linked from this path");
   app.add_option("--baud", rig.baud, "of the simulated wire; default: as the client sets it")
       ->check(CLI::Range(300, 10000000));
+  app.add_option("--parity", arguments.parity, "of the simulated wire: a pseudo-terminal does not tell the client's")
+      ->check(CLI::IsMember({"even", "odd", "none"}));
   app.add_option("--control", rig.control_path, "unix stream socket for control lines");
   app.add_option("--clock-drift", rig.clock_drift_ppm, "of the rig's clock, ppm")->check(CLI::Range(-1e5, 1e5));
   app.add_option("--stuck", arguments.stuck, "a channel stuck from the beginning; repeatable");
@@ -87,10 +89,25 @@ std::optional<dwell::Harmonic> parse_harmonic(const std::string& text) {
   return harmonic;
 }
 
+std::string settle_masses(Arguments& arguments) {
+  auto& masses = arguments.rig.chain.masses;
+  if (arguments.masses.empty()) return {};
+  masses.clear();
+  if (arguments.masses == "none") return {};
+  std::stringstream list(arguments.masses);
+  for (std::string word; std::getline(list, word, ',');) {
+    const auto mass = rigsim::number(word);
+    if (!mass) return "--masses " + arguments.masses + ": expected numbers with commas between, or none";
+    masses.push_back(*mass);
+  }
+  return {};
+}
+
 std::string settle(Arguments& arguments) {
   Options& rig = arguments.rig;
   rig.chain.boundary = arguments.boundary == "free" ? dwell::Boundary::free : dwell::Boundary::clamped;
-  if (const std::string fault = rig.chain.fault(); !fault.empty()) return fault;
+  if (std::string fault = settle_masses(arguments); !fault.empty()) return fault;
+  if (std::string fault = rig.chain.fault(); !fault.empty()) return fault;
   for (const std::string& text : arguments.harmonics) {
     const auto harmonic = parse_harmonic(text);
     if (!harmonic) return "--harmonic " + text + ": expected MULTIPLE:AMPLITUDE[:PHASE]";
@@ -98,6 +115,7 @@ std::string settle(Arguments& arguments) {
   }
   rig.millimetres = arguments.unit == "mm";
   rig.rtu = !rig.rtu_link.empty();
+  rig.parity = arguments.parity != "none";
   rig.tcp_port.reset();
   if (!arguments.tcp.empty()) {
     const auto colon = arguments.tcp.rfind(':');

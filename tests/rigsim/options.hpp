@@ -53,9 +53,10 @@ struct Options {
 
   std::optional<std::uint16_t> tcp_port = 0;  // 0: the kernel chooses; none: no TCP
   std::string tcp_host = "127.0.0.1";
-  bool rtu = false;          // serve RTU on a pseudo-terminal
-  std::string rtu_link;      // symbolic link to make to it; empty: none
-  int baud = 0;              // of the simulated wire; 0: what the client sets
+  bool rtu = false;      // serve RTU on a pseudo-terminal
+  std::string rtu_link;  // symbolic link to make to it; empty: none
+  int baud = 0;          // of the simulated wire; 0: what the client sets
+  bool parity = true;    // likewise; a pseudo-terminal does not tell the client's (11 bits a character; without: 10)
   std::string control_path;  // unix stream socket for control lines; empty: none
 
   // The host's clock, ns; CLOCK_MONOTONIC_RAW unless a test brings its own. Called from the server's thread.

@@ -20,19 +20,16 @@
 #include <vector>
 
 #include "tests/rigsim/control.hpp"
+#include "tests/rigsim/exchange.hpp"
 #include "tests/rigsim/responder.hpp"
+#include "tests/rigsim/simulated_clock.hpp"
 #include "tests/rigsim/sockets.hpp"
 #include "tests/rigsim/truth.hpp"
 
 namespace rigsim {
 namespace {
 
-constexpr std::size_t kMostConnections = 64;
 constexpr std::size_t kMostClients = 8;
-constexpr std::size_t kMostPending = 256;
-constexpr std::size_t kMostUnread = 2048;             // bytes of requests kept while one is being answered
-constexpr std::int64_t kFrameSilenceNs = 50'000'000;  // after which half an RTU frame is forgotten
-constexpr std::uint64_t kRtu = 0;                     // link id; TCP connections count from 1
 
 std::int64_t now_ns(clockid_t clock) {
   timespec now{};
@@ -40,56 +37,9 @@ std::int64_t now_ns(clockid_t clock) {
   return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
-std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
-
-// A connection, or the pseudo-terminal.
-struct Link {
-  std::uint64_t id = kRtu;
-  Fd connection;  // TCP
-  Bytes in;
-  bool busy = false;  // a request is being answered; what follows waits
-  std::int64_t last_received_ns = 0;
-};
-
-struct Pending {
-  std::uint64_t link;
-  Request request;
-  Fate fate;
-  double t_s;  // simulated: when it is sampled
-  std::int64_t sample_ns, send_ns;
-  bool sampled = false;
-  Bytes frame;
-
-  [[nodiscard]] std::int64_t due_ns() const { return sampled ? send_ns : sample_ns; }
-};
-
 struct Client {
   Fd fd;
   std::string in;
-};
-
-// Simulated time as a straight line of the host's clock; a change of the drift keeps it continuous.
-class SimulatedClock {
- public:
-  SimulatedClock(std::int64_t start_ns, double drift_ppm) : from_ns_(start_ns) { set_rate(drift_ppm); }
-  [[nodiscard]] double at(std::int64_t clock_ns) const {
-    const std::scoped_lock lock(mutex_);
-    return from_s_ + static_cast<double>(clock_ns - from_ns_) * 1e-9 * rate_;
-  }
-  void set_drift(std::int64_t clock_ns, double drift_ppm) {
-    const double t_s = at(clock_ns);
-    const std::scoped_lock lock(mutex_);
-    from_ns_ = clock_ns;
-    from_s_ = t_s;
-    set_rate(drift_ppm);
-  }
-
- private:
-  void set_rate(double drift_ppm) { rate_ = 1.0 + 1e-6 * drift_ppm; }
-  mutable std::mutex mutex_;
-  std::int64_t from_ns_;
-  double from_s_ = 0.0;
-  double rate_ = 1.0;
 };
 
 }  // namespace
@@ -99,22 +49,21 @@ struct Server::Impl {
       : options(std::move(the_options)),
         clock(options.clock_ns ? options.clock_ns : [] { return now_ns(CLOCK_MONOTONIC_RAW); }),
         time(clock(), options.clock_drift_ppm),
-        responder(options) {}
+        responder(options),
+        exchange(responder, clock, time) {}
 
   // Set up before the thread starts, read-only afterwards.
   Options options;
   std::function<std::int64_t()> clock;
   std::uint16_t port = 0;
-  PseudoTerminal terminal;
+  std::string rtu_path;
   SimulatedClock time;
 
   // The server's thread's own.
   Responder responder;
+  Exchange exchange;
   Fd tcp_listener, control_listener;
-  std::vector<Link> links;
   std::vector<Client> clients;
-  std::vector<Pending> pending;
-  std::uint64_t next_link = 1;
 
   // Between threads.
   Fd wake;
@@ -130,17 +79,6 @@ struct Server::Impl {
   std::string execute_line(const std::string& line);
   std::string status();
 
-  [[nodiscard]] int descriptor(const Link& link) const {
-    return link.id == kRtu ? terminal.master.get() : link.connection.get();
-  }
-  Link* find(std::uint64_t id);
-  void accept_connection();
-  void drop_closed();
-  void receive(Link& link);
-  void process(Link& link);
-  void handle(Link& link, const Request& request);
-  void transmit(Link& link, const Bytes& frame);
-  void run_due();
   void serve_client(Client& client);
 };
 
@@ -156,16 +94,17 @@ Result<void> Server::Impl::open() {
   if (options.rtu) {
     auto made = open_pseudo_terminal();
     if (!made) return tl::make_unexpected(made.error());
-    terminal = std::move(*made);
-    links.emplace_back();
+    rtu_path = made->path;
     if (!options.rtu_link.empty()) {
       struct stat what {};
       if (::lstat(options.rtu_link.c_str(), &what) == 0 && S_ISLNK(what.st_mode)) ::unlink(options.rtu_link.c_str());
-      if (::symlink(terminal.path.c_str(), options.rtu_link.c_str()) != 0) {
+      if (::symlink(rtu_path.c_str(), options.rtu_link.c_str()) != 0) {
         const std::string reason = std::strerror(errno);
-        return tl::make_unexpected("cannot link " + std::exchange(options.rtu_link, {}) + ": " + reason);
+        return tl::make_unexpected("cannot link " + options.rtu_link + ": " + reason);
       }
+      rtu_path = options.rtu_link;
     }
+    exchange.add_terminal(std::move(*made), options.parity);
   }
   if (!options.control_path.empty()) {
     auto listener = listen_unix(options.control_path);
@@ -175,120 +114,17 @@ Result<void> Server::Impl::open() {
   return {};
 }
 
-Link* Server::Impl::find(std::uint64_t id) {
-  const auto found = std::find_if(links.begin(), links.end(), [id](const Link& link) { return link.id == id; });
-  return found == links.end() || descriptor(*found) < 0 ? nullptr : &*found;
-}
-
-void Server::Impl::accept_connection() {
-  Link link;
-  link.connection = accept_from(tcp_listener, true);
-  if (!link.connection || links.size() >= kMostConnections) return;
-  link.id = next_link++;
-  links.push_back(std::move(link));
-}
-
-void Server::Impl::drop_closed() {
-  std::erase_if(links, [this](const Link& link) { return descriptor(link) < 0; });
-  std::erase_if(clients, [](const Client& client) { return !client.fd; });
-  std::erase_if(pending, [this](const Pending& one) { return find(one.link) == nullptr; });
-}
-
-void Server::Impl::receive(Link& link) {
-  std::array<std::uint8_t, 1024> chunk{};
-  const ssize_t size = ::read(descriptor(link), chunk.data(), chunk.size());
-  if (size <= 0) {
-    if (size == 0 || (errno != EAGAIN && errno != EINTR)) link.connection.close();
-    return;
-  }
-  // Whoever keeps sending without awaiting answers is no Modbus client.
-  if (link.in.size() >= kMostUnread) {
-    link.in.clear();
-    link.connection.close();
-    return;
-  }
-  const std::int64_t now = now_ns(CLOCK_MONOTONIC);
-  if (link.id == kRtu && now - link.last_received_ns > kFrameSilenceNs) link.in.clear();
-  link.last_received_ns = now;
-  link.in.insert(link.in.end(), chunk.begin(), chunk.begin() + size);
-  process(link);
-}
-
-void Server::Impl::process(Link& link) {
-  while (!link.busy && descriptor(link) >= 0) {
-    const Parsed parsed = link.id == kRtu ? parse_rtu(link.in) : parse_tcp(link.in);
-    if (parsed.kind == Parsed::Kind::incomplete) return;
-    if (parsed.kind == Parsed::Kind::broken) {
-      link.in.clear();
-      link.connection.close();
-      return;
-    }
-    link.in.erase(link.in.begin(), link.in.begin() + static_cast<std::ptrdiff_t>(parsed.request.size));
-    handle(link, parsed.request);
-  }
-}
-
-void Server::Impl::handle(Link& link, const Request& request) {
-  const bool rtu = link.id == kRtu;
-  const std::int64_t clock_ns = clock();
-  const std::int64_t now = now_ns(CLOCK_MONOTONIC);
-  const Line line = rtu ? line_settings(terminal) : Line{};
-  const Fate fate = responder.decide(request, static_cast<double>(now) * 1e-9, rtu ? &line : nullptr);
-  if (fate.kind == Fate::Kind::nothing) return;
-  if (fate.kind == Fate::Kind::reset) return reset_connection(link.connection);
-  const double t_s = time.at(clock_ns + to_ns(fate.sample_s));
-  if (fate.send_s <= 0.0) return transmit(link, responder.answer(request, fate, t_s, rtu));
-  if (pending.size() >= kMostPending) return;
-  pending.push_back({link.id, request, fate, t_s, now + to_ns(fate.sample_s), now + to_ns(fate.send_s), false, {}});
-  link.busy = !fate.out_of_turn;
-}
-
-// A client that does not read its answers loses the connection (TCP) or the answer (RTU).
-void Server::Impl::transmit(Link& link, const Bytes& frame) {
-  if (frame.empty()) return;
-  if (link.id == kRtu) {
-    [[maybe_unused]] const ssize_t written = ::write(terminal.master.get(), frame.data(), frame.size());
-    return;
-  }
-  const ssize_t sent = ::send(link.connection.get(), frame.data(), frame.size(), MSG_NOSIGNAL);
-  if (sent != static_cast<ssize_t>(frame.size())) link.connection.close();
-}
-
-void Server::Impl::run_due() {
-  while (!pending.empty()) {
-    const auto next = std::min_element(pending.begin(), pending.end(),
-                                       [](const Pending& a, const Pending& b) { return a.due_ns() < b.due_ns(); });
-    if (next->due_ns() > now_ns(CLOCK_MONOTONIC)) return;
-    if (!next->sampled) {
-      next->frame = responder.answer(next->request, next->fate, next->t_s, next->link == kRtu);
-      next->sampled = true;
-      continue;
-    }
-    const Pending done = std::move(*next);
-    pending.erase(next);
-    if (Link* link = find(done.link)) {
-      transmit(*link, done.frame);
-      if (!done.fate.out_of_turn) {
-        link->busy = false;
-        process(*link);
-      }
-    }
-  }
-}
-
 std::string Server::Impl::status() {
   const Tally& tally = responder.tally;
   const dwell::Drive& drive = responder.device.drive();
-  const auto connections =
-      std::count_if(links.begin(), links.end(), [](const Link& link) { return link.id != kRtu && link.connection; });
   return "ok {\"t_s\":" + std::to_string(time.at(clock())) +
          ",\"running\":" + (responder.device.running() ? "true" : "false") +
          ",\"frequency_hz\":" + std::to_string(drive.frequency_hz) +
          ",\"amplitude\":" + std::to_string(drive.amplitude) + ",\"requests\":" + std::to_string(tally.requests) +
          ",\"answers\":" + std::to_string(tally.answers) + ",\"exceptions\":" + std::to_string(tally.exceptions) +
          ",\"unanswered\":" + std::to_string(tally.unanswered) + ",\"resets\":" + std::to_string(tally.resets) +
-         ",\"connections\":" + std::to_string(connections) + ",\"silent\":" + (responder.silent ? "true" : "false") +
-         "}";
+         ",\"connections\":" + std::to_string(exchange.connection_count()) +
+         ",\"silent\":" + (responder.silent ? "true" : "false") + "}";
 }
 
 std::string Server::Impl::execute_line(const std::string& line) {
@@ -303,8 +139,7 @@ std::string Server::Impl::execute_line(const std::string& line) {
   if (verb == "status" && alone) return status();
   if (verb == "truth" && alone) return "ok " + truth_json(options.chain, responder.device.drive());
   if (verb == "reset" && alone) {
-    for (Link& link : links)
-      if (link.connection) reset_connection(link.connection);
+    exchange.reset_connections();
     return "ok";
   }
   if (verb == "silent" && (on || off)) {
@@ -314,7 +149,7 @@ std::string Server::Impl::execute_line(const std::string& line) {
   if (verb == "listen" && (on || off) && options.tcp_port) {
     if (off) {
       tcp_listener.close();
-      for (Link& link : links) link.connection.close();
+      exchange.close_connections();
     } else if (!tcp_listener) {
       auto listener = listen_tcp(options.tcp_host, port);
       if (!listener) return "error: " + listener.error();
@@ -363,39 +198,35 @@ void Server::Impl::serve_client(Client& client) {
 
 void Server::Impl::serve_once() {
   std::vector<pollfd> polled;
-  const auto watch = [&](int fd, bool wanted) { polled.push_back({fd, static_cast<short>(wanted ? POLLIN : 0), 0}); };
-  watch(wake.get(), true);
-  watch(tcp_listener.get(), true);
-  watch(control_listener.get(), true);
-  const std::size_t link_count = links.size();
+  const auto watch = [&](int fd) { polled.push_back({fd, POLLIN, 0}); };
+  watch(wake.get());
+  watch(tcp_listener.get());
+  watch(control_listener.get());
+  for (const Client& client : clients) watch(client.fd.get());
   const std::size_t client_count = clients.size();
-  for (const Link& link : links) watch(descriptor(link), !link.busy || link.in.size() < kMostUnread);
-  for (const Client& client : clients) watch(client.fd.get(), true);
+  const std::size_t first_link = polled.size();
+  exchange.watch(polled);
 
   timespec wait{};
-  const timespec* timeout = nullptr;
-  if (!pending.empty()) {
-    std::int64_t due = pending.front().due_ns();
-    for (const Pending& one : pending) due = std::min(due, one.due_ns());
-    const std::int64_t left = std::max<std::int64_t>(0, due - now_ns(CLOCK_MONOTONIC));
+  const auto due_ns = exchange.next_due_ns();
+  if (due_ns) {
+    const std::int64_t left = std::max<std::int64_t>(0, *due_ns - now_ns(CLOCK_MONOTONIC));
     wait = {left / 1'000'000'000, left % 1'000'000'000};
-    timeout = &wait;
   }
-  if (::ppoll(polled.data(), polled.size(), timeout, nullptr) < 0) return;
+  if (::ppoll(polled.data(), polled.size(), due_ns ? &wait : nullptr, nullptr) < 0) return;
 
-  run_due();
+  exchange.serve(std::span(polled).subspan(first_link));
   const auto ready = [&](std::size_t i) { return polled[i].fd >= 0 && polled[i].revents != 0; };
-  for (std::size_t i = 0; i < link_count; ++i)
-    if (ready(3 + i) && descriptor(links[i]) >= 0) receive(links[i]);
   for (std::size_t i = 0; i < client_count; ++i)
-    if (ready(3 + link_count + i)) serve_client(clients[i]);
+    if (ready(3 + i)) serve_client(clients[i]);
   if (ready(0)) take_commands();
-  if (ready(1) && tcp_listener) accept_connection();
+  if (ready(1) && tcp_listener) exchange.accept_connection(tcp_listener);
   if (ready(2)) {
     Client client{accept_from(control_listener, false), {}};
     if (client.fd && clients.size() < kMostClients) clients.push_back(std::move(client));
   }
-  drop_closed();
+  std::erase_if(clients, [](const Client& client) { return !client.fd; });
+  exchange.sweep();
 }
 
 void Server::Impl::run() {
@@ -430,15 +261,13 @@ Server::~Server() {
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t size = ::write(impl_->wake.get(), &one, sizeof one);
   if (impl_->thread.joinable()) impl_->thread.join();
-  if (impl_->terminal.master && !impl_->options.rtu_link.empty()) ::unlink(impl_->options.rtu_link.c_str());
+  if (!impl_->rtu_path.empty() && impl_->rtu_path == impl_->options.rtu_link) ::unlink(impl_->options.rtu_link.c_str());
   if (impl_->control_listener) ::unlink(impl_->options.control_path.c_str());
 }
 
 std::uint16_t Server::tcp_port() const { return impl_->port; }
 
-std::string Server::rtu_path() const {
-  return impl_->options.rtu_link.empty() ? impl_->terminal.path : impl_->options.rtu_link;
-}
+std::string Server::rtu_path() const { return impl_->rtu_path; }
 
 std::string Server::command(const std::string& line) {
   std::packaged_task<std::string()> task([this, line] { return impl_->execute_line(line); });

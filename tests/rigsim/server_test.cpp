@@ -6,71 +6,17 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <random>
 #include <thread>
 
-#include "tests/rigsim/client.hpp"
+#include "tests/rigsim/rig_fixture.hpp"
 
 namespace rigsim {
 namespace {
 
 using namespace test;
-
-constexpr int kChannels = 5;                                 // of the default rig: y0 … y3, reaction
-constexpr double kFull[] = {0.005, 0.01, 0.01, 0.01, 50.0};  // their sizes
-
-void await(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + kDeadline;
-  while (!condition()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), end);
-    std::this_thread::yield();
-  }
-}
-
-// A rig whose clock stands still unless a test moves it.
-class Rig : public ::testing::Test {
- protected:
-  void start() {
-    options.clock_ns = [this] { return clock_ns.load(); };
-    auto made = Server::start(options);
-    ASSERT_TRUE(made) << made.error();
-    server = std::move(*made);
-    if (options.tcp_port) client = connect_tcp(server->tcp_port());
-  }
-  void set_time(double t_s) { clock_ns = static_cast<std::int64_t>(std::llround(t_s * 1e9)); }
-  void ok(const std::string& line) { EXPECT_EQ(server->command(line), "ok") << line; }
-
-  // All channels by station `unit` in one request.
-  std::vector<double> read(int unit = 1, std::uint8_t function = 4) {
-    const Station which = *station(unit);
-    const Bytes frame =
-        ask_tcp(client, unit, read_pdu(0, static_cast<std::uint16_t>(kChannels * which.words()), function));
-    std::vector<double> values;
-    if (exception_of(frame) != 0) return values;
-    for (int i = 0; i < kChannels; ++i) values.push_back(decode(frame.data() + 9 + 2 * i * which.words(), which));
-    return values;
-  }
-  std::vector<double> truth(double t_s) const {
-    dwell::DrivenChain chain(options.chain, options.drive, dwell::DrivenChain::Start::rest);
-    const auto& motion = chain.at(t_s);
-    std::vector<double> values = motion.y;
-    values.push_back(motion.ground_force);
-    return values;
-  }
-  std::uint64_t requests() {
-    const std::string status = server->command("status");
-    return std::stoull(status.substr(status.find("\"requests\":") + 11));
-  }
-  void send(std::uint16_t transaction) { send_bytes(client, tcp_frame(transaction, 1, read_pdu(0, 2))); }
-
-  Options options;
-  std::atomic<std::int64_t> clock_ns{0};
-  std::unique_ptr<Server> server;
-  Fd client;
-};
 
 TEST_F(Rig, ServesTheModelAtTheInstantInEveryTypeAndOrder) {
   start();
@@ -325,7 +271,7 @@ TEST_F(Rig, TakesControlLinesFromItsSocket) {
   start();
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  std::strcpy(address.sun_path, options.control_path.c_str());
+  options.control_path.copy(address.sun_path, sizeof address.sun_path - 1);
   const Fd control(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   ASSERT_EQ(::connect(control.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   const std::string lines = "exception 1\nstuck y0 on\n";
@@ -350,111 +296,6 @@ TEST(ServerStart, SaysWhyItCannot) {
   options.tcp_port = 0;
   options.chain.damping.pop_back();
   EXPECT_FALSE(Server::start(options));
-}
-
-// RTU, on a real pseudo-terminal.
-class RtuRig : public Rig {
- protected:
-  void start_rtu(speed_t speed = B115200) {
-    options.rtu = true;
-    options.tcp_port.reset();
-    start();
-    line = open_serial(server->rtu_path(), speed);
-  }
-  void ask(int unit, std::uint16_t address = 0) {
-    send_bytes(line, rtu_frame(static_cast<std::uint8_t>(unit), read_pdu(address, 2)));
-  }
-  static bool good(const Bytes& frame) {
-    return frame.size() > 4 && rtu_frame(frame[0], std::span(frame).subspan(1, frame.size() - 3)) == frame;
-  }
-  Fd line;
-};
-
-TEST_F(RtuRig, AnswersAnyStationWithAGoodCrc) {
-  start_rtu();
-  for (const int unit : {1, 2, 24}) {
-    ask(unit);
-    const Bytes frame = receive_bytes(line, 9);
-    EXPECT_TRUE(good(frame));
-    EXPECT_EQ(frame[0], unit);
-  }
-}
-
-TEST_F(RtuRig, ServesTheModelAfterTheRequestsWireTime) {
-  options.baud = 9600;
-  start_rtu();
-  set_time(0.5);
-  send_bytes(line, rtu_frame(1, read_pdu(2, 2)));
-  const Bytes frame = receive_bytes(line, 9);
-  ASSERT_TRUE(good(frame));
-  // The client has set no parity and one stop bit: ten bits a character, eight characters.
-  EXPECT_NEAR(decode(frame.data() + 3, *station(1)), truth(0.5 + 80.0 / 9600)[1], 1e-9);
-}
-
-TEST_F(RtuRig, TakesTheTimeThatBytesNeedOnTheWire) {
-  start_rtu(B9600);
-  const auto before = std::chrono::steady_clock::now();
-  ask(1);
-  EXPECT_TRUE(good(receive_bytes(line, 9)));
-  EXPECT_GE(std::chrono::steady_clock::now() - before, std::chrono::duration<double>(170.0 / 9600));
-}
-
-TEST_F(RtuRig, NobodyAnswersForAStationThatIsNotThere) {
-  start_rtu();
-  ask(77);
-  await([&] { return requests() == 1; });
-  ask(3);
-  EXPECT_EQ(receive_bytes(line, 9).at(0), 3);
-}
-
-TEST_F(RtuRig, FaultsOfTheLineDoWhatTheyAreCalled) {
-  start_rtu();
-  ok("bad-crc 1");
-  ask(1);
-  const Bytes bad = receive_bytes(line, 9);
-  EXPECT_EQ(bad.size(), 9U);
-  EXPECT_FALSE(good(bad));
-  ok("bad-crc 0");
-  ok("wrong-id 1");
-  ask(1);
-  EXPECT_EQ(receive_bytes(line, 9).at(0), 2);
-  ok("wrong-id 0");
-  ok("short 1");
-  ask(1);
-  EXPECT_EQ(receive_bytes(line, 9, 0.5).size(), 4U);
-  ok("short 0");
-  ok("exception 1");
-  ask(1);
-  const Bytes refused = receive_bytes(line, 5);
-  EXPECT_TRUE(good(refused));
-  EXPECT_EQ(refused.at(2), kDeviceFailure);
-}
-
-TEST_F(RtuRig, ComesBackAfterGarbage) {
-  start_rtu();
-  std::mt19937_64 random(6);
-  for (int round = 0; round < 20; ++round) {
-    Bytes bytes(1 + random() % 40);
-    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    send_bytes(line, bytes);
-  }
-  // Until the line has been silent long enough for the rig to forget the last of it.
-  Bytes frame;
-  for (int tries = 0; tries < 100 && !good(frame); ++tries) {
-    ask(1);
-    frame = receive_bytes(line, 9, 0.2);
-  }
-  EXPECT_TRUE(good(frame));
-}
-
-TEST_F(RtuRig, LinksItsTerminalAndRemovesTheLink) {
-  options.rtu_link = std::filesystem::temp_directory_path() / ("rigsim-rtu-" + std::to_string(::getpid()));
-  start_rtu();
-  EXPECT_EQ(server->rtu_path(), options.rtu_link);
-  ask(1);
-  EXPECT_TRUE(good(receive_bytes(line, 9)));
-  server.reset();
-  EXPECT_FALSE(std::filesystem::is_symlink(options.rtu_link));
 }
 
 }  // namespace

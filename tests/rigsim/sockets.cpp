@@ -96,14 +96,13 @@ Result<PseudoTerminal> open_pseudo_terminal() {
   termios settings{};
   if (::tcgetattr(out.slave.get(), &settings) != 0) return failed("cannot set up " + out.path);
   ::cfmakeraw(&settings);
-  settings.c_cflag |= PARENB;
   ::cfsetspeed(&settings, B115200);
   ::tcsetattr(out.slave.get(), TCSANOW, &settings);
   ::fcntl(out.master.get(), F_SETFL, O_NONBLOCK);
   return out;
 }
 
-Line line_settings(const PseudoTerminal& terminal) {
+Line line_settings(const PseudoTerminal& terminal, bool parity) {
   Line line;
   termios settings{};
   if (::tcgetattr(terminal.slave.get(), &settings) != 0) return line;
@@ -117,9 +116,8 @@ Line line_settings(const PseudoTerminal& terminal) {
   const speed_t code = ::cfgetospeed(&settings);
   for (const Speed& speed : kSpeeds)
     if (speed.code == code) line.baud = speed.baud;
-  const bool seven = (settings.c_cflag & CSIZE) == CS7;
-  line.bits =
-      1 + (seven ? 7 : 8) + ((settings.c_cflag & PARENB) != 0 ? 1 : 0) + ((settings.c_cflag & CSTOPB) != 0 ? 2 : 1);
+  // Start, eight data bits, stop, and one more: parity or a second stop bit.
+  line.bits = parity || (settings.c_cflag & CSTOPB) != 0 ? 11 : 10;
   return line;
 }
 

@@ -51,11 +51,12 @@ struct PseudoTerminal {
 };
 [[nodiscard]] Result<PseudoTerminal> open_pseudo_terminal();
 
-// Of what the client has set on it: bits per second, and bits per character on the wire.
+// The wire it stands for: bits per second and per character.
 struct Line {
   double baud = 115200;
   int bits = 11;
 };
-[[nodiscard]] Line line_settings(const PseudoTerminal& terminal);
+// Speed and stop bits as the client has set them; a pseudo-terminal does not keep the client's parity, so that is told.
+[[nodiscard]] Line line_settings(const PseudoTerminal& terminal, bool parity);
 
 }  // namespace rigsim

@@ -1,0 +1,115 @@
+// check: every device probed once, either directly through its plugin or by asking the running service.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "config/rig_file.hpp"
+#include "daemon/acquire/plugin.hpp"
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/control_client.hpp"
+#include "daemon/ctl/tables.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+// What the plugin tells of one device; a copy of it reaches the plugin as `context`.
+struct Probe {
+  const config::DeviceSettings* settings = nullptr;
+  const Rig* rig = nullptr;
+  std::vector<Probed>* channels = nullptr;  // by Rig::channels
+  std::set<std::int64_t> latencies_ns;      // one per transaction: channels read together share theirs
+};
+
+void probed(void* context, size_t channel, double raw, std::int64_t latency_ns, const char* error) {
+  auto& probe = *static_cast<Probe*>(context);
+  if (channel >= probe.settings->channels.size()) return;
+  const std::size_t index = probe.settings->channels[channel].index;
+  if (index >= probe.channels->size()) return;
+  Probed& result = (*probe.channels)[index];
+  if (error != nullptr) {
+    result.status = error;
+    return;
+  }
+  const Channel& wiring = probe.rig->channels[index];
+  result.value = wiring.scale * raw + wiring.offset;
+  const bool below = wiring.range_low && result.value < *wiring.range_low;
+  const bool above = wiring.range_high && result.value > *wiring.range_high;
+  result.status = below || above ? "overrange" : "ok";
+  result.latency_s = 1e-9 * static_cast<double>(latency_ns);
+  probe.latencies_ns.insert(latency_ns);
+}
+
+std::vector<Probed> probe_all(const config::RigFile& file) {
+  std::vector<Probed> channels(file.rig.channels.size());
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    channels[i].name = file.rig.channels[i].name;
+    channels[i].unit = file.rig.channels[i].unit;
+    channels[i].status = "no answer";
+  }
+  for (const config::DeviceSettings& device : file.devices) {
+    for (const config::ChannelSettings& channel : device.channels) channels[channel.index].device = device.name;
+    const auto table = acquire::load_plugin(device.driver);
+    if (!table) {
+      for (const config::ChannelSettings& channel : device.channels) channels[channel.index].status = table.error();
+      continue;
+    }
+    const config::DriverSettings settings(device, file.directory);
+    Probe probe{&device, &file.rig, &channels, {}};
+    (*table)->probe(&settings.get(), &probed, &probe);
+    double scan_s = 0.0;
+    for (const std::int64_t latency_ns : probe.latencies_ns) scan_s += 1e-9 * static_cast<double>(latency_ns);
+    if (scan_s <= 0.0) continue;
+    for (const config::ChannelSettings& channel : device.channels) {
+      if (channels[channel.index].answers()) channels[channel.index].rate_hz = 1.0 / scan_s;
+    }
+  }
+  return channels;
+}
+
+int show(const std::vector<Probed>& channels, const Json& document, bool json) {
+  const std::string text = json ? dump(document, 2) + "\n" : check_table(channels);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  const bool all = std::all_of(channels.begin(), channels.end(), [](const Probed& c) { return c.answers(); });
+  return all && !channels.empty() ? kDone : kNo;
+}
+
+int complain(int code, const std::string& why) {
+  std::fprintf(stderr, "dwellctl: %s\n", printable(why).c_str());
+  return code;
+}
+
+int check_service(const Service& service) {
+  const auto line = control_exchange(service.control, R"({"verb":"check"})");
+  if (!line) return complain(kUnreachable, line.error());
+  const Json answer = Json::parse(*line, nullptr, false);
+  const bool object = answer.is_object();
+  if (object && answer.contains("error") && answer["error"].is_string()) {
+    return complain(kNo, service.control + ": " + answer["error"].get<std::string>());
+  }
+  const auto list = object ? answer.find("channels") : answer.end();
+  if (list == answer.end() || !list->is_array()) {
+    return complain(kUnreachable, service.control + ": what answers is not the service");
+  }
+  return show(probed_from_json(*list), answer, service.json);
+}
+
+}  // namespace
+
+int check(const Service& service, const std::string& rig) {
+  if (rig.empty()) return check_service(service);
+  const auto file =
+      config::load(rig, [](std::string_view driver) { return acquire::load_plugin(std::string(driver)); });
+  if (!file) {
+    std::fputs(config::to_string(rig, file.error()).c_str(), stderr);
+    return kUsage;
+  }
+  const std::vector<Probed> channels = probe_all(*file);
+  return show(channels, check_json(channels), service.json);
+}
+
+}  // namespace dwell::ctl

@@ -1,0 +1,44 @@
+// The verbs of dwellctl. Each prints to standard output, says what is wrong on standard error, and returns the exit
+// code; main.cpp turns the command line into their options.
+#pragma once
+
+#include <string>
+
+namespace dwell::ctl {
+
+// The exit codes of the interface.
+enum Exit : int {
+  kDone = 0,
+  kNo = 1,           // the answer is no: not settled, not identifiable, a device does not answer
+  kUsage = 2,        // wrong usage or unusable input
+  kUnreachable = 3,  // the service cannot be reached, or what answers is not the service
+};
+
+struct Service {
+  std::string url;      // of the HTTP interface
+  std::string control;  // path of the control socket
+  bool json = false;
+};
+
+struct WatchOptions {
+  double interval_s = 0.0;  // between refreshes; 0: as fast as news comes on a terminal, 1 s elsewhere
+  double until_s = 0.0;     // > 0: end once a settled dwell has so many seconds of data
+  double limit_s = 0.0;     // > 0: give up after so long
+  std::string truth;        // file: the coefficients that the simulated rig really has
+};
+
+struct IdentifyOptions {
+  std::string rig;
+  std::string data;
+  bool json = false;
+};
+
+[[nodiscard]] int status(const Service& service);
+[[nodiscard]] int watch(const Service& service, const WatchOptions& options);
+[[nodiscard]] int channels(const Service& service);
+[[nodiscard]] int dwells(const Service& service);
+// rig: a rig file, whose devices are probed directly; empty: the running service is asked.
+[[nodiscard]] int check(const Service& service, const std::string& rig);
+[[nodiscard]] int identify_recording(const IdentifyOptions& options);
+
+}  // namespace dwell::ctl

@@ -1,0 +1,75 @@
+#include "daemon/ctl/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "core/pipeline.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+// The pipeline counts from its first record on.
+Dwell on_recording_axis(Dwell dwell, double first_s) {
+  dwell.start_s += first_s;
+  dwell.settled_s += first_s;
+  dwell.verdict_s += first_s;
+  dwell.end_s += first_s;
+  dwell.t_ref_s += first_s;
+  return dwell;
+}
+
+}  // namespace
+
+ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording) {
+  ColumnMatch match;
+  std::vector<bool> found(rig.channels.size(), false);
+  for (const std::string& column : recording.channels) {
+    const auto channel = std::find_if(rig.channels.begin(), rig.channels.end(),
+                                      [&column](const Channel& c) { return c.name == column; });
+    if (channel == rig.channels.end()) {
+      match.channel_of_column.push_back(-1);
+      match.unknown_columns.push_back(column);
+    } else {
+      const auto index = channel - rig.channels.begin();
+      match.channel_of_column.push_back(static_cast<int>(index));
+      found[static_cast<std::size_t>(index)] = true;
+    }
+  }
+  for (std::size_t i = 0; i < rig.channels.size(); ++i) {
+    if (!found[i] && rig.channels[i].measures != Quantity::auxiliary) {
+      match.missing_channels.push_back(rig.channels[i].name);
+    }
+  }
+  return match;
+}
+
+std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress) {
+  constexpr std::size_t progress_every = 1U << 18U;
+  const ColumnMatch match = match_columns(rig, recording);
+  Pipeline pipeline(rig);
+  std::vector<Dwell> dwells;
+  double first_s = kNaN;
+  std::size_t until_progress = progress_every;
+  for (const CsvRecording::Sample& sample : recording.samples) {
+    if (progress && --until_progress == 0) {
+      until_progress = progress_every;
+      progress(static_cast<double>(&sample - recording.samples.data()) / static_cast<double>(recording.samples.size()));
+    }
+    const int channel = match.channel_of_column[sample.column];
+    if (channel < 0) continue;
+    Record record;
+    record.t_ns = std::llround(sample.t_s * 1e9);
+    record.value = sample.value;
+    record.channel = static_cast<std::uint16_t>(channel);
+    if (std::isnan(first_s)) first_s = static_cast<double>(record.t_ns) * 1e-9;
+    if ((pipeline.push(record) & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+  }
+  if ((pipeline.finish() & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+  if (progress) progress(1.0);
+  return dwells;
+}
+
+}  // namespace dwell::ctl

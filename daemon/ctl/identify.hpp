@@ -1,0 +1,31 @@
+// A recording through the service's own pipeline, in order and as fast as it goes: what `dwellctl identify` does, and
+// what tests and benches call.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/dwell.hpp"
+#include "core/rig.hpp"
+#include "drivers/replay/csv_recording.hpp"
+
+namespace dwell::ctl {
+
+// How a recording's columns and a rig's channels match, by name.
+struct ColumnMatch {
+  std::vector<int> channel_of_column;         // index into Rig::channels; -1: the rig does not know the column
+  std::vector<std::string> unknown_columns;   // ignored
+  std::vector<std::string> missing_channels;  // channels without a column, auxiliary ones left out
+};
+[[nodiscard]] ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording);
+
+// Told now and then which part of the samples has been taken, 0 … 1.
+using Progress = std::function<void(double)>;
+
+// Every dwell of the recording, in order, also those that did not settle; empty: no drive was ever seen. Values are raw
+// (the rig's scale, offset and unit apply); times are on the recording's own t axis. Columns that the rig does not know
+// are ignored. The rig must be valid. The pipeline's cost per sample; bound to one thread.
+[[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress = {});
+
+}  // namespace dwell::ctl

@@ -1,0 +1,98 @@
+// identify: a recording as text, through the pipeline, as tables or JSON.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "config/rig_file.hpp"
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/identify.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/dwell_text.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+void say(const std::string& text) { std::fprintf(stderr, "dwellctl: %s\n", printable(text).c_str()); }
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text.append(text.empty() ? "" : ", ").append(name);
+  return text;
+}
+
+std::string brief(double value) { return join(number_text(value, "", 6)); }
+
+// Why there is nothing to show, in one line.
+std::string reason(const Rig& rig, const std::vector<Dwell>& dwells) {
+  if (dwells.empty()) {
+    const Excitation& e = rig.excitation;
+    return "no dwell: nowhere did the table move by more than " + brief(e.minimum) + " (excitation.minimum) at " +
+           brief(e.search_low_hz) + " to " + brief(e.search_high_hz) + " Hz";
+  }
+  for (auto dwell = dwells.rbegin(); dwell != dwells.rend(); ++dwell) {
+    if (!dwell->settling_reason.empty()) return "no dwell settled: " + dwell->settling_reason;
+    if (!dwell->warnings.empty()) return "no dwell settled: " + dwell->warnings.front();
+  }
+  return "no dwell settled";
+}
+
+bool answers(const Dwell& dwell) {
+  return std::isfinite(dwell.settled_s) && std::any_of(dwell.elements.begin(), dwell.elements.end(),
+                                                       [](const ElementEstimate& e) { return e.identifiable; });
+}
+
+}  // namespace
+
+int identify_recording(const IdentifyOptions& options) {
+  const auto file = config::load(options.rig, {});
+  if (!file) {
+    std::fputs(config::to_string(options.rig, file.error()).c_str(), stderr);
+    return kUsage;
+  }
+  const auto recording = read_csv(options.data);
+  if (!recording) {
+    say(recording.error());
+    return kUsage;
+  }
+  const ColumnMatch match = match_columns(file->rig, *recording);
+  if (!match.missing_channels.empty()) {
+    say(options.data + ": no column for " + listed(match.missing_channels) + "; there are " +
+        listed(recording->channels));
+    return kUsage;
+  }
+  if (!match.unknown_columns.empty()) {
+    say("warning: " + options.data + ": the rig has no channel " + listed(match.unknown_columns) + "; ignored");
+  }
+
+  Progress progress;
+  if (isatty(STDERR_FILENO) != 0 && recording->samples.size() > 2'000'000) {
+    progress = [](double part) { std::fprintf(stderr, part < 1.0 ? "\r%3.0f %%" : "\r     \r", 100.0 * part); };
+  }
+  const std::vector<Dwell> dwells = identify(file->rig, *recording, progress);
+
+  const RunInfo run{file->sha256, DWELL_VERSION, ""};
+  Json document = {{"rig", file->rig.name}, {"dwells", Json::array()}};
+  std::string text = "rig " + printable(file->rig.name) + "\n";
+  for (const Dwell& dwell : dwells) {
+    const DwellView view = make_view(dwell, file->rig, run);
+    if (options.json) {
+      document["dwells"].push_back(json_value(view));
+    } else {
+      text.append("\n").append(dwell_text(view));
+    }
+  }
+  if (options.json) text = dump(document, 2) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stdout);
+
+  const bool settled =
+      std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return std::isfinite(d.settled_s); });
+  if (!settled) say(reason(file->rig, dwells));
+  return std::any_of(dwells.begin(), dwells.end(), answers) ? kDone : kNo;
+}
+
+}  // namespace dwell::ctl

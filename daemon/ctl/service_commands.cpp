@@ -1,0 +1,97 @@
+// status, channels, dwells: one question over HTTP, one answer on the screen.
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/http_client.hpp"
+#include "daemon/ctl/tables.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/dwell_text.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+int unreachable(const std::string& why) {
+  std::fprintf(stderr, "dwellctl: %s\n", printable(why).c_str());
+  return kUnreachable;
+}
+
+int not_the_service(const std::string& url, const std::string& why) {
+  return unreachable(url + ": what answers is not the service: " + why);
+}
+
+// The document at `path`, or the exit code after having said why there is none.
+tl::expected<Json, int> fetch(const Service& service, const std::string& path) {
+  const auto url = parse_url(service.url);
+  if (!url) {
+    std::fprintf(stderr, "dwellctl: %s\n", printable(url.error()).c_str());
+    return tl::unexpected(static_cast<int>(kUsage));
+  }
+  const auto answer = http_get(*url, path);
+  if (!answer) return tl::unexpected(unreachable(answer.error()));
+  Json value = Json::parse(answer->body, nullptr, false);
+  if (answer->status != 200) {
+    std::string why = "status " + std::to_string(answer->status);
+    if (value.is_object() && value.contains("error") && value["error"].is_string()) {
+      why += ", " + value["error"].get<std::string>();
+    }
+    return tl::unexpected(unreachable(service.url + path + ": " + why));
+  }
+  if (value.is_discarded()) return tl::unexpected(not_the_service(service.url, "no JSON"));
+  return value;
+}
+
+const Json* array_in(const Json& value, const char* name) {
+  const auto it = value.is_object() ? value.find(name) : value.end();
+  return it != value.end() && it->is_array() ? &*it : nullptr;
+}
+
+}  // namespace
+
+int status(const Service& service) {
+  const auto value = fetch(service, "/api/v1/dwell");
+  if (!value) return value.error();
+  const auto view = dwell_from_json(*value);
+  if (!view) return not_the_service(service.url, view.error());
+  print(service.json ? dump(*value, 2) + "\n" : dwell_text(*view));
+  return view->dwell.state == State::measuring ? kDone : kNo;
+}
+
+int channels(const Service& service) {
+  const auto value = fetch(service, "/api/v1/channels");
+  if (!value) return value.error();
+  const Json* list = array_in(*value, "channels");
+  if (list == nullptr) return not_the_service(service.url, "no channels");
+  print(service.json ? dump(*value, 2) + "\n" : channels_table(*list));
+  return kDone;
+}
+
+int dwells(const Service& service) {
+  const auto value = fetch(service, "/api/v1/dwells");
+  if (!value) return value.error();
+  const Json* list = array_in(*value, "dwells");
+  if (list == nullptr) return not_the_service(service.url, "no dwells");
+  if (service.json) {
+    print(dump(*value, 2) + "\n");
+    return kDone;
+  }
+  std::vector<DwellView> views;
+  for (const Json& item : *list) {
+    auto view = dwell_from_json(item);
+    if (!view) return not_the_service(service.url, view.error());
+    views.push_back(std::move(*view));
+  }
+  print(views.empty() ? "no dwell has been completed\n" : dwells_table(views));
+  const auto total = value->find("total");
+  if (total != value->end() && total->is_number_unsigned() && total->get<std::size_t>() > views.size()) {
+    print("the last " + std::to_string(views.size()) + " of " + total->dump() + "\n");
+  }
+  return kDone;
+}
+
+}  // namespace dwell::ctl

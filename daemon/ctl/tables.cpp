@@ -1,0 +1,173 @@
+#include "daemon/ctl/tables.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "config/units.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/table.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double number_of(const Json& object, const char* name) {
+  const auto it = object.is_object() ? object.find(name) : object.end();
+  return it != object.end() && it->is_number() ? it->get<double>() : kNaN;
+}
+
+std::string text_of(const Json& object, const char* name) {
+  const auto it = object.is_object() ? object.find(name) : object.end();
+  return it != object.end() && it->is_string() ? it->get<std::string>() : "";
+}
+
+std::string count_of(const Json& object, const char* name) {
+  const auto it = object.is_object() ? object.find(name) : object.end();
+  return it != object.end() && it->is_number_integer() ? it->dump() : kNoNumber;
+}
+
+std::string fixed(double value, int decimals, const char* unit) {
+  if (!std::isfinite(value) || std::fabs(value) >= 1e15) return kNoNumber;
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.*f %s", decimals, value, unit);
+  return text.data();
+}
+
+std::string status_with_reason(const std::string& status, const std::string& reason) {
+  return reason.empty() || reason == status ? status : status + ": " + reason;
+}
+
+// A reading in the unit that the operator chose in the rig file: no prefix of ours.
+NumberText reading(double value, const std::string& unit) {
+  if (!std::isfinite(value)) return {kNoNumber, "", ""};
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return {text.data(), "", pretty_unit(unit)};
+}
+
+NumberText interval(const ElementEstimate& e, const Coefficient& c, const char* unit) {
+  return e.identifiable ? number_text(c.value, c.U95, unit) : NumberText{kNoNumber, "", ""};
+}
+
+}  // namespace
+
+std::string channels_table(const Json& list) {
+  std::vector<NumberText> values;
+  std::vector<std::string> names, states, ages, rates;
+  for (const Json& channel : list) {
+    names.push_back(text_of(channel, "name"));
+    values.push_back(reading(number_of(channel, "value"), text_of(channel, "unit")));
+    rates.push_back(fixed(number_of(channel, "rate_hz"), 1, "Hz"));
+    ages.push_back(fixed(number_of(channel, "age_s"), 3, "s"));
+    states.push_back(status_with_reason(text_of(channel, "status"), text_of(channel, "reason")));
+  }
+  Table table;
+  table.add("channel", std::move(names));
+  table.add("value", join_aligned(values));
+  table.add("age", std::move(ages), Align::right);
+  table.add("rate", std::move(rates), Align::right);
+  for (const char* name : {"received", "used", "dropped", "queued", "gaps"}) {
+    std::vector<std::string> counts;
+    for (const Json& channel : list) counts.push_back(count_of(channel, name));
+    table.add(name, std::move(counts), Align::right);
+  }
+  table.add("status", std::move(states));
+  return table.text();
+}
+
+std::string dwells_table(const std::vector<DwellView>& dwells) {
+  std::vector<std::string> numbers, states, data, elements, notes;
+  std::vector<NumberText> frequencies, stiffness, damping;
+  for (const DwellView& view : dwells) {
+    const Dwell& d = view.dwell;
+    const std::size_t lines = std::max<std::size_t>(d.elements.size(), 1);
+    for (std::size_t i = 0; i < lines; ++i) {
+      const bool first = i == 0;
+      const bool settled = std::isfinite(d.settled_s);
+      numbers.push_back(first && d.index ? std::to_string(*d.index) : "");
+      states.push_back(!first ? "" : d.state == State::complete ? to_string(d.ended_by) : to_string(d.state));
+      data.push_back(!first ? "" : settled ? seconds_text(d.end_s - d.settled_s, 1) : kNoNumber);
+      frequencies.push_back(first ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
+                                  : NumberText{});
+      if (i >= d.elements.size()) {
+        elements.emplace_back();
+        stiffness.emplace_back();
+        damping.emplace_back();
+        notes.push_back("not settled" + (d.settling_reason.empty() ? "" : ": " + d.settling_reason));
+        continue;
+      }
+      const ElementEstimate& e = d.elements[i];
+      elements.push_back(std::to_string(e.k));
+      stiffness.push_back(interval(e, e.stiffness, config::stiffness_unit(view.motion)));
+      damping.push_back(interval(e, e.damping, config::damping_unit(view.motion)));
+      notes.push_back(e.identifiable ? "" : e.reason);
+    }
+  }
+  Table table;
+  table.add("dwell", std::move(numbers), Align::right);
+  table.add("ended by", std::move(states));
+  table.add("frequency", join_aligned(frequencies));
+  table.add("data", std::move(data), Align::right);
+  table.add("element", std::move(elements), Align::right);
+  table.add("stiffness", join_aligned(stiffness));
+  table.add("damping", join_aligned(damping));
+  table.add("", std::move(notes));
+  return table.text();
+}
+
+std::string check_table(const std::vector<Probed>& channels) {
+  std::vector<std::string> names, devices, rates, latencies, states;
+  std::vector<NumberText> values;
+  for (const Probed& channel : channels) {
+    names.push_back(channel.name);
+    devices.push_back(channel.device);
+    values.push_back(reading(channel.value, channel.unit));
+    rates.push_back(fixed(channel.rate_hz, 1, "Hz"));
+    latencies.push_back(fixed(1e3 * channel.latency_s, 2, "ms"));
+    states.push_back(channel.status);
+  }
+  Table table;
+  table.add("channel", std::move(names));
+  table.add("device", std::move(devices));
+  table.add("value", join_aligned(values));
+  table.add("rate", std::move(rates), Align::right);
+  table.add("latency", std::move(latencies), Align::right);
+  table.add("status", std::move(states));
+  return table.text();
+}
+
+Json check_json(const std::vector<Probed>& channels) {
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  Json list = Json::array();
+  for (const Probed& channel : channels) {
+    list.push_back({{"name", channel.name},
+                    {"device", channel.device},
+                    {"value", number(channel.value)},
+                    {"unit", channel.unit},
+                    {"rate_hz", number(channel.rate_hz)},
+                    {"latency_s", number(channel.latency_s)},
+                    {"status", channel.status}});
+  }
+  return {{"channels", std::move(list)}};
+}
+
+std::vector<Probed> probed_from_json(const Json& list) {
+  std::vector<Probed> channels;
+  for (const Json& channel : list) {
+    Probed probed;
+    probed.name = text_of(channel, "name");
+    probed.device = text_of(channel, "device");
+    probed.value = number_of(channel, "value");
+    probed.unit = text_of(channel, "unit");
+    probed.rate_hz = number_of(channel, "rate_hz");
+    probed.latency_s = number_of(channel, "latency_s");
+    probed.status = status_with_reason(text_of(channel, "status"), text_of(channel, "reason"));
+    channels.push_back(std::move(probed));
+  }
+  return channels;
+}
+
+}  // namespace dwell::ctl

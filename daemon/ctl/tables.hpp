@@ -1,0 +1,35 @@
+// The tables of dwellctl that are not a single dwell: channels, dwells, a check. Made from the service's JSON, so they
+// take whatever it holds: what is missing or of another type is shown as "—".
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/dwell.hpp"
+#include "daemon/report/dwell_view.hpp"
+
+namespace dwell::ctl {
+
+// `list`: an array of the interface's channel objects.
+[[nodiscard]] std::string channels_table(const nlohmann::ordered_json& list);
+
+// One line per element of each dwell.
+[[nodiscard]] std::string dwells_table(const std::vector<DwellView>& dwells);
+
+// One channel probed once.
+struct Probed {
+  std::string name;
+  std::string device;
+  double value = kNaN;      // in `unit`
+  std::string unit;         // as in the rig file
+  double rate_hz = kNaN;    // attainable; by the running service: attained
+  double latency_s = kNaN;  // from request to answer
+  std::string status;       // "ok" or what is wrong
+  [[nodiscard]] bool answers() const { return status == "ok" || status.compare(0, 9, "overrange") == 0; }
+};
+[[nodiscard]] std::string check_table(const std::vector<Probed>& channels);
+[[nodiscard]] nlohmann::ordered_json check_json(const std::vector<Probed>& channels);
+[[nodiscard]] std::vector<Probed> probed_from_json(const nlohmann::ordered_json& list);
+
+}  // namespace dwell::ctl

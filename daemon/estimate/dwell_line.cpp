@@ -1,0 +1,55 @@
+#include "daemon/estimate/dwell_line.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "daemon/report/dwell_view.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell {
+namespace {
+
+std::string number(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+}  // namespace
+
+std::string finished_line(const Dwell& dwell, const Rig& rig) {
+  std::string line = "dwell " + (dwell.index ? std::to_string(*dwell.index) : std::string("-")) + " complete (" +
+                     to_string(dwell.ended_by) + "): ";
+  if (!std::isfinite(dwell.settled_s)) {
+    line += "never settled";
+    if (!dwell.settling_reason.empty()) line += ", " + dwell.settling_reason;
+    return line;
+  }
+  line += number("%.6g Hz", dwell.frequency_hz.value) + number(", %.1f s counted", dwell.end_s - dwell.settled_s);
+  for (const ElementEstimate& element : dwell.elements) {
+    const std::string k = std::to_string(element.k);
+    if (!element.identifiable) {
+      line += "; c_" + k + ", r_" + k + " none: " + element.reason;
+      continue;
+    }
+    line += "; c_" + k + " = " +
+            join(number_text(element.stiffness.value, element.stiffness.U95, stiffness_unit(rig.motion)));
+    line +=
+        ", r_" + k + " = " + join(number_text(element.damping.value, element.damping.U95, damping_unit(rig.motion)));
+  }
+  for (const std::string& warning : dwell.warnings) line += "; warning: " + warning;
+  return line;
+}
+
+std::string state_line(State before, const Dwell& now) {
+  std::string line = std::string("state ") + to_string(before) + " -> " + to_string(now.state);
+  if (now.index) line += ", dwell " + std::to_string(*now.index);
+  if (!now.settling_reason.empty()) {
+    line += ": " + now.settling_reason;
+  } else if (!now.warnings.empty()) {
+    line += ": " + now.warnings.front();
+  }
+  return line;
+}
+
+}  // namespace dwell

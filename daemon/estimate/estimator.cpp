@@ -1,0 +1,323 @@
+#include "daemon/estimate/estimator.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "daemon/estimate/dwell_line.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::size_t kScratch = 1024;
+constexpr std::size_t kActions = 16;
+constexpr std::size_t kSpare = 4096;  // room in the merger for ticks, actions and states beside the samples
+
+std::size_t merger_capacity(const std::vector<DeviceLink*>& links) {
+  std::size_t capacity = kSpare;
+  for (const DeviceLink* link : links)
+    if (link != nullptr) capacity += 2 * link->capacity();
+  return capacity;
+}
+
+std::string seconds(std::int64_t ns) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
+  return text;
+}
+
+}  // namespace
+
+Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const EstimatorOptions& options, Log& log,
+                     std::function<void()> published, std::int64_t now_ns)
+    : rig_(rig),
+      links_(std::move(links)),
+      options_(options),
+      log_(log),
+      published_(std::move(published)),
+      tick_source_(links_.size()),
+      merger_(links_.size() + 1, options.hold_back_ns, merger_capacity(links_)),
+      pipeline_(rig),
+      watch_(options.nominal_rate_hz, now_ns),
+      actions_(kActions),
+      scratch_(kScratch),
+      channels_(rig.channels.size()),
+      devices_(links_.size(),
+               PerDevice{std::vector<Throttle>(kFaultCount), std::vector<std::uint64_t>(kFaultCount), 0}),
+      released_ns_(std::numeric_limits<std::int64_t>::min()),
+      next_publish_ns_(now_ns),
+      finished_(std::make_shared<const FinishedDwells>()) {}
+
+Estimator::~Estimator() = default;
+
+void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped) {
+  if (start_utc_ns_ == 0) start_utc_ns_ = utc_ns;
+  skipped_ += skipped;
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    take_events(device, now_ns);
+    take_samples(device, now_ns);
+    log_recoveries(device, now_ns);
+  }
+  find_silence(now_ns);
+  // Actions and the tick last: a backlog in the rings must not look late beside them.
+  Action action{};
+  while (actions_.pop(action)) {
+    Record record;
+    record.t_ns = std::max(now_ns, released_ns_);
+    record.kind = Kind::action;
+    record.flags = static_cast<std::uint8_t>(action);
+    merger_.push(tick_source_, record);
+  }
+  Record tick;
+  tick.t_ns = now_ns;
+  tick.kind = Kind::tick;
+  merger_.push(tick_source_, tick);  // late only beside a recording played faster than real time, which needs no ticks
+  release(false);
+  settle_counters();
+  if (now_ns >= next_publish_ns_) {
+    const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
+    next_publish_ns_ = std::max(next_publish_ns_ + period_ns, now_ns);
+    log_counted_faults(now_ns);
+    publish(now_ns);
+  }
+}
+
+void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
+  turn(now_ns, utc_ns);
+  release(true);
+  note(pipeline_.finish());
+  settle_counters();
+  publish(now_ns);
+}
+
+void Estimator::take_events(std::size_t device, std::int64_t now_ns) {
+  DeviceLink& link = *links_[device];
+  StateEvent event;
+  while (link.pop_event(event)) {
+    for (const std::uint16_t channel : link.channels()) {
+      if (event.channel >= 0 && event.channel != channel) continue;
+      const std::int64_t stale_ns = event.t_ns - watch_[channel].since_ns;
+      if (!watch_.said(channel, event.t_ns, event.fault, event.reason.data())) continue;
+      admit_state(device, channel, event.t_ns, event.fault);
+      PerChannel& own = channels_[channel];
+      own.recovered = event.fault == Fault::none;
+      own.stale = !own.recovered;
+      if (own.recovered) own.stale_ns = stale_ns;
+    }
+  }
+  log_stale(device, now_ns);
+}
+
+void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
+  DeviceLink& link = *links_[device];
+  // A driver faster than this loop must not keep it from going on: one ring's worth at most.
+  for (std::size_t left = link.capacity(); left > 0;) {
+    const std::size_t taken = link.pop_samples(scratch_.data(), std::min(left, scratch_.size()));
+    if (taken == 0) break;
+    left -= taken;
+    for (std::size_t i = 0; i < taken; ++i) {
+      Record& record = scratch_[i];
+      PerChannel& own = channels_[record.channel];
+      const std::int64_t stale_ns = record.t_ns - watch_[record.channel].since_ns;
+      if (watch_.sample(record.channel, record.t_ns, now_ns)) {
+        own.recovered = true;
+        own.stale_ns = stale_ns;
+        admit_state(device, record.channel, record.t_ns, Fault::none);
+      }
+      own.half_width_s = record.t_half_ns * 1e-9;
+      if (own.gap != 0) record.flags |= kGap;
+      ChannelCounters& counters = link.counters(link.position(record.channel));
+      switch (merger_.push(device, record)) {
+        case Merger::Admission::queued:
+          own.gap = 0;
+          break;
+        case Merger::Admission::late:
+          own.gap = 1;
+          counters.late();
+          break;
+        case Merger::Admission::full:
+          own.gap = 1;
+          counters.overflow();
+          break;
+      }
+    }
+  }
+  const bool live = std::any_of(link.channels().begin(), link.channels().end(),
+                                [this](std::uint16_t channel) { return watch_[channel].fault == Fault::none; });
+  if (!live) merger_.set_live(device, false);
+}
+
+void Estimator::admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault) {
+  Record record;
+  record.t_ns = std::max(t_ns, released_ns_);  // a state is never too late to matter
+  record.channel = static_cast<std::uint16_t>(channel);
+  record.kind = Kind::channel_state;
+  record.flags = static_cast<std::uint8_t>(fault);
+  merger_.push(device, record);
+}
+
+void Estimator::find_silence(std::int64_t now_ns) {
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    for (const std::uint16_t channel : links_[device]->channels()) {
+      if (!watch_.fell_silent(channel, now_ns)) continue;
+      admit_state(device, channel, now_ns, Fault::silent);
+      channels_[channel].stale = true;
+      ++devices_[device].silences;
+    }
+    log_stale(device, now_ns);
+  }
+}
+
+void Estimator::release(bool everything) {
+  Record record;
+  while (everything ? merger_.flush(record) : merger_.pop(record)) feed(record);
+}
+
+void Estimator::feed(const Record& record) {
+  released_ns_ = record.t_ns;
+  if (record.kind == Kind::sample) ++channels_[record.channel].handed;
+  note(pipeline_.push(record));
+}
+
+void Estimator::note(std::uint8_t change) {
+  if ((change & kCompleted) != 0) {
+    auto kept = std::make_shared<FinishedDwells>(*finished_);
+    kept->push_back(std::make_shared<const Dwell>(pipeline_.completed()));
+    if (kept->size() > options_.kept_dwells) {
+      kept->erase(kept->begin());
+      ++forgotten_;
+    }
+    log_.info(finished_line(*kept->back(), rig_));
+    finished_ = std::move(kept);
+  }
+  if ((change & kStateChanged) != 0 && pipeline_.state() != state_) {
+    const Dwell now = pipeline_.current();
+    log_.info(state_line(state_, now), {{"DWELL_STATE", to_string(now.state)}});
+    state_ = pipeline_.state();
+  }
+}
+
+void Estimator::settle_counters() {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const int device = rig_.channels[i].device;
+    if (device < 0 || links_[static_cast<std::size_t>(device)] == nullptr) continue;
+    DeviceLink& link = *links_[static_cast<std::size_t>(device)];
+    const std::uint64_t rejected = std::min(pipeline_.channel(static_cast<int>(i)).rejected, channels_[i].handed);
+    link.counters(link.position(i)).settle(channels_[i].handed - rejected, rejected);
+  }
+}
+
+void Estimator::publish(std::int64_t now_ns) {
+  watch_.measure_rates(now_ns);
+  Snapshot& to = snapshots_.back();
+  to.sequence = ++sequence_;
+  to.t_ns = now_ns;
+  to.start_utc_ns = start_utc_ns_;
+  to.dwell = pipeline_.current();
+  to.finished = finished_;
+  to.forgotten = forgotten_;
+  to.skipped_turns = skipped_;
+  to.channels.resize(channels_.size());
+  to.devices.assign(links_.size(), DeviceView{});
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const Channel& channel = rig_.channels[i];
+    const ChannelNow now = pipeline_.channel(static_cast<int>(i));
+    ChannelView& view = to.channels[i];
+    view.value = now.value / channel.si_per_unit;
+    view.heard_ns = watch_[i].heard_ns;
+    view.fault = watch_[i].fault;
+    view.reason = watch_[i].reason;
+    view.overrange = now.overrange;
+    view.rate_hz = watch_[i].rate_hz;
+    view.half_width_s = channels_[i].half_width_s;
+    view.gaps = now.gaps;
+    if (channel.device < 0) continue;
+    const auto device = static_cast<std::size_t>(channel.device);
+    if (links_[device] == nullptr) continue;
+    view.tally = links_[device]->counters(links_[device]->position(i)).read();
+    if (view.fault == Fault::none) to.devices[device].up = true;
+  }
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    for (int kind = 0; kind < kFaultCount; ++kind)
+      to.devices[device].faults[static_cast<std::size_t>(kind)] = occurrences(device, static_cast<Fault>(kind));
+    to.devices[device].foreign = links_[device]->foreign();
+  }
+  snapshots_.publish();
+  published_();
+}
+
+std::uint64_t Estimator::occurrences(std::size_t device, Fault fault) const {
+  return links_[device]->faults(fault) + (fault == Fault::silent ? devices_[device].silences : 0);
+}
+
+// One line for all channels of the device that went stale together, for the same reason.
+void Estimator::log_stale(std::size_t device, std::int64_t now_ns) {
+  for (const std::uint16_t first : links_[device]->channels()) {
+    if (!channels_[first].stale) continue;
+    const Fault fault = watch_[first].fault;
+    std::string which;
+    for (const std::uint16_t channel : links_[device]->channels()) {
+      if (!channels_[channel].stale || watch_[channel].fault != fault) continue;
+      channels_[channel].stale = false;
+      if (!which.empty()) which += ", ";
+      which += rig_.channels[channel].name;
+    }
+    std::string words = which + " stale, " + to_string(fault);
+    if (watch_[first].reason != to_string(fault)) words += ": " + watch_[first].reason;
+    log_fault(device, fault, 1, words, now_ns);
+  }
+}
+
+void Estimator::log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words,
+                          std::int64_t now_ns) {
+  PerDevice& own = devices_[device];
+  const auto kind = static_cast<std::size_t>(fault);
+  if (!own.throttles[kind].admit(now_ns, fresh)) return;
+  own.told[kind] = occurrences(device, fault);
+  const std::string& name = links_[device]->name();
+  std::string line = "device " + name + ": " + words;
+  if (own.told[kind] > 1) line += " (" + std::to_string(own.told[kind]) + " times by now)";
+  log_.warning(line, {{"DWELL_DEVICE", name}, {"DWELL_FAULT", to_string(fault)}});
+}
+
+void Estimator::log_recoveries(std::size_t device, std::int64_t now_ns) {
+  std::string which;
+  std::int64_t stale_ns = 0;
+  bool first = true;
+  for (const std::uint16_t channel : links_[device]->channels()) {
+    PerChannel& own = channels_[channel];
+    if (!std::exchange(own.recovered, false) || watch_[channel].fault != Fault::none) continue;
+    first = first && !own.ever_heard;
+    own.ever_heard = true;
+    stale_ns = std::max(stale_ns, own.stale_ns);
+    if (!which.empty()) which += ", ";
+    which += rig_.channels[channel].name;
+  }
+  if (which.empty()) return;
+  // Recoveries share the quota of Fault::none, so that a loose plug does not fill the log.
+  const auto stands_for = devices_[device].throttles[0].admit(now_ns);
+  if (!stands_for) return;
+  const std::string& name = links_[device]->name();
+  std::string line = "device " + name + ": " + which;
+  line += first ? " delivering" : " delivering again after " + seconds(stale_ns);
+  if (*stands_for > 1) line += " (" + std::to_string(*stands_for) + " recoveries since the last such line)";
+  log_.info(line, {{"DWELL_DEVICE", name}});
+}
+
+// Faults that made no channel stale, or go on.
+void Estimator::log_counted_faults(std::int64_t now_ns) {
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    for (int kind = 1; kind < kFaultCount; ++kind) {
+      const auto fault = static_cast<Fault>(kind);
+      const std::uint64_t fresh = occurrences(device, fault) - devices_[device].told[static_cast<std::size_t>(kind)];
+      if (fresh > 0) log_fault(device, fault, fresh, to_string(fault), now_ns);
+    }
+  }
+}
+
+}  // namespace dwell

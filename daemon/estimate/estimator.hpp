@@ -1,0 +1,110 @@
+// The estimation: drains the devices' rings, merges, feeds the pipeline, publishes snapshots.
+//
+// Virtual time: turn() is one pass at the instant it is given; EstimationThread calls it every 10 ms. All members are
+// bound to the one thread that calls turn() and finish(), except latest() and refresh(), which belong to the one
+// reader, and rearm(), which belongs to one thread as well (in dwelld the event loop for all three).
+#pragma once
+
+#include <boost/lockfree/spsc_queue.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/merger.hpp"
+#include "core/pipeline.hpp"
+#include "core/rig.hpp"
+#include "daemon/acquire/device_link.hpp"
+#include "daemon/estimate/channel_watch.hpp"
+#include "daemon/estimate/snapshot.hpp"
+#include "daemon/estimate/triple_buffer.hpp"
+#include "daemon/log/log.hpp"
+#include "daemon/log/throttle.hpp"
+
+namespace dwell {
+
+struct EstimatorOptions {
+  std::int64_t hold_back_ns = 100'000'000;  // how far the merger waits for the slowest source
+  std::size_t kept_dwells = 1000;           // finished dwells kept
+  std::vector<double> nominal_rate_hz;      // per channel, 0: not known
+};
+
+class Estimator {
+ public:
+  // links: one per Rig::devices, in that order, or null; they and the log must outlive this. published: called after
+  // each snapshot, from the estimation thread; must not block.
+  Estimator(const Rig& rig, std::vector<DeviceLink*> links, const EstimatorOptions& options, Log& log,
+            std::function<void()> published, std::int64_t now_ns);
+  ~Estimator();
+
+  // One pass at now_ns (CLOCK_MONOTONIC_RAW): everything the devices have handed in, one tick, a snapshot when one is
+  // due. utc_ns: the same instant in UTC. skipped: turns left out before this one.
+  void turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped = 0);
+
+  // The run ends: what is waiting is used, the current dwell completes, a last snapshot is published.
+  void finish(std::int64_t now_ns, std::int64_t utc_ns);
+
+  // The operator's rearm, entering the stream with the next turn; false: too many at once.
+  bool rearm() noexcept { return actions_.push(Action::rearm); }
+
+  // The reader: moves on to the newest snapshot; false: there was no newer one.
+  bool refresh() noexcept { return snapshots_.update(); }
+  [[nodiscard]] const Snapshot& latest() const noexcept { return snapshots_.front(); }
+
+ private:
+  void take_events(std::size_t device, std::int64_t now_ns);
+  void take_samples(std::size_t device, std::int64_t now_ns);
+  void admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault);
+  void find_silence(std::int64_t now_ns);
+  void release(bool everything);
+  void feed(const Record& record);
+  void note(std::uint8_t change);
+  void settle_counters();
+  void publish(std::int64_t now_ns);
+  void log_recoveries(std::size_t device, std::int64_t now_ns);
+  void log_counted_faults(std::int64_t now_ns);
+  void log_stale(std::size_t device, std::int64_t now_ns);
+  void log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words, std::int64_t now_ns);
+  [[nodiscard]] std::uint64_t occurrences(std::size_t device, Fault fault) const;
+
+  struct PerChannel {
+    std::uint64_t handed = 0;  // samples given to the pipeline
+    std::uint8_t gap = 0;      // samples were lost on the way to the merger
+    double half_width_s = 0.0;
+    bool recovered = false;     // within this turn
+    bool stale = false;         // likewise
+    std::int64_t stale_ns = 0;  // for how long it had been stale
+    bool ever_heard = false;
+  };
+  struct PerDevice {
+    std::vector<Throttle> throttles;  // by Fault
+    std::vector<std::uint64_t> told;  // by Fault: occurrences when the last line was written
+    std::uint64_t silences = 0;       // times that channels fell silent
+  };
+
+  const Rig rig_;
+  const std::vector<DeviceLink*> links_;
+  const EstimatorOptions options_;
+  Log& log_;
+  const std::function<void()> published_;
+  std::size_t tick_source_;
+  Merger merger_;
+  Pipeline pipeline_;
+  ChannelWatch watch_;
+  boost::lockfree::spsc_queue<Action> actions_;
+  std::vector<Record> scratch_;
+  std::vector<PerChannel> channels_;
+  std::vector<PerDevice> devices_;
+  std::int64_t released_ns_;
+  std::int64_t next_publish_ns_ = 0;
+  std::int64_t start_utc_ns_ = 0;
+  State state_ = State::idle;
+  std::shared_ptr<const FinishedDwells> finished_;
+  std::uint64_t forgotten_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t skipped_ = 0;
+  TripleBuffer<Snapshot> snapshots_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,49 @@
+// What the estimation thread publishes: the dwell as it stands, every channel, every device. Plain data, never changed
+// once published. Its channels are those of Rig::channels, its devices those of Rig::devices, in that order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/dwell.hpp"
+#include "core/record.hpp"
+#include "daemon/acquire/channel_counters.hpp"
+
+namespace dwell {
+
+struct ChannelView {
+  double value = kNaN;          // the newest reading in the channel's own unit
+  std::int64_t heard_ns = -1;   // CLOCK_MONOTONIC_RAW, when it was taken in; -1: never
+  Fault fault = Fault::silent;  // none: it delivers
+  std::string reason;           // in words, why it does not
+  bool overrange = false;
+  double rate_hz = 0.0;       // samples per second, over the last second or so
+  double half_width_s = 0.0;  // of what is known of the newest sample's instant
+  std::uint64_t gaps = 0;     // times that samples were lost
+  Tally tally;
+};
+
+struct DeviceView {
+  bool up = false;                                  // at least one of its channels delivers
+  std::array<std::uint64_t, kFaultCount> faults{};  // occurrences by kind
+  std::uint64_t foreign = 0;                        // readings of channels that are not the device's
+};
+
+using FinishedDwells = std::vector<std::shared_ptr<const Dwell>>;
+
+struct Snapshot {
+  std::uint64_t sequence = 0;     // 0: nothing published yet
+  std::int64_t t_ns = 0;          // CLOCK_MONOTONIC_RAW
+  std::int64_t start_utc_ns = 0;  // when the run began; 0: not yet
+  Dwell dwell;
+  std::vector<ChannelView> channels;
+  std::vector<DeviceView> devices;
+  std::shared_ptr<const FinishedDwells> finished;  // oldest first
+  std::uint64_t forgotten = 0;                     // finished dwells no longer kept
+  std::uint64_t skipped_turns = 0;  // turns of the estimation thread that came too late and were left out
+};
+
+}  // namespace dwell

@@ -1,0 +1,128 @@
+// dwelld: the service's command line, and what a process must set up before its first thread.
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "config/rig_file.hpp"
+#include "daemon/acquire/plugin.hpp"
+#include "daemon/log/log.hpp"
+#include "daemon/service.hpp"
+#include "daemon/version.hpp"
+
+namespace {
+
+using dwell::config::RigFile;
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kUnusable = 2;
+
+// The first of the folders systemd names in a variable such as RUNTIME_DIRECTORY; empty: none.
+std::string folder_of(const char* variable) {
+  const char* const value = std::getenv(variable);
+  const std::string folders = value == nullptr ? "" : value;
+  return folders.substr(0, folders.find(':'));
+}
+
+std::string in_folder(const char* variable, const char* name) {
+  const std::string folder = folder_of(variable);
+  return folder.empty() ? folder : folder + "/" + name;
+}
+
+// libmodbus waits with select(), which a descriptor of 1024 or more would make write beyond its set.
+bool limit_descriptors() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return false;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, 1024);
+  return setrlimit(RLIMIT_NOFILE, &limit) == 0;
+}
+
+// Every thread inherits this: signals arrive on the event loop alone, a client that goes away is an error code.
+void prepare_signals() {
+  signal(SIGPIPE, SIG_IGN);
+  sigset_t stop;
+  sigemptyset(&stop);
+  sigaddset(&stop, SIGTERM);
+  sigaddset(&stop, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &stop, nullptr);
+}
+
+void print_summary(const RigFile& file) {
+  std::printf("%s: rig \"%s\", %d masses, %d elements, %zu channels, %zu devices\n", file.path.c_str(),
+              file.rig.name.c_str(), file.rig.mass_count(), file.rig.element_count(), file.rig.channels.size(),
+              file.devices.size());
+}
+
+int serve(RigFile file, const dwell::config::SchemaSource& drivers, const std::string& log_file,
+          const std::string& control_path) {
+  dwell::LogOptions log_options;
+  log_options.file = log_file;
+  auto log = dwell::Log::make(log_options);
+  if (!log) {
+    std::fprintf(stderr, "dwelld: %s\n", log.error().c_str());
+    return kFailed;
+  }
+  dwell::ServiceOptions options;
+  options.control_path = control_path;
+  auto service = dwell::Service::make(std::move(file), drivers, options, **log);
+  if (!service) {
+    (*log)->error(service.error().message);
+    return service.error().exit_code;
+  }
+  (*service)->run();
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string config_path;
+  std::string check_path;
+  std::string log_file = in_folder("LOGS_DIRECTORY", "dwelld.log");
+  std::string control_path = in_folder("RUNTIME_DIRECTORY", "control");
+  CLI::App app{"Measures the stiffness and damping of a harmonically shaken rig, live."};
+  app.set_version_flag("--version", std::string("dwelld ") + dwell::kVersion);
+  auto* const config_option = app.add_option("--config", config_path, "the rig file to serve");
+  app.add_option("--check-config", check_path, "check a rig file, print every mistake, and exit")
+      ->excludes(config_option);
+  app.add_option("--log", log_file, "also log to this file, rotated (default: $LOGS_DIRECTORY/dwelld.log)");
+  app.add_option("--control", control_path, "the control socket (default: $RUNTIME_DIRECTORY/control)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUnusable;
+  }
+  const std::string& path = check_path.empty() ? config_path : check_path;
+  if (path.empty()) {
+    std::fprintf(stderr, "dwelld: --config FILE or --check-config FILE is needed; --help says more\n");
+    return kUnusable;
+  }
+  prepare_signals();
+  const dwell::config::SchemaSource drivers = [](std::string_view name) {
+    return dwell::acquire::load_plugin(std::string(name));
+  };
+  auto file = dwell::config::load(path, drivers);
+  if (!file) {
+    std::fputs(dwell::config::to_string(path, file.error()).c_str(), stderr);
+    return kUnusable;
+  }
+  if (!check_path.empty()) {
+    print_summary(*file);
+    return kDone;
+  }
+  if (!limit_descriptors()) {
+    std::fprintf(stderr, "dwelld: the number of open files cannot be limited\n");
+    return kFailed;
+  }
+  try {
+    return serve(std::move(*file), drivers, log_file, control_path);
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "dwelld: %s\n", failure.what());
+    return kFailed;
+  }
+}

@@ -1,0 +1,142 @@
+#include "daemon/report/dwell_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "config/units.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+
+namespace dwell {
+namespace {
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json numbers(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json estimate(const Estimate& e) { return {{"value", number(e.value)}, {"u", number(e.u)}}; }
+
+Json coefficient(const Coefficient& c, const char* unit) {
+  return {{"value", number(c.value)},     {"u", number(c.u)}, {"dof", number(c.dof)}, {"U95", number(c.U95)},
+          {"significant", c.significant}, {"unit", unit}};
+}
+
+Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
+  // Numbers of a phasor that is not valid are withheld: who reads only the amplitude must not take one for a result.
+  static const ChannelPhasor none;
+  const ChannelPhasor& p = estimated.valid ? estimated : none;
+  Json object = {{"channel", label.name},
+                 {"unit", label.unit},
+                 {"amplitude", number(std::abs(p.Y))},
+                 {"phase_rad", number(std::arg(p.Y))},
+                 {"u_amplitude", number(p.u_amplitude)},
+                 {"u_phase_rad", number(p.u_phase_rad)},
+                 {"mean", number(p.mean)},
+                 {"harmonics", numbers(p.harmonics)},
+                 {"sigma", number(p.sigma)},
+                 {"samples", number(estimated.samples)},
+                 {"valid", estimated.valid}};
+  if (!estimated.valid) object["reason"] = estimated.reason;
+  return object;
+}
+
+Json element(const ElementEstimate& e, Motion motion) {
+  Json object = {{"k", e.k},
+                 {"identifiable", e.identifiable},
+                 {"deformation",
+                  {{"amplitude", number(e.deformation.value)},
+                   {"u", number(e.deformation.u)},
+                   {"unit", config::si_unit(Quantity::displacement, motion)}}}};
+  Json budget = Json::array();
+  if (e.identifiable) {
+    object["stiffness"] = coefficient(e.stiffness, config::stiffness_unit(motion));
+    object["damping"] = coefficient(e.damping, config::damping_unit(motion));
+    object["loss_factor"] = estimate(e.loss_factor);
+    for (const BudgetShare& share : e.budget) {
+      budget.push_back({{"source", share.source},
+                        {"stiffness_share", number(share.stiffness_share)},
+                        {"damping_share", number(share.damping_share)}});
+    }
+  } else {
+    object["stiffness"] = nullptr;
+    object["damping"] = nullptr;
+    object["loss_factor"] = nullptr;
+    object["reason"] = e.reason;
+  }
+  object["budget"] = std::move(budget);
+  return object;
+}
+
+Json square(const std::vector<double>& row_major) {
+  const auto n = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(row_major.size()))));
+  Json rows = Json::array();
+  if (n * n != row_major.size()) return rows;
+  for (std::size_t i = 0; i < n; ++i) {
+    Json row = Json::array();
+    for (std::size_t j = 0; j < n; ++j) row.push_back(number(row_major[i * n + j]));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace
+
+Json json_value(const DwellView& view) {
+  const Dwell& d = view.dwell;
+  const bool settled = std::isfinite(d.settled_s);
+  Json object;
+  object["index"] = d.index ? Json(*d.index) : Json(nullptr);
+  object["state"] = to_string(d.state);
+  if (d.state == State::complete) object["ended_by"] = to_string(d.ended_by);
+  object["start_s"] = number(d.start_s);
+  object["settled_s"] = number(d.settled_s);
+  object["verdict_s"] = number(d.verdict_s);
+  object["end_s"] = number(d.end_s);
+  object["start_utc"] = text_or_null(view.run.start_utc);
+  object["memory_time_s"] = number(d.memory_time_s);
+  object["memory_time_predicted_s"] = number(d.memory_time_predicted_s);
+  object["settles_in_s"] = number(d.settles_in_s);
+  object["settling_reason"] = d.settling_reason;
+  object["rig_sha256"] = text_or_null(view.run.rig_sha256);
+  object["version"] = text_or_null(view.run.version);
+  object["frequency_hz"] = estimate(d.frequency_hz);
+  object["t_ref_s"] = number(d.t_ref_s);
+
+  Json phasors = Json::array();
+  const std::size_t count = std::min(d.phasors.size(), view.channels.size());
+  for (std::size_t i = 0; i < count; ++i) phasors.push_back(phasor(d.phasors[i], view.channels[i]));
+  object["phasors"] = std::move(phasors);
+
+  Json elements = Json::array();
+  if (settled) {
+    for (const ElementEstimate& e : d.elements) elements.push_back(element(e, view.motion));
+  }
+  object["elements"] = std::move(elements);
+  object["covariance"] = settled ? square(d.covariance) : Json::array();
+
+  Json warnings = Json::array();
+  for (const std::string& warning : d.warnings) warnings.push_back(warning);
+  // A reader who sees no coefficients must find the reason where the interface promises it.
+  if (!settled && d.warnings.empty()) {
+    warnings.push_back("not settled: " + (d.settling_reason.empty() ? "no reason stated" : d.settling_reason));
+  }
+  object["warnings"] = std::move(warnings);
+  return object;
+}
+
+std::string dump(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string to_json(const DwellView& view) { return dump(json_value(view)); }
+
+std::string to_json(const Dwell& dwell, const Rig& rig, const RunInfo& run) {
+  return to_json(make_view(dwell, rig, run));
+}
+
+}  // namespace dwell

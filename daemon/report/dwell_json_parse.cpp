@@ -1,0 +1,172 @@
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+#include "config/units.hpp"
+#include "daemon/report/dwell_json.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+
+namespace dwell {
+namespace {
+
+// Thrown and caught within this file only: a parser of nested fields is clearest with it.
+struct Mistake : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+[[noreturn]] void fail(const std::string& field, const char* expected) {
+  throw Mistake("dwell object: " + field + ": expected " + expected);
+}
+
+const Json& member(const Json& object, const char* name) {
+  if (!object.is_object()) fail(name, "to stand in an object");
+  const auto it = object.find(name);
+  if (it == object.end()) fail(name, "to be there");
+  return *it;
+}
+
+double real(const Json& value, const char* name) {
+  if (value.is_null()) return kNaN;
+  if (!value.is_number()) fail(name, "a number or null");
+  return value.get<double>();
+}
+double real_of(const Json& object, const char* name) { return real(member(object, name), name); }
+
+std::string string_of(const Json& object, const char* name) {
+  const Json& value = member(object, name);
+  if (value.is_null()) return {};
+  if (!value.is_string()) fail(name, "a string or null");
+  return value.get<std::string>();
+}
+
+bool boolean_of(const Json& object, const char* name) {
+  const Json& value = member(object, name);
+  if (!value.is_boolean()) fail(name, "true or false");
+  return value.get<bool>();
+}
+
+int integer(const Json& value, const char* name) {
+  if (!value.is_number_integer()) fail(name, "an integer");
+  const auto wide = value.get<std::int64_t>();
+  if (wide < 0 || wide > 1'000'000'000) fail(name, "an integer from 0 to 1e9");
+  return static_cast<int>(wide);
+}
+
+const Json& array_of(const Json& object, const char* name) {
+  const Json& value = member(object, name);
+  if (!value.is_array()) fail(name, "an array");
+  return value;
+}
+
+template <typename Enum>
+Enum named(const std::string& word, const char* field, Enum last) {
+  for (int i = 0; i <= static_cast<int>(last); ++i) {
+    if (word == to_string(static_cast<Enum>(i))) return static_cast<Enum>(i);
+  }
+  fail(field, "one of the words of the interface");
+}
+
+Estimate estimate(const Json& value) {
+  if (value.is_null()) return {};
+  return {real_of(value, "value"), real_of(value, "u")};
+}
+
+Coefficient coefficient(const Json& value) {
+  if (value.is_null()) return {};
+  Coefficient c;
+  c.value = real_of(value, "value");
+  c.u = real_of(value, "u");
+  c.dof = real_of(value, "dof");
+  c.U95 = real_of(value, "U95");
+  c.significant = boolean_of(value, "significant");
+  return c;
+}
+
+ChannelPhasor phasor(const Json& value) {
+  ChannelPhasor p;
+  const double amplitude = real_of(value, "amplitude");
+  const double phase_rad = real_of(value, "phase_rad");
+  p.Y = {amplitude * std::cos(phase_rad), amplitude * std::sin(phase_rad)};
+  p.u_amplitude = real_of(value, "u_amplitude");
+  p.u_phase_rad = real_of(value, "u_phase_rad");
+  p.mean = real_of(value, "mean");
+  for (const Json& h : array_of(value, "harmonics")) p.harmonics.push_back(real(h, "harmonics"));
+  p.sigma = real_of(value, "sigma");
+  p.samples = real_of(value, "samples");
+  p.valid = boolean_of(value, "valid");
+  if (!p.valid) p.reason = string_of(value, "reason");
+  return p;
+}
+
+ElementEstimate element(const Json& value, Motion& motion) {
+  ElementEstimate e;
+  e.k = integer(member(value, "k"), "k");
+  e.identifiable = boolean_of(value, "identifiable");
+  if (!e.identifiable) e.reason = string_of(value, "reason");
+  const Json& deformation = member(value, "deformation");
+  e.deformation = {real_of(deformation, "amplitude"), real_of(deformation, "u")};
+  if (string_of(deformation, "unit") == config::si_unit(Quantity::displacement, Motion::rotation))
+    motion = Motion::rotation;
+  e.stiffness = coefficient(member(value, "stiffness"));
+  e.damping = coefficient(member(value, "damping"));
+  e.loss_factor = estimate(member(value, "loss_factor"));
+  for (const Json& share : array_of(value, "budget")) {
+    e.budget.push_back(
+        {string_of(share, "source"), real_of(share, "stiffness_share"), real_of(share, "damping_share")});
+  }
+  return e;
+}
+
+DwellView parse(const Json& value) {
+  DwellView view;
+  Dwell& d = view.dwell;
+  if (const Json& index = member(value, "index"); !index.is_null()) d.index = integer(index, "index");
+  d.state = named(string_of(value, "state"), "state", State::fault);
+  if (d.state == State::complete) d.ended_by = named(string_of(value, "ended_by"), "ended_by", EndedBy::end);
+  d.start_s = real_of(value, "start_s");
+  d.settled_s = real_of(value, "settled_s");
+  d.verdict_s = real_of(value, "verdict_s");
+  d.end_s = real_of(value, "end_s");
+  d.memory_time_s = real_of(value, "memory_time_s");
+  d.memory_time_predicted_s = real_of(value, "memory_time_predicted_s");
+  d.settles_in_s = real_of(value, "settles_in_s");
+  d.settling_reason = string_of(value, "settling_reason");
+  d.frequency_hz = estimate(member(value, "frequency_hz"));
+  d.t_ref_s = real_of(value, "t_ref_s");
+  view.run = {string_of(value, "rig_sha256"), string_of(value, "version"), string_of(value, "start_utc")};
+  for (const Json& p : array_of(value, "phasors")) {
+    view.channels.push_back({string_of(p, "channel"), string_of(p, "unit")});
+    d.phasors.push_back(phasor(p));
+  }
+  for (const Json& e : array_of(value, "elements")) d.elements.push_back(element(e, view.motion));
+  for (const Json& row : array_of(value, "covariance")) {
+    if (!row.is_array()) fail("covariance", "an array of arrays");
+    for (const Json& entry : row) d.covariance.push_back(real(entry, "covariance"));
+  }
+  for (const Json& warning : array_of(value, "warnings")) {
+    if (!warning.is_string()) fail("warnings", "strings");
+    d.warnings.push_back(warning.get<std::string>());
+  }
+  return view;
+}
+
+}  // namespace
+
+tl::expected<DwellView, std::string> dwell_from_json(const Json& value) {
+  try {
+    return parse(value);
+  } catch (const Mistake& mistake) {
+    return tl::unexpected(std::string(mistake.what()));
+  }
+}
+
+tl::expected<DwellView, std::string> parse_dwell(std::string_view text) {
+  const Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) return tl::unexpected(std::string("not JSON"));
+  return dwell_from_json(value);
+}
+
+}  // namespace dwell

@@ -1,0 +1,20 @@
+// The dwell object as a JSON value, for .cpp files that put it into a larger document. Heavy: include it in .cpp only.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "daemon/report/dwell_view.hpp"
+
+namespace dwell {
+
+using Json = nlohmann::ordered_json;  // members stay in the order of the interface's document
+
+[[nodiscard]] Json json_value(const DwellView& view);
+[[nodiscard]] tl::expected<DwellView, std::string> dwell_from_json(const Json& value);
+
+// Text of a document; indent < 0: one line. Bytes that are not UTF-8 are replaced, never thrown over.
+[[nodiscard]] std::string dump(const Json& value, int indent = -1);
+
+}  // namespace dwell

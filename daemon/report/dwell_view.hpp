@@ -1,0 +1,39 @@
+// A dwell together with what its numbers need to be read: the channels' names, every unit, the run it belongs to.
+//
+// It is made either from the pipeline's Dwell and its Rig, or from the JSON object of the public interface; the tables
+// for people and the JSON are both made from it, so they cannot disagree.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/dwell.hpp"
+#include "core/rig.hpp"
+
+namespace dwell {
+
+// What all dwells of a run have in common. An empty string: not known.
+struct RunInfo {
+  std::string rig_sha256;  // of the rig file, hexadecimal
+  std::string version;     // of the program that computed
+  std::string start_utc;   // ISO 8601, of t = 0 on the run's axis
+};
+
+struct ChannelLabel {
+  std::string name;
+  std::string unit;  // SI, as in the JSON: "m/s2", "N*m"; of an auxiliary channel as in the rig file
+};
+
+struct DwellView {
+  Motion motion = Motion::translation;
+  std::vector<ChannelLabel> channels;  // one per Dwell::phasors
+  RunInfo run;
+  Dwell dwell;
+};
+
+// Labels of all channels of a rig, in its order.
+[[nodiscard]] std::vector<ChannelLabel> channel_labels(const Rig& rig);
+
+[[nodiscard]] DwellView make_view(const Dwell& dwell, const Rig& rig, const RunInfo& run);
+
+}  // namespace dwell

@@ -1,0 +1,200 @@
+#include "daemon/serve/api.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "daemon/report/dwell_json.hpp"
+
+namespace dwell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Text from devices and files need not be UTF-8; what is not is replaced, not thrown at.
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+double age_s(const ServiceView& view, const ChannelView& channel) {
+  return channel.heard_ns < 0 ? kNaN : std::max(0.0, static_cast<double>(view.now_ns - channel.heard_ns) * 1e-9);
+}
+
+const char* status_of(const ChannelView& channel) {
+  if (channel.fault != Fault::none) return to_string(channel.fault);
+  return channel.overrange ? "overrange" : "ok";
+}
+
+Json reason_of(const ChannelView& channel) { return channel.reason.empty() ? Json(nullptr) : Json(channel.reason); }
+
+Json channels_json(const ServiceView& view) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < view.snapshot.channels.size(); ++i) {
+    const ChannelView& channel = view.snapshot.channels[i];
+    const Tally& tally = channel.tally;
+    list.push_back({{"name", view.rig.channels[i].name},
+                    {"value", number(channel.value)},
+                    {"unit", view.rig.channels[i].unit},
+                    {"status", status_of(channel)},
+                    {"reason", reason_of(channel)},
+                    {"age_s", number(age_s(view, channel))},
+                    {"rate_hz", number(channel.rate_hz)},
+                    {"received", tally.received},
+                    {"used", tally.used},
+                    {"dropped", tally.dropped()},
+                    {"queued", tally.queued},
+                    {"gaps", channel.gaps},
+                    {"dropped_by",
+                     {{"refused", tally.refused},
+                      {"late", tally.late},
+                      {"overflow", tally.overflow},
+                      {"rejected", tally.rejected}}}});
+  }
+  return list;
+}
+
+Json stale_json(const ServiceView& view) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < view.snapshot.channels.size(); ++i)
+    if (view.snapshot.channels[i].fault != Fault::none) list.push_back(view.rig.channels[i].name);
+  return list;
+}
+
+Json devices_json(const ServiceView& view) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < view.snapshot.devices.size(); ++i) {
+    const DeviceView& device = view.snapshot.devices[i];
+    Json faults = Json::object();
+    for (int kind = 1; kind < kFaultCount; ++kind)
+      if (const auto count = device.faults[static_cast<std::size_t>(kind)]; count > 0)
+        faults[to_string(static_cast<Fault>(kind))] = count;
+    list.push_back({{"name", view.rig.devices[i].name},
+                    {"driver", view.drivers[i]},
+                    {"up", device.up},
+                    {"faults", std::move(faults)},
+                    {"foreign", device.foreign}});
+  }
+  return list;
+}
+
+// "fault": the service itself does not work; "degraded": a channel does not deliver.
+Json health_json(const ServiceView& view) {
+  const Json stale = stale_json(view);
+  Json threads = Json::array();
+  for (const WatchedThread& thread : view.threads) {
+    const std::int64_t still_ns = view.now_ns - thread.last_turn_ns;
+    threads.push_back({{"name", thread.name},
+                       {"turned_s_ago", number(static_cast<double>(still_ns) * 1e-9)},
+                       {"ok", still_ns <= thread.bound_ns}});
+  }
+  return {{"status", !view.trouble.empty() ? "fault"
+                     : stale.empty()       ? "ok"
+                                           : "degraded"},
+          {"reason", view.trouble.empty() ? Json(nullptr) : Json(view.trouble)},
+          {"state", to_string(view.snapshot.dwell.state)},
+          {"rig", view.rig.name},
+          {"rig_sha256", view.run.rig_sha256},
+          {"version", view.run.version},
+          {"uptime_s", number(view.uptime_s)},
+          {"stale", stale},
+          {"devices", devices_json(view)},
+          {"threads", std::move(threads)},
+          {"skipped_turns", view.snapshot.skipped_turns},
+          {"http",
+           {{"clients", view.http.clients},
+            {"streams", view.http.streams},
+            {"requests", view.http.requests},
+            {"refused", view.http.refused},
+            {"events_dropped", view.http.events_dropped}}},
+          {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}}}};
+}
+
+// Oldest first; the newest kDwellsPerAnswer, or as many from an index on.
+HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
+  static const FinishedDwells kNone;
+  const FinishedDwells& all = view.snapshot.finished ? *view.snapshot.finished : kNone;
+  std::size_t first = all.size() - std::min(all.size(), kDwellsPerAnswer);
+  if (!query.empty()) {
+    constexpr std::string_view kFrom = "from=";
+    int from = 0;
+    const char* const end = query.data() + query.size();
+    const bool known = query.substr(0, kFrom.size()) == kFrom;
+    const auto parsed = std::from_chars(query.data() + (known ? kFrom.size() : query.size()), end, from);
+    if (parsed.ec != std::errc{} || parsed.ptr != end)
+      return http_error(400, "the query is not understood: expected from=INDEX");
+    for (first = 0; first < all.size() && all[first]->index.value_or(0) < from;) ++first;
+  }
+  HttpReply reply;
+  reply.body = "{\"rig\":" + dump(view.rig.name) +
+               ",\"total\":" + std::to_string(all.size() + view.snapshot.forgotten) +
+               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) + ",\"dwells\":[";
+  const std::size_t last = std::min(all.size(), first + kDwellsPerAnswer);
+  for (std::size_t i = first; i < last; ++i) {
+    if (i > first) reply.body += ',';
+    reply.body += to_json(*all[i], view.rig, view.run);
+  }
+  reply.body += "]}";
+  return reply;
+}
+
+std::string control_error(std::string_view reason) { return dump(Json{{"error", reason}}); }
+
+// Per channel what an operator wants to see before a run: does it deliver, how fast, and how well are its instants
+// known.
+std::string check_answer(const ServiceView& view) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < view.snapshot.channels.size(); ++i) {
+    const ChannelView& channel = view.snapshot.channels[i];
+    const int device = view.rig.channels[i].device;
+    list.push_back(
+        {{"name", view.rig.channels[i].name},
+         {"device", device < 0 ? Json(nullptr) : Json(view.rig.devices[static_cast<std::size_t>(device)].name)},
+         {"value", number(channel.value)},
+         {"unit", view.rig.channels[i].unit},
+         {"rate_hz", number(channel.rate_hz)},
+         // The instant is known to half the device's turnaround.
+         {"latency_s", channel.heard_ns < 0 ? Json(nullptr) : number(2.0 * channel.half_width_s)},
+         {"age_s", number(age_s(view, channel))},
+         {"status", status_of(channel)},
+         {"reason", reason_of(channel)}});
+  }
+  return dump(Json{{"rig", view.rig.name}, {"channels", std::move(list)}});
+}
+
+}  // namespace
+
+std::string dwell_text_json(const ServiceView& view) { return to_json(view.snapshot.dwell, view.rig, view.run); }
+
+HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query) {
+  if (path == "/api/v1/dwell") return {200, dwell_text_json(view)};
+  if (path == "/api/v1/dwells") return dwells_answer(view, query);
+  if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
+  if (path == "/api/v1/health") return {view.trouble.empty() ? 200 : 503, dump(health_json(view))};
+  return http_error(404,
+                    "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/channels, "
+                    "/api/v1/health and /api/v1/stream");
+}
+
+std::string control_answer(const ServiceView& view, std::string_view line, const std::function<bool()>& rearm) {
+  // Depth first: the parser recurses, and a line may hold 64 KiB of brackets.
+  if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64)
+    return control_error("the line is too deeply nested");
+  const Json request = Json::parse(line, nullptr, false);
+  if (!request.is_object()) return control_error("not a JSON object");
+  const auto verb = request.find("verb");
+  if (verb == request.end() || !verb->is_string()) return control_error("no verb: expected {\"verb\":\"status\"}");
+  const std::string& name = verb->get_ref<const std::string&>();
+  if (name == "status") {
+    std::string reply = "{\"health\":" + dump(health_json(view)) + ",\"dwell\":" + dwell_text_json(view) +
+                        ",\"channels\":" + dump(channels_json(view)) + "}";
+    return reply;
+  }
+  if (name == "check") return check_answer(view);
+  if (name == "rearm") {
+    if (!rearm()) return control_error("too many at once; try again");
+    return dump(Json{{"done", true}});
+  }
+  return control_error("unknown verb \"" + name + "\"; there are status, check and rearm");
+}
+
+}  // namespace dwell

@@ -1,0 +1,47 @@
+// What the service says over HTTP and over the control socket, made from the newest snapshot. Pure: no I/O, no clock.
+// A number that does not exist is null. Bound to one thread; throws only where memory ends.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/rig.hpp"
+#include "daemon/estimate/snapshot.hpp"
+#include "daemon/log/log.hpp"
+#include "daemon/report/dwell_view.hpp"
+#include "daemon/serve/http_server.hpp"
+#include "daemon/watchdog.hpp"
+
+namespace dwell {
+
+// Everything the answers are made from, as it stands at now_ns. The references live as long as the call.
+struct ServiceView {
+  const Rig& rig;
+  const std::vector<std::string>& drivers;  // by device
+  const RunInfo& run;
+  const Snapshot& snapshot;
+  std::int64_t now_ns = 0;  // CLOCK_MONOTONIC_RAW
+  double uptime_s = 0.0;
+  HttpStats http;
+  LogStats log;
+  std::vector<WatchedThread> threads;
+  std::string trouble;  // the watchdog's; empty: all is well
+};
+
+// Finished dwells in one answer at most; further ones with ?from=INDEX.
+inline constexpr std::size_t kDwellsPerAnswer = 100;
+
+// GET `path`.
+[[nodiscard]] HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query);
+
+// One line of the control socket. rearm: the operator's action; false: too many at once.
+[[nodiscard]] std::string control_answer(const ServiceView& view, std::string_view line,
+                                         const std::function<bool()>& rearm);
+
+// The dwell object of the snapshot, one line.
+[[nodiscard]] std::string dwell_text_json(const ServiceView& view);
+
+}  // namespace dwell

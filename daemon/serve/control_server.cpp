@@ -1,0 +1,178 @@
+// clang-format off
+#include <utility>
+// clang-format on
+
+#include "daemon/serve/control_server.hpp"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <unordered_set>
+
+#include "daemon/serve/event_loop.hpp"
+
+namespace dwell {
+
+namespace asio = boost::asio;
+using Local = asio::local::stream_protocol;
+using boost::system::error_code;
+
+namespace {
+class Caller;
+constexpr mode_t kMode = 0660;
+}  // namespace
+
+struct ControlServer::Impl : std::enable_shared_from_this<ControlServer::Impl> {
+  Impl(asio::io_context& context, ControlOptions asked, Handler answers)
+      : options(std::move(asked)), handler(std::move(answers)), acceptor(context), pause(context) {}
+
+  void accept();
+
+  const ControlOptions options;
+  const Handler handler;
+  Local::acceptor acceptor;
+  asio::steady_timer pause;
+  std::unordered_set<Caller*> callers;
+};
+
+namespace {
+
+class Caller : public std::enable_shared_from_this<Caller> {
+ public:
+  Caller(std::shared_ptr<ControlServer::Impl> server, Local::socket socket)
+      : server_(std::move(server)), socket_(std::move(socket)), deadline_(socket_.get_executor()) {
+    server_->callers.insert(this);
+    ucred who{};
+    socklen_t size = sizeof who;
+    if (getsockopt(socket_.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0) peer_ = {who.uid, who.pid};
+  }
+  ~Caller() { server_->callers.erase(this); }
+  Caller(const Caller&) = delete;
+  Caller& operator=(const Caller&) = delete;
+
+  void read() {
+    limit_time();
+    asio::async_read_until(
+        socket_, asio::dynamic_buffer(line_, server_->options.line_bytes), '\n',
+        [self = shared_from_this()](const error_code& error, std::size_t size) { self->received(error, size); });
+  }
+
+  void close() {
+    error_code ignored;
+    socket_.close(ignored);
+    deadline_.cancel();
+  }
+
+ private:
+  void limit_time() {
+    deadline_.expires_after(server_->options.idle_time);
+    deadline_.async_wait([weak = weak_from_this()](const error_code& error) {
+      if (error) return;
+      if (const auto self = weak.lock()) self->close();
+    });
+  }
+
+  void received(const error_code& error, std::size_t size) {
+    if (error == asio::error::not_found) return answer(R"({"error":"the line is too long"})", false);
+    if (error) return close();
+    std::string_view line(line_.data(), size - 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    std::string reply;
+    try {
+      reply = server_->handler(line, peer_);
+    } catch (const std::exception&) {
+      reply = R"({"error":"the answer could not be made"})";
+    }
+    line_.erase(0, size);
+    answer(std::move(reply), true);
+  }
+
+  void answer(std::string reply, bool go_on) {
+    auto text = std::make_shared<std::string>(std::move(reply));
+    text->push_back('\n');
+    limit_time();
+    asio::async_write(socket_, asio::buffer(*text),
+                      [self = shared_from_this(), text, go_on](const error_code& error, std::size_t) {
+                        if (error || !go_on) return self->close();
+                        self->read();
+                      });
+  }
+
+  const std::shared_ptr<ControlServer::Impl> server_;
+  Local::socket socket_;
+  asio::steady_timer deadline_;
+  std::string line_;
+  Peer peer_;
+};
+
+// Removes what a dead process left behind; the reason why not, or nothing.
+std::string clear(asio::io_context& context, const std::string& path) {
+  struct stat is {};
+  if (lstat(path.c_str(), &is) != 0) return {};
+  if (!S_ISSOCK(is.st_mode)) return "is there already and is no socket";
+  Local::socket probe(context);
+  error_code error;
+  probe.connect(Local::endpoint(path), error);
+  if (!error) return "is in use: another dwelld is running";
+  if (error != asio::error::connection_refused) return error.message();
+  unlink(path.c_str());
+  return {};
+}
+
+}  // namespace
+
+void ControlServer::Impl::accept() {
+  acceptor.async_accept([self = shared_from_this()](const error_code& error, Local::socket socket) {
+    if (!self->acceptor.is_open()) return;
+    if (error) {
+      self->pause.expires_after(std::chrono::milliseconds(100));
+      self->pause.async_wait([self](const error_code& stopped) {
+        if (!stopped && self->acceptor.is_open()) self->accept();
+      });
+      return;
+    }
+    if (self->callers.size() < self->options.clients) std::make_shared<Caller>(self, std::move(socket))->read();
+    self->accept();
+  });
+}
+
+tl::expected<std::unique_ptr<ControlServer>, std::string> ControlServer::make(EventLoop& loop,
+                                                                              const ControlOptions& options,
+                                                                              Handler handler) {
+  const auto failed = [&options](const std::string& why) {
+    return tl::unexpected("control socket " + options.path + ": " + why);
+  };
+  // The kernel's limit, and Asio throws beyond it.
+  if (options.path.empty() || options.path.size() >= sizeof(sockaddr_un{}.sun_path))
+    return failed("the path is empty or too long");
+  const std::string obstacle = clear(loop.context(), options.path);
+  if (!obstacle.empty()) return failed(obstacle);
+  auto impl = std::make_shared<Impl>(loop.context(), options, std::move(handler));
+  error_code error;
+  impl->acceptor.open(Local(), error);
+  if (!error) impl->acceptor.bind(Local::endpoint(options.path), error);
+  if (error) return failed(error.message());
+  // Before listen(): until then nobody can connect, whatever the umask.
+  if (chmod(options.path.c_str(), kMode) != 0) return failed("its mode cannot be set");
+  impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return failed(error.message());
+  impl->accept();
+  return std::unique_ptr<ControlServer>(new ControlServer(std::move(impl)));
+}
+
+ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+ControlServer::~ControlServer() {
+  error_code ignored;
+  impl_->acceptor.close(ignored);
+  impl_->pause.cancel();
+  for (Caller* caller : impl_->callers) caller->close();
+  unlink(impl_->options.path.c_str());
+}
+
+}  // namespace dwell

@@ -1,0 +1,51 @@
+// The control socket: a local stream socket whose file permissions say who may change something. One JSON object per
+// line in, one per line out. On the event loop; bounded in clients, in line length and in time.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+namespace dwell {
+
+class EventLoop;
+
+struct ControlOptions {
+  std::string path;
+  std::size_t clients = 16;                     // at once; more are closed at once
+  std::size_t line_bytes = 64 * 1024;           // beyond: an error, and the connection ends
+  std::chrono::milliseconds idle_time{60'000};  // without a whole line, or with an answer not taken
+};
+
+// Who asks, by the kernel's word.
+struct Peer {
+  uid_t uid = static_cast<uid_t>(-1);
+  pid_t pid = -1;
+};
+
+class ControlServer {
+ public:
+  // One line in, without its end, to one line out, without its end.
+  using Handler = std::function<std::string(std::string_view line, const Peer& peer)>;
+
+  // Binds (mode 0660) and listens. A socket that a dead process left behind is replaced; one that answers is not.
+  static tl::expected<std::unique_ptr<ControlServer>, std::string> make(EventLoop& loop, const ControlOptions& options,
+                                                                        Handler handler);
+  ~ControlServer();  // closes every connection and removes the socket
+  ControlServer(const ControlServer&) = delete;
+  ControlServer& operator=(const ControlServer&) = delete;
+
+  struct Impl;  // defined where Asio is
+
+ private:
+  explicit ControlServer(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,311 @@
+// The one translation unit that includes Beast. <utility> comes first: Asio 1.74 needs it and does not include it.
+// clang-format off
+#include <utility>
+// clang-format on
+
+#include "daemon/serve/http_server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <deque>
+#include <optional>
+#include <sstream>
+#include <unordered_set>
+
+#include "daemon/serve/event_loop.hpp"
+
+namespace dwell {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using tcp = asio::ip::tcp;
+using boost::system::error_code;
+using Event = std::shared_ptr<const std::string>;
+
+namespace {
+class Connection;
+}
+
+struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
+  Impl(asio::io_context& context, HttpOptions asked, Handler answers, FirstEvent first)
+      : options(std::move(asked)),
+        handler(std::move(answers)),
+        first_event(std::move(first)),
+        acceptor(context),
+        pause(context) {}
+
+  void accept();
+  void welcome(tcp::socket socket);
+
+  const HttpOptions options;
+  const Handler handler;
+  const FirstEvent first_event;
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+  std::unordered_set<Connection*> connections;
+  std::unordered_set<Connection*> streams;
+  std::uint64_t requests = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t events_dropped = 0;
+};
+
+namespace {
+
+// One client: requests one after the other, or from a request for the stream on, events.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(std::shared_ptr<HttpServer::Impl> server, tcp::socket socket)
+      : server_(std::move(server)), stream_(std::move(socket)) {
+    server_->connections.insert(this);
+  }
+  ~Connection() {
+    server_->connections.erase(this);
+    server_->streams.erase(this);
+  }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  // Awaits a request. The deadline is one for all of it, so a client that sends byte by byte gains nothing.
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(static_cast<std::uint32_t>(server_->options.header_bytes));
+    parser_->body_limit(server_->options.body_bytes);
+    stream_.expires_after(server_->options.request_time);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](const error_code& error, std::size_t) { self->received(error); });
+  }
+
+  void push(const Event& event) {
+    if (waiting_.size() >= server_->options.events_waiting) {
+      // The first one may be on its way out; the oldest behind it goes.
+      waiting_.erase(waiting_.begin() + (writing_ ? 1 : 0));
+      ++server_->events_dropped;
+    }
+    waiting_.push_back(event);
+    if (!writing_) write_event();
+  }
+
+  void close() { stream_.close(); }
+
+ private:
+  void received(const error_code& error) {
+    if (error == http::error::end_of_stream) return shut();
+    if (error == http::error::header_limit)
+      return answer(http_error(431, "the header fields are too large"), false, false);
+    if (error == http::error::body_limit) return answer(http_error(413, "the body is too large"), false, false);
+    if (error.category() == http::make_error_code(http::error::bad_method).category())
+      return answer(http_error(400, "not a request: " + error.message()), false, false);
+    if (error) return;  // gone, or out of time: what it wanted is not known
+    ++server_->requests;
+    const auto& request = parser_->get();
+    const bool head = request.method() == http::verb::head;
+    if (!head && request.method() != http::verb::get)
+      return answer(http_error(405, "only GET and HEAD: this interface is for reading"), false, false);
+    const std::string_view target(request.target().data(), request.target().size());
+    const auto mark = std::min(target.find('?'), target.size());
+    const std::string_view path = target.substr(0, mark);
+    const std::string_view query = target.substr(std::min(mark + 1, target.size()));
+    if (path.empty() || path.front() != '/')
+      return answer(http_error(400, "the target is no path"), head, request.keep_alive());
+    if (path == server_->options.stream_path && !head) {
+      if (server_->streams.size() < server_->options.streams) return begin_stream();
+      return answer(http_error(503, "too many live streams"), head, request.keep_alive());
+    }
+    HttpReply reply;
+    if (path == server_->options.stream_path) {
+      reply.content_type = "text/event-stream";
+    } else {
+      try {
+        reply = server_->handler(path, query);
+      } catch (const std::exception&) {
+        reply = http_error(500, "the answer could not be made");
+      }
+    }
+    answer(std::move(reply), head, request.keep_alive());
+  }
+
+  template <class Body>
+  void set_fields(http::response<Body>& response, const std::string& content_type) const {
+    response.set(http::field::server, server_->options.server);
+    response.set(http::field::content_type, content_type);
+    response.set(http::field::cache_control, "no-store");
+    response.set("X-Content-Type-Options", "nosniff");
+    if (response.result() == http::status::method_not_allowed) response.set(http::field::allow, "GET, HEAD");
+  }
+
+  void answer(HttpReply reply, bool head, bool keep_alive) {
+    // HTTP/1.1 in the status line even where 1.0 was asked, as RFC 9110 has it; the connection is as the client wants.
+    auto response = std::make_shared<http::response<http::string_body>>();
+    response->result(static_cast<unsigned>(reply.status));
+    set_fields(*response, reply.content_type);
+    response->keep_alive(keep_alive);
+    response->content_length(reply.body.size());
+    if (!head) response->body() = std::move(reply.body);
+    stream_.expires_after(server_->options.request_time);
+    http::async_write(stream_, *response, [self = shared_from_this(), response](const error_code& error, std::size_t) {
+      if (error) return;
+      if (response->keep_alive()) return self->read();
+      self->shut();
+    });
+  }
+
+  // Says that nothing more comes, then waits a little for what the client still sends: closing on unread bytes would
+  // reset the connection, and the answer might never be seen.
+  void shut() {
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(std::min(server_->options.request_time, std::chrono::milliseconds(1000)));
+    swallow();
+  }
+  void swallow() {
+    stream_.async_read_some(asio::buffer(ignored_), [self = shared_from_this()](const error_code& error, std::size_t) {
+      if (!error) self->swallow();
+    });
+  }
+
+  void begin_stream() {
+    server_->streams.insert(this);
+    http::response<http::empty_body> response(http::status::ok, 11);
+    set_fields(response, "text/event-stream");
+    response.keep_alive(false);
+    std::ostringstream head;
+    head << response.base() << "retry: 1000\n\n";
+    std::string first = server_->first_event();
+    stream_.expires_never();
+    swallow_stream();
+    push(std::make_shared<const std::string>(head.str() + first));
+  }
+
+  // Nothing is expected from a stream's client; reading tells when it has gone.
+  void swallow_stream() {
+    stream_.async_read_some(asio::buffer(ignored_), [self = shared_from_this()](const error_code& error, std::size_t) {
+      if (error) return self->leave();
+      self->swallow_stream();
+    });
+  }
+
+  void write_event() {
+    if (waiting_.empty()) return;
+    writing_ = true;
+    stream_.expires_after(server_->options.stream_write_time);  // the pending read keeps its own: never
+    asio::async_write(stream_, asio::buffer(*waiting_.front()),
+                      [self = shared_from_this(), event = waiting_.front()](const error_code& error, std::size_t) {
+                        self->writing_ = false;
+                        if (error || self->waiting_.empty()) return self->leave();  // empty: it has left already
+                        self->waiting_.pop_front();
+                        self->write_event();
+                      });
+  }
+
+  void leave() {
+    server_->streams.erase(this);
+    waiting_.clear();
+    close();
+  }
+
+  const std::shared_ptr<HttpServer::Impl> server_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  std::deque<Event> waiting_;
+  std::array<char, 1024> ignored_{};
+  bool writing_ = false;
+};
+
+}  // namespace
+
+std::string event_text(std::string_view name, std::string_view data) {
+  std::string text;
+  text.reserve(name.size() + data.size() + 16);
+  text.append("event: ").append(name).append("\ndata: ").append(data).append("\n\n");
+  return text;
+}
+
+void HttpServer::Impl::accept() {
+  acceptor.async_accept([self = shared_from_this()](const error_code& error, tcp::socket socket) {
+    if (!self->acceptor.is_open()) return;
+    if (error) {
+      // Out of descriptors, perhaps: trying again at once would turn the loop into a busy one.
+      self->pause.expires_after(std::chrono::milliseconds(100));
+      self->pause.async_wait([self](const error_code& stopped) {
+        if (!stopped && self->acceptor.is_open()) self->accept();
+      });
+      return;
+    }
+    self->welcome(std::move(socket));
+    self->accept();
+  });
+}
+
+void HttpServer::Impl::welcome(tcp::socket socket) {
+  if (connections.size() < options.clients) {
+    error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    std::make_shared<Connection>(shared_from_this(), std::move(socket))->read();
+    return;
+  }
+  ++refused;
+  // A word of explanation if it can be had for nothing.
+  const std::string body = http_error(503, "too many clients").body;
+  const std::string text =
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nConnection: close\r\n"
+      "Content-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n" + body;
+  error_code ignored;
+  socket.non_blocking(true, ignored);
+  socket.write_some(asio::buffer(text), ignored);
+  socket.shutdown(tcp::socket::shutdown_send, ignored);
+}
+
+tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(EventLoop& loop,
+                                                                                const HttpOptions& options,
+                                                                                Handler handler,
+                                                                                FirstEvent first_event) {
+  error_code error;
+  const auto address = asio::ip::make_address(options.host == "localhost" ? "127.0.0.1" : options.host, error);
+  if (error) return tl::unexpected(Failure{true, "listen: \"" + options.host + "\" is no numeric address"});
+  const tcp::endpoint endpoint(address, options.port);
+  auto impl = std::make_shared<Impl>(loop.context(), options, std::move(handler), std::move(first_event));
+  impl->acceptor.open(endpoint.protocol(), error);
+  if (!error) impl->acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) impl->acceptor.bind(endpoint, error);
+  if (!error) impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    return tl::unexpected(Failure{
+        false, "cannot listen on " + options.host + ":" + std::to_string(options.port) + ": " + error.message()});
+  }
+  impl->accept();
+  return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
+}
+
+HttpServer::HttpServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+HttpServer::~HttpServer() {
+  error_code ignored;
+  impl_->acceptor.close(ignored);
+  impl_->pause.cancel();
+  for (Connection* connection : impl_->connections) connection->close();
+}
+
+std::uint16_t HttpServer::port() const {
+  error_code ignored;
+  return impl_->acceptor.local_endpoint(ignored).port();
+}
+
+void HttpServer::broadcast(std::string_view name, std::string_view data) {
+  if (impl_->streams.empty()) return;
+  const auto event = std::make_shared<const std::string>(event_text(name, data));
+  for (Connection* stream : impl_->streams) stream->push(event);
+}
+
+HttpStats HttpServer::stats() const noexcept {
+  return {impl_->connections.size(), impl_->streams.size(), impl_->requests, impl_->refused, impl_->events_dropped};
+}
+
+}  // namespace dwell

@@ -1,0 +1,88 @@
+// The HTTP server: reading only, HTTP/1.1, one listening address, on the event loop; Server-Sent Events for live push.
+//
+// It knows nothing of what it serves: a handler answers paths, broadcast() pushes events. Everything a client can make
+// it spend is bounded: clients, streams among them, header and body, the time for a request, the events waiting for one
+// slow reader (the oldest are dropped and counted). Bound to the event loop's thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+namespace dwell {
+
+class EventLoop;
+
+struct HttpReply {
+  int status = 200;
+  std::string body;
+  std::string content_type = "application/json";
+};
+
+struct HttpOptions {
+  std::string host = "127.0.0.1";  // a numeric address, or "localhost"
+  std::uint16_t port = 8380;       // 0: the kernel chooses
+  std::string server = "dwelld";   // Server field
+  std::string stream_path = "/api/v1/stream";
+  std::size_t clients = 128;            // connections at once; more are answered 503
+  std::size_t streams = 96;             // of which live streams; the rest stays free for requests
+  std::size_t header_bytes = 8 * 1024;  // beyond: 431
+  std::size_t body_bytes = 16 * 1024;   // beyond: 413
+  std::size_t events_waiting = 16;      // per stream; beyond, the oldest is dropped
+  std::chrono::milliseconds request_time{
+      10'000};  // from its first chance to be sent until it is here, and for the answer
+  std::chrono::milliseconds stream_write_time{30'000};  // for one event; then the reader is given up
+};
+
+struct HttpStats {
+  std::uint64_t clients = 0;  // now
+  std::uint64_t streams = 0;  // now
+  std::uint64_t requests = 0;
+  std::uint64_t refused = 0;         // connections, because there were too many
+  std::uint64_t events_dropped = 0;  // because a reader was slow
+};
+
+class HttpServer {
+ public:
+  // Answers GET of a path; `query` is what follows its question mark. For HEAD the body is left out.
+  using Handler = std::function<HttpReply(std::string_view path, std::string_view query)>;
+  // The first event of a stream, as event_text makes it; empty: none yet.
+  using FirstEvent = std::function<std::string()>;
+
+  struct Failure {
+    bool bad_address = false;  // what was asked for is not an address; else it cannot be had
+    std::string message;
+  };
+
+  // Binds and listens.
+  static tl::expected<std::unique_ptr<HttpServer>, Failure> make(EventLoop& loop, const HttpOptions& options,
+                                                                 Handler handler, FirstEvent first_event);
+  ~HttpServer();  // closes every connection
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const;
+
+  // Sends `data` (one line) as an event of this name to every stream.
+  void broadcast(std::string_view name, std::string_view data);
+
+  [[nodiscard]] HttpStats stats() const noexcept;
+
+  struct Impl;  // defined where Beast is
+
+ private:
+  explicit HttpServer(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> impl_;
+};
+
+// An event as it travels. `data` is one line.
+[[nodiscard]] std::string event_text(std::string_view name, std::string_view data);
+
+// {"error": reason, "status": status}
+[[nodiscard]] HttpReply http_error(int status, std::string_view reason);
+
+}  // namespace dwell

@@ -1,0 +1,230 @@
+#include "daemon/service.hpp"
+
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "daemon/clock.hpp"
+#include "daemon/notifier.hpp"
+#include "daemon/serve/api.hpp"
+#include "daemon/serve/control_server.hpp"
+#include "daemon/serve/event_loop.hpp"
+#include "daemon/serve/http_server.hpp"
+#include "daemon/session.hpp"
+#include "daemon/version.hpp"
+#include "daemon/watchdog.hpp"
+
+namespace dwell {
+namespace {
+
+// A descriptor that is closed with its owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const noexcept { return number_; }
+
+ private:
+  int number_;
+};
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  return signals;
+}
+
+std::string iso_utc(std::int64_t utc_ns) {
+  if (utc_ns == 0) return {};
+  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  char day[40];
+  std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &parts);
+  char text[64];
+  std::snprintf(text, sizeof text, "%s.%06dZ", day, static_cast<int>(utc_ns / 1000 % 1'000'000));
+  return text;
+}
+
+std::string status_line(const Snapshot& snapshot, const std::string& trouble) {
+  if (!trouble.empty()) return "not working: " + trouble;
+  const auto stale = std::count_if(snapshot.channels.begin(), snapshot.channels.end(),
+                                   [](const ChannelView& channel) { return channel.fault != Fault::none; });
+  std::string line = to_string(snapshot.dwell.state);
+  if (snapshot.dwell.index) line += ", dwell " + std::to_string(*snapshot.dwell.index);
+  if (snapshot.dwell.state == State::measuring && std::isfinite(snapshot.dwell.frequency_hz.value)) {
+    char text[48];
+    std::snprintf(text, sizeof text, ", %.4g Hz", snapshot.dwell.frequency_hz.value);
+    line += text;
+  }
+  if (stale > 0) line += ", " + std::to_string(stale) + " channels stale";
+  return line;
+}
+
+}  // namespace
+
+struct Service::Impl {
+  Impl(Log& the_log, int wake_descriptor) : log(the_log), wake(wake_descriptor) {}
+
+  Log& log;
+  EventLoop loop;
+  Descriptor wake;  // the estimation thread has published
+  std::optional<Descriptor> signals;
+  Notifier notifier;
+  Watchdog watchdog;
+  std::string trouble;
+  RunInfo run;
+  std::vector<std::string> drivers;
+  std::int64_t started_ns = raw_now_ns();
+  std::unique_ptr<Session> session;
+  std::unique_ptr<HttpServer> http;
+  std::unique_ptr<ControlServer> control;
+
+  [[nodiscard]] ServiceView view() {
+    session->refresh();
+    const Snapshot& snapshot = session->latest();
+    if (run.start_utc.empty()) run.start_utc = iso_utc(snapshot.start_utc_ns);
+    const std::int64_t now_ns = raw_now_ns();
+    return {session->file().rig,
+            drivers,
+            run,
+            snapshot,
+            now_ns,
+            static_cast<double>(now_ns - started_ns) * 1e-9,
+            http ? http->stats() : HttpStats{},
+            log.stats(),
+            session->threads(),
+            trouble};
+  }
+
+  void published() {
+    std::uint64_t count = 0;
+    while (read(wake.get(), &count, sizeof count) > 0) {
+    }
+    if (!session || !session->refresh()) return;
+    notifier.status(status_line(session->latest(), trouble));
+    if (http && http->stats().streams > 0) http->broadcast("dwell", dwell_text_json(view()));
+  }
+
+  // The loop turns, or this would not be called; the rest is looked at.
+  void watch() {
+    const std::string found = watchdog.judge(raw_now_ns(), session->threads(), session->rings());
+    if (found.empty() != trouble.empty()) {
+      if (found.empty()) {
+        log.info("the service works again");
+      } else {
+        log.error("the service does not work: " + found);
+      }
+      notifier.status(status_line(session->latest(), found));
+    }
+    trouble = found;
+    if (trouble.empty()) notifier.feed_watchdog();
+  }
+
+  std::string control_line(std::string_view line, const Peer& peer) {
+    return control_answer(view(), line, [this, &peer] {
+      log.info("rearm asked for by uid " + std::to_string(peer.uid) + ", pid " + std::to_string(peer.pid));
+      return session->rearm();
+    });
+  }
+};
+
+Service::Service(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::RigFile file,
+                                                                       const config::SchemaSource& drivers,
+                                                                       const ServiceOptions& options, Log& log) {
+  const int wake = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  if (wake < 0) return tl::unexpected(Failure{1, "no descriptor is to be had"});
+  auto impl = std::make_unique<Impl>(log, wake);
+  Impl& self = *impl;
+
+  self.run.rig_sha256 = file.sha256;
+  self.run.version = kVersion;
+  for (const config::DeviceSettings& device : file.devices) self.drivers.push_back(device.driver);
+  const config::ServerSettings server = file.server;
+
+  auto session = Session::make(std::move(file), drivers, log, [wake] {
+    const std::uint64_t one = 1;
+    // Full means that the loop has been woken already.
+    [[maybe_unused]] const auto written = write(wake, &one, sizeof one);
+  });
+  if (!session) return tl::unexpected(Failure{1, session.error()});
+  self.session = std::move(*session);
+
+  HttpOptions http_options;
+  http_options.host = server.host;
+  http_options.port = server.port;
+  http_options.server = std::string("dwelld/") + kVersion;
+  auto http = HttpServer::make(
+      self.loop, http_options,
+      [&self](std::string_view path, std::string_view query) { return http_answer(self.view(), path, query); },
+      [&self] { return event_text("dwell", dwell_text_json(self.view())); });
+  if (!http) return tl::unexpected(Failure{http.error().bad_address ? 2 : 1, http.error().message});
+  self.http = std::move(*http);
+
+  if (!options.control_path.empty()) {
+    ControlOptions control_options;
+    control_options.path = options.control_path;
+    auto control = ControlServer::make(self.loop, control_options, [&self](std::string_view line, const Peer& peer) {
+      return self.control_line(line, peer);
+    });
+    if (!control) return tl::unexpected(Failure{1, control.error()});
+    self.control = std::move(*control);
+  }
+
+  if (options.handle_signals) {
+    const sigset_t signals = stop_signals();
+    self.signals.emplace(signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC));
+    if (self.signals->get() < 0) return tl::unexpected(Failure{1, "signals cannot be received"});
+    self.loop.on_readable(self.signals->get(), [&self] {
+      signalfd_siginfo signal{};
+      if (read(self.signals->get(), &signal, sizeof signal) != sizeof signal) return;
+      self.log.info(std::string("stopping: ") + strsignal(static_cast<int>(signal.ssi_signo)));
+      self.loop.stop();
+    });
+  }
+  self.loop.on_readable(wake, [&self] { self.published(); });
+  constexpr std::int64_t kLongest_ms = 1000;
+  const std::int64_t asked_ms = self.notifier.watchdog_ms() > 0 ? self.notifier.watchdog_ms() / 4 : kLongest_ms;
+  self.loop.every(std::chrono::milliseconds(std::clamp<std::int64_t>(asked_ms, 10, kLongest_ms)),
+                  [&self] { self.watch(); });
+
+  if (auto started = self.session->start(); !started) return tl::unexpected(Failure{1, started.error()});
+  return std::unique_ptr<Service>(new Service(std::move(impl)));
+}
+
+Service::~Service() = default;
+
+void Service::run() {
+  Impl& self = *impl_;
+  self.log.info("serving rig \"" + self.session->file().rig.name + "\" on " + self.session->file().server.host +
+                " port " + std::to_string(port()));
+  self.notifier.ready();
+  self.loop.run([&self](const char* failure) { self.log.error(std::string("event loop: ") + failure); });
+  self.notifier.stopping();
+  self.control.reset();
+  self.http.reset();
+  self.session.reset();
+  self.log.info("stopped");
+}
+
+void Service::stop() { impl_->loop.stop(); }
+
+std::uint16_t Service::port() const { return impl_->http->port(); }
+
+}  // namespace dwell

@@ -1,0 +1,46 @@
+// dwelld in one object: the log, the event loop with HTTP and control socket, the watchdog, and the session of one rig.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "config/rig_file.hpp"
+#include "daemon/log/log.hpp"
+
+namespace dwell {
+
+struct ServiceOptions {
+  std::string control_path;    // empty: no control socket
+  bool handle_signals = true;  // SIGTERM and SIGINT end run(); they must be blocked in every thread
+};
+
+class Service {
+ public:
+  struct Failure {
+    int exit_code = 1;  // 2: what was asked for cannot be; 1: it cannot be had now
+    std::string message;
+  };
+
+  // Binds and listens, makes the session and starts its threads; devices are not awaited. The log outlives it.
+  static tl::expected<std::unique_ptr<Service>, Failure> make(config::RigFile file, const config::SchemaSource& drivers,
+                                                              const ServiceOptions& options, Log& log);
+  ~Service();
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  // Tells systemd that it is ready and serves until a signal or stop().
+  void run();
+  // Thread-safe.
+  void stop();
+
+  [[nodiscard]] std::uint16_t port() const;
+
+ private:
+  struct Impl;
+  explicit Service(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dwell

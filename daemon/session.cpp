@@ -1,0 +1,160 @@
+#include "daemon/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "daemon/acquire/device_host.hpp"
+#include "daemon/clock.hpp"
+#include "daemon/estimate/estimation_thread.hpp"
+#include "daemon/estimate/estimator.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
+constexpr std::int64_t kDeviceBound_ns = 3'000'000'000;  // the interface asks for a turn every 0.5 s
+
+// A poll answered just within its timeout is stamped up to half of that before it is known.
+std::int64_t hold_back_ns(const config::RigFile& file) {
+  constexpr double kShortest_s = 0.1;
+  constexpr double kLongest_s = 2.0;
+  double longest_s = kShortest_s;
+  for (const config::DeviceSettings& device : file.devices)
+    for (const config::Entry& entry : device.entries)
+      if (entry.key == "timeout")
+        if (const double* timeout_s = std::get_if<double>(&entry.value))
+          longest_s = std::max(longest_s, 0.05 + 0.5 * *timeout_s);
+  return static_cast<std::int64_t>(std::min(longest_s, kLongest_s) * 1e9);
+}
+
+EstimatorOptions options_for(const config::RigFile& file) {
+  EstimatorOptions options;
+  options.hold_back_ns = hold_back_ns(file);
+  options.nominal_rate_hz.assign(file.rig.channels.size(), 0.0);
+  for (const config::DeviceSettings& device : file.devices)
+    for (const config::ChannelSettings& channel : device.channels)
+      options.nominal_rate_hz[channel.index] = device.rate_hz.value_or(0.0);
+  return options;
+}
+
+Level level_of(dwell_level level) {
+  switch (level) {
+    case DWELL_DEBUG:
+      return Level::debug;
+    case DWELL_INFO:
+      return Level::info;
+    case DWELL_WARNING:
+      return Level::warning;
+    case DWELL_ERROR:
+      return Level::error;
+  }
+  return Level::error;
+}
+
+// A driver's own lines, at most so many a second; called on the driver's thread alone.
+class DriverLines {
+ public:
+  DriverLines(std::string device, Log& log) : device_(std::move(device)), log_(log) {}
+  void operator()(dwell_level level, const char* message) {
+    const std::int64_t now_ns = raw_now_ns();
+    if (now_ns - second_ns_ >= 1'000'000'000) {
+      if (kept_back_ > 0)
+        log_.warning("device " + device_ + ": " + std::to_string(kept_back_) + " lines of its driver left out");
+      second_ns_ = now_ns;
+      lines_ = kept_back_ = 0;
+    }
+    if (++lines_ > kLines) {
+      ++kept_back_;
+      return;
+    }
+    log_.write(level_of(level), "device " + device_ + ": " + message, {{"DWELL_DEVICE", device_}});
+  }
+
+ private:
+  static constexpr int kLines = 20;
+  std::string device_;
+  Log& log_;
+  std::int64_t second_ns_ = 0;
+  int lines_ = 0;
+  int kept_back_ = 0;
+};
+
+}  // namespace
+
+struct Session::Impl {
+  config::RigFile file;
+  Log& log;
+  std::vector<std::unique_ptr<DeviceHost>> devices;
+  std::optional<Estimator> estimator;
+  std::optional<EstimationThread> thread;
+};
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFile file,
+                                                                  const config::SchemaSource& drivers, Log& log,
+                                                                  std::function<void()> published) {
+  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, std::nullopt, std::nullopt});
+  std::vector<DeviceLink*> links;
+  for (const config::DeviceSettings& settings : impl->file.devices) {
+    const auto table = drivers(settings.driver);
+    if (!table) return tl::unexpected("device " + settings.name + ": " + table.error());
+    auto device = DeviceHost::make(settings, impl->file.directory, **table, DriverLines(settings.name, log));
+    if (!device) return tl::unexpected(device.error());
+    links.push_back(&(*device)->link());
+    impl->devices.push_back(std::move(*device));
+  }
+  impl->estimator.emplace(impl->file.rig, std::move(links), options_for(impl->file), log, std::move(published),
+                          raw_now_ns());
+  return std::unique_ptr<Session>(new Session(std::move(impl)));
+}
+
+tl::expected<void, std::string> Session::start() {
+  impl_->thread.emplace(*impl_->estimator);
+  for (const auto& device : impl_->devices) {
+    if (auto started = device->start(); !started) return started;
+  }
+  return {};
+}
+
+Session::~Session() {
+  // Each may take half a second; together they must not take longer.
+  std::vector<std::thread> stopping;
+  for (const auto& device : impl_->devices) stopping.emplace_back([&device] { device->stop(); });
+  for (std::thread& thread : stopping) thread.join();
+  impl_->thread.reset();
+}
+
+const config::RigFile& Session::file() const noexcept { return impl_->file; }
+bool Session::refresh() noexcept { return impl_->estimator->refresh(); }
+const Snapshot& Session::latest() const noexcept { return impl_->estimator->latest(); }
+bool Session::rearm() noexcept { return impl_->estimator->rearm(); }
+
+std::vector<WatchedThread> Session::threads() const {
+  std::vector<WatchedThread> threads;
+  if (impl_->thread) threads.push_back({"estimate", impl_->thread->last_turn_ns(), kEstimateBound_ns});
+  const Snapshot& snapshot = latest();
+  for (const auto& device : impl_->devices) {
+    // A source that has been played to its end has nothing left to turn for.
+    const auto& channels = device->link().channels();
+    const bool ended = !channels.empty() && std::all_of(channels.begin(), channels.end(), [&](std::uint16_t channel) {
+      return channel < snapshot.channels.size() && snapshot.channels[channel].fault == Fault::end_of_data;
+    });
+    if (!ended) threads.push_back({device->link().name(), device->link().last_turn_ns(), kDeviceBound_ns});
+  }
+  return threads;
+}
+
+std::vector<WatchedRing> Session::rings() const {
+  std::vector<WatchedRing> rings;
+  for (const auto& device : impl_->devices) {
+    const std::uint64_t entered = device->link().entered();
+    rings.push_back({device->link().name(), entered, device->link().left()});
+  }
+  return rings;
+}
+
+}  // namespace dwell

@@ -1,0 +1,51 @@
+// Everything made from one rig file: the devices' plugin instances, their rings, the estimation and its thread. The
+// server, the log and the watchdog outlive it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "config/rig_file.hpp"
+#include "daemon/estimate/snapshot.hpp"
+#include "daemon/log/log.hpp"
+#include "daemon/watchdog.hpp"
+
+namespace dwell {
+
+class Session {
+ public:
+  // Makes the devices (none is touched yet); fails with the reason. `drivers` yields the plugins' tables, which stay
+  // valid for ever. published: called on the estimation thread after each snapshot; must not block.
+  static tl::expected<std::unique_ptr<Session>, std::string> make(config::RigFile file,
+                                                                  const config::SchemaSource& drivers, Log& log,
+                                                                  std::function<void()> published);
+  // Stops the devices, all at once, then ends the run; within about half a second.
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  // Starts the estimation, then the devices. A rig that is off is no failure.
+  tl::expected<void, std::string> start();
+
+  [[nodiscard]] const config::RigFile& file() const noexcept;
+
+  // Of one thread, the event loop's: moves on to the newest snapshot; the operator's rearm (false: too many at once).
+  bool refresh() noexcept;
+  [[nodiscard]] const Snapshot& latest() const noexcept;
+  bool rearm() noexcept;
+
+  // What the watchdog looks at.
+  [[nodiscard]] std::vector<WatchedThread> threads() const;
+  [[nodiscard]] std::vector<WatchedRing> rings() const;
+
+ private:
+  struct Impl;
+  explicit Session(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dwell

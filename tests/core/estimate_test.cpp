@@ -1,0 +1,172 @@
+#include "core/estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/forward.hpp"
+#include "core/identify.hpp"
+#include "core/transducer.hpp"
+#include "tests/core/bench_rig.hpp"
+
+namespace dwell {
+namespace {
+
+// What the transducers of `rig` read in the steady state of `chain`, X_1 … X_H.
+std::vector<Evidence> evidence_of(const Chain& chain, const Rig& rig, double omega) {
+  std::vector<Evidence> out(rig.channels.size());
+  const SteadyResponse steady = steady_response(chain, omega, 0.002);
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    const Channel& channel = rig.channels[c];
+    Complex y = channel.measures == Quantity::force ? steady.F
+                : channel.at == kGround             ? 0.0
+                                                    : steady.Y[static_cast<std::size_t>(channel.at)];
+    if (channel.relative_to) y -= steady.Y[static_cast<std::size_t>(*channel.relative_to)];
+    out[c].usable = true;
+    out[c].X[0] = y / as_observed(rig, static_cast<int>(c), 1.0, omega, 1);
+    out[c].dof = 1000;
+  }
+  return out;
+}
+
+ElementsResult estimate(const Rig& rig, const std::vector<Evidence>& evidence, const Frequency& frequency) {
+  return estimate_elements(
+      rig, solve_observation(observation_matrix(rig), observation_weights(rig, evidence, frequency.omega)), evidence,
+      frequency);
+}
+
+TEST(Estimate, RecoversEveryChainFromAnyTransducersThatDetermineIt) {
+  std::mt19937_64 rng(17);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = static_cast<int>(rng() % 9);
+    const Boundary boundary = n == 0 || rng() % 2 ? Boundary::clamped : Boundary::free;
+    const Chain chain = random_chain(rng, n, boundary, 5);
+    Rig rig = rig_of(chain, 5);
+    for (Channel& channel : rig.channels) {
+      if (channel.measures == Quantity::force) {
+        channel.force_on_mass = rng() % 2;
+        continue;
+      }
+      channel.measures = std::array{Quantity::displacement, Quantity::velocity, Quantity::acceleration}[rng() % 3];
+      channel.delay_s = 1e-3 * static_cast<double>(rng() % 3);
+      if (rng() % 3 == 0) channel.lowpass = {FilterKind::butterworth, 2, 60, 0};
+      if (channel.at > 0 && rng() % 2) channel.relative_to = channel.at - 1;
+    }
+    if (n > 1 && rng() % 2) {  // one more than needed
+      Channel extra = rig.channels[0];
+      extra.name = "extra";
+      extra.at = n;
+      extra.relative_to = n - 1;
+      rig.channels.push_back(extra);
+    }
+    const double omega = 2 * M_PI * 5;
+    const ElementsResult result = estimate(rig, evidence_of(chain, rig, omega), {omega, 0, 0});
+    for (std::size_t e = 0; e < chain.stiffness.size(); ++e) {
+      ASSERT_TRUE(result.elements[e].identifiable) << result.elements[e].reason;
+      EXPECT_NEAR(result.elements[e].stiffness.value / chain.stiffness[e], 1, 1e-8) << "trial " << trial;
+      EXPECT_NEAR(result.elements[e].damping.value / chain.damping[e], 1, 1e-7) << "trial " << trial;
+    }
+  }
+}
+
+// Draws every error that the rig names, N times, and compares the spread of the coefficients with what was stated.
+TEST(Estimate, StatesTheSpreadThatTheErrorsOfTheBudgetCause) {
+  const Chain chain = clamped_chain();
+  Rig rig = rig_of(chain, 4);
+  rig.mass_u = {0.02, 0.03};
+  rig.devices = {{"a", 0.0, 1e-4}, {"b", 1e-3, 2e-4}};
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    Channel& channel = rig.channels[c];
+    channel.device = c < 2 ? 0 : 1;
+    channel.scale_u = 1e-3;
+    channel.delay_u_s = 3e-5;
+  }
+  rig.channels[1].measures = Quantity::velocity;
+  rig.channels[1].lowpass = {FilterKind::butterworth, 2, 60, 0.5};
+  rig.channels[3].highpass = {FilterKind::rc, 1, 0.5, 0.02};
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  for (Evidence& one : evidence) {
+    const double s = 5e-4 * std::abs(one.X[0]);
+    one.covariance << s * s, 0.3 * s * s, 0.3 * s * s, s * s;
+  }
+  const Frequency frequency{omega, 1e-3 * omega, 5e-4};
+  const ElementsResult stated = estimate(rig, evidence, frequency);
+  const Gain gain = solve_observation(observation_matrix(rig), observation_weights(rig, evidence, omega));
+
+  std::mt19937_64 rng(23);
+  std::normal_distribution<double> normal;
+  const int kDraws = 20000;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(6, 6);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Rig wrong = rig;  // what the analyst assumes, while the evidence is what the true rig gave
+    const double device_error[2] = {rig.devices[0].delay_u_s * normal(rng), rig.devices[1].delay_u_s * normal(rng)};
+    for (std::size_t i = 0; i < 2; ++i)
+      wrong.masses[i] += rig.mass_u[i] * normal(rng), wrong.devices[i].delay_s += device_error[i];
+    std::vector<Evidence> seen = evidence;
+    for (std::size_t c = 0; c < seen.size(); ++c) {
+      Channel& channel = wrong.channels[c];
+      channel.delay_s += channel.delay_u_s * normal(rng);
+      channel.lowpass.hz += channel.lowpass.hz_u * normal(rng);
+      channel.highpass.hz += channel.highpass.hz_u * normal(rng);
+      const double s = 5e-4 * std::abs(evidence[c].X[0]), a = normal(rng), b = normal(rng);
+      seen[c].X[0] =
+          seen[c].X[0] * (1 + channel.scale_u * normal(rng)) + Complex{s * a, s * (0.3 * a + std::sqrt(1 - 0.09) * b)};
+    }
+    const double w = omega + frequency.u * normal(rng) + frequency.clock_u * omega * normal(rng);
+    // The gain is that of the weights chosen once (fixed for the dwell).
+    const ElementsResult one = estimate_elements(wrong, gain, seen, {w, 0, 0});
+    Eigen::VectorXd error(6);
+    for (std::size_t e = 0; e < 3; ++e) {
+      error(static_cast<Eigen::Index>(2 * e)) = one.Z[e].real() - chain.stiffness[e];
+      error(static_cast<Eigen::Index>(2 * e + 1)) = one.Z[e].imag() / w - chain.damping[e];
+    }
+    sum += error * error.transpose() / kDraws;
+  }
+  ASSERT_EQ(stated.covariance.size(), 36u);
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const double size = std::sqrt(stated.covariance[static_cast<std::size_t>(7 * i)] *
+                                    stated.covariance[static_cast<std::size_t>(7 * j)]);
+      // √(2/N) = 1 %, four of them; first order costs less than one more.
+      EXPECT_NEAR(sum(i, j) / size, stated.covariance[static_cast<std::size_t>(6 * i + j)] / size, 0.05)
+          << i << "," << j;
+    }
+}
+
+TEST(Estimate, BudgetSharesAddUpToOne) {
+  const Chain chain = clamped_chain();
+  Rig rig = rig_of(chain, 4);
+  rig.mass_u = {0.02, 0.03};
+  for (Channel& channel : rig.channels) channel.scale_u = 1e-3;
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  for (Evidence& one : evidence) one.covariance = Eigen::Matrix2d::Identity() * std::norm(1e-4 * one.X[0]);
+  const ElementsResult result = estimate(rig, evidence, {omega, 1e-6, 5e-5});
+  for (const ElementEstimate& element : result.elements) {
+    double c = 0, r = 0;
+    for (const BudgetShare& share : element.budget) c += share.stiffness_share, r += share.damping_share;
+    EXPECT_NEAR(c, 1, 1e-9);
+    EXPECT_NEAR(r, 1, 1e-9);
+    EXPECT_GT(element.stiffness.U95, 1.9 * element.stiffness.u);
+  }
+}
+
+TEST(Estimate, AnElementThatBarelyDeformsIsWithheldWithTheReason) {
+  Chain chain = clamped_chain();
+  chain.stiffness[1] = 1e9;  // as good as rigid
+  const Rig rig = rig_of(chain, 4);
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  for (Evidence& one : evidence) one.covariance = Eigen::Matrix2d::Identity() * std::norm(1e-4 * one.X[0]);
+  const ElementsResult result = estimate(rig, evidence, {omega, 0, 0});
+  EXPECT_TRUE(result.elements[0].identifiable);
+  EXPECT_FALSE(result.elements[1].identifiable);
+  EXPECT_NE(result.elements[1].reason.find("deforms"), std::string::npos);
+  EXPECT_TRUE(std::isnan(result.elements[1].stiffness.value));
+  EXPECT_EQ(result.covariance.size(), 16u);
+}
+
+}  // namespace
+}  // namespace dwell

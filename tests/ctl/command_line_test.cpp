@@ -1,0 +1,370 @@
+// dwellctl as its users see it: the program is started, its exit code and both its outputs are looked at.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "daemon/report/dwell_json.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+#include "tests/ctl/scripted_server.hpp"
+#include "tests/ctl/temporary.hpp"
+
+namespace dwell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using test::dwell_event;
+using test::http_reply;
+using test::Reply;
+using test::ScriptedServer;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string contents(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// Starts dwellctl; its outputs go to files, so that neither can block it.
+class Program {
+ public:
+  explicit Program(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), DWELLCTL);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    const std::string out = folder_.path("out");
+    const std::string err = folder_.path("err");
+    process_ = ::fork();
+    if (process_ == 0) {
+      if (std::freopen(out.c_str(), "w", stdout) == nullptr || std::freopen(err.c_str(), "w", stderr) == nullptr)
+        _exit(99);
+      ::unsetenv("DWELL_URL");
+      ::unsetenv("DWELL_CONTROL");
+      ::execv(DWELLCTL, pointers.data());
+      _exit(98);
+    }
+  }
+  ~Program() {
+    if (process_ > 0) (void)wait();
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void interrupt() const { ::kill(process_, SIGINT); }
+  [[nodiscard]] std::string out() const { return contents(folder_.path("out")); }
+
+  Outcome wait() {
+    int status = 0;
+    ::waitpid(process_, &status, 0);
+    process_ = -1;
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, out(), contents(folder_.path("err"))};
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+  pid_t process_ = -1;
+};
+
+Outcome run(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
+
+std::string sample_text() { return to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()); }
+std::string settling_text() { return to_json(test::settling_dwell(), test::sample_rig(), test::sample_run()); }
+
+TEST(CommandLine, WrongUsageIsExitCode2) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{},
+                                                {"dance"},
+                                                {"status", "--nonsense"},
+                                                {"identify"},
+                                                {"watch", "--interval", "no"},
+                                                {"status", "--url", "nowhere"},
+                                                {"watch", "--truth", "/nonexistent"}}) {
+    const Outcome outcome = run(wrong);
+    EXPECT_EQ(outcome.code, 2) << (wrong.empty() ? "" : wrong[0]);
+    EXPECT_NE(outcome.err, "");
+  }
+}
+
+TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
+  const Outcome outcome = run({"--help"});
+  EXPECT_EQ(outcome.code, 0);
+  for (const char* verb : {"status", "watch", "channels", "dwells", "check", "identify"}) {
+    EXPECT_NE(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
+  }
+  for (const char* verb : {"start", "stop", "reload", "tare", "replay", "verify", "export", "report", "audit"}) {
+    EXPECT_EQ(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
+  }
+}
+
+TEST(CommandLine, AServiceThatIsNotThereIsExitCode3) {
+  std::string address;
+  {
+    const ScriptedServer server({});
+    address = server.url();
+  }
+  for (const char* verb : {"status", "watch", "channels", "dwells"}) {
+    const Outcome outcome = run({verb, "--url", address});
+    EXPECT_EQ(outcome.code, 3) << verb;
+    EXPECT_EQ(outcome.err, "dwellctl: " + address + ": Connection refused\n") << verb;
+    EXPECT_EQ(outcome.out, "") << verb;
+  }
+  EXPECT_EQ(run({"check", "--control", "/nonexistent/control"}).code, 3);
+}
+
+TEST(CommandLine, StatusIsOneScreenAndNoUnlessMeasuring) {
+  ScriptedServer server({Reply{http_reply(200, sample_text())}, Reply{http_reply(200, settling_text())},
+                         Reply{http_reply(200, sample_text())}});
+  const Outcome measuring = run({"status", "--url", server.url()});
+  EXPECT_EQ(measuring.code, 0) << measuring.err;
+  EXPECT_EQ(measuring.out.substr(0, measuring.out.find('\n')), "dwell 1 · measuring, 24.6 s of data");
+  EXPECT_NE(measuring.out.find("24.010 ±   0.027 kN/m"), std::string::npos);
+  const Outcome settling = run({"status", "--url", server.url()});
+  EXPECT_EQ(settling.code, 1);
+  EXPECT_NE(settling.out.find("about 3.2 s left"), std::string::npos);
+  EXPECT_EQ(Json::parse(run({"status", "--json", "--url", server.url()}).out), Json::parse(sample_text()));
+}
+
+TEST(CommandLine, AnswersThatAreNotTheServicesAreExitCode3) {
+  for (const std::string& text :
+       {http_reply(200, "<html>"), http_reply(200, "{}"), http_reply(503, R"({"error":"starting","status":503})"),
+        http_reply(200, "[[[[[["), http_reply(200, R"({"channels":7,"dwells":{}})"),
+        std::string("220 mail ready\r\n")}) {
+    for (const char* verb : {"status", "channels", "dwells"}) {
+      ScriptedServer server({Reply{text}});
+      const Outcome outcome = run({verb, "--url", server.url()});
+      EXPECT_EQ(outcome.code, 3) << verb << " " << text;
+      EXPECT_NE(outcome.err, "");
+      EXPECT_EQ(outcome.out, "");
+    }
+  }
+}
+
+TEST(CommandLine, ChannelsAndDwellsAreTablesOrJson) {
+  const std::string channels = R"({"channels":[{"name":"y0","value":1.5,"unit":"mm","status":"ok"}]})";
+  const std::string dwells = R"({"rig":"bench","total":7,"dwells":[)" + sample_text() + "]}";
+  ScriptedServer server({Reply{http_reply(200, channels)}, Reply{http_reply(200, channels)},
+                         Reply{http_reply(200, dwells)}, Reply{http_reply(200, dwells)},
+                         Reply{http_reply(200, R"({"dwells":[]})")}});
+  EXPECT_NE(run({"channels", "--url", server.url()}).out.find("y0       1.5 mm"), std::string::npos);
+  EXPECT_EQ(Json::parse(run({"channels", "--json", "--url", server.url()}).out), Json::parse(channels));
+  const Outcome table = run({"dwells", "--url", server.url()});
+  EXPECT_EQ(table.code, 0) << table.err;
+  EXPECT_NE(table.out.find("the last 1 of 7\n"), std::string::npos);
+  EXPECT_EQ(Json::parse(run({"dwells", "--json", "--url", server.url()}).out), Json::parse(dwells));
+  EXPECT_EQ(run({"dwells", "--url", server.url()}).out, "no dwell has been completed\n");
+}
+
+TEST(CommandLine, WatchAppendsWhereThereIsNoTerminalAndComesBackAfterARestart) {
+  ScriptedServer server({Reply{test::stream_header() + dwell_event(settling_text())},
+                         Reply{test::stream_header() + dwell_event(sample_text()), true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20", "--limit", "60"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("about 3.2 s left"), std::string::npos);
+  EXPECT_NE(outcome.out.find("the service closed the stream"), std::string::npos);
+  EXPECT_NE(outcome.out.find("connected again"), std::string::npos);
+  EXPECT_NE(outcome.out.find("24.6 s of data"), std::string::npos);
+  EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << "no terminal, no control sequences";
+}
+
+TEST(CommandLine, WatchEndsWithCtrlC) {
+  ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text()), true}});
+  Program watch({"watch", "--url", server.url()});
+  for (int i = 0; i < 3000 && watch.out().find("24.6 s of data") == std::string::npos; ++i) ::usleep(10'000);
+  watch.interrupt();
+  const Outcome outcome = watch.wait();
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("24.6 s of data"), std::string::npos);
+}
+
+TEST(CommandLine, WatchAsJsonIsOneObjectPerLine) {
+  ScriptedServer server(
+      {Reply{test::stream_header() + dwell_event(settling_text()) + dwell_event(sample_text()), true}});
+  const Outcome outcome = run({"watch", "--json", "--url", server.url(), "--until", "20"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, settling_text() + "\n" + sample_text() + "\n");
+}
+
+TEST(CommandLine, WatchJudgesByTheTruth) {
+  const test::TemporaryFolder folder;
+  const std::string truth = folder.file("truth", R"({"stiffness":[24000,1,1],"damping":[60,1,1]})");
+  ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text()), true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20", "--truth", truth});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.out.find("+0.7 u"), std::string::npos);
+  EXPECT_NE(outcome.err.find("element 2 is not identifiable"), std::string::npos);
+}
+
+TEST(CommandLine, WatchGivesUpAtItsLimit) {
+  ScriptedServer server({Reply{test::stream_header() + dwell_event(settling_text()), true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20", "--limit", "0.3"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("not enough data within the time allowed"), std::string::npos);
+}
+
+TEST(CommandLine, CheckAsksTheServiceAndIsNoIfAChannelIsSilent) {
+  const test::TemporaryFolder folder;
+  const std::string good =
+      R"({"channels":[{"name":"y0","value":1.5,"unit":"mm","rate_hz":500,"latency_s":0.001,"status":"ok"}]})";
+  const std::string bad = R"({"channels":[{"name":"y0","value":null,"unit":"mm","status":"timeout"}]})";
+  ScriptedServer server({Reply{good + "\n", true}, Reply{bad + "\n", true}, Reply{good + "\n", true},
+                         Reply{"{\"error\":\"unknown verb\"}\n", true}, Reply{"rubbish\n", true}},
+                        folder.path("control"));
+  const auto check = [&folder](std::vector<std::string> more) {
+    more.insert(more.begin(), {"check", "--control", folder.path("control")});
+    return run(more);
+  };
+  EXPECT_EQ(check({}).code, 0);
+  const Outcome silent = check({});
+  EXPECT_EQ(silent.code, 1);
+  EXPECT_NE(silent.out.find("timeout"), std::string::npos);
+  EXPECT_EQ(Json::parse(check({"--json"}).out), Json::parse(good));
+  EXPECT_EQ(check({}).code, 1);
+  EXPECT_EQ(check({}).code, 3);
+  EXPECT_EQ(server.requests().at(0), R"({"verb":"check"})");
+}
+
+constexpr const char* kRig = R"([rig]
+name = "mount"
+boundary = "clamped"
+masses = []
+[excitation]
+frequency = 4.0
+minimum = 2e-5
+[[device]]
+name = "recording"
+driver = "replay"
+file = "data.csv"
+[[channel]]
+name = "y0"
+device = "recording"
+measures = "displacement"
+at = 0
+unit = "mm"
+[[channel]]
+name = "reaction"
+device = "recording"
+measures = "force"
+at = "ground"
+unit = "N"
+)";
+
+// 5 s of an element of 240 kN/m and 310 N·s/m at 4 Hz; or of nothing.
+std::string recording(double amplitude_mm, const std::string& header) {
+  constexpr double omega = 2.0 * std::numbers::pi * 4.0;
+  std::string text = header + "\n";
+  for (int i = 0; i < 1000; ++i) {
+    const double t_s = i / 200.0;
+    const double force =
+        1e-3 * amplitude_mm * (240000.0 * std::sin(omega * t_s) + omega * 310.0 * std::cos(omega * t_s));
+    std::array<char, 120> line{};
+    std::snprintf(line.data(), line.size(), "%.6f,%.12g,%.12g\n", t_s, amplitude_mm * std::sin(omega * t_s), force);
+    text += line.data();
+  }
+  return text;
+}
+
+TEST(CommandLine, CheckProbesTheDevicesOfARigFileItself) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig);
+  (void)folder.file("data.csv", recording(0.5, "t,y0,reaction"));
+  const Outcome outcome = run({"check", "--rig", rig, "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Json channels = Json::parse(outcome.out)["channels"];
+  ASSERT_EQ(channels.size(), 2U);
+  EXPECT_EQ(channels[0]["name"], "y0");
+  EXPECT_EQ(channels[0]["status"], "ok");
+  EXPECT_TRUE(channels[1]["value"].is_number());
+  EXPECT_EQ(run({"check", "--rig", folder.file("bad.toml", "[rig]\nname = 3\n")}).code, 2);
+}
+
+TEST(CommandLine, CheckIsNoWhereADeviceDoesNotAnswer) {
+  const test::TemporaryFolder folder;
+  std::string port;
+  {
+    const ScriptedServer server({});
+    port = std::to_string(server.port());
+  }
+  std::string rig = kRig;
+  const auto replace = [&rig](const std::string& what, const std::string& by) {
+    for (auto at = rig.find(what); at != std::string::npos; at = rig.find(what, at + by.size())) {
+      rig.replace(at, what.size(), by);
+    }
+  };
+  replace("driver = \"replay\"\nfile = \"data.csv\"",
+          "driver = \"modbus\"\ntransport = \"tcp\"\nhost = \"127.0.0.1\"\nrate = 100\nport = " + port);
+  replace("device = \"recording\"\n", "device = \"recording\"\nregister = 0\ntype = \"float32\"\n");
+  const Outcome outcome = run({"check", "--rig", folder.file("rig.toml", rig)});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_NE(outcome.out.find("refused"), std::string::npos) << outcome.out;
+}
+
+TEST(CommandLine, IdentifyPrintsTheDwellsOfARecording) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig);
+  const std::string data = folder.file("other.csv", recording(0.5, "t,y0,reaction"));
+  const Outcome table = run({"identify", "--rig", rig, data});
+  EXPECT_EQ(table.code, 0) << table.err;
+  EXPECT_NE(table.out.find("240.0"), std::string::npos) << table.out;
+  const Outcome json = run({"identify", "--rig", rig, data, "--json"});
+  EXPECT_EQ(json.code, 0) << json.err;
+  const Json document = Json::parse(json.out);
+  EXPECT_EQ(document["rig"], "mount");
+  ASSERT_EQ(document["dwells"].size(), 1U);
+  EXPECT_NEAR(document["dwells"][0]["elements"][0]["stiffness"]["value"].get<double>(), 240000.0, 0.24);
+  EXPECT_EQ(document["dwells"][0]["rig_sha256"].get<std::string>().size(), 64U);
+}
+
+TEST(CommandLine, IdentifySaysWhyThereIsNothing) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig);
+  const Outcome still =
+      run({"identify", "--rig", rig, folder.file("still.csv", recording(1e-3, "t,y0,reaction")), "--json"});
+  EXPECT_EQ(still.code, 1);
+  EXPECT_NE(still.err.find("excitation.minimum"), std::string::npos) << still.err;
+  EXPECT_TRUE(Json::parse(still.out)["dwells"].empty());
+  const Outcome missing = run({"identify", "--rig", rig, folder.file("m.csv", recording(0.5, "t,y0,torque"))});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_NE(missing.err.find("no column for reaction; there are y0, torque"), std::string::npos) << missing.err;
+  const Outcome unreadable = run({"identify", "--rig", rig, folder.file("u.csv", "t,y0\n1,x\n")});
+  EXPECT_EQ(unreadable.code, 2);
+  EXPECT_NE(unreadable.err.find("u.csv:2:3: "), std::string::npos) << unreadable.err;
+  EXPECT_EQ(run({"identify", "--rig", folder.path("none.toml"), folder.path("u.csv")}).code, 2);
+}
+
+TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {
+  const test::TemporaryFolder folder;
+  const std::string data = folder.file("d.csv", recording(0.5, "t,y0,reaction"));
+  std::string text = contents(data);
+  std::size_t line = 0;
+  std::string wider;
+  std::istringstream lines(text);
+  for (std::string one; std::getline(lines, one); ++line) wider += one + (line == 0 ? ",spare" : ",1") + "\n";
+  const Outcome outcome = run({"identify", "--rig", folder.file("rig.toml", kRig), folder.file("w.csv", wider)});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.err.find("warning: "), std::string::npos);
+  EXPECT_NE(outcome.err.find("spare"), std::string::npos);
+}
+
+TEST(CommandLine, AFullDiskIsNotSuccess) {
+  if (::access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full here";
+  ScriptedServer server({Reply{http_reply(200, sample_text())}});
+  const std::string command = std::string(DWELLCTL) + " status --url " + server.url() + " >/dev/full 2>/dev/null";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+}
+
+}  // namespace
+}  // namespace dwell

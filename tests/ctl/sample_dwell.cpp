@@ -1,0 +1,96 @@
+#include "tests/ctl/sample_dwell.hpp"
+
+namespace dwell::test {
+
+Rig sample_rig() {
+  Rig rig;
+  rig.name = "bench";
+  rig.boundary = Boundary::clamped;
+  rig.masses = {12.5, 8.0};
+  Channel y0;
+  y0.name = "y0";
+  Channel a1;
+  a1.name = "a1";
+  a1.measures = Quantity::acceleration;
+  a1.at = 1;
+  Channel y2;
+  y2.name = "y2";
+  y2.at = 2;
+  Channel force;
+  force.name = "reaction";
+  force.measures = Quantity::force;
+  force.at = kGround;
+  rig.channels = {y0, a1, y2, force};
+  return rig;
+}
+
+RunInfo sample_run() { return {"ab12", "0.1.0", "2026-11-21T08:00:00Z"}; }
+
+Dwell sample_dwell() {
+  Dwell d;
+  d.index = 1;
+  d.state = State::measuring;
+  d.start_s = 0.0;
+  d.settled_s = 6.42;
+  d.verdict_s = 7.1;
+  d.end_s = 31.0;
+  d.memory_time_s = 5.9;
+  d.memory_time_predicted_s = 5.7;
+  d.settling_reason = "0.2 % of the transient is left, 0.5 % allowed";
+  d.frequency_hz = {4.0003, 2e-5};
+  d.t_ref_s = 18.7;
+
+  const auto phasor = [](double amplitude, double phase_rad, double u_amplitude, double u_phase_rad) {
+    ChannelPhasor p;
+    p.Y = std::polar(amplitude, phase_rad);
+    p.u_amplitude = u_amplitude;
+    p.u_phase_rad = u_phase_rad;
+    p.mean = 0.0012;
+    p.harmonics = {0.002, 0.0007};
+    p.sigma = 1e-6;
+    p.samples = 12000;
+    p.valid = true;
+    return p;
+  };
+  d.phasors = {phasor(0.005, 0.25, 1e-7, 2e-5), phasor(4.2, -3.0, 1e-3, 2.4e-4), phasor(0.0, 0.0, 0.0, 0.0),
+               phasor(86.3, -0.1, 0.05, 6e-4)};
+  d.phasors[2] = ChannelPhasor{};
+  d.phasors[2].samples = 512;
+  d.phasors[2].reason = "stale: timeout";
+
+  ElementEstimate e1;
+  e1.k = 1;
+  e1.identifiable = true;
+  e1.deformation = {0.0021, 1e-7};
+  e1.stiffness = {24010.0, 14.0, 3100.0, 27.4, true};
+  e1.damping = {60.2, 0.4, 3100.0, 0.79, true};
+  e1.loss_factor = {0.063, 0.0004};
+  e1.budget = {{"scale of y1", 0.6, 0.1}, {"delay of y0", 0.3, 0.85}, {"noise", 0.1, 0.05}};
+  ElementEstimate e2;
+  e2.k = 2;
+  e2.reason = "the deformation is less than three times its uncertainty";
+  e2.deformation = {2e-7, 1e-7};
+  ElementEstimate e3 = e1;
+  e3.k = 3;
+  e3.stiffness = {1234567.0, 99.6, 3100.0, 195.0, true};
+  e3.damping = {0.21, 0.4, 3100.0, 0.79, false};
+  d.elements = {e1, e2, e3};
+  d.covariance = {196.0, 0.1, 0.0, 0.0, 0.1, 0.16, 0.0, 0.0, 0.0, 0.0, 9920.16, 0.0, 0.0, 0.0, 0.0, 0.16};
+  d.warnings = {"channel y2 is stale: timeout"};
+  return d;
+}
+
+Dwell settling_dwell() {
+  Dwell d;
+  d.index = 2;
+  d.state = State::settling;
+  d.start_s = 40.0;
+  d.settles_in_s = 3.25;
+  d.settling_reason = "2.1 % of the transient of reaction is left, 0.5 % allowed";
+  d.frequency_hz = {4.0, kNaN};
+  d.phasors.resize(4);
+  for (ChannelPhasor& p : d.phasors) p.reason = "too few samples";
+  return d;
+}
+
+}  // namespace dwell::test

@@ -1,0 +1,101 @@
+#include "daemon/ctl/tables.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/ctl/screen.hpp"
+#include "daemon/ctl/truth.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+#include "tests/ctl/temporary.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+TEST(Tables, ChannelsShowWhatTheServiceKnowsAndDashesForWhatItDoesNot) {
+  const Json list = Json::parse(R"([
+    {"name":"y0","value":4.70639,"unit":"mm","status":"ok","reason":null,"age_s":0.0021,"rate_hz":499.9,
+     "received":123456,"used":123450,"dropped":4,"queued":2,"gaps":1},
+    {"name":"θ","value":null,"unit":"um","status":"timeout","reason":"no answer within 0.1 s","age_s":12.5,
+     "rate_hz":null,"received":9,"used":9,"dropped":0,"queued":0,"gaps":0},
+    {"name":7}, 3])");
+  EXPECT_EQ(channels_table(list),
+            R"(channel  value            age      rate  received    used  dropped  queued  gaps  status
+y0       4.70639 mm   0.002 s  499.9 Hz    123456  123450        4       2     1  ok
+θ              —     12.500 s         —         9       9        0       0     0  timeout: no answer within 0.1 s
+               —            —         —         —       —        —       —     —
+               —            —         —         —       —        —       —     —
+)");
+}
+
+TEST(Tables, DwellsHaveOneLinePerElement) {
+  Dwell first = test::sample_dwell();
+  first.state = State::complete;
+  first.ended_by = EndedBy::drive_changed;
+  Dwell second = test::settling_dwell();
+  second.state = State::complete;
+  second.ended_by = EndedBy::end;
+  const Rig rig = test::sample_rig();
+  EXPECT_EQ(dwells_table({make_view(first, rig, {}), make_view(second, rig, {})}),
+            R"(dwell  ended by       frequency                 data  element  stiffness               damping
+    1  drive changed  4.000300 ± 0.000039 Hz  24.6 s        1   24.010 ±   0.027 kN/m  60.20 ± 0.79 N·s/m
+                                                            2        —                     —                the deformation is less than three times its uncertainty
+                                                            3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m
+    2  end             4.00000 ±        — Hz       —                                                        not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
+)");
+}
+
+TEST(Tables, ACheckSaysWhoAnswers) {
+  const Json list = Json::parse(R"([
+    {"name":"y0","device":"amplifier","value":4.7,"unit":"mm","rate_hz":499.94,"latency_s":0.0009,"status":"ok","reason":null},
+    {"name":"reaction","device":"bus","value":null,"unit":"N","rate_hz":null,"latency_s":null,"status":"timeout","reason":"no answer"}])");
+  const std::vector<Probed> channels = probed_from_json(list);
+  ASSERT_EQ(channels.size(), 2U);
+  EXPECT_TRUE(channels[0].answers());
+  EXPECT_FALSE(channels[1].answers());
+  EXPECT_EQ(check_table(channels),
+            R"(channel   device     value       rate  latency  status
+y0        amplifier  4.7 mm  499.9 Hz  0.90 ms  ok
+reaction  bus          —            —        —  timeout: no answer
+)");
+  EXPECT_EQ(check_json(channels)["channels"][1]["value"], nullptr);
+  EXPECT_EQ(check_json(channels)["channels"][0]["latency_s"], 0.0009);
+}
+
+TEST(Screen, AFrameFitsTheTerminalByCodePoints) {
+  EXPECT_EQ(frame("µ±·x\nsecond\nthird", 2, 3), "\x1b[Hµ±·\x1b[K\r\nsec\x1b[K\x1b[J");
+  EXPECT_EQ(frame("", 5, 80), "\x1b[H\x1b[J");
+}
+
+TEST(Truth, IsReadFromAFileOrRefusedWithWhatWasExpected) {
+  const test::TemporaryFolder folder;
+  const auto truth = read_truth(folder.file("t", R"({"masses":[1],"stiffness":[24000,5],"damping":[60,1]})"));
+  ASSERT_TRUE(truth);
+  EXPECT_EQ(truth->stiffness, (std::vector<double>{24000, 5}));
+  EXPECT_FALSE(read_truth(folder.path("none")));
+  for (const char* wrong : {"", "[]", R"({"stiffness":[1]})", R"({"stiffness":[1],"damping":["x"]})",
+                            R"({"stiffness":[1,2],"damping":[1]})"}) {
+    EXPECT_FALSE(read_truth(folder.file("w", wrong))) << wrong;
+  }
+}
+
+TEST(Truth, AgreesOnlyIfEveryCoefficientIsThereAndNearEnough) {
+  Dwell dwell = test::sample_dwell();
+  dwell.elements.erase(dwell.elements.begin() + 1);  // the one that is not identifiable
+  std::string why;
+  EXPECT_TRUE(agrees(dwell, {{24010.0 + 55.0, 1234567.0}, {60.2, 0.21 - 1.59}}, 4.0, why)) << why;
+  EXPECT_FALSE(agrees(dwell, {{24010.0 + 57.0, 1234567.0}, {60.2, 0.21}}, 4.0, why));
+  EXPECT_EQ(why, "element 1: the stiffness is off by more than 4 standard uncertainties");
+  EXPECT_FALSE(agrees(dwell, {{24010.0, 1234567.0}, {60.2, 0.21 - 1.61}}, 4.0, why));
+  EXPECT_EQ(why, "element 3: the damping is off by more than 4 standard uncertainties");
+  EXPECT_FALSE(agrees(dwell, {{24010.0}, {60.2}}, 4.0, why));
+  dwell.elements[0].damping.u = kNaN;
+  EXPECT_FALSE(agrees(dwell, {{24010.0, 1234567.0}, {60.2, 0.21}}, 4.0, why)) << "no uncertainty is no agreement";
+  EXPECT_FALSE(agrees(test::sample_dwell(), {{1, 2, 3}, {1, 2, 3}}, 1e9, why));
+  EXPECT_EQ(why, "element 2 is not identifiable: the deformation is less than three times its uncertainty");
+}
+
+}  // namespace
+}  // namespace dwell::ctl

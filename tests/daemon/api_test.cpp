@@ -1,0 +1,150 @@
+#include "daemon/serve/api.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace dwell {
+namespace {
+
+using Json = nlohmann::json;
+
+struct ApiTest : testing::Test {
+  ApiTest() {
+    rig.name = "bench \xff 2";  // not UTF-8
+    rig.devices = {{"amplifier", 0.0, 0.0}};
+    Channel channel;
+    channel.name = "y0";
+    channel.device = 0;
+    channel.unit = "mm";
+    rig.channels = {channel};
+    snapshot.channels.resize(1);
+    snapshot.channels[0].tally = {10, 5, 1, 1, 0, 1, 2};
+    snapshot.channels[0].half_width_s = 1e-3;
+    snapshot.devices.resize(1);
+    snapshot.devices[0].faults[2] = 7;
+    snapshot.dwell.phasors.resize(1);
+  }
+  [[nodiscard]] ServiceView view(std::string trouble = {}) const {
+    return {rig,
+            drivers,
+            run,
+            snapshot,
+            2'000'000'000,
+            3.5,
+            {},
+            {},
+            {{"estimate", 1'990'000'000, 1'000'000'000}},
+            std::move(trouble)};
+  }
+  [[nodiscard]] Json get(const char* path, const char* query = "") const {
+    const HttpReply reply = http_answer(view(), path, query);
+    EXPECT_EQ(reply.status, 200) << reply.body;
+    return Json::parse(reply.body);
+  }
+  [[nodiscard]] Json control(const std::string& line) {
+    return Json::parse(control_answer(view(), line, [this] { return ++rearmed < 3; }));
+  }
+  void finish(int dwells) {
+    auto list = std::make_shared<FinishedDwells>();
+    for (int i = 1; i <= dwells; ++i) {
+      Dwell dwell;
+      dwell.index = i;
+      dwell.state = State::complete;
+      dwell.phasors.resize(1);
+      list->push_back(std::make_shared<const Dwell>(dwell));
+    }
+    snapshot.finished = list;
+  }
+
+  Rig rig;
+  std::vector<std::string> drivers{"modbus"};
+  RunInfo run{"abc", "0.1.0", ""};
+  Snapshot snapshot;
+  int rearmed = 0;
+};
+
+TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
+  snapshot.channels[0].value = 1.25;
+  snapshot.channels[0].fault = Fault::none;
+  snapshot.channels[0].heard_ns = 1'900'000'000;
+  const Json channel = get("/api/v1/channels")["channels"][0];
+  for (const char* key :
+       {"name", "value", "unit", "status", "age_s", "rate_hz", "received", "used", "dropped", "queued", "gaps"})
+    EXPECT_TRUE(channel.contains(key)) << key;
+  EXPECT_EQ(channel["status"], "ok");
+  EXPECT_NEAR(channel["age_s"].get<double>(), 0.1, 1e-9);
+  EXPECT_EQ(channel["received"].get<int>(),
+            channel["used"].get<int>() + channel["dropped"].get<int>() + channel["queued"].get<int>());
+}
+
+TEST_F(ApiTest, WhatIsNotKnownIsNull) {
+  snapshot.channels[0].rate_hz = std::numeric_limits<double>::infinity();
+  const Json channel = get("/api/v1/channels")["channels"][0];
+  EXPECT_TRUE(channel["value"].is_null());
+  EXPECT_TRUE(channel["age_s"].is_null());
+  EXPECT_TRUE(channel["rate_hz"].is_null());
+  EXPECT_EQ(channel["status"], "silent");
+  EXPECT_TRUE(get("/api/v1/dwell")["index"].is_null());
+}
+
+TEST_F(ApiTest, HealthTellsADegradedRigFromABrokenService) {
+  EXPECT_EQ(get("/api/v1/health")["status"], "degraded");
+  EXPECT_EQ(get("/api/v1/health")["stale"], Json::array({"y0"}));
+  EXPECT_EQ(get("/api/v1/health")["devices"][0]["faults"]["timeout"], 7);
+  snapshot.channels[0].fault = Fault::none;
+  EXPECT_EQ(get("/api/v1/health")["status"], "ok");
+  const HttpReply broken = http_answer(view("thread estimate has not turned for 3.0 s"), "/api/v1/health", "");
+  EXPECT_EQ(broken.status, 503);
+  EXPECT_EQ(Json::parse(broken.body)["status"], "fault");
+}
+
+TEST_F(ApiTest, FinishedDwellsComeInBoundedPortions) {
+  finish(250);
+  const Json newest = get("/api/v1/dwells");
+  ASSERT_EQ(newest["dwells"].size(), kDwellsPerAnswer);
+  EXPECT_EQ(newest["dwells"].front()["index"], 151);
+  EXPECT_EQ(newest["dwells"].back()["index"], 250);
+  EXPECT_EQ(newest["total"], 250);
+  const Json first = get("/api/v1/dwells", "from=1");
+  ASSERT_EQ(first["dwells"].size(), kDwellsPerAnswer);
+  EXPECT_EQ(first["dwells"].back()["index"], 100);
+  EXPECT_EQ(get("/api/v1/dwells", "from=251")["dwells"].size(), 0u);
+  for (const char* wrong : {"from=", "from=x", "from=1&x=2", "to=3", "from=99999999999999999999"})
+    EXPECT_EQ(http_answer(view(), "/api/v1/dwells", wrong).status, 400) << wrong;
+}
+
+TEST_F(ApiTest, WhatIsNotServedYetIsNotFoundInWords) {
+  for (const char* path : {"/", "/metrics", "/api/v1/runs", "/api/v1/dwell/", "/../etc/passwd"}) {
+    const HttpReply reply = http_answer(view(), path, "");
+    EXPECT_EQ(reply.status, 404) << path;
+    EXPECT_TRUE(Json::parse(reply.body)["error"].is_string());
+  }
+}
+
+TEST_F(ApiTest, ControlAnswersItsVerbs) {
+  EXPECT_TRUE(control(R"({"verb":"status"})").contains("dwell"));
+  const Json check = control(R"({"verb":"check"})")["channels"][0];
+  EXPECT_EQ(check["unit"], "mm");
+  EXPECT_EQ(check["device"], "amplifier");
+  EXPECT_TRUE(check["latency_s"].is_null()) << "nothing received yet";
+  EXPECT_EQ(control(R"({"verb":"rearm"})")["done"], true);
+}
+
+TEST_F(ApiTest, ControlSaysWhatIsWrongWithALine) {
+  for (const std::string& line :
+       {std::string(), std::string("{"), std::string("[]"), std::string("{}"), std::string(R"({"verb":1})"),
+        std::string(R"({"verb":"stop"})"), std::string("\xff\xfe"), std::string(60'000, '['),
+        std::string("{\"verb\":\"\xff\"}")})
+    EXPECT_TRUE(control(line)["error"].is_string()) << line.substr(0, 40);
+  EXPECT_EQ(rearmed, 0);
+}
+
+TEST_F(ApiTest, ARearmThatCannotBeTakenIsSaid) {
+  rearmed = 10;
+  EXPECT_TRUE(control(R"({"verb":"rearm"})").contains("error"));
+}
+
+}  // namespace
+}  // namespace dwell

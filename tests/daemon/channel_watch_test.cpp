@@ -1,0 +1,72 @@
+#include "daemon/estimate/channel_watch.hpp"
+
+#include <gtest/gtest.h>
+
+namespace dwell {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+TEST(ChannelWatch, IsStaleUntilTheFirstSample) {
+  ChannelWatch watch({500.0}, 0);
+  EXPECT_EQ(watch[0].fault, Fault::silent);
+  EXPECT_FALSE(watch[0].reason.empty());
+  EXPECT_TRUE(watch.sample(0, 5 * kMs, 6 * kMs));
+  EXPECT_EQ(watch[0].fault, Fault::none);
+  EXPECT_TRUE(watch[0].reason.empty());
+  EXPECT_FALSE(watch.sample(0, 7 * kMs, 8 * kMs)) << "the second one changes nothing";
+}
+
+TEST(ChannelWatch, FallsSilentAfterASecondEvenWhenFast) {
+  ChannelWatch watch({500.0}, 0);
+  watch.sample(0, 5 * kMs, 6 * kMs);
+  EXPECT_FALSE(watch.fell_silent(0, 1006 * kMs));
+  EXPECT_TRUE(watch.fell_silent(0, 1007 * kMs));
+  EXPECT_EQ(watch[0].fault, Fault::silent);
+  EXPECT_FALSE(watch.fell_silent(0, 1100 * kMs)) << "said once";
+  EXPECT_TRUE(watch.sample(0, 1200 * kMs, 1201 * kMs)) << "and it recovers by itself";
+}
+
+TEST(ChannelWatch, GivesASlowChannelTwentyOfItsIntervals) {
+  ChannelWatch watch({4.0}, 0);
+  watch.sample(0, 1, 1);
+  EXPECT_FALSE(watch.fell_silent(0, 4900 * kMs));
+  EXPECT_TRUE(watch.fell_silent(0, 5100 * kMs));
+}
+
+TEST(ChannelWatch, ASampleOlderThanTheFaultIsNoProofOfRecovery) {
+  ChannelWatch watch({500.0}, 0);
+  watch.sample(0, 5 * kMs, 6 * kMs);
+  EXPECT_TRUE(watch.said(0, 50 * kMs, Fault::timeout, "no answer within 0.1 s"));
+  EXPECT_FALSE(watch.sample(0, 49 * kMs, 60 * kMs));
+  EXPECT_EQ(watch[0].fault, Fault::timeout);
+  EXPECT_EQ(watch[0].reason, "no answer within 0.1 s");
+  EXPECT_TRUE(watch.sample(0, 70 * kMs, 71 * kMs));
+}
+
+TEST(ChannelWatch, KeepsTheDevicesOwnWordOverSilence) {
+  ChannelWatch watch({500.0}, 0);
+  watch.said(0, 1, Fault::disconnected, "connection refused");
+  EXPECT_FALSE(watch.fell_silent(0, 3600'000 * kMs));
+  EXPECT_EQ(watch[0].fault, Fault::disconnected);
+}
+
+TEST(ChannelWatch, SayingTheSameAgainIsNoNews) {
+  ChannelWatch watch({500.0}, 0);
+  EXPECT_TRUE(watch.said(0, 1, Fault::timeout, nullptr));
+  EXPECT_EQ(watch[0].reason, "timeout") << "a fault always has words";
+  EXPECT_FALSE(watch.said(0, 2, Fault::timeout, "again"));
+  EXPECT_EQ(watch[0].since_ns, 1);
+}
+
+TEST(ChannelWatch, MeasuresTheRateOfWhatArrives) {
+  ChannelWatch watch({500.0}, 0);
+  for (std::int64_t i = 1; i <= 750; ++i) watch.sample(0, i * 2 * kMs, i * 2 * kMs);
+  watch.measure_rates(1500 * kMs);
+  EXPECT_DOUBLE_EQ(watch[0].rate_hz, 500.0);
+  watch.measure_rates(2600 * kMs);
+  EXPECT_DOUBLE_EQ(watch[0].rate_hz, 0.0);
+}
+
+}  // namespace
+}  // namespace dwell

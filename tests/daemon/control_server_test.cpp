@@ -1,0 +1,149 @@
+#include "daemon/serve/control_server.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "tests/daemon/sockets.hpp"
+
+namespace dwell {
+namespace {
+
+using test::Client;
+
+struct ControlServerTest : testing::Test {
+  void SetUp() override {
+    char name[] = "/tmp/dwell-control-XXXXXX";
+    ASSERT_NE(mkdtemp(name), nullptr);
+    folder = name;
+    options.path = folder + "/control";
+  }
+  void TearDown() override {
+    thread.reset();
+    server.reset();
+    std::filesystem::remove_all(folder);
+  }
+  void begin() {
+    auto made = ControlServer::make(loop, options, answer);
+    ASSERT_TRUE(made) << made.error();
+    server = std::move(*made);
+    thread.emplace(loop);
+  }
+  static std::string answer(std::string_view line, const Peer& peer) {
+    if (line == "throw") throw std::runtime_error("no");
+    return std::string(line) + (peer.uid == getuid() && peer.pid == getpid() ? "!" : "?");
+  }
+
+  EventLoop loop;
+  std::string folder;
+  ControlOptions options;
+  std::unique_ptr<ControlServer> server;
+  std::optional<test::LoopThread> thread;
+};
+
+TEST_F(ControlServerTest, AnswersLineByLineAndKnowsWhoAsks) {
+  begin();
+  Client client = Client::local(options.path);
+  client.send("one\ntwo\r\nthree");
+  EXPECT_EQ(client.until("\n"), "one!\n");
+  EXPECT_EQ(client.until("\n"), "two!\n");
+  client.send(" and a half\n");
+  EXPECT_EQ(client.until("\n"), "three and a half!\n");
+}
+
+TEST_F(ControlServerTest, OnlyOwnerAndGroupMayUseIt) {
+  const mode_t before = umask(0);
+  begin();
+  umask(before);
+  struct stat is {};
+  ASSERT_EQ(stat(options.path.c_str(), &is), 0);
+  EXPECT_EQ(is.st_mode & 0777u, 0660u);
+}
+
+TEST_F(ControlServerTest, ALineWithoutEndIsCutOff) {
+  begin();
+  Client client = Client::local(options.path);
+  client.send(std::string(100'000, 'a'));
+  EXPECT_EQ(client.until("\n"), "{\"error\":\"the line is too long\"}\n");
+  EXPECT_EQ(client.all(), "");
+}
+
+TEST_F(ControlServerTest, AnAnswerThatCannotBeMadeIsAnErrorAndNothingMore) {
+  begin();
+  Client client = Client::local(options.path);
+  client.send("throw\nand on\n");
+  EXPECT_EQ(client.until("\n"), "{\"error\":\"the answer could not be made\"}\n");
+  EXPECT_EQ(client.until("\n"), "and on!\n");
+}
+
+TEST_F(ControlServerTest, ACallerThatSaysNothingIsLetGo) {
+  options.idle_time = std::chrono::milliseconds(100);
+  begin();
+  Client client = Client::local(options.path);
+  client.send("half a li");
+  EXPECT_EQ(client.all(), "");
+}
+
+TEST_F(ControlServerTest, TooManyCallersAreTurnedAway) {
+  options.clients = 2;
+  begin();
+  Client first = Client::local(options.path);
+  Client second = Client::local(options.path);
+  first.send("x\n");
+  ASSERT_EQ(first.until("\n"), "x!\n");
+  second.send("x\n");
+  ASSERT_EQ(second.until("\n"), "x!\n");
+  Client third = Client::local(options.path);
+  third.send("x\n");
+  EXPECT_EQ(third.all(), "");
+}
+
+TEST_F(ControlServerTest, ReplacesWhatADeadProcessLeftBehind) {
+  const int left = socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, options.path.c_str(), sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  close(left);
+  begin();
+  Client client = Client::local(options.path);
+  client.send("x\n");
+  EXPECT_EQ(client.until("\n"), "x!\n");
+}
+
+TEST_F(ControlServerTest, TakesNothingFromOneThatLives) {
+  begin();
+  EventLoop other;
+  const auto second = ControlServer::make(other, options, answer);
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().find("another dwelld"), std::string::npos) << second.error();
+}
+
+TEST_F(ControlServerTest, TouchesNoFileThatIsNoSocket) {
+  std::ofstream(options.path) << "precious";
+  const auto made = ControlServer::make(loop, options, answer);
+  ASSERT_FALSE(made);
+  EXPECT_TRUE(std::filesystem::is_regular_file(options.path));
+}
+
+TEST_F(ControlServerTest, APathTooLongForTheKernelIsAnErrorInWords) {
+  options.path = folder + "/" + std::string(200, 'x');
+  const auto made = ControlServer::make(loop, options, answer);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().find("too long"), std::string::npos);
+}
+
+TEST_F(ControlServerTest, RemovesItsSocketInTheEnd) {
+  begin();
+  thread.reset();
+  server.reset();
+  EXPECT_FALSE(std::filesystem::exists(options.path));
+}
+
+}  // namespace
+}  // namespace dwell

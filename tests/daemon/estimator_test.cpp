@@ -1,0 +1,207 @@
+// The estimation in virtual time: what the drivers hand in, what the snapshots say.
+#include "daemon/estimate/estimator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace dwell {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kStart_ns = 5'000 * kMs;
+
+Rig one_mass() {
+  Rig rig;
+  rig.name = "one mass";
+  rig.masses = {2.0};
+  rig.excitation.frequency_hz = 10.0;
+  rig.excitation.search_low_hz = 9.8;
+  rig.excitation.search_high_hz = 10.2;
+  rig.excitation.minimum = 1e-5;
+  rig.devices = {{"amplifier", 0.0, 0.0}};
+  for (int at = 0; at < 2; ++at) {
+    Channel channel;
+    channel.name = "y" + std::to_string(at);
+    channel.device = 0;
+    channel.at = at;
+    channel.unit = "mm";
+    channel.si_per_unit = 1e-3;
+    channel.range_low = -5.0;
+    channel.range_high = 5.0;
+    rig.channels.push_back(channel);
+  }
+  return rig;
+}
+
+struct EstimatorTest : testing::Test {
+  EstimatorTest() {
+    LogOptions quiet;
+    quiet.console = false;
+    log = std::move(*Log::make(quiet));
+    begin({});
+  }
+  void begin(EstimatorOptions options) {
+    options.nominal_rate_hz = {200.0, 200.0};
+    estimator.emplace(
+        rig, std::vector<DeviceLink*>{&link}, options, *log, [this] { ++published; }, now_ns);
+  }
+  // A scan of both channels stamped t; of a steady 10 Hz, in the channels' unit.
+  bool scan(std::int64_t t_ns, double factor = 1.0) {
+    const double angle = 2.0 * std::numbers::pi * 10.0 * static_cast<double>(t_ns) * 1e-9;
+    const dwell_sample samples[2] = {{t_ns, factor * std::sin(angle), 1000, 0, 0},
+                                     {t_ns, factor * 1.5 * std::sin(angle - 0.4), 1000, 1, 0}};
+    return link.push(samples, 2);
+  }
+  // Goes on for so long, turning every 10 ms, with two scans in each turn where the device is `on`.
+  void go_on(std::int64_t for_ns, bool on = true) {
+    for (const std::int64_t end_ns = now_ns + for_ns; now_ns < end_ns;) {
+      now_ns += 10 * kMs;
+      if (on) {
+        scan(now_ns - 6 * kMs);
+        scan(now_ns - 1 * kMs);
+      }
+      estimator->turn(now_ns, now_ns + 1);
+    }
+  }
+  const Snapshot& latest() {
+    estimator->refresh();
+    return estimator->latest();
+  }
+
+  Rig rig = one_mass();
+  std::unique_ptr<Log> log;
+  DeviceLink link{"amplifier", {0, 1}, 4096, nullptr};
+  std::int64_t now_ns = kStart_ns;
+  int published = 0;
+  std::optional<Estimator> estimator;
+};
+
+TEST_F(EstimatorTest, PublishesAsOftenAsTheRigFileSays) {
+  go_on(2'000 * kMs);
+  EXPECT_NEAR(published, 20, 1);
+  EXPECT_EQ(latest().sequence, static_cast<std::uint64_t>(published));
+}
+
+TEST_F(EstimatorTest, MeasuresWhatSettles) {
+  go_on(10'000 * kMs);
+  const Snapshot& snapshot = latest();
+  EXPECT_EQ(snapshot.dwell.state, State::measuring) << snapshot.dwell.settling_reason;
+  for (const ChannelView& channel : snapshot.channels) {
+    EXPECT_EQ(channel.fault, Fault::none) << channel.reason;
+    EXPECT_NEAR(channel.rate_hz, 200.0, 5.0);
+    EXPECT_LE(std::fabs(channel.value), 1.5 + 1e-9) << "in the channel's own unit";
+    EXPECT_EQ(channel.tally.received, channel.tally.used + channel.tally.dropped() + channel.tally.queued);
+    EXPECT_EQ(channel.tally.dropped(), 0u);
+    EXPECT_LE(channel.tally.queued, 22u) << "no more than what the merger holds back";
+  }
+}
+
+TEST_F(EstimatorTest, SilenceIsNoticedSaidAndOver) {
+  go_on(3'000 * kMs);
+  go_on(2'000 * kMs, false);
+  EXPECT_EQ(latest().channels[1].fault, Fault::silent);
+  EXPECT_NE(latest().channels[1].reason.find("nothing received"), std::string::npos);
+  EXPECT_FALSE(latest().devices[0].up);
+  EXPECT_NE(latest().dwell.state, State::measuring);
+  EXPECT_EQ(latest().channels[1].tally.queued, 0u) << "the rest has been used";
+  go_on(500 * kMs);
+  EXPECT_EQ(latest().channels[1].fault, Fault::none);
+  EXPECT_EQ(latest().channels[1].reason, "");
+}
+
+TEST_F(EstimatorTest, ADeadDeviceIsStaleForTheReasonItGave) {
+  go_on(3'000 * kMs);
+  link.state(-1, DWELL_FAULT_DISCONNECTED, "connection refused");
+  // The driver stamps with the real clock, long after this test's own time.
+  go_on(200 * kMs, false);
+  EXPECT_EQ(latest().channels[0].fault, Fault::disconnected);
+  EXPECT_EQ(latest().channels[0].reason, "connection refused");
+}
+
+TEST_F(EstimatorTest, ASampleFromBeforeWhatWasUsedIsLateAndCountedAndAGap) {
+  go_on(1'000 * kMs);
+  scan(now_ns - 500 * kMs);
+  go_on(1'000 * kMs);
+  const Snapshot& snapshot = latest();
+  for (const ChannelView& channel : snapshot.channels) {
+    EXPECT_EQ(channel.tally.late, 1u);
+    EXPECT_EQ(channel.tally.received, channel.tally.used + channel.tally.dropped() + channel.tally.queued);
+    EXPECT_EQ(channel.gaps, 1u);
+  }
+}
+
+TEST_F(EstimatorTest, WhatIsBeyondTheRangeIsShownAndNotUsed) {
+  go_on(500 * kMs);
+  for (int i = 0; i < 40; ++i) {
+    now_ns += 10 * kMs;
+    scan(now_ns - 1 * kMs, 100.0);
+    estimator->turn(now_ns, now_ns);
+  }
+  go_on(300 * kMs, false);
+  EXPECT_GT(latest().channels[0].tally.rejected, 0u);
+  EXPECT_EQ(latest().channels[0].tally.received,
+            latest().channels[0].tally.used + latest().channels[0].tally.dropped());
+}
+
+TEST_F(EstimatorTest, ABacklogIsNotLate) {
+  go_on(1'000 * kMs);
+  // The thread did not come for a second and a half; the rings held everything.
+  const std::int64_t paused_ns = now_ns;
+  for (std::int64_t t = 5; t <= 1500; t += 5) ASSERT_TRUE(scan(paused_ns + t * kMs - 1));
+  now_ns = paused_ns + 1500 * kMs;
+  estimator->turn(now_ns, now_ns, 149);
+  go_on(500 * kMs);
+  EXPECT_EQ(latest().channels[0].tally.late, 0u);
+  EXPECT_EQ(latest().channels[0].gaps, 0u);
+  EXPECT_EQ(latest().skipped_turns, 149u);
+}
+
+TEST_F(EstimatorTest, RearmEndsADwellAndBeginsAnotherAndOnlySoManyAreKept) {
+  EstimatorOptions few;
+  few.kept_dwells = 3;
+  begin(few);
+  for (int i = 0; i < 6; ++i) {
+    go_on(4'000 * kMs);
+    ASSERT_TRUE(estimator->rearm());
+    go_on(300 * kMs);
+  }
+  const Snapshot& snapshot = latest();
+  ASSERT_EQ(snapshot.finished->size(), 3u);
+  EXPECT_EQ(snapshot.forgotten, 3u);
+  EXPECT_LT(snapshot.finished->front()->index, snapshot.finished->back()->index) << "oldest first";
+}
+
+TEST_F(EstimatorTest, TheOperatorCannotFloodTheStream) {
+  int taken = 0;
+  for (int i = 0; i < 1000; ++i) taken += estimator->rearm() ? 1 : 0;
+  EXPECT_LE(taken, 16);
+  EXPECT_GE(taken, 1);
+}
+
+TEST_F(EstimatorTest, TheEndOfTheRunUsesWhatWaitsAndCompletesTheDwell) {
+  go_on(8'000 * kMs);
+  scan(now_ns + 1 * kMs);
+  now_ns += 2 * kMs;
+  estimator->finish(now_ns, now_ns);
+  const Snapshot& snapshot = latest();
+  EXPECT_EQ(snapshot.channels[0].tally.queued, 0u);
+  ASSERT_EQ(snapshot.finished->size(), 1u);
+  EXPECT_EQ(snapshot.finished->front()->ended_by, EndedBy::end);
+}
+
+TEST_F(EstimatorTest, ARecordingPlayedFasterThanTimeIsUsedWhole) {
+  // Ten seconds of stamps within one second.
+  for (int i = 0; i < 100; ++i) {
+    now_ns += 10 * kMs;
+    for (int k = 0; k < 20; ++k) scan(kStart_ns + (i * 20 + k + 1) * 5 * kMs);
+    estimator->turn(now_ns, now_ns);
+  }
+  estimator->finish(now_ns, now_ns);
+  EXPECT_EQ(latest().channels[0].tally.used, 2000u);
+  EXPECT_EQ(latest().channels[0].tally.dropped(), 0u);
+}
+
+}  // namespace
+}  // namespace dwell

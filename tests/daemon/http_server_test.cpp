@@ -1,0 +1,200 @@
+#include "daemon/serve/http_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "tests/daemon/sockets.hpp"
+
+namespace dwell {
+namespace {
+
+using test::Answer;
+using test::Client;
+using test::read_answer;
+
+// A server that answers /hello, on a port of the kernel's choice.
+struct HttpServerTest : testing::Test {
+  void begin(HttpOptions options = {}) {
+    options.port = 0;
+    auto made = HttpServer::make(
+        loop, options,
+        [](std::string_view path, std::string_view query) {
+          if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(query) + "\"}"};
+          if (path == "/throw") throw std::runtime_error("no");
+          return http_error(404, "nothing here");
+        },
+        [] { return std::string(); });
+    ASSERT_TRUE(made) << made.error().message;
+    server = std::move(*made);
+    port = server->port();
+    thread.emplace(loop);
+  }
+  Answer ask(const std::string& request) {
+    Client client = Client::tcp(port);
+    client.send(request);
+    return read_answer(client);
+  }
+  HttpStats stats() {
+    return thread->on_loop([this] { return server->stats(); });
+  }
+
+  EventLoop loop;
+  std::unique_ptr<HttpServer> server;
+  std::uint16_t port = 0;
+  std::optional<test::LoopThread> thread;
+};
+
+void expect_error(const Answer& answer, int status) {
+  EXPECT_EQ(answer.status, status) << answer.head;
+  const auto json = nlohmann::json::parse(answer.body, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << answer.body;
+  EXPECT_TRUE(json["error"].is_string());
+  EXPECT_EQ(json["status"], status);
+}
+
+TEST_F(HttpServerTest, AnswersOverAndOverOnOneConnection) {
+  begin();
+  Client client = Client::tcp(port);
+  for (int i = 0; i < 5; ++i) {
+    client.send("GET /hello?" + std::to_string(i) + " HTTP/1.1\r\nHost: x\r\n\r\n");
+    const Answer answer = read_answer(client);
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.body, "{\"hello\":\"" + std::to_string(i) + "\"}");
+    EXPECT_NE(answer.head.find("application/json"), std::string::npos);
+  }
+}
+
+TEST_F(HttpServerTest, AnswersRequestsSentAllAtOnceInTheirOrder) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("GET /hello?1 HTTP/1.1\r\nHost: x\r\n\r\nGET /hello?2 HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(read_answer(client).body, "{\"hello\":\"1\"}");
+  EXPECT_EQ(read_answer(client).body, "{\"hello\":\"2\"}");
+}
+
+TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("HEAD /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  const Answer answer = read_answer(client, true);
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_NE(answer.head.find("Content-Length: 12\r\n"), std::string::npos) << answer.head;
+  EXPECT_EQ(client.all(), "");
+}
+
+TEST_F(HttpServerTest, WhatIsNotThereIs404WithAReason) {
+  begin();
+  expect_error(ask("GET /nowhere HTTP/1.1\r\nHost: x\r\n\r\n"), 404);
+}
+
+TEST_F(HttpServerTest, NothingCanBeChangedFromHere) {
+  begin();
+  for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "PATCH"}) {
+    const Answer answer = ask(std::string(method) + " /hello HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n");
+    expect_error(answer, 405);
+    EXPECT_NE(answer.head.find("Allow: GET, HEAD\r\n"), std::string::npos) << answer.head;
+  }
+}
+
+TEST_F(HttpServerTest, WhatIsNoRequestIs400) {
+  begin();
+  for (const char* junk : {"\x16\x03\x01\x02\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/9.9\r\n\r\n",
+                           "GET /hello HTTP/1.1\r\nbroken header\r\n\r\n",
+                           "GET /hello HTTP/1.1\r\nContent-Length: minus one\r\n\r\n", "GET hello HTTP/1.1\r\n\r\n"})
+    expect_error(ask(junk), 400);
+}
+
+TEST_F(HttpServerTest, HeaderAndBodyAreBounded) {
+  begin();
+  expect_error(ask("GET /hello HTTP/1.1\r\nX: " + std::string(20'000, 'a') + "\r\n\r\n"), 431);
+  expect_error(ask("GET /hello HTTP/1.1\r\nContent-Length: 1000000\r\n\r\n"), 413);
+}
+
+TEST_F(HttpServerTest, AnAnswerThatCannotBeMadeIs500AndTheServerGoesOn) {
+  begin();
+  expect_error(ask("GET /throw HTTP/1.1\r\nHost: x\r\n\r\n"), 500);
+  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n").status, 200);
+}
+
+TEST_F(HttpServerTest, AClientThatSendsByteByByteIsNotWaitedForLongerThanAnother) {
+  HttpOptions options;
+  options.request_time = std::chrono::milliseconds(300);
+  begin(options);
+  Client client = Client::tcp(port);
+  // More than the deadline's worth of bytes, each well within it.
+  bool cut_off = false;
+  const std::string request = "GET /hello HTTP/1.1\r\nX: " + std::string(400, 'a');
+  for (const char c : request) {
+    if (!client.send(std::string_view(&c, 1))) {
+      cut_off = true;
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_TRUE(cut_off);
+}
+
+TEST_F(HttpServerTest, AClientThatSaysNothingIsLetGo) {
+  HttpOptions options;
+  options.request_time = std::chrono::milliseconds(100);
+  begin(options);
+  Client client = Client::tcp(port);
+  EXPECT_EQ(client.all(), "");  // returns when the server closes
+}
+
+TEST_F(HttpServerTest, TooManyClientsAreToldAndTheOthersServed) {
+  HttpOptions options;
+  options.clients = 8;
+  begin(options);
+  std::vector<Client> clients;
+  for (int i = 0; i < 8; ++i) {
+    clients.push_back(Client::tcp(port));
+    clients.back().send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+    ASSERT_EQ(read_answer(clients.back()).status, 200);
+  }
+  Client late = Client::tcp(port);
+  expect_error(read_answer(late), 503);
+  clients.front().send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(read_answer(clients.front()).status, 200);
+  EXPECT_EQ(stats().refused, 1u);
+  clients.clear();
+  int status = 503;
+  for (int tries = 0; tries < 1000 && status == 503; ++tries) status = test::get(port, "/hello").status;
+  EXPECT_EQ(status, 200) << "there is room again";
+}
+
+TEST_F(HttpServerTest, ABodyThatAGetBringsAlongIsIgnored) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send(
+      "GET /hello HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\n12345GET /hello?2 HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(read_answer(client).status, 200);
+  EXPECT_EQ(read_answer(client).body, "{\"hello\":\"2\"}");
+}
+
+TEST(HttpServer, AnAddressThatIsNoneIsToldApartFromOneThatIsTaken) {
+  EventLoop loop;
+  const auto handler = [](std::string_view, std::string_view) { return HttpReply{}; };
+  HttpOptions options;
+  options.host = "no.such.host";
+  const auto bad = HttpServer::make(loop, options, handler, [] { return std::string(); });
+  ASSERT_FALSE(bad);
+  EXPECT_TRUE(bad.error().bad_address);
+  EXPECT_NE(bad.error().message.find("no.such.host"), std::string::npos);
+
+  options.host = "127.0.0.1";
+  options.port = 0;
+  const auto first = HttpServer::make(loop, options, handler, [] { return std::string(); });
+  ASSERT_TRUE(first);
+  options.port = (*first)->port();
+  const auto second = HttpServer::make(loop, options, handler, [] { return std::string(); });
+  ASSERT_FALSE(second);
+  EXPECT_FALSE(second.error().bad_address);
+  EXPECT_NE(second.error().message.find("in use"), std::string::npos) << second.error().message;
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "daemon/serve/http_server.hpp"
+#include "tests/daemon/sockets.hpp"
+
+namespace dwell {
+namespace {
+
+using test::Client;
+using test::read_answer;
+
+struct HttpStreamTest : testing::Test {
+  void begin(HttpOptions options = {}) {
+    options.port = 0;
+    auto made = HttpServer::make(
+        loop, options,
+        [](std::string_view, std::string_view) {
+          return HttpReply{200, "{}"};
+        },
+        [] { return event_text("dwell", "\"first\""); });
+    ASSERT_TRUE(made) << made.error().message;
+    server = std::move(*made);
+    port = server->port();
+    thread.emplace(loop);
+  }
+  Client stream(int receive_buffer = 0) {
+    Client client = Client::tcp(port, receive_buffer);
+    client.send("GET /api/v1/stream HTTP/1.1\r\nHost: x\r\n\r\n");
+    return client;
+  }
+  void broadcast(const std::string& data) {
+    thread->on_loop([&] { server->broadcast("dwell", data); });
+  }
+  HttpStats stats() {
+    return thread->on_loop([this] { return server->stats(); });
+  }
+
+  EventLoop loop;
+  std::unique_ptr<HttpServer> server;
+  std::uint16_t port = 0;
+  std::optional<test::LoopThread> thread;
+};
+
+TEST_F(HttpStreamTest, BeginsWithWhatIsKnownAndGoesOnWithWhatComes) {
+  begin();
+  Client client = stream();
+  EXPECT_NE(client.until("\r\n\r\n").find("text/event-stream"), std::string::npos);
+  EXPECT_EQ(client.until("\n\n"), "retry: 1000\n\n");
+  EXPECT_EQ(client.until("\n\n"), "event: dwell\ndata: \"first\"\n\n");
+  for (int i = 0; i < 50; ++i) {
+    broadcast(std::to_string(i));
+    ASSERT_EQ(client.until("\n\n"), "event: dwell\ndata: " + std::to_string(i) + "\n\n");
+  }
+}
+
+TEST_F(HttpStreamTest, ASlowReaderLosesEventsAndHoldsNobodyUp) {
+  begin();
+  Client slow = stream(1024);
+  Client quick = stream();
+  ASSERT_NE(slow.until("\"first\"\n\n"), "");
+  ASSERT_NE(quick.until("\"first\"\n\n"), "");
+  const std::string padding(64 * 1024, 'x');
+  constexpr int kEvents = 400;  // 25 MB: more than any socket buffer holds
+  for (int i = 0; i < kEvents; ++i) {
+    broadcast(std::to_string(i) + padding);
+    const std::string seen = quick.until("\n\n");
+    ASSERT_EQ(seen.substr(0, 19 + std::to_string(i).size()), "event: dwell\ndata: " + std::to_string(i));
+  }
+  EXPECT_GT(stats().events_dropped, 0u);
+  // The slow one still gets whole events, in order, the last one among them.
+  int last = -1;
+  while (last < kEvents - 1) {
+    const std::string event = slow.until("\n\n");
+    ASSERT_EQ(event.substr(0, 19), "event: dwell\ndata: ") << "after " << last;
+    const int index = std::atoi(event.c_str() + 19);
+    ASSERT_GT(index, last);
+    last = index;
+  }
+}
+
+TEST_F(HttpStreamTest, AReaderThatTakesNothingAtAllIsGivenUp) {
+  HttpOptions options;
+  options.stream_write_time = std::chrono::milliseconds(200);
+  begin(options);
+  Client stuck = stream(1024);
+  ASSERT_NE(stuck.until("\"first\"\n\n"), "");
+  const std::string padding(1024 * 1024, 'x');
+  bool gone = false;
+  for (int tries = 0; tries < 2000 && !gone; ++tries) {
+    broadcast(padding);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    gone = stats().streams == 0;
+  }
+  EXPECT_TRUE(gone);
+}
+
+TEST_F(HttpStreamTest, OneThatLeavesIsForgotten) {
+  begin();
+  {
+    Client client = stream();
+    ASSERT_NE(client.until("\"first\"\n\n"), "");
+    EXPECT_EQ(stats().streams, 1u);
+  }
+  bool gone = false;
+  for (int tries = 0; tries < 2000 && !gone; ++tries) {
+    gone = stats().clients == 0;
+    if (!gone) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(gone);
+  EXPECT_EQ(stats().streams, 0u);
+}
+
+TEST_F(HttpStreamTest, StreamsLeaveRoomForRequests) {
+  HttpOptions options;
+  options.clients = 128;
+  options.streams = 96;
+  begin(options);
+  std::vector<Client> clients;
+  for (std::size_t i = 0; i < options.streams; ++i) {
+    clients.push_back(stream());
+    ASSERT_NE(clients.back().until("\"first\"\n\n"), "");
+  }
+  Client refused = stream();
+  EXPECT_EQ(read_answer(refused).status, 503);
+  EXPECT_EQ(test::get(port, "/x").status, 200);
+  broadcast("to all");
+  for (Client& client : clients) ASSERT_EQ(client.until("\n\n"), "event: dwell\ndata: to all\n\n");
+}
+
+TEST_F(HttpStreamTest, HeadOfTheStreamEnds) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("HEAD /api/v1/stream HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  EXPECT_NE(client.all().find("text/event-stream"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,117 @@
+#include "daemon/log/log.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "daemon/log/log_payload.hpp"
+
+namespace dwell {
+namespace {
+
+struct LogTest : testing::Test {
+  void SetUp() override {
+    char name[] = "/tmp/dwell-log-XXXXXX";
+    ASSERT_NE(mkdtemp(name), nullptr);
+    folder = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  [[nodiscard]] LogOptions options() const {
+    LogOptions to_file;
+    to_file.console = false;
+    to_file.file = folder + "/dwelld.log";
+    return to_file;
+  }
+  [[nodiscard]] std::string text() const {
+    std::ostringstream all;
+    all << std::ifstream(folder + "/dwelld.log").rdbuf();
+    return all.str();
+  }
+  std::string folder;
+};
+
+TEST_F(LogTest, WritesEveryLineBeforeItEnds) {
+  {
+    auto log = Log::make(options());
+    ASSERT_TRUE(log) << log.error();
+    for (int i = 0; i < 100; ++i) (*log)->info("line " + std::to_string(i));
+    EXPECT_EQ((*log)->stats().lines, 100u);
+  }
+  EXPECT_NE(text().find("line 0\n"), std::string::npos);
+  EXPECT_NE(text().find("line 99\n"), std::string::npos);
+}
+
+TEST_F(LogTest, FieldsAreForTheJournalAlone) {
+  {
+    auto log = Log::make(options());
+    ASSERT_TRUE(log);
+    (*log)->warning("stale", {{"DWELL_DEVICE", "amplifier"}});
+  }
+  EXPECT_NE(text().find("warning stale\n"), std::string::npos) << text();
+  EXPECT_EQ(text().find("DWELL_DEVICE"), std::string::npos);
+}
+
+TEST_F(LogTest, ADeviceCannotForgeALine) {
+  {
+    auto log = Log::make(options());
+    ASSERT_TRUE(log);
+    (*log)->info(
+        "reason: x\n2026-01-01 error all is lost\x1f"
+        "MESSAGE=forged {} %s");
+  }
+  const std::string all = text();
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 1) << all;
+  EXPECT_NE(all.find("forged {} %s"), std::string::npos) << "braces are text, not a format";
+}
+
+TEST_F(LogTest, WhenLinesComeTooFastTheOldestGoAndAreCounted) {
+  LogOptions small = options();
+  small.queue = 4;
+  auto log = Log::make(small);
+  ASSERT_TRUE(log);
+  for (int i = 0; i < 20'000; ++i) (*log)->info("a line among very many");
+  const LogStats stats = (*log)->stats();
+  log->reset();
+  const std::string all = text();
+  const auto written = static_cast<std::uint64_t>(std::count(all.begin(), all.end(), '\n'));
+  EXPECT_EQ(stats.lines, 20'000u);
+  // The flush that ends the log may push out one line more.
+  EXPECT_GE(written + stats.dropped + 1, stats.lines);
+}
+
+TEST_F(LogTest, AFileThatCannotBeOpenedIsSaid) {
+  LogOptions impossible = options();
+  impossible.file = "/proc/no/such/folder/dwelld.log";
+  const auto log = Log::make(impossible);
+  ASSERT_FALSE(log);
+  EXPECT_NE(log.error().find("/proc/no/such"), std::string::npos) << log.error();
+}
+
+TEST(Journal, IsRecognizedByDeviceAndInodeAlone) {
+  struct stat is {};
+  ASSERT_EQ(fstat(STDOUT_FILENO, &is), 0);
+  const std::string right = std::to_string(is.st_dev) + ":" + std::to_string(is.st_ino);
+  EXPECT_TRUE(is_journal(right.c_str(), STDOUT_FILENO));
+  EXPECT_FALSE(is_journal((right + "1").c_str(), STDOUT_FILENO));
+  EXPECT_FALSE(is_journal(nullptr, STDOUT_FILENO));
+  for (const char* wrong : {"", ":", "8", "8:", "x:y", "1:2:3"})
+    EXPECT_FALSE(is_journal(wrong, STDOUT_FILENO)) << wrong;
+}
+
+TEST(LogPayload, CarriesFieldsBehindTheMessage) {
+  const std::string payload = make_payload(
+      "m\x1f"
+      "A=b",
+      {{"DWELL_DEVICE", "d\n"}});
+  EXPECT_EQ(message_of(payload), "m A=b");
+  EXPECT_EQ(payload, std::string("m A=b\x1f"
+                                 "DWELL_DEVICE=d "));
+}
+
+}  // namespace
+}  // namespace dwell

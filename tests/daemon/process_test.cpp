@@ -1,0 +1,185 @@
+// dwelld as a process: its command line, its signals, what it tells systemd.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "tests/daemon/service_rig.hpp"
+
+namespace dwell {
+namespace {
+
+struct ProcessTest : testing::Test {
+  void SetUp() override {
+    char name[] = "/tmp/dwelld-test-XXXXXX";
+    ASSERT_NE(mkdtemp(name), nullptr);
+    folder = name;
+    notify = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = folder + "/notify";
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    ASSERT_EQ(bind(notify, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    setenv("NOTIFY_SOCKET", path.c_str(), 1);
+    setenv("WATCHDOG_USEC", "2000000", 1);
+    unsetenv("WATCHDOG_PID");
+    for (const char* unset : {"RUNTIME_DIRECTORY", "LOGS_DIRECTORY", "JOURNAL_STREAM"}) unsetenv(unset);
+  }
+  void TearDown() override {
+    if (child > 0) {
+      kill(child, SIGKILL);
+      waitpid(child, nullptr, 0);
+    }
+    close(notify);
+    unsetenv("NOTIFY_SOCKET");
+    unsetenv("WATCHDOG_USEC");
+    std::filesystem::remove_all(folder);
+  }
+  std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(folder + "/" + name) << text;
+    return folder + "/" + name;
+  }
+  [[nodiscard]] std::string read(const std::string& name) const {
+    std::ostringstream all;
+    all << std::ifstream(folder + "/" + name).rdbuf();
+    return all.str();
+  }
+  // Both outputs go to the file "output".
+  void start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), DWELLD);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    const std::string output = folder + "/output";
+    child = fork();
+    if (child != 0) return;
+    const int file = open(output.c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600);
+    dup2(file, STDOUT_FILENO);
+    dup2(file, STDERR_FILENO);
+    execv(DWELLD, pointers.data());
+    _exit(127);
+  }
+  int wait_for_end() {
+    int status = 0;
+    waitpid(std::exchange(child, -1), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  int run(std::vector<std::string> arguments) {
+    start(std::move(arguments));
+    return wait_for_end();
+  }
+  // Whether `text` has been among the notifications, or comes within 20 s.
+  bool notified(const std::string& text) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    pollfd ready{notify, POLLIN, 0};
+    while (notifications.find(text) == std::string::npos && std::chrono::steady_clock::now() < end) {
+      if (poll(&ready, 1, 100) != 1) continue;
+      char message[1024];
+      const auto size = recv(notify, message, sizeof message, 0);
+      if (size > 0) notifications.append(message, static_cast<std::size_t>(size)).append("\n");
+    }
+    return notifications.find(text) != std::string::npos;
+  }
+
+  std::string notifications;
+  std::string folder;
+  int notify = -1;
+  pid_t child = -1;
+};
+
+TEST_F(ProcessTest, StopsWithinASecondOfSigtermAndTidiesUp) {
+  auto rig = rigsim::Server::start(test::clamped_rig());
+  ASSERT_TRUE(rig);
+  const std::string control = folder + "/control";
+  start({"--config", write("rig.toml", test::rig_file((*rig)->tcp_port())), "--control", control, "--log",
+         folder + "/dwelld.log"});
+  ASSERT_TRUE(notified("READY=1")) << read("output");
+  EXPECT_TRUE(notified("WATCHDOG=1"));
+  EXPECT_TRUE(notified("STATUS=settling"));
+  test::Client client = test::Client::local(control);
+  client.send("{\"verb\":\"status\"}\n");
+  EXPECT_NE(client.until("\n").find("\"state\""), std::string::npos);
+
+  const auto asked = std::chrono::steady_clock::now();
+  kill(child, SIGTERM);
+  EXPECT_EQ(wait_for_end(), 0) << read("output");
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(1));
+  EXPECT_TRUE(notified("STOPPING=1"));
+  EXPECT_FALSE(std::filesystem::exists(control));
+  const std::string log = read("dwelld.log");
+  EXPECT_NE(log.find("delivering"), std::string::npos) << log;
+  EXPECT_NE(log.find("complete (end)"), std::string::npos) << log;
+  EXPECT_NE(log.find("stopped"), std::string::npos) << log;
+}
+
+TEST_F(ProcessTest, IsReadyThoughTheRigIsOffAndStopsThenAsWell) {
+  std::uint16_t nobody = 0;
+  {
+    auto rig = rigsim::Server::start(test::clamped_rig());
+    ASSERT_TRUE(rig);
+    nobody = (*rig)->tcp_port();
+  }
+  start({"--config", write("rig.toml", test::rig_file(nobody))});
+  ASSERT_TRUE(notified("READY=1")) << read("output");
+  EXPECT_TRUE(notified("STATUS=fault")) << "the state is told";
+  EXPECT_TRUE(notified("WATCHDOG=1")) << "a rig that is off is no reason to be restarted";
+  kill(child, SIGINT);
+  EXPECT_EQ(wait_for_end(), 0) << read("output");
+}
+
+TEST_F(ProcessTest, ChecksARigFileAndTellsEveryMistakeWithItsPlace) {
+  EXPECT_EQ(run({"--check-config", write("rig.toml", test::rig_file(1502))}), 0) << read("output");
+  EXPECT_NE(read("output").find("5 channels"), std::string::npos) << read("output");
+
+  std::string wrong = test::rig_file(1502);
+  wrong.replace(wrong.find("clamped"), 7, "clamped?");
+  wrong.replace(wrong.find("rate "), 5, "rat  ");
+  EXPECT_EQ(run({"--check-config", write("wrong.toml", wrong)}), 2);
+  const std::string output = read("output");
+  EXPECT_NE(output.find("wrong.toml:4:"), std::string::npos) << output;
+  EXPECT_NE(output.find("rat"), std::string::npos) << output;
+  EXPECT_EQ(run({"--config", folder + "/wrong.toml"}), 2) << "and does not serve it";
+}
+
+TEST_F(ProcessTest, WrongUsageIsTwo) {
+  EXPECT_EQ(run({}), 2);
+  EXPECT_EQ(run({"--no-such-option"}), 2);
+  EXPECT_EQ(run({"--config"}), 2);
+  EXPECT_EQ(run({"--config", folder + "/not-there.toml"}), 2);
+  EXPECT_EQ(run({"--version"}), 0);
+  EXPECT_NE(read("output").find("dwelld "), std::string::npos);
+}
+
+TEST_F(ProcessTest, AnAddressInUseIsOneWithAClearMessage) {
+  const int taken = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(taken, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(taken, 1), 0);
+  getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size);
+  std::string text = test::rig_file(1502);
+  const std::string any = "127.0.0.1:0";
+  text.replace(text.find(any), any.size(), "127.0.0.1:" + std::to_string(ntohs(address.sin_port)));
+  EXPECT_EQ(run({"--config", write("rig.toml", text)}), 1);
+  EXPECT_NE(read("output").find("cannot listen on 127.0.0.1:"), std::string::npos) << read("output");
+  close(taken);
+}
+
+TEST_F(ProcessTest, AnAddressThatIsNoneIsTwo) {
+  std::string text = test::rig_file(1502);
+  const std::string any = "127.0.0.1:0";
+  text.replace(text.find(any), any.size(), "bench.local:8380");
+  EXPECT_EQ(run({"--config", write("rig.toml", text)}), 2) << read("output");
+}
+
+}  // namespace
+}  // namespace dwell

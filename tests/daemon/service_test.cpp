@@ -1,0 +1,154 @@
+// The whole service on a simulated rig, in this process: sockets, threads, plugin and all.
+#include "daemon/service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "daemon/acquire/plugin.hpp"
+#include "tests/daemon/service_rig.hpp"
+
+namespace dwell {
+namespace {
+
+using nlohmann::json;
+using test::await;
+using test::get_json;
+
+const config::SchemaSource kDrivers = [](std::string_view name) {
+  return acquire::load_plugin(std::string(name), {DWELL_TEST_PLUGINS});
+};
+
+struct ServiceTest : testing::Test {
+  ServiceTest() {
+    LogOptions quiet;
+    quiet.console = false;
+    log = std::move(*Log::make(quiet));
+  }
+  ~ServiceTest() override {
+    if (service) service->stop();
+    if (thread.joinable()) thread.join();
+  }
+  void start_rig(std::uint16_t device_port = 0) {
+    auto started = rigsim::Server::start(test::clamped_rig(device_port));
+    ASSERT_TRUE(started) << started.error();
+    rig = std::move(*started);
+  }
+  void start_service(std::uint16_t device_port) {
+    auto file = config::parse(test::rig_file(device_port), "rig.toml", kDrivers);
+    ASSERT_TRUE(file) << config::to_string("rig.toml", file.error());
+    ServiceOptions options;
+    options.handle_signals = false;
+    auto made = Service::make(std::move(*file), kDrivers, options, *log);
+    ASSERT_TRUE(made) << made.error().message;
+    service = std::move(*made);
+    port = service->port();
+    thread = std::thread([this] { service->run(); });
+  }
+  // Measuring, with some seconds of data behind it.
+  json await_measured() {
+    return await(port, "/api/v1/dwell", [](const json& dwell) {
+      return dwell["state"] == "measuring" && dwell["end_s"].get<double>() - dwell["settled_s"].get<double>() > 3.0;
+    });
+  }
+
+  std::unique_ptr<Log> log;
+  std::unique_ptr<rigsim::Server> rig;
+  std::unique_ptr<Service> service;
+  std::thread thread;
+  std::uint16_t port = 0;
+};
+
+// Truth of rigsim's default chain.
+void expect_truth(const json& dwell) {
+  const double stiffness[] = {24000.0, 8000.0, 6000.0, 8000.0};
+  const double damping[] = {60.0, 45.0, 30.0, 40.0};
+  ASSERT_EQ(dwell["elements"].size(), 4u) << dwell.dump(1);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const json& element = dwell["elements"][k];
+    ASSERT_TRUE(element["identifiable"].get<bool>()) << element.dump(1);
+    const double c = element["stiffness"]["value"];
+    const double r = element["damping"]["value"];
+    EXPECT_LT(std::fabs(c - stiffness[k]), 4.0 * element["stiffness"]["u"].get<double>()) << "c_" << k + 1 << " " << c;
+    EXPECT_LT(std::fabs(r - damping[k]), 4.0 * element["damping"]["u"].get<double>()) << "r_" << k + 1 << " " << r;
+  }
+}
+
+TEST_F(ServiceTest, MeasuresARigOverModbusWithinItsOwnUncertainty) {
+  start_rig();
+  start_service(rig->tcp_port());
+  expect_truth(await_measured());
+  const json channels = get_json(port, "/api/v1/channels");
+  for (const json& channel : channels["channels"]) {
+    EXPECT_EQ(channel["received"].get<long>(),
+              channel["used"].get<long>() + channel["dropped"].get<long>() + channel["queued"].get<long>());
+    EXPECT_GT(channel["used"].get<long>(), 0);
+  }
+  EXPECT_EQ(get_json(port, "/api/v1/health")["status"], "ok");
+}
+
+TEST_F(ServiceTest, ARigThatGoesAndComesBackIsAStateNotAFailure) {
+  start_rig();
+  const std::uint16_t device_port = rig->tcp_port();
+  start_service(device_port);
+  await_measured();
+
+  rig.reset();
+  const json stale = await(port, "/api/v1/channels", [](const json& answer) {
+    for (const json& channel : answer["channels"])
+      if (channel["status"] == "ok") return false;
+    return true;
+  });
+  for (const json& channel : stale["channels"]) {
+    EXPECT_NE(channel["status"], "ok");
+    EXPECT_TRUE(channel["reason"].is_string()) << channel.dump();
+  }
+  const json withdrawn = await(port, "/api/v1/dwell", [](const json& dwell) { return dwell["state"] != "measuring"; });
+  for (const json& element : withdrawn["elements"]) EXPECT_FALSE(element["identifiable"].get<bool>()) << element.dump();
+  EXPECT_FALSE(withdrawn["warnings"].empty()) << withdrawn.dump(1);
+  const json health = get_json(port, "/api/v1/health");
+  EXPECT_EQ(health["status"], "degraded");
+  EXPECT_EQ(health["stale"].size(), 5u);
+  EXPECT_FALSE(health["devices"][0]["up"].get<bool>());
+
+  start_rig(device_port);
+  await(port, "/api/v1/channels", [](const json& answer) { return test::all_channels(answer, "ok"); });
+  const json again = await_measured();
+  expect_truth(again);
+  EXPECT_GT(again["index"], 1);
+  const json finished = get_json(port, "/api/v1/dwells");
+  ASSERT_GE(finished["dwells"].size(), 1u);
+  EXPECT_EQ(finished["dwells"][0]["ended_by"], "data lost");
+}
+
+TEST_F(ServiceTest, IsUpThoughTheRigWasNeverThere) {
+  start_rig();
+  const std::uint16_t nobody = rig->tcp_port();
+  rig.reset();
+  start_service(nobody);
+  const json health = await(port, "/api/v1/health", [](const json& answer) {
+    return answer["devices"].size() == 1 && answer["devices"][0]["faults"].contains("disconnected");
+  });
+  EXPECT_EQ(health["status"], "degraded");
+  const json channels =
+      await(port, "/api/v1/channels", [](const json& answer) { return test::all_channels(answer, "disconnected"); });
+  EXPECT_TRUE(channels["channels"][0]["value"].is_null());
+}
+
+TEST_F(ServiceTest, PushesTheDwellToWhoeverListens) {
+  start_rig();
+  start_service(rig->tcp_port());
+  test::Client client = test::Client::tcp(port);
+  client.send("GET /api/v1/stream HTTP/1.1\r\nHost: x\r\n\r\n");
+  client.until("\r\n\r\n");
+  client.until("\n\n");
+  for (int i = 0; i < 10; ++i) {
+    const std::string event = client.until("\n\n");
+    constexpr std::string_view kHead = "event: dwell\ndata: ";
+    ASSERT_EQ(event.substr(0, kHead.size()), kHead);
+    EXPECT_TRUE(json::parse(event.substr(kHead.size()), nullptr, false).contains("state"));
+  }
+}
+
+}  // namespace
+}  // namespace dwell
