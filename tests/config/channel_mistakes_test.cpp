@@ -36,8 +36,9 @@ TEST(ChannelMistakes, OfPlacesTheChainDoesNotHave) {
   // The channel of the table is then missing as well, which is a mistake of its own.
   for (const char* wrong : {"3", "-1", "\"ground\"", "\"top\""}) {
     const Edited edit = edited("at = 0", "at = @" + std::string(wrong));
-    EXPECT_EQ(mistakes_in(edit.text),
-              "rig.toml:5:10: " + unseen + "\nrig.toml:49:6: \"at\" is " + wrong + expected + "\n");
+    std::string told = "rig.toml:5:10: ";
+    told.append(unseen).append("\nrig.toml:49:6: \"at\" is ").append(wrong).append(expected).append("\n");
+    EXPECT_EQ(mistakes_in(edit.text), told);
   }
   const Edited fraction = edited("at = 0", "at = @0.0");
   EXPECT_EQ(mistakes_in(fraction.text),

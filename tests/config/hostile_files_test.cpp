@@ -97,17 +97,17 @@ TEST(HostileFiles, ThatNestTooDeepAreRefusedWhereTheyDo) {
 
 TEST(HostileFiles, MayHaveDotsAndBracketsInTextAndComments) {
   const std::string many(100, '.');
+  const std::string long_text = std::string("x = \"\"\"\n").append(many).append("\"\" \\\"\"\"\" \"\"\"\n");
   for (const std::string& text :
        {"# " + many + "[[[[[[[[[[[[[[[[[[[[", "x = \"" + many + "\\\"" + many + "\"\n", "x = '" + many + "\\'\n",
-        "x = \"\"\"\n" + many + "\"\" \\\"\"\"\" " + "\"\"\"\n",
-        "x = '''" + many + "''''\ny = [1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5]\n"}) {
+        long_text, "x = '''" + many + "''''\ny = [1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5]\n"}) {
     EXPECT_FALSE(too_deep(text)) << text;
   }
 }
 
 TEST(HostileFiles, WithMoreMistakesThanAnyoneReadsAreCutShort) {
   std::string text;
-  for (int i = 0; i < 100000; ++i) text += "k" + std::to_string(i) + "=1\n";
+  for (int i = 0; i < 100000; ++i) text.append("k").append(std::to_string(i)).append("=1\n");
   const Result<RigFile> file = parse(text, "rig.toml", fake_schemas());
   ASSERT_FALSE(file);
   ASSERT_EQ(file.error().size(), MistakeList::kMost + 1);
