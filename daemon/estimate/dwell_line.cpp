@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "daemon/report/dwell_view.hpp"
+#include "config/units.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell {
@@ -33,9 +33,9 @@ std::string finished_line(const Dwell& dwell, const Rig& rig) {
       continue;
     }
     line += "; c_" + k + " = " +
-            join(number_text(element.stiffness.value, element.stiffness.U95, stiffness_unit(rig.motion)));
-    line +=
-        ", r_" + k + " = " + join(number_text(element.damping.value, element.damping.U95, damping_unit(rig.motion)));
+            join(number_text(element.stiffness.value, element.stiffness.U95, config::stiffness_unit(rig.motion)));
+    line += ", r_" + k + " = " +
+            join(number_text(element.damping.value, element.damping.U95, config::damping_unit(rig.motion)));
   }
   for (const std::string& warning : dwell.warnings) line += "; warning: " + warning;
   return line;

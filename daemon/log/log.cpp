@@ -64,9 +64,9 @@ struct Log::Impl {
 Log::Log(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Log::~Log() {
-  impl_->logger->flush();
-  impl_->logger.reset();
+  // The pool's thread writes what waits and is joined; only then do the sinks go.
   impl_->pool.reset();
+  impl_->logger.reset();
 }
 
 tl::expected<std::unique_ptr<Log>, std::string> Log::make(const LogOptions& options) {
