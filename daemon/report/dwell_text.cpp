@@ -8,7 +8,6 @@
 #include <numbers>
 #include <optional>
 
-#include "config/units.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -173,13 +172,13 @@ std::string element_table(const DwellView& view, const Truth* truth) {
   if (insignificant) notes += "n.s.: not significant, smaller than its standard uncertainty\n";
   Table table;
   table.add("element", numbers, Align::right);
-  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, config::stiffness_unit(view.motion)));
+  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
   if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, config::stiffness_unit(view.motion));
+    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, stiffness_unit(view.motion));
   }
-  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, config::damping_unit(view.motion)));
+  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, damping_unit(view.motion)));
   if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::damping, truth->damping, config::damping_unit(view.motion));
+    add_truth(table, elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
   } else {
     table.add("most of u²(c)", source_cells(elements, &BudgetShare::stiffness_share));
     table.add("most of u²(r)", source_cells(elements, &BudgetShare::damping_share));
