@@ -445,7 +445,7 @@ struct Pipeline::Impl {
   // ---- results ----------------------------------------------------------------------------------------------------
 
   void conclude(int to, bool with_open) {
-    finished = evaluate(to, with_open);
+    finished = evaluate(to, with_open, false);
     finished.state = State::complete;
     finished.settles_in_s = kNaN;
     pending = true;
@@ -457,9 +457,10 @@ struct Pipeline::Impl {
     changes |= kCompleted;
   }
 
-  [[nodiscard]] Dwell evaluate(int to, bool with_open) const;
+  // up_to_now: a channel that does not deliver now is withdrawn; a dwell that has ended keeps what it had.
+  [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
-  [[nodiscard]] std::vector<Evidence> evidence_at(double w) const;
+  [[nodiscard]] std::vector<Evidence> gather_evidence(bool up_to_now) const;
   void fill_phasors(Dwell& dwell, double w, const std::vector<Evidence>& evidence) const;
 };
 
@@ -484,14 +485,14 @@ std::string Pipeline::Impl::settling_reason() const {
   return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
 }
 
-std::vector<Evidence> Pipeline::Impl::evidence_at(double) const {
+std::vector<Evidence> Pipeline::Impl::gather_evidence(bool up_to_now) const {
   std::vector<Evidence> evidence(live.size());
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
     Evidence& out = evidence[i];
     const Live& channel = live[i];
-    if (!delivers(c)) {
+    if (up_to_now && !delivers(c)) {
       out.reason = channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
                        ? "no sample yet"
                        : std::string("stale, ") +
@@ -545,7 +546,7 @@ void Pipeline::Impl::fill_phasors(Dwell& dwell, double w, const std::vector<Evid
   }
 }
 
-Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
+Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = state;
   dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
@@ -561,7 +562,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open) const {
   double w = omega;
   const double u = sum_refined(from, to, with_open, w);
   dwell.t_ref_s = axis_s(totals.t_ref_ns);
-  const std::vector<Evidence> evidence = evidence_at(w);
+  const std::vector<Evidence> evidence = gather_evidence(up_to_now);
   fill_phasors(dwell, w, evidence);
   const double clock = w * rig.excitation.clock_u;
   dwell.frequency_hz = active ? Estimate{w / kTwoPi, std::hypot(u, clock) / kTwoPi} : Estimate{};
@@ -606,7 +607,7 @@ std::uint8_t Pipeline::finish() {
   return impl_->changes;
 }
 
-Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true); }
+Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished; }
 State Pipeline::state() const noexcept { return impl_->state; }
 

@@ -35,7 +35,7 @@ void expect_within(const Dwell& dwell, const Chain& chain, double k, const std::
   ASSERT_EQ(dwell.elements.size(), chain.stiffness.size()) << what;
   for (std::size_t e = 0; e < chain.stiffness.size(); ++e) {
     const ElementEstimate& element = dwell.elements[e];
-    if (!element.identifiable) continue;
+    ASSERT_TRUE(element.identifiable) << what << ", element " << e + 1 << ": " << element.reason;
     EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[e]), k * element.stiffness.u)
         << what << ", c_" << e + 1;
     EXPECT_LT(std::abs(element.damping.value - chain.damping[e]), k * element.damping.u) << what << ", r_" << e + 1;

@@ -1,0 +1,87 @@
+// The pipeline's sample path must not touch the heap: not while idle, settling or measuring.
+// operator new and Eigen both end in malloc, which this program puts in glibc's place.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/merger.hpp"
+#include "tests/core/bench_rig.hpp"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define DWELL_MALLOC_IS_THE_SANITIZERS 1
+#else
+#define DWELL_MALLOC_IS_THE_SANITIZERS 0
+#endif
+
+namespace {
+thread_local bool forbidden = false;
+thread_local int allocations = 0;
+}  // namespace
+
+#if !DWELL_MALLOC_IS_THE_SANITIZERS
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+
+void* malloc(std::size_t size) {
+  if (forbidden) ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  if (forbidden) ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  if (forbidden) ++allocations;
+  return __libc_realloc(memory, size);
+}
+}
+#endif
+
+namespace dwell {
+namespace {
+
+TEST(PipelineAllocation, NoneFromTheFirstSampleToTheThousandthPeriod) {
+  if (DWELL_MALLOC_IS_THE_SANITIZERS) GTEST_SKIP() << "malloc belongs to the sanitizer in this build";
+  const Chain chain = clamped_chain();
+  const Rig rig = rig_of(chain, 4);
+  DrivenChain motion(chain, {.frequency_hz = 4, .amplitude = 0.002, .offset = 0, .ramp_s = 0, .harmonics = {}},
+                     DrivenChain::Start::rest);
+  std::vector<Record> stream;
+  for (int i = 0; i < 50000; ++i)
+    for (int c = 0; c < 4; ++c) {
+      Record record;
+      record.t_ns = 5'000'000LL * i + (c == 3 ? 1000 : 0);
+      // Two seconds at rest, then the drive.
+      record.value = i < 400 ? 0.0 : exact_reading(rig, motion.at(0.005 * (i - 400)), c);
+      record.channel = static_cast<std::uint16_t>(c);
+      if (c == 2 && i % 97 == 0) record.kind = Kind::tick;  // a sample missing now and then
+      stream.push_back(record);
+    }
+  Pipeline pipeline(rig);
+  Merger merger(2, 100'000'000, 1000);
+  std::complex<double> sum = 0;
+  bool idle = false, settling = false, measuring = false;
+  forbidden = true;
+  for (const Record& record : stream) {
+    merger.push(record.channel == 3 ? 1 : 0, record);
+    for (Record out; merger.pop(out);) {
+      pipeline.push(out);
+      idle = idle || pipeline.state() == State::idle;
+      settling = settling || pipeline.state() == State::settling;
+      measuring = measuring || pipeline.state() == State::measuring;
+    }
+    if (record.t_ns % 1'000'000'000 == 0) sum += pipeline.phasor(0);
+  }
+  forbidden = false;
+  EXPECT_EQ(allocations, 0);
+  forbidden = true;
+  std::free(std::malloc(sum != 0.0 ? 1 : 2));  // the guard itself sees an allocation
+  forbidden = false;
+  EXPECT_EQ(allocations, 1);
+  EXPECT_TRUE(idle && settling && measuring);
+}
+
+}  // namespace
+}  // namespace dwell

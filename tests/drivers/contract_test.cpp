@@ -1,0 +1,309 @@
+// The contract of dwell_driver.h, held against every driver alike. A further driver joins with one Device class below,
+// its plugin's name and a line in INSTANTIATE_TEST_SUITE_P.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "daemon/acquire/plugin.hpp"
+#include "tests/drivers/fake_host.hpp"
+#include "tests/drivers/given.hpp"
+#include "tests/drivers/modbus_device.hpp"
+
+namespace dwell::test {
+
+namespace {
+
+// What a driver talks to: two channels, 10 and 11, that hold 1 and 2, read or played at 100 Hz or more. Begins absent.
+class Device {
+ public:
+  virtual ~Device() = default;
+  virtual Given given() = 0;
+  // A description with mistakes that only check can see, and how many.
+  virtual std::pair<Given, std::size_t> given_wrong() = 0;
+  virtual void come() = 0;
+  virtual void leave() = 0;
+  // There, but without an answer; false: cannot be.
+  virtual bool fall_silent() { return false; }
+};
+
+class ModbusRig : public Device {
+ public:
+  explicit ModbusRig(ModbusDevice::Over over)
+      : over_(over), device_(over, [this](const Request& request) -> std::vector<Reply> {
+          if (silent_) return {};
+          return {answer(request, [](unsigned r) { return static_cast<std::uint16_t>(r + 1); })};
+        }) {
+    device_.leave();
+  }
+  Given given() override {
+    Given given("device");
+    if (over_ == ModbusDevice::Over::tcp)
+      given.set("transport", "tcp").set("host", "127.0.0.1").set("port", device_.port());
+    else
+      given.set("transport", "rtu").set("serial", device_.serial()).set("baud", 115200).set("late", 0.1);
+    given.set("rate", 100).set("timeout", 0.05);
+    given.channel("one").set("register", 0).set("type", "uint16");
+    given.channel("two").set("register", 1).set("type", "uint16");
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("transport", over_ == ModbusDevice::Over::tcp ? "tcp" : "rtu");  // neither host nor serial
+    given.channel("one").set("register", 65535).set("type", "float64");
+    given.channel("two").set("register", 65535).set("type", "float32");
+    return {std::move(given), 3};
+  }
+  void come() override {
+    silent_ = false;
+    device_.come();
+  }
+  void leave() override { device_.leave(); }
+  bool fall_silent() override {
+    silent_ = true;
+    return true;
+  }
+
+ private:
+  ModbusDevice::Over over_;
+  std::atomic<bool> silent_{false};
+  ModbusDevice device_;
+};
+
+class Recording : public Device {
+ public:
+  Recording() : file_(std::filesystem::temp_directory_path() / ("dwell-contract-" + std::to_string(::getpid()))) {}
+  ~Recording() override { std::filesystem::remove(file_); }
+  Given given() override {
+    Given given("device");
+    given.set("file", file_.string()).set("loop", true).channel("one").channel("two");
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("file", "/nonexistent.csv").channel("one").channel("two").set("column", "one");
+    return {std::move(given), 2};
+  }
+  void come() override { std::ofstream(file_) << "t,one,two\n0,1,2\n0.005,1,2\n"; }
+  void leave() override { std::filesystem::remove(file_); }
+
+ private:
+  std::filesystem::path file_;
+};
+
+struct Case {
+  const char* name;
+  const char* plugin;
+  std::unique_ptr<Device> (*make)();
+};
+
+class DriverContract : public ::testing::TestWithParam<Case> {
+ protected:
+  const dwell_driver_table& table_ = *acquire::load_plugin(GetParam().plugin, {TEST_PLUGIN_DIR}).value();
+  std::unique_ptr<Device> device_ = GetParam().make();
+  Given given_ = device_->given();
+  FakeHost host_;
+};
+
+constexpr double kStopWithin_s = 0.5;
+
+TEST_P(DriverContract, DeliversWhatTheDeviceHasWithInstantsInRawTime) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.exists()) << instance.error();
+  const std::int64_t before_ns = driver::raw_ns();
+  ASSERT_TRUE(instance.start()) << instance.error();
+  ASSERT_TRUE(eventually([&] { return host_.samples(10).size() >= 20 && host_.samples(11).size() >= 20; }));
+  instance.stop();
+  const std::int64_t after_ns = driver::raw_ns();
+  for (const dwell_sample& sample : host_.samples()) {
+    EXPECT_EQ(sample.raw, sample.channel == 10 ? 1.0 : 2.0);
+    EXPECT_GE(sample.t_ns + sample.t_half_ns, before_ns);
+    EXPECT_LE(sample.t_ns - std::int64_t{sample.t_half_ns}, after_ns);
+  }
+  EXPECT_EQ(host_.state_of(10).fault, DWELL_FAULT_NONE);
+  EXPECT_EQ(host_.state_of(11).fault, DWELL_FAULT_NONE);
+}
+
+TEST_P(DriverContract, StampsAdvanceInEveryChannel) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.sample_count() >= 60; }));
+  instance.stop();
+  for (const std::uint16_t channel : {std::uint16_t{10}, std::uint16_t{11}}) {
+    const auto samples = host_.samples(channel);
+    for (std::size_t i = 1; i < samples.size(); ++i) ASSERT_GT(samples[i].t_ns, samples[i - 1].t_ns);
+  }
+}
+
+TEST_P(DriverContract, TakesARefusedScanAsLostAndGoesOn) {
+  device_->come();
+  host_.set_room(5);  // two scans and half of a third
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.refused() >= 3; }));
+  host_.set_room(1000);
+  ASSERT_TRUE(eventually([&] { return host_.sample_count() >= 20; }));
+  instance.stop();
+  for (const std::size_t scan : host_.scans()) EXPECT_EQ(scan, 2U);
+  const auto samples = host_.samples(10);
+  for (std::size_t i = 1; i < samples.size(); ++i) EXPECT_GT(samples[i].t_ns, samples[i - 1].t_ns);
+}
+
+TEST_P(DriverContract, CanBeMadeAndDestroyedWithoutADeviceAndWithoutStart) {
+  { const Instance instance(table_, *given_.settings(), host_); }
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.exists()) << instance.error();
+  EXPECT_LT(instance.stop(), kStopWithin_s);
+  EXPECT_EQ(host_.sample_count(), 0U);
+}
+
+TEST_P(DriverContract, StopsInTimeWhileTheDeviceIsAbsent) {
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.state_of(10).fault != DWELL_FAULT_SILENT; }));
+  EXPECT_LT(instance.stop(), kStopWithin_s);
+}
+
+TEST_P(DriverContract, StopsInTimeWhileTheDeviceIsSilent) {
+  device_->come();
+  if (!device_->fall_silent()) GTEST_SKIP() << "this device cannot be there without delivering";
+  Instance instance(table_, *given_.set("timeout", 2.0).settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.turns() >= 3; }));
+  EXPECT_LT(instance.stop(), kStopWithin_s);
+}
+
+TEST_P(DriverContract, StopsInTimeWhileDeliveringAndIsQuietAfterwards) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.sample_count() >= 4; }));
+  EXPECT_LT(instance.stop(), kStopWithin_s);
+  const std::size_t turns = host_.turns();
+  const std::size_t samples = host_.sample_count();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(host_.turns(), turns);
+  EXPECT_EQ(host_.sample_count(), samples);
+}
+
+TEST_P(DriverContract, StopsAtOnceAfterStart) {
+  device_->come();
+  for (int i = 0; i < 20; ++i) {
+    Instance instance(table_, *given_.settings(), host_);
+    ASSERT_TRUE(instance.start());
+    EXPECT_LT(instance.stop(), kStopWithin_s);
+  }
+}
+
+TEST_P(DriverContract, CannotBeStartedTwice) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  EXPECT_FALSE(instance.start());
+  EXPECT_FALSE(instance.error().empty());
+}
+
+TEST_P(DriverContract, MarksEveryChannelOfAnAbsentDeviceWithAReason) {
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  for (const std::uint16_t channel : {std::uint16_t{10}, std::uint16_t{11}}) {
+    ASSERT_TRUE(eventually([&] { return host_.state_of(channel).fault == DWELL_FAULT_DISCONNECTED; }));
+    EXPECT_FALSE(host_.state_of(channel).reason.empty());
+    EXPECT_EQ(host_.state_of(channel).reason.find('\n'), std::string::npos);
+  }
+  EXPECT_GE(host_.counted(DWELL_FAULT_DISCONNECTED), 1);
+}
+
+TEST_P(DriverContract, MarksEveryChannelOfASilentDeviceWithAReason) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.state_of(11).fault == DWELL_FAULT_NONE; }));
+  if (!device_->fall_silent()) GTEST_SKIP() << "this device cannot be there without delivering";
+  ASSERT_TRUE(eventually([&] { return host_.state_of(10).fault == DWELL_FAULT_TIMEOUT; }));
+  ASSERT_TRUE(eventually([&] { return host_.state_of(11).fault == DWELL_FAULT_TIMEOUT; }));
+  EXPECT_FALSE(host_.state_of(10).reason.empty());
+}
+
+TEST_P(DriverContract, BeginsWhenTheDeviceComes) {
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.state_of(10).fault == DWELL_FAULT_DISCONNECTED; }));
+  device_->come();
+  ASSERT_TRUE(eventually([&] { return host_.state_of(10).fault == DWELL_FAULT_NONE && host_.sample_count() >= 4; }));
+}
+
+TEST_P(DriverContract, RecoversWhenTheDeviceReturns) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.sample_count() >= 4; }));
+  if (!device_->fall_silent()) GTEST_SKIP() << "what has been read once stays";
+  device_->leave();
+  ASSERT_TRUE(eventually([&] { return host_.state_of(10).fault == DWELL_FAULT_DISCONNECTED; }));
+  const std::size_t before = host_.sample_count();
+  device_->come();
+  ASSERT_TRUE(eventually([&] { return host_.sample_count() >= before + 4; }));
+  EXPECT_EQ(host_.state_of(10).fault, DWELL_FAULT_NONE);
+}
+
+// The contract says 0.5 s; twice that is allowed to a machine that is busy with other tests.
+TEST_P(DriverContract, ReportsItsThreadAliveInEveryState) {
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  const std::size_t absent = host_.turns();
+  ASSERT_TRUE(eventually([&] { return host_.turns() >= absent + 5; }));
+  device_->come();
+  ASSERT_TRUE(eventually([&] { return host_.sample_count() >= 4; }));
+  const std::size_t delivering = host_.turns();
+  ASSERT_TRUE(eventually([&] { return host_.turns() >= delivering + 5; }));
+  device_->fall_silent();
+  const std::size_t silent = host_.turns();
+  ASSERT_TRUE(eventually([&] { return host_.turns() >= silent + 5; }));
+  EXPECT_LT(host_.longest_pause_s(), 1.0);
+}
+
+TEST_P(DriverContract, AllocatesNothingPerSample) {
+  device_->come();
+  Instance instance(table_, *given_.settings(), host_);
+  ASSERT_TRUE(instance.start());
+  ASSERT_TRUE(eventually([&] { return host_.scans().size() > 120; }));
+  instance.stop();
+  EXPECT_EQ(host_.allocations_at(120) - host_.allocations_at(20), 0U);
+}
+
+TEST_P(DriverContract, ChecksEveryMistakeAndNothingThatIsRight) {
+  device_->come();
+  EXPECT_TRUE(mistakes_of(table_, *given_.settings()).empty());
+  auto [wrong, count] = device_->given_wrong();
+  EXPECT_EQ(mistakes_of(table_, *wrong.settings()).size(), count);
+}
+
+TEST_P(DriverContract, ProbesEveryChannelOnce) {
+  device_->come();
+  const auto present = probe(table_, *given_.settings());
+  ASSERT_EQ(present.size(), 2U);
+  EXPECT_EQ(present.at(0).error + present.at(1).error, "");
+  EXPECT_EQ(present.at(0).raw, 1.0);
+  EXPECT_EQ(present.at(1).raw, 2.0);
+  device_->leave();
+  const auto absent = probe(table_, *given_.settings());
+  ASSERT_EQ(absent.size(), 2U);
+  EXPECT_FALSE(absent.at(0).error.empty());
+  EXPECT_FALSE(absent.at(1).error.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Driver, DriverContract,
+    ::testing::Values(
+        Case{"ModbusTcp", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::tcp)); }},
+        Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
+        Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
+    [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
+
+}  // namespace
+}  // namespace dwell::test

@@ -1,0 +1,217 @@
+// A host that remembers what a driver did. Its push allocates nothing, so that a test can count what the driver
+// allocates.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/dwell_driver.hpp"
+
+namespace dwell::test {
+
+// Allocations by operator new of the calling thread so far; 0 in programs without a counting operator new.
+std::size_t allocations_of_this_thread() noexcept;
+
+// Polls until `condition` holds; false after a time that only a hang takes.
+inline bool eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+class FakeHost {
+ public:
+  struct State {
+    dwell_fault fault = DWELL_FAULT_SILENT;
+    std::string reason;
+  };
+
+  FakeHost() {
+    samples_.reserve(kCapacity);
+    scans_.reserve(kCapacity);
+    host_ = {sizeof host_, this, &push, &state, &count, &log, &turn, &room};
+  }
+  const dwell_host* host() const { return &host_; }
+
+  std::vector<dwell_sample> samples() const {
+    const std::lock_guard lock(mutex_);
+    return samples_;
+  }
+  std::vector<dwell_sample> samples(std::uint16_t channel) const {
+    std::vector<dwell_sample> mine;
+    for (const dwell_sample& sample : samples())
+      if (sample.channel == channel) mine.push_back(sample);
+    return mine;
+  }
+  std::size_t sample_count() const {
+    const std::lock_guard lock(mutex_);
+    return samples_.size();
+  }
+  // Sizes of the accepted scans, in order.
+  std::vector<std::size_t> scans() const {
+    const std::lock_guard lock(mutex_);
+    return scans_;
+  }
+  std::size_t refused() const { return refused_; }
+  // The state of a channel as told last, for itself or for all.
+  State state_of(std::uint16_t channel) const {
+    const std::lock_guard lock(mutex_);
+    const auto place = states_.find(channel);
+    return place == states_.end() ? State{} : place->second;
+  }
+  std::size_t states_told() const { return states_told_; }
+  int counted(dwell_fault fault) const { return counts_.at(static_cast<std::size_t>(fault)); }
+  std::vector<std::string> logged() const {
+    const std::lock_guard lock(mutex_);
+    return logged_;
+  }
+  std::size_t turns() const { return turns_; }
+  // The longest time between two turns so far, the time since the last one included.
+  double longest_pause_s() const {
+    const std::int64_t since_ns = driver::monotonic_ns() - last_turn_ns_;
+    return static_cast<double>(std::max<std::int64_t>(longest_pause_ns_, since_ns)) * 1e-9;
+  }
+  // Allocations of the driver's thread when it pushed scan number `scan`.
+  std::size_t allocations_at(std::size_t scan) const {
+    const std::lock_guard lock(mutex_);
+    return allocations_.at(scan);
+  }
+
+  // How many more samples are taken until more room is given; room() tells it when `tells_room`.
+  void set_room(std::size_t samples) { room_ = samples; }
+
+ private:
+  static constexpr std::size_t kCapacity = 1U << 18U;
+  static FakeHost& self(void* context) { return *static_cast<FakeHost*>(context); }
+
+  static std::int32_t push(void* context, const dwell_sample* samples, std::size_t count) {
+    FakeHost& me = self(context);
+    const std::lock_guard lock(me.mutex_);
+    if (count > me.room_ || me.samples_.size() + count > kCapacity) {
+      ++me.refused_;
+      return 0;
+    }
+    me.room_ -= count;
+    me.samples_.insert(me.samples_.end(), samples, samples + count);
+    if (me.scans_.size() < me.allocations_.size()) me.allocations_[me.scans_.size()] = allocations_of_this_thread();
+    me.scans_.push_back(count);
+    return 1;
+  }
+  static void state(void* context, std::int32_t channel, dwell_fault fault, const char* reason) {
+    FakeHost& me = self(context);
+    const std::lock_guard lock(me.mutex_);
+    ++me.states_told_;
+    for (int i = 0; i < 16; ++i) {
+      const auto index = static_cast<std::uint16_t>(10 + i);
+      if (channel < 0 || channel == index) me.states_[index] = {fault, reason == nullptr ? "" : reason};
+    }
+  }
+  static void count(void* context, dwell_fault fault) { ++self(context).counts_.at(static_cast<std::size_t>(fault)); }
+  static void log(void* context, dwell_level, const char* message) {
+    FakeHost& me = self(context);
+    const std::lock_guard lock(me.mutex_);
+    me.logged_.emplace_back(message);
+  }
+  static void turn(void* context) {
+    FakeHost& me = self(context);
+    const std::int64_t now_ns = driver::monotonic_ns();
+    if (me.turns_++ > 0) me.longest_pause_ns_ = std::max<std::int64_t>(me.longest_pause_ns_, now_ns - me.last_turn_ns_);
+    me.last_turn_ns_ = now_ns;
+  }
+  static std::size_t room(void* context) { return self(context).room_; }
+
+  dwell_host host_{};
+  mutable std::mutex mutex_;
+  std::vector<dwell_sample> samples_;
+  std::vector<std::size_t> scans_;
+  std::array<std::size_t, 4096> allocations_{};
+  std::map<std::uint16_t, State> states_;
+  std::vector<std::string> logged_;
+  std::array<std::atomic<int>, 12> counts_{};
+  std::atomic<std::size_t> room_{kCapacity};
+  std::atomic<std::size_t> refused_{0};
+  std::atomic<std::size_t> states_told_{0};
+  std::atomic<std::size_t> turns_{0};
+  std::atomic<std::int64_t> last_turn_ns_{driver::monotonic_ns()};
+  std::atomic<std::int64_t> longest_pause_ns_{0};
+};
+
+// One instance of a driver, stopped and destroyed with this object; declare it after its host.
+class Instance {
+ public:
+  Instance(const dwell_driver_table& table, const dwell_settings& settings, FakeHost& host) : table_(table) {
+    std::array<char, 256> error{};
+    instance_ = table.create(&settings, host.host(), error.data(), error.size());
+    error_ = error.data();
+  }
+  ~Instance() {
+    if (instance_ != nullptr) table_.destroy(instance_);
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  bool exists() const { return instance_ != nullptr; }
+  const std::string& error() const { return error_; }
+  bool start() {
+    std::array<char, 256> error{};
+    const bool done = table_.start(instance_, error.data(), error.size()) == 0;
+    error_ = error.data();
+    return done;
+  }
+  // Returns how long it took, s.
+  double stop() {
+    const std::int64_t before_ns = driver::monotonic_ns();
+    table_.stop(instance_);
+    return static_cast<double>(driver::monotonic_ns() - before_ns) * 1e-9;
+  }
+
+ private:
+  const dwell_driver_table& table_;
+  void* instance_ = nullptr;
+  std::string error_;
+};
+
+// What check reports, one line each: "channel 0, register: …".
+inline std::vector<std::string> mistakes_of(const dwell_driver_table& table, const dwell_settings& settings) {
+  std::vector<std::string> mistakes;
+  table.check(
+      &settings,
+      [](void* context, std::int32_t channel, const char* key, const char* message) {
+        static_cast<std::vector<std::string>*>(context)->push_back(
+            (channel < 0 ? std::string("device") : "channel " + std::to_string(channel)) + ", " +
+            (key == nullptr ? "" : key) + ": " + message);
+      },
+      &mistakes);
+  return mistakes;
+}
+
+struct ProbeResult {
+  double raw = 0.0;
+  std::int64_t latency_ns = 0;
+  std::string error;
+};
+
+inline std::map<std::size_t, ProbeResult> probe(const dwell_driver_table& table, const dwell_settings& settings) {
+  std::map<std::size_t, ProbeResult> results;
+  table.probe(
+      &settings,
+      [](void* context, std::size_t channel, double raw, std::int64_t latency_ns, const char* error) {
+        (*static_cast<std::map<std::size_t, ProbeResult>*>(context))[channel] = {raw, latency_ns,
+                                                                                 error == nullptr ? "" : error};
+      },
+      &results);
+  return results;
+}
+
+}  // namespace dwell::test
