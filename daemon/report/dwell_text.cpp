@@ -40,7 +40,9 @@ NumberText mean_text(const ChannelPhasor& p, const std::string& unit) {
 std::string largest_harmonic(const ChannelPhasor& p) {
   const auto largest = std::max_element(p.harmonics.begin(), p.harmonics.end());
   if (largest == p.harmonics.end() || !std::isfinite(*largest)) return kNoNumber;
-  return format("%.2g", 100.0 * *largest) + " % (" + std::to_string(2 + (largest - p.harmonics.begin())) + "f)";
+  const double percent = 100.0 * *largest;
+  return format(percent < 99.5 ? "%.2g" : "%.0f", percent) + " % (" +
+         std::to_string(2 + (largest - p.harmonics.begin())) + "f)";
 }
 
 std::string coefficient_note(const Coefficient& c) { return c.significant || !std::isfinite(c.value) ? "" : " n.s."; }
