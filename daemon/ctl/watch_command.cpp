@@ -70,7 +70,9 @@ class Watch {
   int run() {
     const int code = follow();
     screen_.reset();  // what is said from here on belongs on the operator's own screen
-    if (code == kDone && agreed_) std::fputs("every coefficient lies within 4 standard uncertainties of its true value");
+    if (code == kDone && agreed_) {
+      std::fputs("every coefficient lies within 4 standard uncertainties of its true value\n", stdout);
+    }
     return why_.empty() ? code : complain(code, why_);
   }
 
