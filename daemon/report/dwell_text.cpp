@@ -194,8 +194,12 @@ std::string dwell_text(const DwellView& view, const Truth* truth) {
   if (const std::string table = element_table(view, truth); !table.empty()) {
     text += "\n" + table + "± is the half width of the 95 % interval\n";
   }
-  if (!view.dwell.warnings.empty()) text += "\n";
-  for (const std::string& warning : view.dwell.warnings) text += "warning: " + printable(warning) + "\n";
+  std::string warnings;
+  for (const std::string& warning : view.dwell.warnings) {
+    const bool said = warning == "not settled: " + view.dwell.settling_reason;
+    if (!said) warnings += "warning: " + printable(warning) + "\n";
+  }
+  if (!warnings.empty()) text += "\n" + warnings;
   return text;
 }
 
