@@ -11,6 +11,8 @@
 #include "core/harmonic_fit.hpp"
 #include "core/identify.hpp"
 #include "core/observation.hpp"
+#include "core/refine.hpp"
+#include "core/report.hpp"
 #include "core/settling.hpp"
 #include "core/transducer.hpp"
 
@@ -22,7 +24,7 @@ constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr double kOverGain = 1.15;  // the data grow by this factor before ω is refined again
+constexpr double kGrowth = 1.17;  // of the data, before ω is refined again
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -236,7 +238,7 @@ struct Pipeline::Impl {
     if (state == State::idle || state == State::fault) arm(from);
     if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega)) return change(from);
     if (state == State::settling) {
-      if (tracked() && std::isfinite(drive.omega())) omega = searched(drive.omega());
+      if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
       blocks.sum(blocks.count() - quarters, blocks.count(), false, omega, centre_ns, window);
       settle(blocks.count() - quarters, end_ns, table, Y0, u0);
     } else if (state == State::measuring && blocks.serials() >= refine_at_serial) {
@@ -252,13 +254,9 @@ struct Pipeline::Impl {
       const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
       if (!(fit.information > 0)) return;
       information = fit.information;
-      w = searched(w + fit.score / fit.information);
+      w = within_search(rig, w + fit.score / fit.information);
     }
     if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
-  }
-
-  [[nodiscard]] double searched(double w) const {
-    return std::clamp(w, kTwoPi * rig.excitation.search_low_hz, kTwoPi * rig.excitation.search_high_hz);
   }
 
   // A channel delivers while no fault is known of it and its newest sample is not too old.
@@ -401,45 +399,11 @@ struct Pipeline::Impl {
     time_constant_s = decay.time_constant_s(Z, omega);
   }
 
-  // ---- the frequency ----------------------------------------------------------------------------------------------
-
-  // Gauss-Newton on ω over all blocks from `from` to `to`, all channels of motion and force together. Returns the
-  // standard uncertainty (rad/s); leaves `totals` at the refined ω about the centroid of the drive channel's samples.
-  double sum_refined(int from, int to, bool with_open, double& w) const {
-    const bool search = tracked();
-    std::int64_t t_ref = blocks.count() > from ? blocks.block(from).begin_ns : now_ns;
-    double information = 0.0;
-    for (int step = 0;; ++step) {
-      blocks.sum(from, to, with_open, w, t_ref, totals);
-      const ChannelMoments sums = totals.channel(drive_channel);
-      if (step == 0 && sums.instants[0] > 0) {
-        t_ref += to_ns(sums.instants[moments::cosine(2 * H + 1, 1, 0)] / sums.instants[0]);
-        continue;
-      }
-      if (!search || step > 6) break;
-      double score = 0.0;
-      information = 0.0;
-      for (int c = 0; c < channel_count; ++c) {
-        if (rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary) continue;
-        const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
-        if (!fit.usable) continue;
-        score += fit.score;
-        information += fit.information;
-      }
-      if (!(information > 0)) break;
-      const double delta = score / information;
-      // A step that turns the ends of the data by less than a hundredth of their uncertainty changes nothing.
-      if (std::abs(delta) * std::sqrt(information) < 1e-2 || std::abs(delta) < 1e-14 * w) break;
-      w = searched(w + delta);
-    }
-    return information > 0 ? 1 / std::sqrt(information) : kTwoPi * rig.excitation.frequency_u_hz;
-  }
-
+  // ω from all data that count, whenever these have grown by a sixth.
   void refine() {
-    if (tracked()) sum_refined(0, blocks.count(), false, omega);
-    const std::int64_t counted = blocks.serials() - blocks.block(0).first_serial;
-    refine_at_serial =
-        blocks.block(0).first_serial + static_cast<std::int64_t>(kOverGain * static_cast<double>(counted)) + 1;
+    if (tracked()) refine_and_sum(rig, blocks, {0, blocks.count(), false}, drive_channel, now_ns, omega, totals);
+    const std::int64_t first = blocks.block(0).first_serial;
+    refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
   }
 
   // ---- results ----------------------------------------------------------------------------------------------------
@@ -457,11 +421,11 @@ struct Pipeline::Impl {
     changes |= kCompleted;
   }
 
-  // up_to_now: a channel that does not deliver now is withdrawn; a dwell that has ended keeps what it had.
+  // Blocks up to `to`. up_to_now: a channel that does not deliver now is withheld; a dwell that has ended keeps what it
+  // had.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
-  [[nodiscard]] std::vector<Evidence> gather_evidence(bool up_to_now) const;
-  void fill_phasors(Dwell& dwell, double w, const std::vector<Evidence>& evidence) const;
+  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
 };
 
 std::string Pipeline::Impl::settling_reason() const {
@@ -475,75 +439,27 @@ std::string Pipeline::Impl::settling_reason() const {
     return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
   if (state == State::settling) {
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1) {
-      const double percent = 100 * verdict.worst_left * rig.tolerance;
-      const std::string number = std::to_string(percent);
+      const std::string times = std::to_string(verdict.worst_left);
       return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
-             number.substr(0, number.find('.') + 3) + " % of what is allowed times 1/tolerance";
+             times.substr(0, times.find('.') + 2) + " times what is allowed";
     }
     return "too few periods seen";
   }
   return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
 }
 
-std::vector<Evidence> Pipeline::Impl::gather_evidence(bool up_to_now) const {
-  std::vector<Evidence> evidence(live.size());
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
-    Evidence& out = evidence[i];
-    const Live& channel = live[i];
-    if (up_to_now && !delivers(c)) {
-      out.reason = channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
-                       ? "no sample yet"
-                       : std::string("stale, ") +
-                             to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
-    } else if (!fit.usable) {
-      out.reason = "too few samples in the data that count";
-    } else {
-      out.usable = true;
-    }
-    out.X = fit.X;
-    out.covariance = fit.covariance;
-    out.dof = fit.samples - (2 * H + 1);
-    out.turnaround_u_s =
-        channel.half_count > 0 ? channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3 : 0.0;
-  }
-  return evidence;
-}
-
-void Pipeline::Impl::fill_phasors(Dwell& dwell, double w, const std::vector<Evidence>& evidence) const {
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const Channel& channel = rig.channels[i];
-    const HarmonicFit fit = fit_harmonics(totals, c, H, blocks.reference(c));
-    ChannelPhasor out;
-    out.valid = evidence[i].usable;
-    out.reason = evidence[i].reason;
-    out.samples = fit.samples;
-    if (fit.usable) {
-      const double delay = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
-      const Complex response_1 = response(channel, delay, w / kTwoPi);
-      out.Y = fit.X[0] / response_1;
-      out.mean = fit.mean;
-      out.sigma = std::sqrt(fit.sigma2);
-      const double amplitude = std::abs(fit.X[0]);
-      // The covariance along the phasor and across it.
-      const Eigen::Vector2d along(fit.X[0].real() / amplitude, fit.X[0].imag() / amplitude),
-          across(-along(1), along(0));
-      const double u_along = std::sqrt(along.dot(fit.covariance * along)) / std::abs(response_1);
-      const double u_across = std::sqrt(across.dot(fit.covariance * across)) / std::abs(response_1);
-      const double device_delay_u =
-          channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s : 0.0;
-      out.u_amplitude = std::hypot(u_along, std::abs(out.Y) * channel.scale_u);
-      out.u_phase_rad = std::hypot(u_across / std::abs(out.Y),
-                                   w * std::hypot(channel.delay_u_s, device_delay_u, evidence[i].turnaround_u_s));
-      const double fundamental = std::abs(out.Y);
-      for (int h = 2; h <= H; ++h)
-        out.harmonics.push_back(
-            std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, delay, h * w / kTwoPi)) / fundamental);
-    }
-    dwell.phasors.push_back(std::move(out));
-  }
+ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
+  const Live& channel = live[static_cast<std::size_t>(c)];
+  ChannelResult result;
+  result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
+  if (up_to_now && !delivers(c))
+    result.withheld =
+        channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
+            ? "no sample yet"
+            : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+  if (channel.half_count > 0)
+    result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
+  return result;
 }
 
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
@@ -560,12 +476,12 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   const bool settled = state == State::measuring;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   double w = omega;
-  const double u = sum_refined(from, to, with_open, w);
+  const double u = refine_and_sum(rig, blocks, {from, to, with_open}, drive_channel, now_ns, w, totals);
   dwell.t_ref_s = axis_s(totals.t_ref_ns);
-  const std::vector<Evidence> evidence = gather_evidence(up_to_now);
-  fill_phasors(dwell, w, evidence);
-  const double clock = w * rig.excitation.clock_u;
-  dwell.frequency_hz = active ? Estimate{w / kTwoPi, std::hypot(u, clock) / kTwoPi} : Estimate{};
+  std::vector<ChannelResult> results;
+  for (int c = 0; c < channel_count; ++c) results.push_back(result_of(c, up_to_now));
+  report_phasors(rig, results, w, u, dwell);
+  if (!active) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
   for (int c = 0; c < channel_count; ++c) {
     const Live& channel = live[static_cast<std::size_t>(c)];
@@ -584,11 +500,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
-  const Gain gain = solve_observation(G, observation_weights(rig, evidence, w));
-  ElementsResult result = estimate_elements(rig, gain, evidence, {w, u, rig.excitation.clock_u});
-  dwell.elements = std::move(result.elements);
-  dwell.covariance = std::move(result.covariance);
-  for (std::string& warning : result.warnings) dwell.warnings.push_back(std::move(warning));
+  report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }
 

@@ -1,0 +1,29 @@
+// From the fits of a dwell to what is reported of it: phasors of the motion, elements, frequency.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/dwell.hpp"
+#include "core/estimate.hpp"
+#include "core/harmonic_fit.hpp"
+#include "core/rig.hpp"
+
+namespace dwell {
+
+// One channel of a dwell.
+struct ChannelResult {
+  HarmonicFit fit;
+  std::string withheld;         // why it must not be used now; empty: it may
+  double turnaround_u_s = 0.0;  // standard uncertainty of its instants, shared by its device
+};
+
+// Fills dwell.phasors, and dwell.frequency_hz from omega and its uncertainty u_omega (rad/s). Allocates.
+void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, double u_omega,
+                    Dwell& dwell);
+
+// Fills dwell.elements, dwell.covariance and the elements' warnings. G: observation_matrix(rig). Allocates.
+void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector<ChannelResult>& channels, double omega,
+                     double u_omega, Dwell& dwell);
+
+}  // namespace dwell
