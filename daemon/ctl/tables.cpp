@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "config/units.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -101,8 +100,8 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       }
       const ElementEstimate& e = d.elements[i];
       elements.push_back(std::to_string(e.k));
-      stiffness.push_back(interval(e, e.stiffness, config::stiffness_unit(view.motion)));
-      damping.push_back(interval(e, e.damping, config::damping_unit(view.motion)));
+      stiffness.push_back(interval(e, e.stiffness, stiffness_unit(view.motion)));
+      damping.push_back(interval(e, e.damping, damping_unit(view.motion)));
       notes.push_back(e.identifiable ? "" : e.reason);
     }
   }

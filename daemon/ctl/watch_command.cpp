@@ -69,7 +69,10 @@ class Watch {
 
   int run() {
     const int code = follow();
-    screen_.reset();  // what is said on standard error belongs on the operator's own screen
+    screen_.reset();  // what is said from here on belongs on the operator's own screen
+    if (code == kDone && agreed_) {
+      std::fputs("every coefficient lies within 4 standard uncertainties of its true value\n", stdout);
+    }
     return why_.empty() ? code : complain(code, why_);
   }
 
@@ -145,7 +148,8 @@ class Watch {
       show(changed || enough);
     }
     if (!enough) return std::nullopt;
-    return !truth_ || agrees(dwell, *truth_, 4.0, why_) ? kDone : kNo;
+    agreed_ = truth_ && agrees(dwell, *truth_, 4.0, why_);
+    return !truth_ || agreed_ ? kDone : kNo;
   }
 
   void show(bool at_once) {
@@ -185,6 +189,7 @@ class Watch {
   Milliseconds interval_{};
   std::optional<Deadline> give_up_;
   bool connected_ = false;
+  bool agreed_ = false;  // with the truth
   std::optional<DwellView> view_;
   Clock::time_point heard_;
   Clock::time_point shown_;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "config/units.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 
 namespace dwell {
@@ -54,8 +53,8 @@ Json element(const ElementEstimate& e, Motion motion) {
                    {"unit", config::si_unit(Quantity::displacement, motion)}}}};
   Json budget = Json::array();
   if (e.identifiable) {
-    object["stiffness"] = coefficient(e.stiffness, config::stiffness_unit(motion));
-    object["damping"] = coefficient(e.damping, config::damping_unit(motion));
+    object["stiffness"] = coefficient(e.stiffness, stiffness_unit(motion));
+    object["damping"] = coefficient(e.damping, damping_unit(motion));
     object["loss_factor"] = estimate(e.loss_factor);
     for (const BudgetShare& share : e.budget) {
       budget.push_back({{"source", share.source},

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "config/units.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 

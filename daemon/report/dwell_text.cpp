@@ -8,7 +8,6 @@
 #include <numbers>
 #include <optional>
 
-#include "config/units.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -41,7 +40,9 @@ NumberText mean_text(const ChannelPhasor& p, const std::string& unit) {
 std::string largest_harmonic(const ChannelPhasor& p) {
   const auto largest = std::max_element(p.harmonics.begin(), p.harmonics.end());
   if (largest == p.harmonics.end() || !std::isfinite(*largest)) return kNoNumber;
-  return format("%.2g", 100.0 * *largest) + " % (" + std::to_string(2 + (largest - p.harmonics.begin())) + "f)";
+  const double percent = 100.0 * *largest;
+  return format(percent < 99.5 ? "%.2g" : "%.0f", percent) + " % (" +
+         std::to_string(2 + (largest - p.harmonics.begin())) + "f)";
 }
 
 std::string coefficient_note(const Coefficient& c) { return c.significant || !std::isfinite(c.value) ? "" : " n.s."; }
@@ -173,13 +174,13 @@ std::string element_table(const DwellView& view, const Truth* truth) {
   if (insignificant) notes += "n.s.: not significant, smaller than its standard uncertainty\n";
   Table table;
   table.add("element", numbers, Align::right);
-  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, config::stiffness_unit(view.motion)));
+  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
   if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, config::stiffness_unit(view.motion));
+    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, stiffness_unit(view.motion));
   }
-  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, config::damping_unit(view.motion)));
+  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, damping_unit(view.motion)));
   if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::damping, truth->damping, config::damping_unit(view.motion));
+    add_truth(table, elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
   } else {
     table.add("most of u²(c)", source_cells(elements, &BudgetShare::stiffness_share));
     table.add("most of u²(r)", source_cells(elements, &BudgetShare::damping_share));
@@ -193,8 +194,12 @@ std::string dwell_text(const DwellView& view, const Truth* truth) {
   if (const std::string table = element_table(view, truth); !table.empty()) {
     text += "\n" + table + "± is the half width of the 95 % interval\n";
   }
-  if (!view.dwell.warnings.empty()) text += "\n";
-  for (const std::string& warning : view.dwell.warnings) text += "warning: " + printable(warning) + "\n";
+  std::string warnings;
+  for (const std::string& warning : view.dwell.warnings) {
+    const bool said = warning == "not settled: " + view.dwell.settling_reason;
+    if (!said) warnings += "warning: " + printable(warning) + "\n";
+  }
+  if (!warnings.empty()) text += "\n" + warnings;
   return text;
 }
 

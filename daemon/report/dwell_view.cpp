@@ -1,7 +1,5 @@
 #include "daemon/report/dwell_view.hpp"
 
-#include "config/units.hpp"
-
 namespace dwell {
 
 std::vector<ChannelLabel> channel_labels(const Rig& rig) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "config/units.hpp"
 #include "core/dwell.hpp"
 #include "core/rig.hpp"
 
@@ -30,6 +31,10 @@ struct DwellView {
   RunInfo run;
   Dwell dwell;
 };
+
+// Units as the JSON writes them (ASCII).
+using config::damping_unit;
+using config::stiffness_unit;
 
 // Labels of all channels of a rig, in its order.
 [[nodiscard]] std::vector<ChannelLabel> channel_labels(const Rig& rig);
