@@ -1,9 +1,9 @@
 /* The driver plugin interface of Dwell, version 1.
  *
  * A driver is a shared object `dwell-driver-NAME.so` that exports one function, dwell_driver(). It returns a table of
- * plain C functions. The host (dwelld, dwellctl) validates the rig file against the plugin's own key schema, creates one
- * instance per [[device]], starts it, and takes what it pushes. No C++ type, no exception and no ownership crosses this
- * interface; plugins are never unloaded. Every struct that may grow begins with its size in bytes.
+ * plain C functions. The host (dwelld, dwellctl) validates the rig file against the plugin's own key schema, creates
+ * one instance per [[device]], starts it, and takes what it pushes. No C++ type, no exception and no ownership crosses
+ * this interface; plugins are never unloaded. Every struct that may grow begins with its size in bytes.
  *
  * Unless said otherwise a function is called from one thread at a time per instance and need not be real-time safe.
  * Strings are UTF-8, zero-terminated, owned by whoever hands them in, valid for the call only; those in the table are
@@ -54,42 +54,42 @@ typedef enum dwell_scope { DWELL_DEVICE = 0, DWELL_CHANNEL = 1 } dwell_scope;
 
 /* One key that the plugin understands in [[device]] or [[channel]]. An integer in the file satisfies DWELL_REAL. */
 typedef struct dwell_key {
-  const char *name;
+  const char* name;
   dwell_scope scope;
   dwell_type type;
-  int32_t required;     /* 1: the file must give it */
-  double minimum;       /* numbers: inclusive bounds; minimum > maximum: unbounded */
+  int32_t required; /* 1: the file must give it */
+  double minimum;   /* numbers: inclusive bounds; minimum > maximum: unbounded */
   double maximum;
-  const char *choices;  /* strings: "tcp|rtu", or NULL: any */
-  const char *unit;     /* "s", "Hz", or "" */
-  const char *help;     /* one line for the manual */
+  const char* choices; /* strings: "tcp|rtu", or NULL: any */
+  const char* unit;    /* "s", "Hz", or "" */
+  const char* help;    /* one line for the manual */
 } dwell_key;
 
 /* One key as given in the file; a key that was not given is absent. */
 typedef struct dwell_entry {
-  const char *key;
+  const char* key;
   dwell_type type;
   int32_t boolean;
   int64_t integer;
-  double real;          /* set for DWELL_INTEGER as well */
-  const char *string;   /* NULL unless DWELL_STRING */
+  double real;        /* set for DWELL_INTEGER as well */
+  const char* string; /* NULL unless DWELL_STRING */
 } dwell_entry;
 
 typedef struct dwell_channel {
-  const char *name;
-  uint16_t index;       /* what dwell_sample::channel must carry */
-  const dwell_entry *entries;
+  const char* name;
+  uint16_t index; /* what dwell_sample::channel must carry */
+  const dwell_entry* entries;
   size_t entry_count;
 } dwell_channel;
 
 /* Everything an instance is made from; validated against the key schema. */
 typedef struct dwell_settings {
   uint32_t size;
-  const char *device;
-  const char *directory; /* of the rig file: relative paths in its values start there */
-  const dwell_entry *entries;
+  const char* device;
+  const char* directory; /* of the rig file: relative paths in its values start there */
+  const dwell_entry* entries;
   size_t entry_count;
-  const dwell_channel *channels;
+  const dwell_channel* channels;
   size_t channel_count;
 } dwell_settings;
 
@@ -98,69 +98,71 @@ typedef enum dwell_level { DWELL_DEBUG = 0, DWELL_INFO = 1, DWELL_WARNING = 2, D
 /* What the host offers. All of it may be called from the instance's own thread between start and the return of stop. */
 typedef struct dwell_host {
   uint32_t size;
-  void *context; /* first argument of every call */
+  void* context; /* first argument of every call */
 
   /* Hands in one scan: readings that belong together, entered whole or refused whole. 1 accepted, 0 refused (no room;
-   * the host counts, and marks the gap on the next accepted scan). Real-time safe: no lock, no allocation, no system call. */
-  int32_t (*push)(void *context, const dwell_sample *samples, size_t count);
+   * the host counts, and marks the gap on the next accepted scan). Real-time safe: no lock, no allocation, no system
+   * call. */
+  int32_t (*push)(void* context, const dwell_sample* samples, size_t count);
 
   /* The channel (its index; -1: every channel of the device) does not deliver, and why; DWELL_FAULT_NONE: it does
    * again. Say it when it changes; saying it again is harmless. `reason` is one line for people, or NULL. */
-  void (*state)(void *context, int32_t channel, dwell_fault fault, const char *reason);
+  void (*state)(void* context, int32_t channel, dwell_fault fault, const char* reason);
 
   /* One occurrence of a fault, counted by the host; it need not have made a channel stale. */
-  void (*count)(void *context, dwell_fault fault);
+  void (*count)(void* context, dwell_fault fault);
 
   /* One line of log. Never from the path of a sample that arrived well. */
-  void (*log)(void *context, dwell_level level, const char *message);
+  void (*log)(void* context, dwell_level level, const char* message);
 
-  /* The instance's thread is alive: call once per turn of its loop, retries and waits included, at least every 0.5 s. */
-  void (*turn)(void *context);
+  /* The instance's thread is alive: call once per turn of its loop, retries and waits included, at least every 0.5 s.
+   */
+  void (*turn)(void* context);
 
   /* How many samples the next push is sure to find room for. For a source that can wait instead of losing a scan: push
    * only what fits, as a refused scan is a loss. Real-time safe, like push. NULL: the host does not tell. */
-  size_t (*room)(void *context);
+  size_t (*room)(void* context);
 } dwell_host;
 
 /* Receives one mistake of check: `channel` an index into settings->channels or -1 for the device, `key` the offending
  * key or NULL, `message` what is wrong and what was expected. */
-typedef void (*dwell_report)(void *context, int32_t channel, const char *key, const char *message);
+typedef void (*dwell_report)(void* context, int32_t channel, const char* key, const char* message);
 
 /* Receives one result of probe: `channel` an index into settings->channels; error NULL: raw was read, and took
  * latency_ns from request to answer. */
-typedef void (*dwell_probed)(void *context, size_t channel, double raw, int64_t latency_ns, const char *error);
+typedef void (*dwell_probed)(void* context, size_t channel, double raw, int64_t latency_ns, const char* error);
 
 typedef struct dwell_driver_table {
-  uint32_t size;       /* sizeof(dwell_driver_table) of the plugin's header */
-  uint32_t abi;        /* DWELL_DRIVER_ABI */
-  const char *name;    /* as in the rig file's `driver` */
-  const char *version;
-  const char *help;    /* one line */
-  const dwell_key *keys;
+  uint32_t size;    /* sizeof(dwell_driver_table) of the plugin's header */
+  uint32_t abi;     /* DWELL_DRIVER_ABI */
+  const char* name; /* as in the rig file's `driver` */
+  const char* version;
+  const char* help; /* one line */
+  const dwell_key* keys;
   size_t key_count;
 
   /* What the schema cannot say (a key needed only with another, two channels that collide): reports every mistake. */
-  void (*check)(const dwell_settings *settings, dwell_report report, void *context);
+  void (*check)(const dwell_settings* settings, dwell_report report, void* context);
 
   /* Reads every channel once, without an instance; blocks at most about a second per device that does not answer. */
-  void (*probe)(const dwell_settings *settings, dwell_probed probed, void *context);
+  void (*probe)(const dwell_settings* settings, dwell_probed probed, void* context);
 
   /* Makes an instance; settings and host are copied as needed, host->context stays valid until destroy. NULL: failed,
    * with one line in error (error_size bytes). Does not touch the device: a rig that is off is not a failure. */
-  void *(*create)(const dwell_settings *settings, const dwell_host *host, char *error, size_t error_size);
+  void* (*create)(const dwell_settings* settings, const dwell_host* host, char* error, size_t error_size);
 
   /* Begins to deliver, from a thread of its own. 0 done, else failed with one line in error. */
-  int32_t (*start)(void *instance, char *error, size_t error_size);
+  int32_t (*start)(void* instance, char* error, size_t error_size);
 
   /* Ends delivering; returns within 0.5 s, after which no callback is made. May be called without start. */
-  void (*stop)(void *instance);
+  void (*stop)(void* instance);
 
-  void (*destroy)(void *instance);
+  void (*destroy)(void* instance);
 } dwell_driver_table;
 
 /* The one exported symbol. */
-const dwell_driver_table *dwell_driver(void);
-typedef const dwell_driver_table *(*dwell_driver_function)(void);
+const dwell_driver_table* dwell_driver(void);
+typedef const dwell_driver_table* (*dwell_driver_function)(void);
 #define DWELL_DRIVER_SYMBOL "dwell_driver"
 
 #ifdef __cplusplus

@@ -81,7 +81,8 @@ int choose_power(int order, std::string_view unit, std::string& shown_unit) {
   const std::string base = pretty_unit(unit);
   if (takes_prefix(unit) && thousands >= -4 && thousands <= 4) {
     static constexpr std::array<const char*, 9> prefixes{"p", "n", "µ", "m", "", "k", "M", "G", "T"};
-    shown_unit = prefixes[static_cast<std::size_t>(thousands + 4)] + base;
+    const int place = thousands + 4;
+    shown_unit = prefixes[static_cast<std::size_t>(place)] + base;
     return 3 * thousands;
   }
   if (order >= -4 && order <= 6) {

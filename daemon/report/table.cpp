@@ -8,7 +8,7 @@
 
 namespace dwell {
 
-void Table::add(std::string title, std::vector<std::string> cells, Align align) {
+void Table::add(const std::string& title, std::vector<std::string> cells, Align align) {
   for (std::string& cell : cells) cell = printable(cell);
   columns_.push_back({printable(title), std::move(cells), align});
 }

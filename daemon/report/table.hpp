@@ -18,7 +18,7 @@ class Table {
   };
 
   // Columns may differ in length; missing cells are empty. Cells are shown without control characters.
-  void add(std::string title, std::vector<std::string> cells, Align align = Align::left);
+  void add(const std::string& title, std::vector<std::string> cells, Align align = Align::left);
 
   // Lines, each with its end; the titles first. Empty if there are no cells at all.
   [[nodiscard]] std::string text() const;
