@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -23,16 +24,17 @@ class Medians : public benchmark::BenchmarkReporter {
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
       const auto& name = run.run_name;
-      const std::string bench = name.function_name + (name.args.empty() ? "" : "/" + name.args);
+      std::string bench = name.function_name;
+      if (!name.args.empty()) bench.append("/").append(name.args);
       if (run.error_occurred) std::fprintf(stderr, "%s: %s\n", bench.c_str(), run.error_message.c_str());
       if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
-      for (const auto& [counter, value] : run.counters) values_[bench + ":" + counter].push_back(value.value);
+      for (const auto& [counter, value] : run.counters) values_[{bench, counter}].push_back(value.value);
     }
   }
 
   // NaN: it was not run.
   [[nodiscard]] double of(const std::string& bench, const std::string& counter) {
-    std::vector<double>& values = values_[bench + ":" + counter];
+    std::vector<double>& values = values_[{bench, counter}];
     if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
     std::sort(values.begin(), values.end());
     return 0.5 * (values[values.size() / 2] + values[(values.size() - 1) / 2]);
@@ -41,7 +43,7 @@ class Medians : public benchmark::BenchmarkReporter {
   [[nodiscard]] double cost_ns(const std::string& bench) { return 1e9 / of(bench, "items_per_second"); }
 
  private:
-  std::map<std::string, std::vector<double>> values_;
+  std::map<std::pair<std::string, std::string>, std::vector<double>> values_;  // by bench and counter
 };
 
 std::string text(const char* format, double value) {

@@ -20,6 +20,7 @@ constexpr double kOmega = 2 * M_PI * 10;
 
 void libm_sincos(benchmark::State& state) {
   std::vector<double> angles;
+  angles.reserve(kScans);
   for (int i = 0; i < kScans; ++i) angles.push_back(std::remainder(0.01 * i, M_PI));
   for (auto _ : state)
     for (const double angle : angles) {
