@@ -419,12 +419,14 @@ struct Pipeline::Impl {
     return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
-  // Coefficients from the newest window alone, for the decay that they predict.
+  // Coefficients from the later half of the hold so far, for the decay that they predict.
   void provisional() {
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
       if (rig.channels[i].measures != Quantity::auxiliary && !readings[i].usable) return;
-      observed(c) = readings[i].usable ? as_observed(rig, c, fits[i].X[0], omega, 1) : Complex{};
+      const Complex seen = settling.later_mean(c);
+      observed(c) =
+          readings[i].usable ? as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1) : Complex{};
     }
     state_x.noalias() = provisional_gain.gain * observed;
     const int n = rig.mass_count();

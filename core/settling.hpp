@@ -8,9 +8,10 @@
 //
 //   left = D q / (1 - q),   q = exp(-Δ/T)
 //
-// left at the later one: a mode that looks constant over one window (Δ « T) is not believed to be gone until Δ is long
-// enough to tell. T is the slowest of the identified chain's eigenvalues (method section 6); until there is one, the
-// time that the detector has been looking. Differences within three standard deviations of the noise count as none.
+// left at the later one. D is taken with three standard deviations of its noise on top, so that what cannot be told yet
+// is not believed to be gone: a mode that looks constant over one window (Δ « T) holds until Δ is long enough to tell,
+// and so does noise. Of all earlier windows the one with the lowest bound decides. T is the slowest of the identified
+// chain's eigenvalues (method section 6); where there is none, the time that the detector has been looking.
 #pragma once
 
 #include <complex>
@@ -51,6 +52,10 @@ class SettlingDetector {
   Verdict update(std::int64_t first, std::int64_t last, double t_s, double table_amplitude, double table_u,
                  std::span<const Reading> readings, double period_s, double time_constant_s) noexcept;
 
+  // Mean over the windows of the later half of the hold, what a provisional identification should rest on: less of the
+  // transient and of the noise than the newest window has. Not usable channels: 0.
+  [[nodiscard]] std::complex<double> later_mean(int channel) const noexcept;
+
   // After a settled verdict: how far, in the rms, a channel's windows in the first time constant that counts lie from
   // the newest one: transient and noise together, in the channel's own unit.
   [[nodiscard]] double left(int channel) const noexcept { return left_[static_cast<std::size_t>(channel)]; }
@@ -58,13 +63,15 @@ class SettlingDetector {
  private:
   static constexpr int kHistory = 192;     // windows remembered; beyond, every second one is dropped
   static constexpr double kSure = 3.0;     // standard deviations within which a difference is noise
+  static constexpr int kGroup = 4;         // windows of a period
   static constexpr double kPeriods = 2.0;  // that must agree before anything is said
 
   struct Window {
     std::int64_t first, last;
-    double t_s, table_amplitude, table_u;
+    double t_s, table_amplitude, table_u, time_constant_s;
   };
   [[nodiscard]] Reading& reading(int window, int channel) noexcept;
+  [[nodiscard]] const Reading& reading(int window, int channel) const noexcept;
   void remember(const Window& window, std::span<const Reading> readings) noexcept;
   [[nodiscard]] double allowed(const Reading& now) const noexcept;
   [[nodiscard]] bool agrees(int window, const Window& now, std::span<const Reading> readings) noexcept;
