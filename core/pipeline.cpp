@@ -41,6 +41,7 @@ struct Pipeline::Impl {
         H(given.excitation.harmonics),
         blocks(channel_count, H),
         window(channel_count, H),
+        quarter(channel_count, H),
         counted(channel_count, H),
         gathered(channel_count, H),
         totals(channel_count, H),
@@ -90,6 +91,7 @@ struct Pipeline::Impl {
   const int channel_count, H;
   Blocks blocks;
   mutable Totals window;  // the newest period
+  Totals quarter;         // one block alone
   Totals counted;         // all closed blocks of this dwell, kept up to date while measuring
   bool counted_valid = false;
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
@@ -402,16 +404,36 @@ struct Pipeline::Impl {
         window_periods = 2;
         return false;
       }
-      const double u = std::sqrt(0.5 * fit.covariance.trace());
+      const double noise = watched && fit.usable ? noise_variance(c, from, to, fit.sigma2) : 0.0;
+      const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
       // Relative to the table's phase, whose own noise comes on top.
-      readings[i] = {fit.X[0] * back, std::hypot(u, std::abs(fit.X[0]) * u_table), fit.sigma2, fit.samples,
+      readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
+                     fit.sigma2,           noise, fit.samples,
                      watched && fit.usable};
+      readings[i].others[0] = fit.mean;
+      Complex turn = back;
+      for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
     }
     provisional();
     const double amplitude = std::abs(table.X[0]);
     verdict = settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns),
                               amplitude, u_table * amplitude, readings, period_s() * window_periods, time_constant_s);
     return true;
+  }
+
+  // The noise of a channel in blocks [from, to), whatever else it does: in each quarter of a period a mean, a sine and
+  // a cosine follow any smooth motion, and what they leave is noise. Where too few samples allow that, all that the
+  // harmonic fit leaves.
+  double noise_variance(int c, int from, int to, double otherwise) {
+    double squares = 0.0, freedom = 0.0;
+    for (int i = from; i < to; ++i) {
+      blocks.sum_channel(c, i, i + 1, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
+      const HarmonicFit fit = fit_harmonics(quarter, c, 1, 0.0);
+      if (!std::isfinite(fit.sigma2)) continue;
+      squares += fit.sigma2 * (fit.samples - 3);
+      freedom += fit.samples - 3;
+    }
+    return freedom >= 4 ? std::min(otherwise, squares / freedom) : otherwise;
   }
 
   [[nodiscard]] bool out_of_search() const {

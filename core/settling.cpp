@@ -6,6 +6,16 @@
 #include <numbers>
 
 namespace dwell {
+namespace {
+
+// How far two windows of a channel lie apart, in whichever of its mean and phasors that is furthest.
+double distance(const SettlingDetector::Reading& a, const SettlingDetector::Reading& b) noexcept {
+  double squared = std::norm(a.relative - b.relative);
+  for (std::size_t i = 0; i < a.others.size(); ++i) squared = std::max(squared, std::norm(a.others[i] - b.others[i]));
+  return std::sqrt(squared);
+}
+
+}  // namespace
 
 SettlingDetector::SettlingDetector(int channels, double tolerance) : channels_(channels), tolerance_(tolerance) {
   windows_.reserve(kHistory);
@@ -61,7 +71,7 @@ void SettlingDetector::remember(const Window& window, std::span<const Reading> r
 
 // tolerance × steady amplitude; a channel that hardly moves is held to what ten periods of its noise resolve.
 double SettlingDetector::allowed(const Reading& now) const noexcept {
-  const double noise = kSure * std::sqrt(now.variance * 2 / (10 * std::max(1.0, now.samples)));
+  const double noise = kSure * std::sqrt(now.noise * 2 / (10 * std::max(1.0, now.samples)));
   return std::max(tolerance_ * std::abs(now.relative), noise);
 }
 
@@ -78,8 +88,7 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!a.usable || !b.usable) continue;
     // The noise is that of the newest window: an earlier one's may hold a transient.
-    if (std::abs(a.relative - b.relative) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * 2 * b.u))
-      return false;
+    if (distance(a, b) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * 2 * b.u)) return false;
     if (a.variance >
         b.variance * (1 + kSure * 2 / std::sqrt(std::max(1.0, b.samples))) + std::norm(0.5 * tolerance_ * b.relative))
       return false;
@@ -119,15 +128,14 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
       for (int j = std::max(0, i - kGroup + 1); j <= i; ++j) {
         const Reading& a = reading(j, c);
         if (!a.usable) continue;
-        difference = std::max(difference, std::abs(a.relative - b.relative) + kSure * std::hypot(a.u, b.u));
+        difference = std::max(difference, distance(a, b) + kSure * std::hypot(a.u, b.u));
         // The variance of a variance from N residuals is 2/N of its square.
         power = std::max(power, a.variance - b.variance +
                                     kSure * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
       }
       if (apart <= 1.01 * period_s) {  // these overlap the newest: what they show counts as it is, beyond the noise
         const Reading& a = reading(i, c);
-        latest =
-            std::max(latest, std::abs(a.relative - b.relative) - kSure * std::numbers::sqrt2 * std::hypot(a.u, b.u));
+        latest = std::max(latest, distance(a, b) - kSure * std::numbers::sqrt2 * std::hypot(a.u, b.u));
         continue;
       }
       left =

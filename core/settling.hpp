@@ -1,10 +1,10 @@
 // The settling detector: holds until what is left of the transient is small, and says from where the data count.
 //
-// It looks at windows of one period that end at each quarter of a period. From a window come, per channel, the phasor
-// relative to the table's (so that a frequency slightly off turns nothing) and the residual variance, the two places
-// where a transient shows: a mode close to the drive in the phasor, any other in the residuals. Both are compared with
-// those of all earlier windows since the drive has been steady. A transient that decays with time constant T and that
-// differs by D between two windows a time Δ apart has at most
+// It looks at windows of one period that end at each quarter of a period. From a window come, per channel, the mean and
+// the phasors relative to the table's (so that a frequency slightly off turns nothing) and the residual variance, the
+// places where a transient shows: a mode close to the drive or a harmonic in the phasors, any other in the residuals.
+// Both are compared with those of all earlier windows since the drive has been steady. A transient that decays with
+// time constant T and that differs by D between two windows a time Δ apart has at most
 //
 //   left = D q / (1 - q),   q = exp(-Δ/T)
 //
@@ -14,10 +14,13 @@
 // chain's eigenvalues (method section 6); where there is none, the time that the detector has been looking.
 #pragma once
 
+#include <array>
 #include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "core/rig.hpp"
 
 namespace dwell {
 
@@ -30,10 +33,14 @@ class SettlingDetector {
   // One channel in one window, in any unit of its own.
   struct Reading {
     std::complex<double> relative;  // phasor over the table's phase
-    double u = 0.0;                 // standard deviation of either component of it, from the residuals
-    double variance = 0.0;          // of the residuals
-    double samples = 0.0;           // in the window
-    bool usable = false;            // no: the channel is left out
+    // Mean, and phasors of the higher harmonics over as many times the table's phase: a mode near one of them hides
+    // there from both the fundamental and the residuals.
+    std::array<std::complex<double>, kMaxHarmonics> others{};
+    double u = 0.0;         // standard deviation of either component of it, by the noise alone
+    double variance = 0.0;  // of the residuals of the harmonic fit: noise, transient, higher harmonics
+    double noise = 0.0;     // variance of the noise alone
+    double samples = 0.0;   // in the window
+    bool usable = false;    // no: the channel is left out
   };
 
   // Forgets everything; the drive is steady from now on as far as known.
