@@ -335,6 +335,11 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
         rows.push_back(2 * e + 1);
       }
     }
+    for (const auto& [coefficient, name] :
+         {std::pair{&element.stiffness, "stiffness"}, std::pair{&element.damping, "damping"}})
+      if (coefficient->value < -coefficient->U95)
+        result.warnings.push_back("element " + std::to_string(element.k) + " has a negative " + name +
+                                  ", which no passive element has: look at signs, instants and masses");
     // Harmonics of what the element feels and does, where they stand out of the noise.
     double worst = 0.0;
     int worst_h = 0;

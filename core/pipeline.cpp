@@ -614,6 +614,10 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
+  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s))
+    dwell.warnings.push_back(
+        "the chain identified while settling would not decay: whether the transient has is judged by "
+        "the windows alone; look at signs, instants and masses");
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }

@@ -107,13 +107,17 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
   verdict.settles_in_s = kNotKnown;
   const int count = static_cast<int>(windows_.size());
   const double seen_s = windows_.empty() ? 0.0 : t_s - windows_.front().t_s;
-  // Coefficients from a window that still holds much of a transient are off, and so is the T they give: the longest T
-  // of the later half of the hold is believed.
-  double T = std::isfinite(time_constant_s) ? time_constant_s : seen_s;
-  for (int i = count; i-- > 0 && windows_[static_cast<std::size_t>(i)].t_s > t_s - 0.25 * seen_s;)
-    T = std::max(T, std::isfinite(windows_[static_cast<std::size_t>(i)].time_constant_s)
-                        ? windows_[static_cast<std::size_t>(i)].time_constant_s
-                        : seen_s);
+  // Coefficients from a hold that still has much of a transient are off, and so is the T they give: the longest T of
+  // the last quarter of the hold is believed. A chain that would not decay gives none; then the time watched is
+  // divided: a transient of a sixth of it is gone, and a longer one shows as a difference between any two windows.
+  double T = 0.0;
+  bool known = std::isfinite(time_constant_s);
+  for (int i = count; i-- > 0 && windows_[static_cast<std::size_t>(i)].t_s > t_s - 0.25 * seen_s;) {
+    known = known && std::isfinite(windows_[static_cast<std::size_t>(i)].time_constant_s);
+    T = std::max(T, windows_[static_cast<std::size_t>(i)].time_constant_s);
+  }
+  T = known ? std::max(T, time_constant_s) : seen_s / 6;
+  const double as_it_is_s = known ? 1.01 * period_s : std::max(1.01 * period_s, seen_s - T);
   double longest = 0.0;  // expected time left
   for (int c = 0; c < channels_; ++c) {
     const Reading& b = readings[static_cast<std::size_t>(c)];
@@ -133,7 +137,8 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
         power = std::max(power, a.variance - b.variance +
                                     kSure * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
       }
-      if (apart <= 1.01 * period_s) {  // these overlap the newest: what they show counts as it is, beyond the noise
+      // The last ones overlap the newest: what they show counts as it is, beyond the noise.
+      if (apart <= as_it_is_s) {
         const Reading& a = reading(i, c);
         latest = std::max(latest, distance(a, b) - kSure * std::numbers::sqrt2 * std::hypot(a.u, b.u));
         continue;

@@ -101,9 +101,10 @@ TEST(Pipeline, SkewedAndJitteredChannelsGiveTheSameWithinTheirUncertainty) {
   Sampling wrong = skewed;
   wrong.stamps_as_simultaneous = true;
   Bench simultaneous(chain, rig, steady_drive(f), DrivenChain::Start::steady, wrong);
-  simultaneous.run(20);
+  simultaneous.run(60);  // the jitter looks like noise, which takes longer to be told from a transient
   simultaneous.finish();
   ASSERT_EQ(simultaneous.dwells.size(), 1u);
+  ASSERT_EQ(simultaneous.dwells[0].elements.size(), 3u);
   double worst = 0;
   for (std::size_t e = 0; e < 3; ++e) {
     const Coefficient& r = simultaneous.dwells[0].elements[e].damping;
