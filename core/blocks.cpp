@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <utility>
+#include <type_traits>
 
 #include "core/rig.hpp"
 
@@ -13,33 +13,25 @@ constexpr double kSecond = 1e-9;  // s per ns
 
 double seconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * kSecond; }
 
-// The inner loops know H at compile time, which lets them unroll; this table picks the right ones once.
-template <int H>
-struct Kernel {
-  static void evaluate(double theta, double u, moments::Regressors& out) { moments::evaluate<H>(theta, u, out); }
-  static void instant(const moments::Regressors& x, double w, double* set) { moments::add<2 * H + 1>(x, w, set); }
-  static void reading(const moments::Regressors& x, double w, double* set) { moments::add<H + 1>(x, w, set); }
-};
-
 template <typename F>
-void with_kernel(int harmonics, F&& use) {
+void with_constant(int harmonics, F&& use) {
   switch (harmonics) {
     case 1:
-      return use(Kernel<1>{});
+      return use(std::integral_constant<int, 1>{});
     case 2:
-      return use(Kernel<2>{});
+      return use(std::integral_constant<int, 2>{});
     case 3:
-      return use(Kernel<3>{});
+      return use(std::integral_constant<int, 3>{});
     case 4:
-      return use(Kernel<4>{});
+      return use(std::integral_constant<int, 4>{});
     case 5:
-      return use(Kernel<5>{});
+      return use(std::integral_constant<int, 5>{});
     case 6:
-      return use(Kernel<6>{});
+      return use(std::integral_constant<int, 6>{});
     case 7:
-      return use(Kernel<7>{});
+      return use(std::integral_constant<int, 7>{});
     case 8:
-      return use(Kernel<8>{});
+      return use(std::integral_constant<int, 8>{});
     default:
       assert(false && "harmonics outside 1 … kMaxHarmonics");
   }
@@ -47,20 +39,6 @@ void with_kernel(int harmonics, F&& use) {
 static_assert(kMaxHarmonics == 8);
 
 }  // namespace
-
-Totals::Totals(int channels, int harmonics)
-    : instants_count_(2 * harmonics + 1),
-      readings_count_(harmonics + 1),
-      instants_(moments::size(instants_count_) * static_cast<std::size_t>(channels)),
-      readings_(moments::size(readings_count_) * static_cast<std::size_t>(channels)),
-      sum_squares_(static_cast<std::size_t>(channels)),
-      owner_(static_cast<std::size_t>(channels)) {}
-
-ChannelMoments Totals::channel(int c) const noexcept {
-  const auto i = static_cast<std::size_t>(c);
-  return {&instants_[moments::size(instants_count_) * static_cast<std::size_t>(owner_[i])],
-          &readings_[moments::size(readings_count_) * i], sum_squares_[i]};
-}
 
 Blocks::Blocks(int channels, int harmonics)
     : channels_(channels),
@@ -73,16 +51,16 @@ Blocks::Blocks(int channels, int harmonics)
   const auto per_slot = static_cast<std::size_t>(channels);
   instants_.resize(kSlots * per_slot * instants_size_);
   readings_.resize(kSlots * per_slot * readings_size_);
-  slots_.resize(kSlots * per_slot);
+  owners_.resize(kSlots * per_slot);
   blocks_.resize(kSlots);
-  reference_.resize(per_slot);
-  members_.resize(per_slot);
+  members_.resize(per_slot, Member{0, -1, INT64_MIN, 1, 0, 0.0, 0.0, nullptr, nullptr});
   order_.reserve(kSlots);
   free_.reserve(kSlots);
-  with_kernel(harmonics, [this](auto kernel) {
-    evaluate_ = &kernel.evaluate;
-    add_instant_ = &kernel.instant;
-    add_reading_ = &kernel.reading;
+  with_constant(harmonics, [this](auto constant) {
+    constexpr int kH = decltype(constant)::value;
+    evaluate_ = &moments::evaluate<kH>;
+    add_instant_ = &moments::add<2 * kH + 1>;
+    add_sample_ = &add_sample<kH>;
   });
   clear();
 }
@@ -99,18 +77,23 @@ double* Blocks::readings(std::size_t slot, int c) noexcept {
 const double* Blocks::readings(std::size_t slot, int c) const noexcept {
   return &readings_[(slot * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)) * readings_size_];
 }
-Blocks::Slot& Blocks::at(std::size_t slot, int c) noexcept {
-  return slots_[slot * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)];
+int& Blocks::owner(std::size_t slot, int c) noexcept {
+  return owners_[slot * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)];
 }
-const Blocks::Slot& Blocks::at(std::size_t slot, int c) const noexcept {
-  return slots_[slot * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)];
+int Blocks::owner(std::size_t slot, int c) const noexcept {
+  return owners_[slot * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)];
 }
 
 void Blocks::clear() noexcept {
   order_.clear();
   free_.clear();
   for (std::size_t slot = blocks_.size(); slot-- > 0;) free_.push_back(static_cast<std::uint16_t>(slot));
-  for (int c = 0; c < channels_; ++c) members_[static_cast<std::size_t>(c)] = {c, -1, INT64_MIN, 0.0};
+  for (int c = 0; c < channels_; ++c) {
+    Member& member = members_[static_cast<std::size_t>(c)];
+    member.leader = c;
+    member.next = -1;
+    member.size = 1;
+  }
   open_ = false;
   serials_ = 0;
 }
@@ -123,9 +106,13 @@ void Blocks::open(std::int64_t begin_ns, std::int64_t end_ns, double omega) noex
   std::fill_n(instants(current_, 0), instants_size_ * static_cast<std::size_t>(channels_), 0.0);
   std::fill_n(readings(current_, 0), readings_size_ * static_cast<std::size_t>(channels_), 0.0);
   for (int c = 0; c < channels_; ++c) {
-    at(current_, c) = {0.0, c};
-    members_[static_cast<std::size_t>(c)].last_ns = INT64_MIN;
-    members_[static_cast<std::size_t>(c)].count = 0.0;
+    owner(current_, c) = c;
+    Member& member = members_[static_cast<std::size_t>(c)];
+    member.last_ns = INT64_MIN;
+    member.count = 0.0;
+    member.arrived = member.size;
+    member.instants = instants(current_, c);
+    member.readings = readings(current_, c);
   }
   now_.t_ns = INT64_MIN;
   open_ = true;
@@ -138,19 +125,31 @@ void Blocks::evaluate(std::int64_t t_ns, moments::Regressors& out) const noexcep
   evaluate_(block.omega * u, u, out);
 }
 
-void Blocks::add(int channel, std::int64_t t_ns, double value) noexcept {
-  assert(open_ && t_ns < blocks_[current_].end_ns);
-  if (t_ns != now_.t_ns) evaluate(t_ns, now_);
-  Member& member = members_[static_cast<std::size_t>(channel)];
-  if (members_[static_cast<std::size_t>(member.leader)].last_ns != t_ns) {
-    settle_members(member.leader);
-    add_instant_(now_, 1.0, instants(current_, member.leader));
-    members_[static_cast<std::size_t>(member.leader)].last_ns = t_ns;
+template <int H>
+void Blocks::add_sample(Blocks& blocks, int channel, std::int64_t t_ns, double value) noexcept {
+  moments::Regressors& now = blocks.now_;
+  if (t_ns != now.t_ns) {
+    const Block& block = blocks.blocks_[blocks.current_];
+    assert(blocks.open_ && t_ns < block.end_ns);
+    const double u = seconds(t_ns - block.centre_ns);
+    now.t_ns = t_ns;
+    moments::evaluate<H>(block.omega * u, u, now);
   }
+  Member& member = blocks.members_[static_cast<std::size_t>(channel)];
+  Member* leader = &blocks.members_[static_cast<std::size_t>(member.leader)];
+  if (leader->last_ns != t_ns) {
+    if (leader->arrived != leader->size) {
+      blocks.settle_members(member.leader);
+      leader = &blocks.members_[static_cast<std::size_t>(member.leader)];  // it may have left its group
+    }
+    moments::add<2 * H + 1>(now, 1.0, now.u * now.u, leader->instants);
+    leader->last_ns = t_ns;
+    leader->arrived = 0;
+  }
+  ++leader->arrived;
   member.count += 1.0;
-  const double s = value - reference_[static_cast<std::size_t>(channel)];
-  add_reading_(now_, s, readings(current_, channel));
-  at(current_, channel).sum_squares += s * s;
+  const double s = value - member.reference;
+  moments::add<H + 1>(now, s, s * s, member.readings);
 }
 
 // Whoever of a group has missed its newest instant goes on with a set of its own.
@@ -171,6 +170,8 @@ void Blocks::break_away(int c) noexcept {
   assert(leader != c || member.next >= 0);  // whoever brought that instant has not missed it and stays in the group
   if (leader == c) {                        // the set passes to the next in the group
     const int heir = member.next;
+    members_[static_cast<std::size_t>(heir)].size = member.size - 1;
+    members_[static_cast<std::size_t>(heir)].arrived = member.arrived;
     std::copy_n(instants(current_, c), instants_size_, instants(current_, heir));
     members_[static_cast<std::size_t>(heir)].last_ns = member.last_ns;
     for (int f = heir; f >= 0; f = members_[static_cast<std::size_t>(f)].next)
@@ -180,34 +181,38 @@ void Blocks::break_away(int c) noexcept {
     while (members_[static_cast<std::size_t>(before)].next != c)
       before = members_[static_cast<std::size_t>(before)].next;
     members_[static_cast<std::size_t>(before)].next = member.next;
+    --members_[static_cast<std::size_t>(leader)].size;
     std::copy_n(instants(current_, leader), instants_size_, instants(current_, c));
   }
   member.leader = c;
   member.next = -1;
-  add_instant_(missed, -1.0, instants(current_, c));
+  member.size = member.arrived = 1;
+  add_instant_(missed, -1.0, -missed.u * missed.u, instants(current_, c));
 }
 
 // Channels whose instants were the same throughout the block that ends share one set in the next.
 void Blocks::regroup() noexcept {
   for (int c = 0; c < channels_; ++c) {
     Member& member = members_[static_cast<std::size_t>(c)];
-    const double* own = instants(current_, at(current_, c).owner);
+    const double* own = instants(current_, owner(current_, c));
     member.leader = c;
     member.next = -1;
+    member.size = 1;
     if (own[0] == 0) continue;
     for (int l = 0; l < c; ++l) {
       Member& leader = members_[static_cast<std::size_t>(l)];
       if (leader.leader != l) continue;
-      const double* other = instants(current_, at(current_, l).owner);
+      const double* other = instants(current_, owner(current_, l));
       // Number, Σu and Σu² of the instants, bit for bit: both were added up in the same order.
       const bool same = own == other ||
                         (own[0] == other[0] &&
                          own[moments::cosine(instants_count_, 1, 0)] == other[moments::cosine(instants_count_, 1, 0)] &&
-                         own[moments::cosine(instants_count_, 2, 0)] == other[moments::cosine(instants_count_, 2, 0)]);
+                         own[moments::squares(instants_count_)] == other[moments::squares(instants_count_)]);
       if (!same) continue;
       member.leader = l;
       member.next = leader.next;
       leader.next = c;
+      ++leader.size;
       break;
     }
   }
@@ -219,7 +224,7 @@ void Blocks::close() noexcept {
     if (members_[static_cast<std::size_t>(c)].leader == c) settle_members(c);
   // A leader that left its group in this very pass has handed its followers over; an heir has the instant by
   // definition.
-  for (int c = 0; c < channels_; ++c) at(current_, c).owner = members_[static_cast<std::size_t>(c)].leader;
+  for (int c = 0; c < channels_; ++c) owner(current_, c) = members_[static_cast<std::size_t>(c)].leader;
   regroup();
   order_.push_back(static_cast<std::uint16_t>(current_));
   open_ = false;
@@ -241,19 +246,6 @@ void Blocks::compact() noexcept {
   }
 }
 
-void Blocks::sum_instants(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
-                          double* out) const noexcept {
-  const double shift = seconds(block.centre_ns - t_ref_ns);
-  moments::rebase_add(instants(slot, at(slot, c).owner), instants_count_, omega - block.omega, omega * shift, shift,
-                      out);
-}
-
-void Blocks::sum_readings(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
-                          double* out) const noexcept {
-  const double shift = seconds(block.centre_ns - t_ref_ns);
-  moments::rebase_add(readings(slot, c), readings_count_, omega - block.omega, omega * shift, shift, out);
-}
-
 void Blocks::join(std::size_t position) noexcept {
   const std::size_t older = order_[position], newer = order_[position + 1];
   const std::size_t into = free_.back();
@@ -266,12 +258,16 @@ void Blocks::join(std::size_t position) noexcept {
   std::fill_n(instants(into, 0), instants_size_ * static_cast<std::size_t>(channels_), 0.0);
   std::fill_n(readings(into, 0), readings_size_ * static_cast<std::size_t>(channels_), 0.0);
   for (int c = 0; c < channels_; ++c) {
-    const int shared = at(older, c).owner;
-    const int owner = shared == at(newer, c).owner ? shared : c;
-    at(into, c) = {at(older, c).sum_squares + at(newer, c).sum_squares, owner};
-    for (const auto& [slot, block] : {std::pair{older, a}, std::pair{newer, b}}) {
-      if (owner == c) sum_instants(slot, block, c, sum.omega, sum.centre_ns, instants(into, c));
-      sum_readings(slot, block, c, sum.omega, sum.centre_ns, readings(into, c));
+    const int shared = owner(older, c) == owner(newer, c) ? owner(older, c) : c;
+    owner(into, c) = shared;
+    for (const std::size_t slot : {older, newer}) {
+      const Block& part = blocks_[slot];
+      const double shift = seconds(part.centre_ns - sum.centre_ns);
+      const moments::Turn turn{sum.omega - part.omega, sum.omega * shift, shift};
+      const double* set = instants(slot, owner(slot, c));
+      if (shared == c) moments::add_instants(set, instants_count_, turn, instants(into, c));
+      moments::add_readings(readings(slot, c), readings_count_, turn, moments::mean_square_u(set, instants_count_),
+                            readings(into, c));
     }
   }
   order_[position] = static_cast<std::uint16_t>(into);
@@ -286,70 +282,87 @@ int Blocks::index_of(std::int64_t serial) const noexcept {
   return i;
 }
 
-void Blocks::forget_before(std::int64_t t_ns) noexcept {
+bool Blocks::forget_before(std::int64_t t_ns) noexcept {
   std::size_t gone = 0;
   while (gone < order_.size() && blocks_[order_[gone]].end_ns <= t_ns) free_.push_back(order_[gone++]);
   order_.erase(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(gone));
+  return gone > 0;
 }
 
 double Blocks::samples(int i, int channel) const noexcept {
   const std::size_t slot = order_[static_cast<std::size_t>(i)];
-  return instants(slot, at(slot, channel).owner)[0];
+  return instants(slot, owner(slot, channel))[0];
 }
 
-void Blocks::sum(int from, int to, bool with_open, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept {
-  for (int c = 0; c < channels_; ++c) {
-    int owner = -1;
-    for (int i = from; i < to && owner != c; ++i) {
-      const int shared = at(order_[static_cast<std::size_t>(i)], c).owner;
-      owner = owner == -1 || owner == shared ? shared : c;
-    }
-    // In the open block a channel may not have got the newest instant of its group yet.
-    out.owner_[static_cast<std::size_t>(c)] = owner == -1 || (with_open && open_) ? c : owner;
-  }
-  for (int c = 0; c < channels_; ++c) {
-    sum_one(c, out.owner_[static_cast<std::size_t>(c)] == c, from, to, with_open, omega, t_ref_ns, out);
-  }
-  out.omega = omega;
-  out.t_ref_ns = t_ref_ns;
+void Blocks::part(int c, int owner_in_block, Totals& out) const noexcept {
+  int& shared = out.owner_[static_cast<std::size_t>(c)];
+  if (shared == owner_in_block || shared == c) return;
+  if (shared >= 0) std::copy_n(out.instants(shared), instants_size_, out.instants(c));
+  shared = shared < 0 ? owner_in_block : c;
 }
 
-void Blocks::sum_channel(int channel, int from, int to, bool with_open, double omega, std::int64_t t_ref_ns,
+void Blocks::add_block(int i, Totals& out) const noexcept {
+  const std::size_t slot = order_[static_cast<std::size_t>(i)];
+  const moments::Turn turn = out.turn_from(blocks_[slot].omega, blocks_[slot].centre_ns);
+  for (int c = 0; c < channels_; ++c) part(c, owner(slot, c), out);
+  for (int c = 0; c < channels_; ++c) {
+    const double* set = instants(slot, owner(slot, c));
+    if (out.owner_[static_cast<std::size_t>(c)] == c)
+      moments::add_instants(set, instants_count_, turn, out.instants(c));
+    moments::add_readings(readings(slot, c), readings_count_, turn, moments::mean_square_u(set, instants_count_),
+                          out.readings(c));
+  }
+}
+
+// A channel's instants in the open block; it may not have got the newest one of its group (yet).
+const double* Blocks::open_instants(int c, double* scratch) const noexcept {
+  const Member& member = members_[static_cast<std::size_t>(c)];
+  const double* set = instants(current_, member.leader);
+  if (set[0] == member.count) return set;
+  std::copy_n(set, instants_size_, scratch);
+  moments::Regressors newest;
+  evaluate(members_[static_cast<std::size_t>(member.leader)].last_ns, newest);
+  add_instant_(newest, -1.0, -newest.u * newest.u, scratch);
+  return scratch;
+}
+
+void Blocks::add_open(Totals& out) const noexcept {
+  if (!open_) return;
+  const moments::Turn turn = out.turn_from(blocks_[current_].omega, blocks_[current_].centre_ns);
+  double scratch[moments::size(2 * kMaxHarmonics + 1)];
+  for (int c = 0; c < channels_; ++c) {
+    const Member& member = members_[static_cast<std::size_t>(c)];
+    part(c, instants(current_, member.leader)[0] == member.count ? member.leader : c, out);
+  }
+  for (int c = 0; c < channels_; ++c) {
+    const double* set = open_instants(c, scratch);
+    if (out.owner_[static_cast<std::size_t>(c)] == c)
+      moments::add_instants(set, instants_count_, turn, out.instants(c));
+    moments::add_readings(readings(current_, c), readings_count_, turn, moments::mean_square_u(set, instants_count_),
+                          out.readings(c));
+  }
+}
+
+void Blocks::sum(int from, int to, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept {
+  out.restart(omega, t_ref_ns);
+  for (int i = from; i < to; ++i) add_block(i, out);
+}
+
+void Blocks::sum_channel(int channel, int from, int to, double omega, std::int64_t t_ref_ns,
                          Totals& out) const noexcept {
+  out.omega_ = omega;
+  out.t_ref_ns_ = t_ref_ns;
   out.owner_[static_cast<std::size_t>(channel)] = channel;
-  out.omega = omega;
-  out.t_ref_ns = t_ref_ns;
-  sum_one(channel, true, from, to, with_open, omega, t_ref_ns, out);
-}
-
-void Blocks::sum_one(int channel, bool with_instants, int from, int to, bool with_open, double omega,
-                     std::int64_t t_ref_ns, Totals& out) const noexcept {
-  const auto c = static_cast<std::size_t>(channel);
-  double* instants_sum = &out.instants_[c * instants_size_];
-  double* readings_sum = &out.readings_[c * readings_size_];
-  std::fill_n(instants_sum, instants_size_, 0.0);
-  std::fill_n(readings_sum, readings_size_, 0.0);
-  out.sum_squares_[c] = 0.0;
+  std::fill_n(out.instants(channel), instants_size_, 0.0);
+  std::fill_n(out.readings(channel), readings_size_, 0.0);
   for (int i = from; i < to; ++i) {
     const std::size_t slot = order_[static_cast<std::size_t>(i)];
-    if (with_instants) sum_instants(slot, blocks_[slot], channel, omega, t_ref_ns, instants_sum);
-    sum_readings(slot, blocks_[slot], channel, omega, t_ref_ns, readings_sum);
-    out.sum_squares_[c] += at(slot, channel).sum_squares;
+    const moments::Turn turn = out.turn_from(blocks_[slot].omega, blocks_[slot].centre_ns);
+    const double* set = instants(slot, owner(slot, channel));
+    moments::add_instants(set, instants_count_, turn, out.instants(channel));
+    moments::add_readings(readings(slot, channel), readings_count_, turn, moments::mean_square_u(set, instants_count_),
+                          out.readings(channel));
   }
-  if (!with_open || !open_) return;
-  const Member& member = members_[c];
-  double set[moments::size(2 * kMaxHarmonics + 1)];
-  std::copy_n(instants(current_, member.leader), instants_size_, set);
-  if (set[0] != member.count) {
-    moments::Regressors newest;
-    evaluate(members_[static_cast<std::size_t>(member.leader)].last_ns, newest);
-    add_instant_(newest, -1.0, set);
-  }
-  const Block& block = blocks_[current_];
-  const double shift = seconds(block.centre_ns - t_ref_ns);
-  moments::rebase_add(set, instants_count_, omega - block.omega, omega * shift, shift, instants_sum);
-  sum_readings(current_, block, channel, omega, t_ref_ns, readings_sum);
-  out.sum_squares_[c] += at(current_, channel).sum_squares;
 }
 
 }  // namespace dwell

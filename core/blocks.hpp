@@ -13,30 +13,9 @@
 #include <vector>
 
 #include "core/moments.hpp"
+#include "core/totals.hpp"
 
 namespace dwell {
-
-// All that a fit needs of one channel over a stretch, at one (ω, t_ref). `readings` are of s - reference.
-struct ChannelMoments {
-  const double* instants = nullptr;  // 2H+1 angles; M_0^0 is the number of samples
-  const double* readings = nullptr;  // H+1 angles
-  double sum_squares = 0.0;          // Σ (s - reference)²
-};
-
-// The sums over a range of blocks, filled by Blocks::sum; sized once.
-class Totals {
- public:
-  Totals(int channels, int harmonics);
-  [[nodiscard]] ChannelMoments channel(int c) const noexcept;
-  double omega = 0.0;  // rad/s
-  std::int64_t t_ref_ns = 0;
-
- private:
-  friend class Blocks;
-  int instants_count_, readings_count_;
-  std::vector<double> instants_, readings_, sum_squares_;
-  std::vector<int> owner_;  // which channel's instants are meant
-};
 
 class Blocks {
  public:
@@ -59,14 +38,18 @@ class Blocks {
   // Empties everything; channel c's readings are taken relative to reference[c] from now on.
   void clear() noexcept;
   // The value subtracted from a channel's readings, so that a large mean does not cost digits; fixed until clear().
-  void set_reference(int channel, double value) noexcept { reference_[static_cast<std::size_t>(channel)] = value; }
-  [[nodiscard]] double reference(int channel) const noexcept { return reference_[static_cast<std::size_t>(channel)]; }
+  void set_reference(int channel, double value) noexcept {
+    members_[static_cast<std::size_t>(channel)].reference = value;
+  }
+  [[nodiscard]] double reference(int channel) const noexcept {
+    return members_[static_cast<std::size_t>(channel)].reference;
+  }
 
   // Opens a block [begin, end) at omega; none may be open.
   void open(std::int64_t begin_ns, std::int64_t end_ns, double omega) noexcept;
-  // Adds one sample to the open block. t within it and after the channel's previous sample. Cost: one sincos per
-  // distinct instant, then about 6 (3H+2) multiply-adds. Real-time safe.
-  void add(int channel, std::int64_t t_ns, double value) noexcept;
+  // Adds one sample to the open block. t within it and after the channel's previous sample. Cost: 8 (2H+1)
+  // multiply-adds per distinct instant, then 4 (H+1). Real-time safe.
+  void add(int channel, std::int64_t t_ns, double value) noexcept { add_sample_(*this, channel, t_ns, value); }
   // Closes the open block and joins old ones where there are too many. O(channels).
   void close() noexcept;
   [[nodiscard]] bool is_open() const noexcept { return open_; }
@@ -78,14 +61,17 @@ class Blocks {
   [[nodiscard]] std::int64_t serials() const noexcept { return serials_; }
   // Index of the first block that begins with or after the quarter block `serial`.
   [[nodiscard]] int index_of(std::int64_t serial) const noexcept;
-  // Drops the oldest blocks that end at or before t.
-  void forget_before(std::int64_t t_ns) noexcept;
+  // Drops the oldest blocks that end at or before t; whether there were any.
+  bool forget_before(std::int64_t t_ns) noexcept;
 
-  // Sums blocks [from, to) at (omega, t_ref), with the open block if with_open. O(blocks · channels · H).
-  void sum(int from, int to, bool with_open, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
-  // The same for one channel alone; the other channels of `out` are left as they are.
-  void sum_channel(int channel, int from, int to, bool with_open, double omega, std::int64_t t_ref_ns,
-                   Totals& out) const noexcept;
+  // Adds block i to `out`, at out's (ω, t_ref). O(channels · H), no allocation.
+  void add_block(int i, Totals& out) const noexcept;
+  // Adds what the open block holds so far; nothing if none is open.
+  void add_open(Totals& out) const noexcept;
+  // Restarts `out` at (omega, t_ref) and adds blocks [from, to).
+  void sum(int from, int to, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
+  // The same for one channel alone; the others of `out` are left as they are.
+  void sum_channel(int channel, int from, int to, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
   // Samples of a channel in block i.
   [[nodiscard]] double samples(int i, int channel) const noexcept;
 
@@ -98,17 +84,25 @@ class Blocks {
     int leader;            // channel whose set is shared; itself: its own
     int next;              // next channel with the same leader, -1: none
     std::int64_t last_ns;  // of a leader: newest instant in its set
+    int size;              // of a leader: channels in its group
+    int arrived;           // of a leader: how many of them have brought the newest instant
     double count;          // samples so far
+    double reference;      // subtracted from the readings
+    double* instants;      // its own sets in the open block
+    double* readings;
   };
   using Evaluate = void (*)(double, double, moments::Regressors&);
-  using Add = void (*)(const moments::Regressors&, double, double*);
+  using AddInstant = void (*)(const moments::Regressors&, double, double, double*);
+  template <int H>
+  static void add_sample(Blocks& blocks, int channel, std::int64_t t_ns, double value) noexcept;
 
   [[nodiscard]] double* instants(std::size_t slot, int c) noexcept;
   [[nodiscard]] const double* instants(std::size_t slot, int c) const noexcept;
   [[nodiscard]] double* readings(std::size_t slot, int c) noexcept;
   [[nodiscard]] const double* readings(std::size_t slot, int c) const noexcept;
-  [[nodiscard]] Slot& at(std::size_t slot, int c) noexcept;
-  [[nodiscard]] const Slot& at(std::size_t slot, int c) const noexcept;
+  // Channel whose instants' moments c shares in a block.
+  [[nodiscard]] int& owner(std::size_t slot, int c) noexcept;
+  [[nodiscard]] int owner(std::size_t slot, int c) const noexcept;
 
   void evaluate(std::int64_t t_ns, moments::Regressors& out) const noexcept;
   void settle_members(int leader) noexcept;
@@ -116,27 +110,25 @@ class Blocks {
   void regroup() noexcept;
   void join(std::size_t position) noexcept;
   void compact() noexcept;
-  void sum_one(int channel, bool with_instants, int from, int to, bool with_open, double omega, std::int64_t t_ref_ns,
-               Totals& out) const noexcept;
-  void sum_instants(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
-                    double* out) const noexcept;
-  void sum_readings(std::size_t slot, const Block& block, int c, double omega, std::int64_t t_ref_ns,
-                    double* out) const noexcept;
+  // Makes room in `out` for c's own instants where it can no longer share, before any block is added.
+  void part(int c, int owner_in_block, Totals& out) const noexcept;
+  [[nodiscard]] const double* open_instants(int c, double* scratch) const noexcept;
 
   int channels_, harmonics_, instants_count_, readings_count_;
   std::size_t instants_size_, readings_size_;
   std::vector<double> instants_, readings_;
-  std::vector<Slot> slots_;
+  std::vector<int> owners_;
   std::vector<Block> blocks_;
   std::vector<std::uint16_t> order_, free_;  // slot numbers: in use, oldest first; unused
-  std::vector<double> reference_;
   std::vector<Member> members_;
   bool open_ = false;
   std::size_t current_ = 0;  // slot of the open block
   std::int64_t serials_ = 0;
   moments::Regressors now_;
+  // The inner loops know H at compile time; these are the right ones for this H.
   Evaluate evaluate_ = nullptr;
-  Add add_instant_ = nullptr, add_reading_ = nullptr;
+  AddInstant add_instant_ = nullptr;
+  void (*add_sample_)(Blocks&, int, std::int64_t, double) = nullptr;
 };
 
 }  // namespace dwell

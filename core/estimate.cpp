@@ -76,7 +76,7 @@ class Propagation {
  public:
   Propagation(const ChainState& chain, const MatrixXcd& force_rows, const MatrixXcd& deformation_rows,
               const VectorXcd& Z, const VectorXcd& d)
-      : chain_(chain), Z_(Z), d_(d), elements_(Z.size()) {
+      : chain_(chain), Z_(Z), elements_(Z.size()) {
     through_x_.resize(elements_, chain.n + 2);
     for (Index e = 0; e < elements_; ++e)
       through_x_.row(e) = (force_rows.row(e) - Z(e) * deformation_rows.row(e)) / d(e);
@@ -138,7 +138,6 @@ class Propagation {
   };
   const ChainState& chain_;
   const VectorXcd& Z_;
-  const VectorXcd& d_;
   Index elements_;
   MatrixXcd through_x_, deformation_rows_;
   Eigen::MatrixXd covariance_;
@@ -172,6 +171,10 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
       const Eigen::Vector2d step = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
       out.push_back({"noise of " + channel.name, seen.dof, through_channel(c, {step(0), step(1)}), nothing, 0.0});
     }
+    if (seen.transient_u > 0)
+      for (const Complex component : {Complex{1.0, 0.0}, Complex{0.0, 1.0}})
+        out.push_back({"transient left in " + channel.name, kInfinity,
+                       through_channel(c, component * seen.transient_u * std::abs(per_reading)), nothing, 0.0});
     const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
     const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
     if (channel.scale_u > 0)

@@ -35,6 +35,7 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   const int H = harmonics, parameters = 2 * H + 1;
   const Instants M{sums.instants, parameters};
   const double* Z = sums.readings;
+  const double sum_squares = Z[moments::squares(H + 1)];
   fit.samples = M.c(0, 0);
   if (fit.samples < parameters + 1) return fit;
 
@@ -61,7 +62,7 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   const Vector theta = factor.solve(z);
 
   // Below the second term the difference is rounding.
-  const double squares = std::max(sums.sum_squares - theta.dot(z), 1e-15 * sums.sum_squares);
+  const double squares = std::max(sum_squares - theta.dot(z), 1e-15 * sum_squares);
   fit.sigma2 = squares / (fit.samples - parameters);
   Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> unit(parameters, 2);
   unit.setZero();
@@ -74,19 +75,18 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   fit.usable = theta.allFinite() && fit.covariance.allFinite();
   if (!fit.usable) return fit;
 
-  // ∂s/∂ω = g = u Σ_h h (p_h cos hθ - q_h sin hθ). gX = Xᵀg, gg = gᵀg, gs = gᵀs.
+  // ∂s/∂ω = g = u Σ_h h (p_h cos hθ - q_h sin hθ). gX = Xᵀg, gs = gᵀs; of gᵀg the part that does not oscillate,
+  // ½ Σ h²|X_h|² Σu², which leaves out one part in the number of periods squared.
   Vector gX = Vector::Zero(parameters);
   double gg = 0.0, gs = 0.0;
   for (int h = 1; h <= H; ++h) {
     const double p = h * theta(h), q = h * theta(H + h);
     gs += p * Z[moments::cosine(H + 1, 1, h)] - q * Z[moments::sine(H + 1, 1, h)];
+    gg += 0.5 * (p * p + q * q) * sums.instants[moments::squares(parameters)];
     gX(0) += p * M.c(1, h) - q * M.s(1, h);
     for (int l = 1; l <= H; ++l) {
       gX(l) += p * M.sin_cos(1, l, h) - q * M.sin_sin(1, l, h);
       gX(H + l) += p * M.cos_cos(1, l, h) - q * M.sin_cos(1, h, l);
-      const double pl = l * theta(l), ql = l * theta(H + l);
-      gg += p * pl * M.cos_cos(2, h, l) - p * ql * M.sin_cos(2, l, h) - q * pl * M.sin_cos(2, h, l) +
-            q * ql * M.sin_sin(2, h, l);
     }
   }
   const Vector explained = factor.solve(gX);

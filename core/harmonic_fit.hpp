@@ -10,9 +10,9 @@
 #include <array>
 #include <complex>
 
-#include "core/blocks.hpp"
 #include "core/dwell.hpp"
 #include "core/rig.hpp"
+#include "core/totals.hpp"
 
 namespace dwell {
 

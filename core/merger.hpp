@@ -19,47 +19,42 @@ class Merger {
  public:
   enum class Admission : std::uint8_t { queued, late, full };
 
-  // sources: number of sources, 1 …; hold_back_ns > 0; capacity: records held at most.
+  // sources: number of sources, 1 …; hold_back_ns > 0; capacity: records held at most of each source.
   Merger(std::size_t sources, std::int64_t hold_back_ns, std::size_t capacity);
 
   // Hands in one record of `source`. late: earlier than what has been released; full: no room (the caller counts the
-  // drop either way). O(log capacity), no allocation.
+  // drop either way). O(1) in the order of instants, else one step per record it overtakes. No allocation.
   Admission push(std::size_t source, const Record& record) noexcept;
 
   // A source that is not live (its device is down) is not waited for. It becomes live again with its next record.
   void set_live(std::size_t source, bool live) noexcept;
 
-  // Moves the next releasable record to `out`; false: nothing may be released yet. O(log capacity).
+  // Moves the next releasable record to `out`; false: nothing may be released yet. O(sources).
   bool pop(Record& out) noexcept;
   // The same without a watermark, for the end of a run.
   bool flush(Record& out) noexcept;
 
   // Records held now.
-  [[nodiscard]] std::size_t size() const noexcept { return heap_.size(); }
+  [[nodiscard]] std::size_t size() const noexcept { return held_; }
 
  private:
-  struct Entry {
-    Record record;
-    std::uint32_t source;
-    std::uint64_t arrival;
-  };
-  struct Later {
-    bool operator()(const Entry& a, const Entry& b) const noexcept;
-  };
-  [[nodiscard]] std::int64_t watermark() const noexcept;
-  bool take(Record& out) noexcept;
-
+  // A ring of records in the order of their instants; equal instants in the order of arrival.
   struct Source {
+    std::vector<Record> ring;
+    std::size_t first = 0, count = 0;
     std::int64_t newest_ns;
     bool live = false;
+    [[nodiscard]] Record& at(std::size_t i) noexcept {
+      return ring[first + i < ring.size() ? first + i : first + i - ring.size()];
+    }
   };
+  bool take_before(std::int64_t limit_ns, Record& out) noexcept;
+
   std::vector<Source> sources_;
-  std::vector<Entry> heap_;
-  std::size_t capacity_;
+  std::size_t held_ = 0;
   std::int64_t hold_back_ns_;
   std::int64_t newest_ns_;
   std::int64_t released_ns_;
-  std::uint64_t arrivals_ = 0;
 };
 
 }  // namespace dwell

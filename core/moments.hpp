@@ -1,78 +1,109 @@
 // Trigonometric moments: what the harmonic fit needs to know of samples, and nothing more.
 //
-// With θ = ω (t - t_c) the angle of a sample at t in a block whose centre is t_c, and u = t - t_c (s):
+// With θ = ω (t - t_c) the angle of a sample at t about a centre t_c, and u = t - t_c (s):
 //
-//   of the instants,  M_k^j = Σ u^j exp(jkθ),    k = 0 … 2H, j = 0, 1, 2
-//   of the readings,  Z_h^j = Σ s u^j exp(jhθ),  h = 0 … H,  j = 0, 1, 2
+//   of the instants,  M_k^j = Σ u^j exp(jkθ),    k = 0 … 2H, j = 0, 1;   and Σ u²
+//   of the readings,  Z_h^j = Σ s u^j exp(jhθ),  h = 0 … H,  j = 0, 1;   and Σ s²
 //
 // Every product of two of the regressors 1, sin hθ, cos hθ is a sum of cos and sin of (h ± l)θ, so the (2H+1)²
-// information matrix is made of the 4H+1 numbers M^0. The moments with u and u² say how all of it changes with ω and
-// t_c:
+// information matrix is made of the 4H+1 numbers M^0. The moments with u say how all of it changes with ω and t_c:
 //
 //   exp(jk(θ + φ + δu)) = exp(jkφ) (1 + jkδu - k²δ²u²/2 - …)
 //
-// so blocks that were taken at slightly different ω can be brought to one ω and added, and the sum's derivative by ω is
-// exact. A quarter of a period taken 2 % off leaves an error of (0.016 k)³/6.
+// where u² is taken at its mean: sums taken at slightly different ω can be brought to one ω and added, and the fit's
+// derivative by ω is exact. What is lost is below (kδu)²/6 for a quarter of a period, and (kδu)³/6 for many.
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 namespace dwell::moments {
 
-inline constexpr int kOrders = 3;  // j = 0, 1, 2
-
-// Layout of one set with `count` angles (2H+1 of instants, H+1 of readings): cos then sin for j = 0, then j = 1, j = 2.
-[[nodiscard]] constexpr std::size_t size(int count) noexcept { return static_cast<std::size_t>(2 * kOrders * count); }
+// A set of `count` angles (2H+1 of instants, H+1 of readings) is laid out as cos, sin for j = 0, cos, sin for j = 1,
+// each padded to an even number so that two go into one register, then the sum of squares.
+[[nodiscard]] constexpr std::size_t stride(int count) noexcept {
+  return (static_cast<std::size_t>(count) + 1) & ~std::size_t{1};
+}
+[[nodiscard]] constexpr std::size_t size(int count) noexcept { return 4 * stride(count) + 2; }
 [[nodiscard]] constexpr std::size_t cosine(int count, int order, int k) noexcept {
-  return static_cast<std::size_t>(2 * order * count + k);
+  return 2 * static_cast<std::size_t>(order) * stride(count) + static_cast<std::size_t>(k);
 }
 [[nodiscard]] constexpr std::size_t sine(int count, int order, int k) noexcept {
-  return static_cast<std::size_t>((2 * order + 1) * count + k);
+  return cosine(count, order, k) + stride(count);
 }
+[[nodiscard]] constexpr std::size_t squares(int count) noexcept { return 4 * stride(count); }
 
-// exp(jkθ), k = 0 … 2H, and u of one instant.
+// exp(jkθ), k = 0 … 2H, and u of one instant; zero beyond.
 struct Regressors {
   std::int64_t t_ns = INT64_MIN;
   double u = 0.0;
-  std::array<double, 17> c{}, s{};
+  alignas(16) std::array<double, 18> c{}, s{};
 };
 
-// Fills `out` for the angle theta and time u: one sin, one cos, then the recurrence exp(jkθ) = exp(jθ) exp(j(k-1)θ).
+// sin x and cos x for |x| < 1 by their Taylor series, whose next terms are below 5e-17 for |x| <= π/4, which is all
+// that a quarter of a period about its centre needs: a fraction of libm's cost, and the same bits whatever the libm.
+inline void sin_cos(double x, double& sine_x, double& cosine_x) noexcept {
+  constexpr auto inverse_factorial = [](int n) {
+    double product = 1.0;
+    for (int i = 2; i <= n; ++i) product *= i;
+    return 1.0 / product;
+  };
+  constexpr double f3 = inverse_factorial(3), f4 = inverse_factorial(4), f5 = inverse_factorial(5),
+                   f6 = inverse_factorial(6), f7 = inverse_factorial(7), f8 = inverse_factorial(8),
+                   f9 = inverse_factorial(9), f10 = inverse_factorial(10), f11 = inverse_factorial(11),
+                   f12 = inverse_factorial(12), f13 = inverse_factorial(13), f14 = inverse_factorial(14),
+                   f15 = inverse_factorial(15), f16 = inverse_factorial(16);
+  const double z = x * x, z2 = z * z, z4 = z2 * z2;
+  const double odd = (f5 * z - f3) + z2 * (f9 * z - f7) + z4 * ((f13 * z - f11) - f15 * z2);
+  const double even = (f4 - f6 * z) + z2 * (f8 - f10 * z) + z4 * ((f12 - f14 * z) + f16 * z2);
+  sine_x = x + x * z * odd;
+  cosine_x = 1.0 - (0.5 * z - z2 * even);
+}
+
+// Fills `out` for the angle theta, |theta| < 1, and time u; exp(jkθ) by the Chebyshev recurrence
+// cos kθ = 2 cos θ cos (k-1)θ - cos (k-2)θ, sin alike.
 template <int H>
 inline void evaluate(double theta, double u, Regressors& out) noexcept {
-  const double s1 = std::sin(theta), c1 = std::cos(theta);  // one sincos call after optimization
   out.u = u;
   out.c[0] = 1.0;
   out.s[0] = 0.0;
-  out.c[1] = c1;
-  out.s[1] = s1;
-  const double twice = 2 * c1;
-  for (std::size_t k = 2; k <= 2 * H; ++k) {  // Chebyshev: cos kθ = 2 cos θ cos (k-1)θ - cos (k-2)θ, sin alike
+  sin_cos(theta, out.s[1], out.c[1]);
+  const double twice = 2 * out.c[1];
+  for (std::size_t k = 2; k <= 2 * H; ++k) {
     out.c[k] = twice * out.c[k - 1] - out.c[k - 2];
     out.s[k] = twice * out.s[k - 1] - out.s[k - 2];
   }
 }
 
-// Adds weight·(1, u, u²)·exp(jkθ), k = 0 … count-1, to a set of `count` angles. weight: 1 for instants, the reading for
-// readings, -1 to take an instant back.
+// Adds weight·(1, u)·exp(jkθ), k = 0 … count-1, and `square` to a set. Of instants: weight 1 (-1 takes it back) and
+// weight·u²; of readings: the reading s and s².
 template <int count>
-inline void add(const Regressors& x, double weight, double* set) noexcept {
-  const double w1 = weight * x.u, w2 = w1 * x.u;
-  for (std::size_t k = 0; k < count; ++k) {
-    set[cosine(count, 0, 0) + k] += weight * x.c[k];
-    set[sine(count, 0, 0) + k] += weight * x.s[k];
-    set[cosine(count, 1, 0) + k] += w1 * x.c[k];
-    set[sine(count, 1, 0) + k] += w1 * x.s[k];
-    set[cosine(count, 2, 0) + k] += w2 * x.c[k];
-    set[sine(count, 2, 0) + k] += w2 * x.s[k];
+inline void add(const Regressors& x, double weight, double square, double* __restrict set) noexcept {
+  constexpr std::size_t kStride = stride(count);
+  const double slope = weight * x.u;
+  for (std::size_t k = 0; k < kStride; ++k) {
+    set[k] += weight * x.c[k];
+    set[kStride + k] += weight * x.s[k];
+    set[2 * kStride + k] += slope * x.c[k];
+    set[3 * kStride + k] += slope * x.s[k];
   }
+  set[4 * kStride] += square;
 }
 
-// Brings a set taken at (ω_b, t_b) to (ω, t_ref) and adds it to `out`: delta = ω - ω_b, phase = ω (t_b - t_ref),
-// shift = t_b - t_ref. `in` and `out` must not overlap.
-void rebase_add(const double* in, int count, double delta, double phase, double shift, double* out) noexcept;
+// How a set changes from (ω_b, t_b) to (ω, t_ref).
+struct Turn {
+  double delta;  // ω - ω_b, rad/s
+  double phase;  // ω (t_b - t_ref), rad
+  double shift;  // t_b - t_ref, s
+};
+
+// Turns a set and adds it to `out`. The mean of u² over the set's instants: for instants from the set itself, for
+// readings from the set of their instants. `in` and `out` must not overlap.
+void add_instants(const double* in, int count, const Turn& turn, double* out) noexcept;
+void add_readings(const double* in, int count, const Turn& turn, double mean_square_u, double* out) noexcept;
+[[nodiscard]] inline double mean_square_u(const double* instants, int count) noexcept {
+  return instants[0] > 0 ? instants[squares(count)] / instants[0] : 0.0;
+}
 
 }  // namespace dwell::moments

@@ -24,7 +24,10 @@ constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr double kGrowth = 1.17;  // of the data, before ω is refined again
+constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
+constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
+constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -38,6 +41,8 @@ struct Pipeline::Impl {
         H(given.excitation.harmonics),
         blocks(channel_count, H),
         window(channel_count, H),
+        counted(channel_count, H),
+        gathered(channel_count, H),
         totals(channel_count, H),
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
@@ -47,6 +52,7 @@ struct Pipeline::Impl {
     live.resize(static_cast<std::size_t>(channel_count));
     fits.resize(live.size());
     readings.resize(live.size());
+    transient.resize(live.size());
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       Live& delivering = live[static_cast<std::size_t>(c)];
@@ -83,7 +89,10 @@ struct Pipeline::Impl {
   const Rig rig;
   const int channel_count, H;
   Blocks blocks;
-  mutable Totals window, totals;
+  mutable Totals window;  // the newest period
+  Totals counted;         // all closed blocks of this dwell, kept up to date while measuring
+  bool counted_valid = false;
+  mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;
   DecayRate decay;
@@ -95,7 +104,8 @@ struct Pipeline::Impl {
   Gain provisional_gain;
   Eigen::VectorXcd observed, state_x;
   std::vector<Complex> Y, d, Z;
-  Eigen::VectorXd weights;  // of this dwell, from its verdict on
+  std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
+  Eigen::VectorXd weights;        // of this dwell, from its verdict on
 
   State state = State::idle;
   double omega;  // rad/s, best known
@@ -105,13 +115,14 @@ struct Pipeline::Impl {
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
+  double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   Dwell finished;
   bool pending = false;  // `finished` awaits its reason
   std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
 
   [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
-  [[nodiscard]] double axis_s(std::int64_t ns) const { return to_s(ns - origin_ns); }
+  [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
 
   void enter(State next) {
@@ -206,7 +217,8 @@ struct Pipeline::Impl {
   // ---- once per quarter of a period -------------------------------------------------------------------------------
 
   void on_block(std::int64_t end_ns) {
-    blocks.forget_before(end_ns - to_ns(rig.memory_s));
+    if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
+    if (counted_valid) blocks.add_block(blocks.count() - 1, counted);
     const int quarters = kQuarters * window_periods;
     if (blocks.count() < quarters) return;
     const int from = blocks.count() - quarters, to = blocks.count();
@@ -216,7 +228,7 @@ struct Pipeline::Impl {
     // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
     // first windows do not differ from the later ones for their frequency alone.
     if (tracked() && !std::isfinite(drive.omega())) acquire(from, to, centre_ns);
-    blocks.sum_channel(drive_channel, from, to, false, omega, centre_ns, window);
+    blocks.sum_channel(drive_channel, from, to, omega, centre_ns, window);
     const HarmonicFit table = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
     if (!delivers(drive_channel)) return lose_data();
     if (!table.usable) {
@@ -239,18 +251,17 @@ struct Pipeline::Impl {
     if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega)) return change(from);
     if (state == State::settling) {
       if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
-      blocks.sum(blocks.count() - quarters, blocks.count(), false, omega, centre_ns, window);
-      settle(blocks.count() - quarters, end_ns, table, Y0, u0);
-    } else if (state == State::measuring && blocks.serials() >= refine_at_serial) {
-      refine();
+      settle(end_ns);
+    } else if (state == State::measuring && (!counted_valid || blocks.serials() >= refine_at_serial)) {
+      count_anew();
     }
   }
 
   // ω from one window of the drive channel, where that is known to a hundredth.
   void acquire(int from, int to, std::int64_t centre_ns) {
     double w = kTwoPi * rig.excitation.frequency_hz, information = 0.0;
-    for (int step = 0; step < 4; ++step) {
-      blocks.sum_channel(drive_channel, from, to, false, w, centre_ns, window);
+    for (int step = 0; step < 10; ++step) {
+      blocks.sum_channel(drive_channel, from, to, w, centre_ns, window);
       const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
       if (!(fit.information > 0)) return;
       information = fit.information;
@@ -281,7 +292,9 @@ struct Pipeline::Impl {
     time_constant_s = kNaN;
     verdict = {};
     verdict.settles_in_s = kNaN;
+    counted_valid = false;
     settling.restart();
+    history_omega = omega;
     drive.restart();
     for (Live& channel : live) {
       channel.half_ns_sum = channel.half_count = 0.0;
@@ -347,33 +360,58 @@ struct Pipeline::Impl {
 
   // ---- settling ---------------------------------------------------------------------------------------------------
 
-  void settle(int from, std::int64_t end_ns, const HarmonicFit& table, Complex Y0, double u0) {
-    const Complex back = std::conj(Y0) / std::abs(Y0);
-    for (int c = 0; c < channel_count; ++c) {
-      const auto i = static_cast<std::size_t>(c);
-      const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c);
-      fits[i] = c == drive_channel ? table : fit_harmonics(window, c, H, blocks.reference(c));
-      const HarmonicFit& fit = fits[i];
-      if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
-        window_periods = 2;
-        return;
-      }
-      const double u = std::sqrt(0.5 * fit.covariance.trace());
-      // Relative to the table's phase, whose own noise comes on top.
-      readings[i] = {fit.X[0] * back, std::hypot(u, std::abs(fit.X[0]) * u0 / std::abs(Y0)), fit.sigma2, fit.samples,
-                     watched && fit.usable};
+  // Windows are compared with each other, so all are taken at one ω: when the best known has moved by a part of the
+  // tolerance that would show, those of this hold are taken anew.
+  void settle(std::int64_t end_ns) {
+    const int quarters = kQuarters * window_periods, newest = blocks.count();
+    int first = newest;
+    if (std::abs(omega / history_omega - 1) > 0.2 * rig.tolerance &&
+        blocks.serials() - steady_serial <= Blocks::kFine) {
+      settling.restart();
+      history_omega = omega;
+      first = std::max(blocks.index_of(steady_serial) + quarters, quarters);
     }
-    provisional();
-    verdict = settling.update(blocks.block(from).first_serial, blocks.serials() - 1, axis_s(end_ns), std::abs(Y0), u0,
-                              readings, period_s() * window_periods, time_constant_s);
+    for (int to = first; to <= newest; ++to)
+      if (!look(to - quarters, to)) return;
     if (!verdict.settled || out_of_search()) return;
-    const int first = blocks.index_of(verdict.from_serial);
-    if (first >= blocks.count()) return;
-    settled_ns = blocks.block(first).begin_ns;
+    const int counts_from = blocks.index_of(verdict.from_serial);
+    if (counts_from >= blocks.count()) return;
+    settled_ns = blocks.block(counts_from).begin_ns;
     blocks.forget_before(settled_ns);
     verdict_ns = end_ns;
     enter(State::measuring);
-    refine();
+    for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = settling.left(c);
+    count_anew();
+  }
+
+  // Shows the detector the window of blocks [from, to). false: it could not be fitted.
+  bool look(int from, int to) {
+    const std::int64_t begin_ns = blocks.block(from).begin_ns, end_ns = blocks.block(to - 1).end_ns;
+    blocks.sum(from, to, omega, begin_ns + (end_ns - begin_ns) / 2, window);
+    for (int c = 0; c < channel_count; ++c)
+      fits[static_cast<std::size_t>(c)] = fit_harmonics(window, c, H, blocks.reference(c));
+    const HarmonicFit& table = fits[static_cast<std::size_t>(drive_channel)];
+    if (!table.usable) return false;
+    const Complex back = std::conj(table.X[0]) / std::abs(table.X[0]);
+    const double u_table = std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]);
+    for (int c = 0; c < channel_count; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      const HarmonicFit& fit = fits[i];
+      const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c);
+      if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
+        window_periods = 2;
+        return false;
+      }
+      const double u = std::sqrt(0.5 * fit.covariance.trace());
+      // Relative to the table's phase, whose own noise comes on top.
+      readings[i] = {fit.X[0] * back, std::hypot(u, std::abs(fit.X[0]) * u_table), fit.sigma2, fit.samples,
+                     watched && fit.usable};
+    }
+    provisional();
+    const double amplitude = std::abs(table.X[0]);
+    verdict = settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns),
+                              amplitude, u_table * amplitude, readings, period_s() * window_periods, time_constant_s);
+    return true;
   }
 
   [[nodiscard]] bool out_of_search() const {
@@ -399,11 +437,57 @@ struct Pipeline::Impl {
     time_constant_s = decay.time_constant_s(Z, omega);
   }
 
-  // ω from all data that count, whenever these have grown by a sixth.
-  void refine() {
-    if (tracked()) refine_and_sum(rig, blocks, {0, blocks.count(), false}, drive_channel, now_ns, omega, totals);
+  // ω and the running sums from all data that count: at the verdict, whenever the data have grown by a sixth, and when
+  // the oldest have been forgotten.
+  void count_anew() {
+    counted_valid = false;
+    if (blocks.count() == 0) return;
+    for (int i = 0; i < kTurns; ++i) {
+      blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
+      const Refined refined = refine(rig, counted, drive_channel, totals);
+      omega = refined.omega;
+      if (refined.reached) break;
+    }
+    if (drop_misjudged()) return count_anew();
+    // Once more about the centroid, where turning costs least.
+    const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
+    blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
+    counted_valid = true;
     const std::int64_t first = blocks.block(0).first_serial;
     refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
+  }
+
+  // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
+  // that is no small part of the uncertainty they go, if they are no large part of the data.
+  bool drop_misjudged() {
+    const std::int64_t first = blocks.block(0).first_serial, all = blocks.serials() - first;
+    if (all < kEnoughQuarters) return false;
+    double loss = 0.0;
+    std::int64_t good_from_ns = 0;
+    for (int i = 0; i < blocks.count(); ++i) {
+      const Blocks::Block& block = blocks.block(i);
+      const double turned = (block.omega / omega - 1) * std::numbers::pi / 4;
+      loss += turned * turned / 6 * block.quarters / static_cast<double>(all);
+      if (block.first_serial - first <= all / 8 && std::abs(block.omega / omega - 1) > kMisjudged)
+        good_from_ns = block.end_ns;
+    }
+    const HarmonicFit fit = fit_harmonics(totals, drive_channel, H, 0.0);
+    if (good_from_ns == 0 || !(loss * std::abs(fit.X[0]) > 0.1 * std::sqrt(0.5 * fit.covariance.trace()))) return false;
+    return blocks.forget_before(good_from_ns);
+  }
+
+  // The sums over blocks [from, to) and the open one, refined: leaves them in `totals`.
+  Refined gather(int from, int to, bool with_open) const {
+    Refined refined{omega, 0.0, false};
+    for (int i = 0; i < kTurns && !refined.reached; ++i) {
+      if (i == 0 && from == 0 && to == blocks.count() && counted_valid)
+        counted.turned(counted.omega(), counted.t_ref_ns(), gathered);
+      else
+        blocks.sum(from, to, refined.omega, from < to ? blocks.block(from).begin_ns : now_ns, gathered);
+      if (with_open) blocks.add_open(gathered);
+      refined = refine(rig, gathered, drive_channel, totals);
+    }
+    return refined;
   }
 
   // ---- results ----------------------------------------------------------------------------------------------------
@@ -457,6 +541,13 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
         channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
             ? "no sample yet"
             : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
+    // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
+    // rectangular.
+    const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
+    result.transient_u = transient[static_cast<std::size_t>(c)] * time_constant_s / D *
+                         -std::expm1(-D / time_constant_s) / std::numbers::sqrt3;
+  }
   if (channel.half_count > 0)
     result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
   return result;
@@ -475,9 +566,8 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   }
   const bool settled = state == State::measuring;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
-  double w = omega;
-  const double u = refine_and_sum(rig, blocks, {from, to, with_open}, drive_channel, now_ns, w, totals);
-  dwell.t_ref_s = axis_s(totals.t_ref_ns);
+  const auto [w, u, reached] = gather(from, to, with_open);
+  dwell.t_ref_s = axis_s(totals.t_ref_ns());
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) results.push_back(result_of(c, up_to_now));
   report_phasors(rig, results, w, u, dwell);
@@ -528,7 +618,11 @@ std::complex<double> Pipeline::phasor(int channel) const noexcept {
   if (p.origin_ns == INT64_MIN) return {kNaN, kNaN};
   const int to = p.blocks.count();
   const int from = p.state == State::measuring ? 0 : std::max(0, to - kQuarters * p.window_periods);
-  p.blocks.sum_channel(channel, from, to, true, p.omega, p.now_ns, p.window);
+  if (p.state == State::measuring && p.counted_valid)
+    p.counted.turned(p.omega, p.now_ns, p.window);
+  else
+    p.blocks.sum(from, to, p.omega, p.now_ns, p.window);
+  p.blocks.add_open(p.window);
   const HarmonicFit fit = fit_harmonics(p.window, channel, p.H, 0.0);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;

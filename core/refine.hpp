@@ -1,23 +1,22 @@
-// Refines the drive's frequency from all channels, and sums the blocks at it.
+// Refines the drive's frequency from all channels.
 #pragma once
 
-#include "core/blocks.hpp"
 #include "core/rig.hpp"
+#include "core/totals.hpp"
 
 namespace dwell {
 
-struct BlockRange {
-  int from = 0, to = 0;    // blocks [from, to)
-  bool with_open = false;  // and the block that is still open
+struct Refined {
+  double omega = 0.0;   // rad/s
+  double u = 0.0;       // its standard uncertainty, rad/s: from the residuals, or as stated for a fixed reference
+  bool reached = true;  // no: it lies further from the sums' own ω than these can be turned; sum the blocks anew at it
 };
 
-// Gauss-Newton on ω over the range, all channels of motion and force weighted by their own residuals; within the rig's
-// search range; not at all for a fixed reference. omega (rad/s): start and result. Leaves `totals` at it, about the
-// centroid of `reference_channel`'s samples, where phase and frequency are uncorrelated (an empty range: about
-// fallback_ns). Returns the standard uncertainty of ω in rad/s: from the residuals, or as stated for a fixed one.
-// O(blocks · channels · H) a step, seven steps at most, no allocation. Thread-safe if `totals` is the caller's own.
-double refine_and_sum(const Rig& rig, const Blocks& blocks, const BlockRange& range, int reference_channel,
-                      std::int64_t fallback_ns, double& omega, Totals& totals) noexcept;
+// Gauss-Newton on ω, all channels of motion and force weighted by their own residuals; within the rig's search range;
+// not at all for a fixed reference. `sums`: the data, at an ω near the solution. Leaves in `out` the sums at the
+// refined ω about the centroid of `reference_channel`'s samples, where phase and frequency are uncorrelated. Seven
+// steps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
+[[nodiscard]] Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept;
 
 // ω within the range that the rig file allows to be searched.
 [[nodiscard]] double within_search(const Rig& rig, double omega) noexcept;

@@ -15,6 +15,7 @@ namespace dwell {
 struct ChannelResult {
   HarmonicFit fit;
   std::string withheld;         // why it must not be used now; empty: it may
+  double transient_u = 0.0;     // of the reading, SI, either component: what is left of the transient, on average
   double turnaround_u_s = 0.0;  // standard uncertainty of its instants, shared by its device
 };
 

@@ -9,6 +9,7 @@ namespace dwell {
 
 SettlingDetector::SettlingDetector(int channels, double tolerance) : channels_(channels), tolerance_(tolerance) {
   windows_.reserve(kHistory);
+  left_.resize(static_cast<std::size_t>(channels));
   readings_.resize(static_cast<std::size_t>(kHistory) * static_cast<std::size_t>(channels));
   restart();
 }
@@ -117,6 +118,15 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
     verdict.settles_in_s = 0.0;
     const Window& from = windows_[static_cast<std::size_t>(agreeing)];
     // The window before did not agree, and this one may hold the end of what it saw: a quarter is left out.
+    for (int c = 0; c < channels_; ++c) {
+      double sum = 0.0, count = 0.0;
+      for (int i = agreeing; i < static_cast<int>(windows_.size()); ++i) {
+        if (count > 0 && windows_[static_cast<std::size_t>(i)].t_s > from.t_s + T) break;
+        sum += std::norm(reading(i, c).relative - readings[static_cast<std::size_t>(c)].relative);
+        count += 1;
+      }
+      left_[static_cast<std::size_t>(c)] = readings[static_cast<std::size_t>(c)].usable ? std::sqrt(sum / count) : 0.0;
+    }
     verdict.from_serial = agreeing == 0 ? from.first : from.first + 1;
   } else {
     verdict.settles_in_s = std::max(longest, std::max(0.0, wanted_s));

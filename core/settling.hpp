@@ -51,6 +51,10 @@ class SettlingDetector {
   Verdict update(std::int64_t first, std::int64_t last, double t_s, double table_amplitude, double table_u,
                  std::span<const Reading> readings, double period_s, double time_constant_s) noexcept;
 
+  // After a settled verdict: how far, in the rms, a channel's windows in the first time constant that counts lie from
+  // the newest one: transient and noise together, in the channel's own unit.
+  [[nodiscard]] double left(int channel) const noexcept { return left_[static_cast<std::size_t>(channel)]; }
+
  private:
   static constexpr int kHistory = 192;     // windows remembered; beyond, every second one is dropped
   static constexpr double kSure = 3.0;     // standard deviations within which a difference is noise
@@ -69,6 +73,7 @@ class SettlingDetector {
   double tolerance_;
   std::vector<Window> windows_;
   std::vector<Reading> readings_;
+  std::vector<double> left_;
   int stride_ = 1, skipped_ = 0;
 };
 

@@ -14,11 +14,12 @@ constexpr std::size_t kScratch = 1024;
 constexpr std::size_t kActions = 16;
 constexpr std::size_t kSpare = 4096;  // room in the merger for ticks, actions and states beside the samples
 
+// Of each source.
 std::size_t merger_capacity(const std::vector<DeviceLink*>& links) {
-  std::size_t capacity = kSpare;
+  std::size_t largest = 0;
   for (const DeviceLink* link : links)
-    if (link != nullptr) capacity += 2 * link->capacity();
-  return capacity;
+    if (link != nullptr) largest = std::max(largest, link->capacity());
+  return kSpare + 2 * largest;
 }
 
 std::string seconds(std::int64_t ns) {

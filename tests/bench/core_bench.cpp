@@ -3,12 +3,14 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "core/blocks.hpp"
 #include "core/identify.hpp"
 #include "core/merger.hpp"
-#include "tests/core/bench_rig.hpp"
+#include "core/pipeline.hpp"
+#include "tests/bench/steady_rig.hpp"
 
 namespace dwell {
 namespace {
@@ -18,6 +20,7 @@ constexpr double kOmega = 2 * M_PI * 10;
 
 void libm_sincos(benchmark::State& state) {
   std::vector<double> angles;
+  angles.reserve(kScans);
   for (int i = 0; i < kScans; ++i) angles.push_back(std::remainder(0.01 * i, M_PI));
   for (auto _ : state)
     for (const double angle : angles) {
@@ -52,52 +55,47 @@ void fit_shared_instant(benchmark::State& state) { fit(state, 0); }
 BENCHMARK(fit_own_instants);
 BENCHMARK(fit_shared_instant);
 
-Chain seven_masses() {
-  std::mt19937_64 rng(1);
-  return random_chain(rng, 7, Boundary::free, 10);
-}
-
-// A minute of motion of a seven-mass rig, its eight channels 0.1 ms apart, noise included.
-std::vector<Record> minute_of_records() {
-  const Chain chain = seven_masses();
-  const Rig rig = rig_of(chain, 10);
-  DrivenChain motion(chain, {.frequency_hz = 10, .amplitude = 0.002, .offset = 0, .ramp_s = 0, .harmonics = {}},
-                     DrivenChain::Start::steady);
-  std::mt19937_64 rng(2);
-  std::normal_distribution<double> normal;
+// A minute of a rig's motion, its channels 0.1 ms apart.
+std::vector<Record> minute_of(SteadyRig& source) {
   std::vector<Record> records;
   for (int i = 0; i < 60'000; ++i)
-    for (int c = 0; c < kChannels; ++c) {
+    for (int c = 0; c < source.channels(); ++c) {
       Record record;
       record.t_ns = 1'000'000LL * i + 100'000LL * c;
-      record.value = exact_reading(rig, motion.at(1e-9 * static_cast<double>(record.t_ns)), c) + 1e-6 * normal(rng);
+      record.value = source.reading(c, 1e-9 * static_cast<double>(record.t_ns));
       record.channel = static_cast<std::uint16_t>(c);
       records.push_back(record);
     }
   return records;
 }
 
-// Merger, pipeline and the result published every tenth of a second, as in the service.
+// Every sample through the merger and the pipeline, as in the service.
 void pipeline(benchmark::State& state) {
-  static const std::vector<Record> records = minute_of_records();
-  const Rig rig = rig_of(seven_masses(), 10);
+  SteadyRig source;
+  const std::vector<Record> records = minute_of(source);
   for (auto _ : state) {
-    Pipeline pipeline(rig);
+    Pipeline pipeline(source.rig());
     Merger merger(2, 100'000'000, 4096);
-    std::int64_t publish_ns = 0;
     for (const Record& record : records) {
       merger.push(record.channel & 1, record);
-      for (Record out; merger.pop(out);) {
-        pipeline.push(out);
-        if (out.t_ns < publish_ns) continue;
-        publish_ns = out.t_ns + 100'000'000;
-        benchmark::DoNotOptimize(pipeline.current());
-      }
+      for (Record out; merger.pop(out);) pipeline.push(out);
     }
+    if (pipeline.state() != State::measuring) state.SkipWithError("the rig has not settled");
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * records.size()));
 }
 BENCHMARK(pipeline)->Unit(benchmark::kMillisecond);
+
+// The result with all its uncertainties, after a minute of data.
+void publish(benchmark::State& state) {
+  SteadyRig source;
+  Pipeline pipeline(source.rig());
+  for (const Record& record : minute_of(source)) pipeline.push(record);
+  if (pipeline.state() != State::measuring) state.SkipWithError("the rig has not settled");
+  for (auto _ : state) benchmark::DoNotOptimize(pipeline.current());
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(publish)->Unit(benchmark::kMicrosecond);
 
 void identification(benchmark::State& state) {
   const auto n = static_cast<std::size_t>(state.range(0));

@@ -1,0 +1,140 @@
+// Runs the benches, each ten times and in mixed order, and prints what the medians say beside the targets.
+//
+// Figures are CPU times of the thread concerned (the ring between two threads: real time). On a machine that has other
+// things to do they spread; only the ratios between two of one run tell something. A bench is no test: the exit code is
+// 0 whatever is missed. Takes the options of Google Benchmark; --benchmark_filter leaves rows empty.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+// Collects every counter of every repetition, prints nothing but errors.
+class Medians : public benchmark::BenchmarkReporter {
+ public:
+  bool ReportContext(const Context&) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      const auto& name = run.run_name;
+      std::string bench = name.function_name;
+      if (!name.args.empty()) bench.append("/").append(name.args);
+      if (run.error_occurred) std::fprintf(stderr, "%s: %s\n", bench.c_str(), run.error_message.c_str());
+      if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
+      for (const auto& [counter, value] : run.counters) values_[{bench, counter}].push_back(value.value);
+    }
+  }
+
+  // NaN: it was not run.
+  [[nodiscard]] double of(const std::string& bench, const std::string& counter) {
+    std::vector<double>& values = values_[{bench, counter}];
+    if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+    std::sort(values.begin(), values.end());
+    return 0.5 * (values[values.size() / 2] + values[(values.size() - 1) / 2]);
+  }
+  // ns per item
+  [[nodiscard]] double cost_ns(const std::string& bench) { return 1e9 / of(bench, "items_per_second"); }
+
+ private:
+  std::map<std::pair<std::string, std::string>, std::vector<double>> values_;  // by bench and counter
+};
+
+std::string text(const char* format, double value) {
+  if (std::isnan(value)) return "-";
+  std::array<char, 64> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, value);
+  return buffer.data();
+}
+
+class Table {
+ public:
+  Table() { line("figure", "measured", "ratio", "target", ""); }
+
+  void plain(const char* figure, const std::string& measured, const std::string& ratio = "") const {
+    line(figure, measured, ratio, "", "");
+  }
+  void at_most(const char* figure, const std::string& measured, double ratio, double target) const {
+    judged(figure, measured, ratio, "<= " + text("%g", target), ratio <= target);
+  }
+  void at_least(const char* figure, const std::string& measured, double ratio, double target) const {
+    judged(figure, measured, ratio, ">= " + text("%g", target), ratio >= target);
+  }
+
+ private:
+  static void judged(const char* figure, const std::string& measured, double ratio, const std::string& target,
+                     bool met) {
+    const char* const verdict = std::isnan(ratio) ? "not run" : met ? "met" : "missed";
+    line(figure, measured, text(ratio < 100 ? "%.2f" : "%.0f", ratio), target, verdict);
+  }
+  static void line(const char* figure, const std::string& measured, const std::string& ratio, const std::string& target,
+                   const char* verdict) {
+    std::printf("%-62s %18s %8s %8s  %s\n", figure, measured.c_str(), ratio.c_str(), target.c_str(), verdict);
+  }
+};
+
+void print(Medians& medians) {
+  const double update_ns = 1e8;  // the default `update`, 0.1 s
+  const double sincos_ns = medians.cost_ns("libm_sincos");
+  const auto ns = [&](const char* bench) { return text("%.1f ns", medians.cost_ns(bench)); };
+  const auto against_sincos = [&](const char* bench) { return medians.cost_ns(bench) / sincos_ns; };
+  const auto millions = [&](const char* bench) {
+    return text("%.1f million/s", 1e-6 * medians.of(bench, "items_per_second"));
+  };
+  const auto real_time = [&](const char* bench) { return medians.of(bench, "times_real_time"); };
+  const auto seconds = [&](const char* bench) { return text("%.3f s", 600 / real_time(bench)); };
+
+  const Table table;
+  table.plain("one libm sincos", ns("libm_sincos"));
+  table.at_most("fit per sample, own instants, H = 3 / sincos", ns("fit_own_instants"),
+                against_sincos("fit_own_instants"), 3);
+  table.at_most("fit per channel, shared instant, H = 3 / sincos", ns("fit_shared_instant"),
+                against_sincos("fit_shared_instant"), 1.2);
+  table.at_most("merger and pipeline per sample, 8 channels / sincos", ns("pipeline"), against_sincos("pipeline"), 8);
+  const double publish_ns = medians.cost_ns("publish");
+  table.plain("publishing one result / the 0.1 s between two", text("%.1f us", 1e-3 * publish_ns),
+              text("%.5f", publish_ns / update_ns));
+  table.plain("identification per element, n = 1", ns("identification/1"));
+  table.plain("identification per element, n = 10", ns("identification/10"));
+  table.plain("identification per element, n = 100", ns("identification/100"));
+  table.at_most("identification per element, n = 1000 / n = 10", ns("identification/1000"),
+                medians.cost_ns("identification/1000") / medians.cost_ns("identification/10"), 1.5);
+  table.plain("ring, push and take of a sample on one thread", ns("ring_one_thread"));
+  table.plain("ring, from one thread to another, samples", millions("ring_two_threads"));
+  table.plain("Modbus, bare libmodbus, polls per CPU second",
+              text("%.0f /s", medians.of("modbus_polls", "bare_polls_per_s")));
+  table.at_least("Modbus, plugin, polls per CPU second / bare libmodbus",
+                 text("%.0f /s", medians.of("modbus_polls", "plugin_polls_per_s")), medians.of("modbus_polls", "ratio"),
+                 0.95);
+  table.plain("reading a recording, CSV, samples", millions("csv_parsing"));
+  table.at_least("identify, 10 min of 8 channels at 1 kHz, one instant per row", seconds("identify_shared_instants"),
+                 real_time("identify_shared_instants"), 1000);
+  table.at_least("identify, the same, each sample its own instant", seconds("identify_own_instants"),
+                 real_time("identify_own_instants"), 1000);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Before the caller's, so that those prevail.
+  std::vector<std::string> defaults = {"--benchmark_repetitions=10", "--benchmark_enable_random_interleaving=true",
+                                       "--benchmark_min_time=0.1"};
+  std::vector<char*> arguments = {argv[0]};
+  for (std::string& option : defaults) arguments.push_back(option.data());
+  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  int count = static_cast<int>(arguments.size());
+  arguments.push_back(nullptr);
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+
+  Medians medians;
+  benchmark::RunSpecifiedBenchmarks(&medians);
+  print(medians);
+  return 0;
+}
