@@ -1,4 +1,5 @@
-// Whatever the bytes, the reader of recordings answers: a recording that keeps its promises, or a mistake with its place.
+// Whatever the bytes, the reader of recordings answers: a recording that keeps its promises, or a mistake with its
+// place.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
