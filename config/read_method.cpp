@@ -85,8 +85,8 @@ void read_search(Section& section, Draft& draft) {
 void read_excitation(Section& section, Draft& draft) {
   Excitation& drive = draft.file.rig.excitation;
   drive.minimum = 1e-6;
-  draft.frequency_known = section.real("frequency", drive.frequency_hz,
-                                       {"a number from 0.001 to 100000 (Hz)", 0.001, 1e5}, Need::required);
+  draft.frequency_known =
+      section.real("frequency", drive.frequency_hz, {"a number from 0.001 to 100000 (Hz)", 0.001, 1e5}, Need::required);
   section.real("frequency_u", drive.frequency_u_hz, {"a number from 0 to 100 (Hz)", 0.0, 100.0});
   section.real("clock_u", drive.clock_u, {"a number from 0 to 0.01 (relative)", 0.0, 0.01});
   section.real("minimum", drive.minimum,

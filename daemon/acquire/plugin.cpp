@@ -81,8 +81,9 @@ std::vector<std::string> plugin_folders(const std::vector<std::string>& given) {
   }
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) add(program.parent_path().string());
-  add(DWELL_PLUGIN_DIR);
+  if (error) return folders;
+  add(program.parent_path().string());
+  add((program.parent_path() / DWELL_PLUGIN_DIR).lexically_normal().string());
   return folders;
 }
 

@@ -1,8 +1,9 @@
 // Finds and loads driver plugins, `dwell-driver-NAME.so`, by name.
 //
 // Folders searched, in this order: those given; those of $DWELL_DRIVER_PATH (separated by colons); the folder of the
-// running program; the installed plugin folder. The first file found decides: one that cannot be used is an error, not
-// a reason to look further. A plugin stays loaded until the program ends, so its table is valid for ever. Thread-safe.
+// running program; the plugin folder of the prefix it is installed in (../lib/dwell). The first file found decides: one
+// that cannot be used is an error, not a reason to look further. A plugin stays loaded until the program ends, so its
+// table is valid for ever. Thread-safe.
 #pragma once
 
 #include <string>
