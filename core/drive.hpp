@@ -21,15 +21,14 @@ class DriveMonitor {
 
   // Angular frequency of the hold so far, from the phase's advance; NaN before a period has gone by.
   [[nodiscard]] double omega() const noexcept;
-  // Mean amplitude of the hold.
-  [[nodiscard]] double amplitude() const noexcept { return amplitude_; }
   // How many windows ago the drive was last beyond doubt as in the hold; what came after it does not count when the
   // dwell is ended by a change.
   [[nodiscard]] int windows_since_good() const noexcept { return since_good_; }
 
  private:
-  static constexpr int kLag = 4;        // windows in a period
-  static constexpr double kSure = 4.0;  // standard deviations
+  static constexpr int kLag = 4;          // windows in a period
+  static constexpr long kReference = 64;  // windows of a hold that make its reference
+  static constexpr double kSure = 4.0;    // standard deviations
   struct Window {
     double centre_s;
     std::complex<double> Y;

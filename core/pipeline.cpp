@@ -13,6 +13,7 @@
 #include "core/observation.hpp"
 #include "core/refine.hpp"
 #include "core/report.hpp"
+#include "core/scatter.hpp"
 #include "core/settling.hpp"
 #include "core/transducer.hpp"
 
@@ -24,10 +25,23 @@ constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
-constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
-constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
-constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
+constexpr int kLargestSolved = 64;      // masses; beyond, the eigenvalues cost more than they tell
+constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
+constexpr double kSlip_rad = 0.1;       // of the table's phase against the dwell's, beyond noise: another frequency
+constexpr double kShortest = 5.0;       // periods: what ended sooner without settling is not told
+constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
+constexpr double kUnsteady = 9.0;       // ratio of variances that an operator is told of
+constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // 146 years
+constexpr int kTurns = 3;                                   // times that data are summed anew at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;                // of which an eighth may go
+constexpr double kMisjudged = 3e-4;                         // relative error of ω in a block whose turning costs 1e-8
+constexpr double kGrowth = 1.17;                            // of the data, before ω is refined again
+
+// An absolute transducer on the table.
+bool shows_drive(const Channel& channel) {
+  return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary && channel.at == 0 &&
+         !channel.relative_to;
+}
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -61,8 +75,7 @@ struct Pipeline::Impl {
       delivering.offset = channel.si_per_unit * channel.offset;
       delivering.low = channel.range_low.value_or(-INFINITY) * channel.si_per_unit;
       delivering.high = channel.range_high.value_or(INFINITY) * channel.si_per_unit;
-      const bool motion = channel.measures != Quantity::force && channel.measures != Quantity::auxiliary;
-      if (motion && channel.at == 0 && !channel.relative_to && drive_channel < 0) drive_channel = c;
+      if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
     }
     for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
       const Quantity measures = rig.channels[static_cast<std::size_t>(c)].measures;
@@ -81,7 +94,7 @@ struct Pipeline::Impl {
   struct Live {
     double gain = 1.0, offset = 0.0, low = -INFINITY, high = INFINITY;  // SI
     ChannelNow now;
-    std::int64_t last_ns = INT64_MIN;
+    std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
     std::uint64_t rejected_before = 0, overrange = 0;
     bool referenced = false;
@@ -94,6 +107,11 @@ struct Pipeline::Impl {
   Totals quarter;         // one block alone
   Totals counted;         // all closed blocks of this dwell, kept up to date while measuring
   bool counted_valid = false;
+  struct Hold {
+    std::int64_t t_ref_ns;
+    double phase_rad, omega, u_omega;
+  } hold{};  // the table's phasor in this dwell, as last counted anew
+  int slips = 0;
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;
@@ -107,7 +125,6 @@ struct Pipeline::Impl {
   Eigen::VectorXcd observed, state_x;
   std::vector<Complex> Y, d, Z;
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
-  Eigen::VectorXd weights;        // of this dwell, from its verdict on
 
   State state = State::idle;
   double omega;  // rad/s, best known
@@ -117,8 +134,10 @@ struct Pipeline::Impl {
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
+  std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   Dwell finished;
+  double finished_omega = 1.0;
   bool pending = false;  // `finished` awaits its reason
   std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
@@ -132,14 +151,13 @@ struct Pipeline::Impl {
     state = next;
   }
 
-  // ---- the stream -------------------------------------------------------------------------------------------------
-
   std::uint8_t push(const Record& record) {
     changes = kNothing;
     if (origin_ns == INT64_MIN) {
       origin_ns = now_ns = record.t_ns;
     }
-    if (record.t_ns < now_ns) {  // not in order: counted where there is something to count
+    if (record.t_ns < now_ns ||
+        record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
       if (record.kind == Kind::sample && record.channel < live.size()) ++live[record.channel].now.rejected;
       return changes;
     }
@@ -196,6 +214,7 @@ struct Pipeline::Impl {
       return;
     }
     channel.last_ns = record.t_ns;
+    if (value != channel.now.value) channel.changed_ns = record.t_ns;
     channel.now.value = value;
     channel.now.t_ns = record.t_ns;
     channel.now.fault = Fault::none;
@@ -203,6 +222,10 @@ struct Pipeline::Impl {
     if (channel.now.overrange) {
       ++channel.now.rejected;
       ++channel.overrange;
+      return;
+    }
+    if (stuck(channel) && (state == State::settling || state == State::measuring)) {
+      ++channel.now.rejected;
       return;
     }
     ++channel.now.used;
@@ -215,8 +238,6 @@ struct Pipeline::Impl {
     }
     blocks.add(record.channel, record.t_ns, value);
   }
-
-  // ---- once per quarter of a period -------------------------------------------------------------------------------
 
   void on_block(std::int64_t end_ns) {
     if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
@@ -249,8 +270,12 @@ struct Pipeline::Impl {
       return;
     }
     low_windows = 0;
-    if (state == State::idle || state == State::fault) arm(from);
-    if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega)) return change(from);
+    // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
+    if (state == State::idle || state == State::fault) {
+      if (std::abs(Y0) < 5 * u0) return refresh_reference();
+      arm(from);
+    }
+    if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega) || slipped(centre_ns, table)) return change(from);
     if (state == State::settling) {
       if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
       settle(end_ns);
@@ -272,11 +297,29 @@ struct Pipeline::Impl {
     if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
   }
 
+  // The same reading for longer than a motion at the drive's frequency allows.
+  [[nodiscard]] bool stuck(const Live& channel) const {
+    return channel.changed_ns != INT64_MIN &&
+           to_s(channel.last_ns - channel.changed_ns) > std::max(kStuck_s, kLostPeriods * period_s());
+  }
+
   // A channel delivers while no fault is known of it and its newest sample is not too old.
   [[nodiscard]] bool delivers(int c) const {
     const Live& channel = live[static_cast<std::size_t>(c)];
     return channel.now.fault == Fault::none && channel.last_ns != INT64_MIN &&
            to_s(now_ns - channel.last_ns) <= std::max(kLost_s, kLostPeriods * period_s());
+  }
+
+  // Whether the table's phase has left that of the dwell: a frequency a little off shows in time, wherever the
+  // amplitude and the window's own frequency show nothing. Two windows one after the other.
+  bool slipped(std::int64_t centre_ns, const HarmonicFit& table) {
+    if (state != State::measuring || !counted_valid) return false;
+    const double since_s = to_s(centre_ns - hold.t_ref_ns);
+    const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
+    const double u =
+        std::hypot(std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]), hold.u_omega * since_s);
+    slips = std::abs(off) > kSlip_rad + 4 * u ? slips + 1 : 0;
+    return slips >= 2;
   }
 
   void arm(int from) {
@@ -292,6 +335,7 @@ struct Pipeline::Impl {
     steady_serial = blocks.block(from).first_serial;
     blocks.forget_before(steady_ns);
     time_constant_s = kNaN;
+    solve_at_serial = 0;
     verdict = {};
     verdict.settles_in_s = kNaN;
     counted_valid = false;
@@ -339,12 +383,23 @@ struct Pipeline::Impl {
       --index;
       emit(EndedBy::drive_changed);
     } else if (state == State::settling || state == State::measuring) {
-      conclude(blocks.count(), with_open);
+      // Windows in doubt do not count, whatever ends the dwell.
+      const int doubtful =
+          drive.windows_since_good() > 0 ? std::min(drive.windows_since_good() + 1, blocks.count()) : 0;
+      conclude(blocks.count() - doubtful, with_open && doubtful == 0);
       emit(ended_by);
     }
     enter(next);
   }
-  void lose_data() { end(EndedBy::data_lost, State::fault, false); }
+  void lose_data() {
+    end(EndedBy::data_lost, State::fault, false);
+    // Another transducer of the table's motion, if it has one, shows the drive from now on.
+    for (int c = 0; c < channel_count; ++c)
+      if (shows_drive(rig.channels[static_cast<std::size_t>(c)]) && delivers(c)) {
+        drive_channel = c;
+        break;
+      }
+  }
   void rearm() {
     if (state == State::settling || state == State::measuring) end(EndedBy::drive_changed, State::idle, false);
   }
@@ -359,8 +414,6 @@ struct Pipeline::Impl {
                                   ? live[static_cast<std::size_t>(c)].now.value
                                   : 0.0);
   }
-
-  // ---- settling ---------------------------------------------------------------------------------------------------
 
   // Windows are compared with each other, so all are taken at one ω: when the best known has moved by a part of the
   // tolerance that would show, those of this hold are taken anew.
@@ -399,7 +452,7 @@ struct Pipeline::Impl {
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
       const HarmonicFit& fit = fits[i];
-      const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c);
+      const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !stuck(live[i]);
       if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
         window_periods = 2;
         return false;
@@ -441,8 +494,12 @@ struct Pipeline::Impl {
     return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
-  // Coefficients from the later half of the hold so far, for the decay that they predict.
+  // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
+  // channel delivers, now and then (the eigenvalues cost n³).
   void provisional() {
+    if (rig.mass_count() > kLargestSolved || blocks.serials() < solve_at_serial) return;
+    solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - steady_serial) / 32);
+    time_constant_s = kNaN;
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
       if (rig.channels[i].measures != Quantity::auxiliary && !readings[i].usable) return;
@@ -466,10 +523,12 @@ struct Pipeline::Impl {
   void count_anew() {
     counted_valid = false;
     if (blocks.count() == 0) return;
+    double u_omega = 0.0;
     for (int i = 0; i < kTurns; ++i) {
       blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
       const Refined refined = refine(rig, counted, drive_channel, totals);
       omega = refined.omega;
+      u_omega = refined.u;
       if (refined.reached) break;
     }
     if (drop_misjudged()) return count_anew();
@@ -477,6 +536,7 @@ struct Pipeline::Impl {
     const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
     blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
     counted_valid = true;
+    hold = {centroid_ns, std::arg(fit_harmonics(counted, drive_channel, H, 0.0).X[0]), omega, u_omega};
     const std::int64_t first = blocks.block(0).first_serial;
     refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
   }
@@ -514,18 +574,23 @@ struct Pipeline::Impl {
     return refined;
   }
 
-  // ---- results ----------------------------------------------------------------------------------------------------
-
   void conclude(int to, bool with_open) {
     finished = evaluate(to, with_open, false);
+    finished_omega = omega;
     finished.state = State::complete;
     finished.settles_in_s = kNaN;
     pending = true;
   }
 
   void emit(EndedBy ended_by) {
-    finished.ended_by = ended_by;
     pending = false;
+    // What never settled and was hardly begun was no dwell.
+    if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
+        to_s(now_ns - start_ns) < kShortest * kTwoPi / finished_omega) {
+      --index;
+      return;
+    }
+    finished.ended_by = ended_by;
     changes |= kCompleted;
   }
 
@@ -534,6 +599,7 @@ struct Pipeline::Impl {
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
+  void widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const;
 };
 
 std::string Pipeline::Impl::settling_reason() const {
@@ -560,7 +626,10 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   const Live& channel = live[static_cast<std::size_t>(c)];
   ChannelResult result;
   result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
-  if (up_to_now && !delivers(c))
+  result.dof = result.fit.samples - (2 * H + 1);
+  if (stuck(channel))
+    result.withheld = "stuck at one reading";
+  else if (up_to_now && !delivers(c))
     result.withheld =
         channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
             ? "no sample yet"
@@ -575,6 +644,19 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   if (channel.half_count > 0)
     result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
   return result;
+}
+
+// Residuals that hang together make the phasor less certain than white ones would.
+void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const {
+  const Scatter scatter = phasor_scatter(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
+  if (!(scatter.dof > 0) || scatter.ratio < 1 + kSureOfScatter * std::sqrt(2 / scatter.dof)) return;
+  result.fit.covariance *= scatter.ratio;
+  result.dof = scatter.dof;
+  if (scatter.ratio > kUnsteady && result.withheld.empty()) {
+    const std::string times = std::to_string(std::sqrt(scatter.ratio));
+    dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + " is not steady: its phasor varies " +
+                             times.substr(0, times.find('.') + 2) + " times as much as its noise explains");
+  }
 }
 
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
@@ -593,7 +675,10 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   const auto [w, u, reached] = gather(from, to, with_open);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
   std::vector<ChannelResult> results;
-  for (int c = 0; c < channel_count; ++c) results.push_back(result_of(c, up_to_now));
+  for (int c = 0; c < channel_count; ++c) {
+    results.push_back(result_of(c, up_to_now));
+    if (settled) widen(results.back(), c, from, to, dwell);
+  }
   report_phasors(rig, results, w, u, dwell);
   if (!active) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
@@ -621,8 +706,6 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }
-
-// ---- the interface --------------------------------------------------------------------------------------------------
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
 Pipeline::~Pipeline() = default;

@@ -59,7 +59,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].usable = evidence[c].reason.empty();
     evidence[c].X = fit.X;
     evidence[c].covariance = fit.covariance;
-    evidence[c].dof = fit.samples - (2 * rig.excitation.harmonics + 1);
+    evidence[c].dof = channels[c].dof;
     evidence[c].transient_u = channels[c].transient_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
   }
