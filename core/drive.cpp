@@ -14,6 +14,13 @@ void DriveMonitor::restart() noexcept {
   suspicious_ = since_good_ = 0;
 }
 
+void DriveMonitor::refer(double amplitude, double omega) noexcept {
+  amplitude_ = amplitude;
+  omega_ = omega;
+  seen_ = std::max(seen_, kReference + seen_ % kLag);  // the lag's windows stay where they are
+  frequencies_ = std::max(frequencies_, 1L);
+}
+
 double DriveMonitor::omega() const noexcept {
   return frequencies_ > 0 ? omega_ : std::numeric_limits<double>::quiet_NaN();
 }

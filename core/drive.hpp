@@ -11,8 +11,10 @@ class DriveMonitor {
   // tolerance: relative change of amplitude or frequency that ends a dwell (beyond noise).
   explicit DriveMonitor(double tolerance) noexcept : tolerance_(tolerance) {}
 
-  // A new hold begins: what comes is its reference.
+  // A new hold begins: its first windows are its reference …
   void restart() noexcept;
+  // … until the dwell's own fit is: amplitude (m, rad) and omega (rad/s).
+  void refer(double amplitude, double omega) noexcept;
 
   // One window a quarter of a period after the last: its centre, the table's phasor at that centre (m, rad), the
   // standard deviation of its components, and the omega (rad/s) it was fitted with. True: the drive is another than at

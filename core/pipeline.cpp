@@ -31,11 +31,14 @@ constexpr double kSlip_rad = 0.1;       // of the table's phase against the dwel
 constexpr double kShortest = 5.0;       // periods: what ended sooner without settling is not told
 constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
 constexpr double kUnsteady = 9.0;       // ratio of variances that an operator is told of
-constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // 146 years
-constexpr int kTurns = 3;                                   // times that data are summed anew at a better ω
-constexpr std::int64_t kEnoughQuarters = 40;                // of which an eighth may go
-constexpr double kMisjudged = 3e-4;                         // relative error of ω in a block whose turning costs 1e-8
-constexpr double kGrowth = 1.17;                            // of the data, before ω is refined again
+constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
+constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell is kept back to learn why it ended
+constexpr int kFewestQuarters = 6;             // of data that a dwell must keep
+constexpr int kManyRestarts = 6;               // of a hold, one after the other, that want to be explained
+constexpr int kTurns = 3;                      // times that data are summed anew at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;   // of which an eighth may go
+constexpr double kMisjudged = 3e-4;            // relative error of ω in a block whose turning costs 1e-8
+constexpr double kGrowth = 1.17;               // of the data, before ω is refined again
 
 // An absolute transducer on the table.
 bool shows_drive(const Channel& channel) {
@@ -96,7 +99,8 @@ struct Pipeline::Impl {
     ChannelNow now;
     std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
-    std::uint64_t rejected_before = 0, overrange = 0;
+    double step = INFINITY;  // smallest difference of two readings one after the other, in this hold: SI
+    std::uint64_t overrange = 0;
     bool referenced = false;
   };
 
@@ -111,7 +115,8 @@ struct Pipeline::Impl {
     std::int64_t t_ref_ns;
     double phase_rad, omega, u_omega;
   } hold{};  // the table's phasor in this dwell, as last counted anew
-  int slips = 0;
+  int slips = 0, restarts = 0;
+  bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;
@@ -214,7 +219,10 @@ struct Pipeline::Impl {
       return;
     }
     channel.last_ns = record.t_ns;
-    if (value != channel.now.value) channel.changed_ns = record.t_ns;
+    if (const double step = std::abs(value - channel.now.value); step != 0) {
+      channel.changed_ns = record.t_ns;
+      if (step < channel.step) channel.step = step;
+    }
     channel.now.value = value;
     channel.now.t_ns = record.t_ns;
     channel.now.fault = Fault::none;
@@ -256,20 +264,33 @@ struct Pipeline::Impl {
     if (!delivers(drive_channel)) return lose_data();
     if (!table.usable) {
       // So few samples a period that one alone cannot be solved: look at two.
-      if (window_periods == 1 && table.samples >= 2 * H + 1) window_periods = 2;
+      if (window_periods == 1)
+        window_periods = 2;
+      else
+        sparse = table.samples > 0;
       return;
     }
+    sparse = false;
     const Complex Y0 = as_observed(rig, drive_channel, table.X[0], omega, 1);
     const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
-    const double u0 = std::sqrt(0.5 * table.covariance.trace()) * per_reading;
+    // From few degrees of freedom the noise is itself uncertain.
+    const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
+    const double u0 = few * std::sqrt(0.5 * table.covariance.trace()) * per_reading;
 
-    if (pending && blocks.serials() >= pending_until_serial) emit(EndedBy::drive_changed);
     if (std::abs(Y0) < rig.excitation.minimum || std::abs(Y0) < 3 * u0) {
-      if (++low_windows >= 2) stop();
+      if (++low_windows >= 2) {
+        stop();
+      } else if (pending && blocks.serials() >= pending_until_serial) {
+        emit(EndedBy::drive_changed);
+      }
       if (state == State::idle || state == State::fault) refresh_reference();
       return;
     }
     low_windows = 0;
+    // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
+    if (pending && (blocks.serials() - steady_serial >= (2 * window_periods + 1) * kQuarters ||
+                    blocks.serials() >= pending_until_serial))
+      emit(EndedBy::drive_changed);
     // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
     if (state == State::idle || state == State::fault) {
       if (std::abs(Y0) < 5 * u0) return refresh_reference();
@@ -325,6 +346,7 @@ struct Pipeline::Impl {
   void arm(int from) {
     ++index;
     enter(State::settling);
+    restarts = 0;
     begin_hold(from);
     start_ns = steady_ns;
   }
@@ -344,6 +366,7 @@ struct Pipeline::Impl {
     drive.restart();
     for (Live& channel : live) {
       channel.half_ns_sum = channel.half_count = 0.0;
+      channel.step = INFINITY;
       channel.overrange = 0;
     }
     if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
@@ -356,10 +379,11 @@ struct Pipeline::Impl {
       // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most.
       const int back = std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1);
       conclude(std::max(0, blocks.count() - back), false);
-      pending_until_serial = blocks.serials() + kQuarters * window_periods + 1;
+      pending_until_serial = blocks.serials() + kLongestPending;
       if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
       return arm(from);
     }
+    ++restarts;
     begin_hold(from);
     start_ns = steady_ns;
   }
@@ -536,7 +560,9 @@ struct Pipeline::Impl {
     const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
     blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
     counted_valid = true;
-    hold = {centroid_ns, std::arg(fit_harmonics(counted, drive_channel, H, 0.0).X[0]), omega, u_omega};
+    const Complex X = fit_harmonics(counted, drive_channel, H, 0.0).X[0];
+    hold = {centroid_ns, std::arg(X), omega, u_omega};
+    drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
     const std::int64_t first = blocks.block(0).first_serial;
     refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
   }
@@ -603,6 +629,9 @@ struct Pipeline::Impl {
 };
 
 std::string Pipeline::Impl::settling_reason() const {
+  if (sparse)
+    return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
+           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
   if (state == State::idle) return "the table does not move by more than the minimum";
   if (state == State::fault) {
     const Live& table = live[static_cast<std::size_t>(drive_channel)];
@@ -612,10 +641,18 @@ std::string Pipeline::Impl::settling_reason() const {
   if (out_of_search())
     return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
   if (state == State::settling) {
+    if (restarts >= kManyRestarts)
+      return "the drive is not steady, or not at a frequency between " +
+             std::to_string(rig.excitation.search_low_hz).substr(0, 6) + " and " +
+             std::to_string(rig.excitation.search_high_hz).substr(0, 6) + " Hz";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1) {
       const std::string times = std::to_string(verdict.worst_left);
       return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
-             times.substr(0, times.find('.') + 2) + " times what is allowed";
+             times.substr(0, times.find('.') + 2) + " times what is allowed" +
+             (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
+                      blocks.serials() - steady_serial > 10 * kQuarters
+                  ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
+                  : "");
     }
     return "too few periods seen";
   }
@@ -640,6 +677,14 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
     result.transient_u = transient[static_cast<std::size_t>(c)] * time_constant_s / D *
                          -std::expm1(-D / time_constant_s) / std::numbers::sqrt3;
+  }
+  // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a
+  // multiple of the frequency: no more independent errors then than one period has samples.
+  if (result.fit.usable && std::isfinite(channel.step) &&
+      result.fit.sigma2 < channel.step * channel.step * (0.25 + 1.0 / 12)) {
+    const double span_s = std::sqrt(12 * moments::mean_square_u(totals.channel(c).instants, 2 * H + 1));
+    const double in_period = std::max(1.0, result.fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
+    result.quantization_u = channel.step / std::sqrt(12.0) * std::sqrt(2 / in_period);
   }
   if (channel.half_count > 0)
     result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
@@ -670,7 +715,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.index = index;
     dwell.start_s = axis_s(start_ns);
   }
-  const bool settled = state == State::measuring;
+  int quarters_left = 0;
+  for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
+  const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   const auto [w, u, reached] = gather(from, to, with_open);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
@@ -689,7 +736,10 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
                                std::to_string(channel.overrange) + " readings beyond its range were left out");
   }
   if (!settled) {
-    if (active) {
+    if (state == State::measuring) {
+      dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
+      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+    } else if (active) {
       dwell.settles_in_s = verdict.settles_in_s;
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     }
