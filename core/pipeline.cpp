@@ -25,8 +25,9 @@ constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr int kLargestSolved = 64;      // masses; beyond, the eigenvalues cost more than they tell
-constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
+constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more than they tell
+constexpr double kStuck_s = 0.5;    // and at least kLostPeriods with one and the same reading: it is stuck
+constexpr double kInPhase_rad = 0.02;
 constexpr double kSlip_rad = 0.1;       // of the table's phase against the dwell's, beyond noise: another frequency
 constexpr double kShortest = 5.0;       // periods: what ended sooner without settling is not told
 constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
@@ -115,7 +116,7 @@ struct Pipeline::Impl {
     std::int64_t t_ref_ns;
     double phase_rad, omega, u_omega;
   } hold{};  // the table's phasor in this dwell, as last counted anew
-  int slips = 0, restarts = 0;
+  int slips = 0, since_in_phase = 0, restarts = 0;
   bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
@@ -340,6 +341,7 @@ struct Pipeline::Impl {
     const double u =
         std::hypot(std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]), hold.u_omega * since_s);
     slips = std::abs(off) > kSlip_rad + 4 * u ? slips + 1 : 0;
+    since_in_phase = std::abs(off) > kInPhase_rad + 4 * u ? since_in_phase + 1 : 0;
     return slips >= 2;
   }
 
@@ -363,6 +365,7 @@ struct Pipeline::Impl {
     counted_valid = false;
     settling.restart();
     history_omega = omega;
+    slips = since_in_phase = 0;
     drive.restart();
     for (Live& channel : live) {
       channel.half_ns_sum = channel.half_count = 0.0;
@@ -376,8 +379,10 @@ struct Pipeline::Impl {
   // window; until then the finished dwell is kept back.
   void change(int from) {
     if (state == State::measuring) {
-      // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most.
-      const int back = std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1);
+      // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
+      // the amplitude, as far as the phase has been slipping away by that.
+      const int back = std::max(std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1),
+                                std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
       conclude(std::max(0, blocks.count() - back), false);
       pending_until_serial = blocks.serials() + kLongestPending;
       if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
@@ -695,9 +700,14 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
 void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const {
   const Scatter scatter = phasor_scatter(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
   if (!(scatter.dof > 0) || scatter.ratio < 1 + kSureOfScatter * std::sqrt(2 / scatter.dof)) return;
-  result.fit.covariance *= scatter.ratio;
+  // What varies by many times its noise does not do so independently from stretch to stretch: then the spread of the
+  // stretches is the uncertainty, not that of their mean.
+  result.fit.covariance *= scatter.ratio * (scatter.ratio > kUnsteady ? scatter.dof / 2 + 1 : 1.0);
   result.dof = scatter.dof;
-  if (scatter.ratio > kUnsteady && result.withheld.empty()) {
+  // Told where it is many times the noise and a part of the amplitude that matters.
+  const double varies = std::sqrt(0.5 * result.fit.covariance.trace());
+  if (scatter.ratio > kUnsteady && varies > 0.1 * rig.tolerance * std::abs(result.fit.X[0]) &&
+      result.withheld.empty()) {
     const std::string times = std::to_string(std::sqrt(scatter.ratio));
     dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + " is not steady: its phasor varies " +
                              times.substr(0, times.find('.') + 2) + " times as much as its noise explains");
