@@ -392,6 +392,26 @@ TEST(Pipeline, GivesAmplitudeAndPhaseAtEverySample) {
   }
 }
 
+TEST(Pipeline, TransducersThatContradictEachOtherAreSaidTo) {
+  const Chain chain = clamped_chain();
+  Rig rig = rig_of(chain, 4);
+  rig.channels.push_back(rig.channels[2]);
+  rig.channels.back().name = "y2b";
+  for (const bool wrong : {false, true}) {
+    Bench bench(chain, rig, steady_drive(4), DrivenChain::Start::steady,
+                {.rate_hz = 200, .sigma = {1e-6, 1e-6, 1e-6, 0.01, 1e-6}});
+    bench.alter = [&](Record& record, double) {
+      if (record.channel == 4 && wrong) record.value *= 1.02;
+    };
+    bench.run(20);
+    const Dwell dwell = bench.pipeline.current();
+    const bool said = std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
+                                  [](const std::string& w) { return w.find("contradicts") != std::string::npos; });
+    EXPECT_EQ(said, wrong);
+    if (!wrong) expect_within(dwell, chain, 4, "two transducers on one mass");
+  }
+}
+
 TEST(Pipeline, OfHostileRecordsNoneIsUsedAndAllAreCounted) {
   const Chain chain = free_chain();
   Rig rig = rig_of(chain, 3);
