@@ -14,6 +14,13 @@ void DriveMonitor::restart() noexcept {
   suspicious_ = since_good_ = 0;
 }
 
+void DriveMonitor::refer(double amplitude, double omega) noexcept {
+  amplitude_ = amplitude;
+  omega_ = omega;
+  seen_ = std::max(seen_, kReference + seen_ % kLag);  // the lag's windows stay where they are
+  frequencies_ = std::max(frequencies_, 1L);
+}
+
 double DriveMonitor::omega() const noexcept {
   return frequencies_ > 0 ? omega_ : std::numeric_limits<double>::quiet_NaN();
 }
@@ -44,10 +51,9 @@ bool DriveMonitor::update(double centre_s, std::complex<double> Y, double u, dou
   since_good_ = good && !other ? 0 : since_good_ + 1;
   suspicious_ = other ? suspicious_ + 1 : 0;
   if (suspicious_ >= 2) return true;
-  if (!other) {
-    // A running mean that in the end follows what is slower than 64 windows.
-    amplitude_ += (amplitude - amplitude_) / static_cast<double>(std::min(seen_ + 1, 64L));
-    if (std::isfinite(measured)) omega_ += (measured - omega_) / static_cast<double>(std::min(++frequencies_, 64L));
+  if (!other && seen_ < kReference) {
+    amplitude_ += (amplitude - amplitude_) / static_cast<double>(seen_ + 1);
+    if (std::isfinite(measured)) omega_ += (measured - omega_) / static_cast<double>(++frequencies_);
   }
   ++seen_;
   return false;

@@ -11,8 +11,10 @@ class DriveMonitor {
   // tolerance: relative change of amplitude or frequency that ends a dwell (beyond noise).
   explicit DriveMonitor(double tolerance) noexcept : tolerance_(tolerance) {}
 
-  // A new hold begins: what comes is its reference.
+  // A new hold begins: its first windows are its reference …
   void restart() noexcept;
+  // … until the dwell's own fit is: amplitude (m, rad) and omega (rad/s).
+  void refer(double amplitude, double omega) noexcept;
 
   // One window a quarter of a period after the last: its centre, the table's phasor at that centre (m, rad), the
   // standard deviation of its components, and the omega (rad/s) it was fitted with. True: the drive is another than at
@@ -21,15 +23,14 @@ class DriveMonitor {
 
   // Angular frequency of the hold so far, from the phase's advance; NaN before a period has gone by.
   [[nodiscard]] double omega() const noexcept;
-  // Mean amplitude of the hold.
-  [[nodiscard]] double amplitude() const noexcept { return amplitude_; }
   // How many windows ago the drive was last beyond doubt as in the hold; what came after it does not count when the
   // dwell is ended by a change.
   [[nodiscard]] int windows_since_good() const noexcept { return since_good_; }
 
  private:
-  static constexpr int kLag = 4;        // windows in a period
-  static constexpr double kSure = 4.0;  // standard deviations
+  static constexpr int kLag = 4;          // windows in a period
+  static constexpr long kReference = 64;  // windows of a hold that make its reference
+  static constexpr double kSure = 4.0;    // standard deviations
   struct Window {
     double centre_s;
     std::complex<double> Y;

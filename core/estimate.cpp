@@ -171,10 +171,12 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
       const Eigen::Vector2d step = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
       out.push_back({"noise of " + channel.name, seen.dof, through_channel(c, {step(0), step(1)}), nothing, 0.0});
     }
-    if (seen.transient_u > 0)
-      for (const Complex component : {Complex{1.0, 0.0}, Complex{0.0, 1.0}})
-        out.push_back({"transient left in " + channel.name, kInfinity,
-                       through_channel(c, component * seen.transient_u * std::abs(per_reading)), nothing, 0.0});
+    for (const auto& [name, u] :
+         {std::pair{"transient left in ", seen.transient_u}, std::pair{"quantization of ", seen.quantization_u}})
+      for (const Complex component : {Complex{u, 0.0}, Complex{0.0, u}})
+        if (u > 0)
+          out.push_back(
+              {name + channel.name, kInfinity, through_channel(c, component * std::abs(per_reading)), nothing, 0.0});
     const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
     const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
     if (channel.scale_u > 0)
@@ -335,6 +337,11 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
         rows.push_back(2 * e + 1);
       }
     }
+    for (const auto& [coefficient, name] :
+         {std::pair{&element.stiffness, "stiffness"}, std::pair{&element.damping, "damping"}})
+      if (coefficient->value < -coefficient->U95)
+        result.warnings.push_back("element " + std::to_string(element.k) + " has a negative " + name +
+                                  ", which no passive element has: look at signs, instants and masses");
     // Harmonics of what the element feels and does, where they stand out of the noise.
     double worst = 0.0;
     int worst_h = 0;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdlib>
 
@@ -32,10 +33,11 @@ struct Instants {
 HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept {
   HarmonicFit fit;
   const ChannelMoments sums = totals.channel(channel);
-  const int H = harmonics, parameters = 2 * H + 1;
-  const Instants M{sums.instants, parameters};
+  const int H = harmonics, parameters = 2 * H + 1, in_set = totals.harmonics() + 1;
+  assert(H < in_set);
+  const Instants M{sums.instants, 2 * totals.harmonics() + 1};
   const double* Z = sums.readings;
-  const double sum_squares = Z[moments::squares(H + 1)];
+  const double sum_squares = Z[moments::squares(in_set)];
   fit.samples = M.c(0, 0);
   if (fit.samples < parameters + 1) return fit;
 
@@ -43,12 +45,12 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   Matrix R(parameters, parameters);
   Vector z(parameters);
   R(0, 0) = fit.samples;
-  z(0) = Z[moments::cosine(H + 1, 0, 0)];
+  z(0) = Z[moments::cosine(in_set, 0, 0)];
   for (int h = 1; h <= H; ++h) {
     R(h, 0) = M.s(0, h);
     R(H + h, 0) = M.c(0, h);
-    z(h) = Z[moments::sine(H + 1, 0, h)];
-    z(H + h) = Z[moments::cosine(H + 1, 0, h)];
+    z(h) = Z[moments::sine(in_set, 0, h)];
+    z(H + h) = Z[moments::cosine(in_set, 0, h)];
     for (int l = 1; l <= H; ++l) {
       if (l <= h) R(h, l) = M.sin_sin(0, h, l);
       R(H + h, l) = M.sin_cos(0, l, h);
@@ -81,8 +83,8 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   double gg = 0.0, gs = 0.0;
   for (int h = 1; h <= H; ++h) {
     const double p = h * theta(h), q = h * theta(H + h);
-    gs += p * Z[moments::cosine(H + 1, 1, h)] - q * Z[moments::sine(H + 1, 1, h)];
-    gg += 0.5 * (p * p + q * q) * sums.instants[moments::squares(parameters)];
+    gs += p * Z[moments::cosine(in_set, 1, h)] - q * Z[moments::sine(in_set, 1, h)];
+    gg += 0.5 * (p * p + q * q) * sums.instants[moments::squares(M.count)];
     gX(0) += p * M.c(1, h) - q * M.s(1, h);
     for (int l = 1; l <= H; ++l) {
       gX(l) += p * M.sin_cos(1, l, h) - q * M.sin_sin(1, l, h);

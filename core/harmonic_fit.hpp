@@ -28,8 +28,8 @@ struct HarmonicFit {
   double score = 0.0, information = 0.0;  // s (rad/s)⁻¹ … : δω = Σ score / Σ information
 };
 
-// Fits one channel over the totals. `reference` is what the readings were taken relative to. O(H³). Real-time safe,
-// thread-safe.
+// Fits one channel over the totals with `harmonics` <= totals.harmonics(). `reference` is what the readings were taken
+// relative to. O(H³). Real-time safe, thread-safe.
 [[nodiscard]] HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept;
 
 }  // namespace dwell

@@ -19,14 +19,14 @@ Merger::Merger(std::size_t sources, std::int64_t hold_back_ns, std::size_t capac
 
 Merger::Admission Merger::push(std::size_t source, const Record& record) noexcept {
   assert(source < sources_.size());
-  if (record.t_ns < released_ns_) return Admission::late;
   Source& from = sources_[source];
+  from.live = true;
+  if (record.t_ns < released_ns_) return Admission::late;
   if (from.count == from.ring.size()) return Admission::full;
   std::size_t place = from.count++;
   for (; place > 0 && from.at(place - 1).t_ns > record.t_ns; --place) from.at(place) = from.at(place - 1);
   from.at(place) = record;
   ++held_;
-  from.live = true;
   from.newest_ns = std::max(from.newest_ns, record.t_ns);
   newest_ns_ = std::max(newest_ns_, record.t_ns);
   return Admission::queued;

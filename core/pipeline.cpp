@@ -13,6 +13,7 @@
 #include "core/observation.hpp"
 #include "core/refine.hpp"
 #include "core/report.hpp"
+#include "core/scatter.hpp"
 #include "core/settling.hpp"
 #include "core/transducer.hpp"
 
@@ -24,10 +25,27 @@ constexpr int kQuarters = 4;               // windows of one period
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kLostPeriods = 2.0;       // without a sample, and at least kLost_s: a channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
-constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
-constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
-constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
+constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more than they tell
+constexpr double kStuck_s = 0.5;    // and at least kLostPeriods with one and the same reading: it is stuck
+constexpr double kInPhase_rad = 0.02;
+constexpr double kSlip_rad = 0.1;       // of the table's phase against the dwell's, beyond noise: another frequency
+constexpr double kShortest = 5.0;       // periods: what ended sooner without settling is not told
+constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
+constexpr double kUnsteady = 9.0;       // ratio of variances that an operator is told of
+constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
+constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell is kept back to learn why it ended
+constexpr int kFewestQuarters = 6;             // of data that a dwell must keep
+constexpr int kManyRestarts = 6;               // of a hold, one after the other, that want to be explained
+constexpr int kTurns = 3;                      // times that data are summed anew at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;   // of which an eighth may go
+constexpr double kMisjudged = 3e-4;            // relative error of ω in a block whose turning costs 1e-8
+constexpr double kGrowth = 1.17;               // of the data, before ω is refined again
+
+// An absolute transducer on the table.
+bool shows_drive(const Channel& channel) {
+  return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary && channel.at == 0 &&
+         !channel.relative_to;
+}
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -41,6 +59,7 @@ struct Pipeline::Impl {
         H(given.excitation.harmonics),
         blocks(channel_count, H),
         window(channel_count, H),
+        quarter(channel_count, H),
         counted(channel_count, H),
         gathered(channel_count, H),
         totals(channel_count, H),
@@ -60,8 +79,7 @@ struct Pipeline::Impl {
       delivering.offset = channel.si_per_unit * channel.offset;
       delivering.low = channel.range_low.value_or(-INFINITY) * channel.si_per_unit;
       delivering.high = channel.range_high.value_or(INFINITY) * channel.si_per_unit;
-      const bool motion = channel.measures != Quantity::force && channel.measures != Quantity::auxiliary;
-      if (motion && channel.at == 0 && !channel.relative_to && drive_channel < 0) drive_channel = c;
+      if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
     }
     for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
       const Quantity measures = rig.channels[static_cast<std::size_t>(c)].measures;
@@ -80,9 +98,10 @@ struct Pipeline::Impl {
   struct Live {
     double gain = 1.0, offset = 0.0, low = -INFINITY, high = INFINITY;  // SI
     ChannelNow now;
-    std::int64_t last_ns = INT64_MIN;
+    std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
-    std::uint64_t rejected_before = 0, overrange = 0;
+    double step = INFINITY;  // smallest difference of two readings one after the other, in this hold: SI
+    std::uint64_t overrange = 0;
     bool referenced = false;
   };
 
@@ -90,8 +109,15 @@ struct Pipeline::Impl {
   const int channel_count, H;
   Blocks blocks;
   mutable Totals window;  // the newest period
+  Totals quarter;         // one block alone
   Totals counted;         // all closed blocks of this dwell, kept up to date while measuring
   bool counted_valid = false;
+  struct Hold {
+    std::int64_t t_ref_ns;
+    double phase_rad, omega, u_omega;
+  } hold{};  // the table's phasor in this dwell, as last counted anew
+  int slips = 0, since_in_phase = 0, restarts = 0;
+  bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;
@@ -105,7 +131,6 @@ struct Pipeline::Impl {
   Eigen::VectorXcd observed, state_x;
   std::vector<Complex> Y, d, Z;
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
-  Eigen::VectorXd weights;        // of this dwell, from its verdict on
 
   State state = State::idle;
   double omega;  // rad/s, best known
@@ -115,8 +140,10 @@ struct Pipeline::Impl {
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
+  std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   Dwell finished;
+  double finished_omega = 1.0;
   bool pending = false;  // `finished` awaits its reason
   std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
@@ -130,14 +157,13 @@ struct Pipeline::Impl {
     state = next;
   }
 
-  // ---- the stream -------------------------------------------------------------------------------------------------
-
   std::uint8_t push(const Record& record) {
     changes = kNothing;
     if (origin_ns == INT64_MIN) {
       origin_ns = now_ns = record.t_ns;
     }
-    if (record.t_ns < now_ns) {  // not in order: counted where there is something to count
+    if (record.t_ns < now_ns ||
+        record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
       if (record.kind == Kind::sample && record.channel < live.size()) ++live[record.channel].now.rejected;
       return changes;
     }
@@ -194,6 +220,10 @@ struct Pipeline::Impl {
       return;
     }
     channel.last_ns = record.t_ns;
+    if (const double step = std::abs(value - channel.now.value); step != 0) {
+      channel.changed_ns = record.t_ns;
+      if (step < channel.step) channel.step = step;
+    }
     channel.now.value = value;
     channel.now.t_ns = record.t_ns;
     channel.now.fault = Fault::none;
@@ -201,6 +231,10 @@ struct Pipeline::Impl {
     if (channel.now.overrange) {
       ++channel.now.rejected;
       ++channel.overrange;
+      return;
+    }
+    if (stuck(channel) && (state == State::settling || state == State::measuring)) {
+      ++channel.now.rejected;
       return;
     }
     ++channel.now.used;
@@ -213,8 +247,6 @@ struct Pipeline::Impl {
     }
     blocks.add(record.channel, record.t_ns, value);
   }
-
-  // ---- once per quarter of a period -------------------------------------------------------------------------------
 
   void on_block(std::int64_t end_ns) {
     if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
@@ -233,22 +265,39 @@ struct Pipeline::Impl {
     if (!delivers(drive_channel)) return lose_data();
     if (!table.usable) {
       // So few samples a period that one alone cannot be solved: look at two.
-      if (window_periods == 1 && table.samples >= 2 * H + 1) window_periods = 2;
+      if (window_periods == 1)
+        window_periods = 2;
+      else
+        sparse = table.samples > 0;
       return;
     }
+    sparse = false;
     const Complex Y0 = as_observed(rig, drive_channel, table.X[0], omega, 1);
     const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
-    const double u0 = std::sqrt(0.5 * table.covariance.trace()) * per_reading;
+    // From few degrees of freedom the noise is itself uncertain.
+    const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
+    const double u0 = few * std::sqrt(0.5 * table.covariance.trace()) * per_reading;
 
-    if (pending && blocks.serials() >= pending_until_serial) emit(EndedBy::drive_changed);
     if (std::abs(Y0) < rig.excitation.minimum || std::abs(Y0) < 3 * u0) {
-      if (++low_windows >= 2) stop();
+      if (++low_windows >= 2) {
+        stop();
+      } else if (pending && blocks.serials() >= pending_until_serial) {
+        emit(EndedBy::drive_changed);
+      }
       if (state == State::idle || state == State::fault) refresh_reference();
       return;
     }
     low_windows = 0;
-    if (state == State::idle || state == State::fault) arm(from);
-    if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega)) return change(from);
+    // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
+    if (pending && (blocks.serials() - steady_serial >= (2 * window_periods + 1) * kQuarters ||
+                    blocks.serials() >= pending_until_serial))
+      emit(EndedBy::drive_changed);
+    // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
+    if (state == State::idle || state == State::fault) {
+      if (std::abs(Y0) < 5 * u0) return refresh_reference();
+      arm(from);
+    }
+    if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega) || slipped(centre_ns, table)) return change(from);
     if (state == State::settling) {
       if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
       settle(end_ns);
@@ -270,6 +319,12 @@ struct Pipeline::Impl {
     if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
   }
 
+  // The same reading for longer than a motion at the drive's frequency allows.
+  [[nodiscard]] bool stuck(const Live& channel) const {
+    return channel.changed_ns != INT64_MIN &&
+           to_s(channel.last_ns - channel.changed_ns) > std::max(kStuck_s, kLostPeriods * period_s());
+  }
+
   // A channel delivers while no fault is known of it and its newest sample is not too old.
   [[nodiscard]] bool delivers(int c) const {
     const Live& channel = live[static_cast<std::size_t>(c)];
@@ -277,9 +332,23 @@ struct Pipeline::Impl {
            to_s(now_ns - channel.last_ns) <= std::max(kLost_s, kLostPeriods * period_s());
   }
 
+  // Whether the table's phase has left that of the dwell: a frequency a little off shows in time, wherever the
+  // amplitude and the window's own frequency show nothing. Two windows one after the other.
+  bool slipped(std::int64_t centre_ns, const HarmonicFit& table) {
+    if (state != State::measuring || !counted_valid) return false;
+    const double since_s = to_s(centre_ns - hold.t_ref_ns);
+    const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
+    const double u =
+        std::hypot(std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]), hold.u_omega * since_s);
+    slips = std::abs(off) > kSlip_rad + 4 * u ? slips + 1 : 0;
+    since_in_phase = std::abs(off) > kInPhase_rad + 4 * u ? since_in_phase + 1 : 0;
+    return slips >= 2;
+  }
+
   void arm(int from) {
     ++index;
     enter(State::settling);
+    restarts = 0;
     begin_hold(from);
     start_ns = steady_ns;
   }
@@ -290,14 +359,17 @@ struct Pipeline::Impl {
     steady_serial = blocks.block(from).first_serial;
     blocks.forget_before(steady_ns);
     time_constant_s = kNaN;
+    solve_at_serial = 0;
     verdict = {};
     verdict.settles_in_s = kNaN;
     counted_valid = false;
     settling.restart();
     history_omega = omega;
+    slips = since_in_phase = 0;
     drive.restart();
     for (Live& channel : live) {
       channel.half_ns_sum = channel.half_count = 0.0;
+      channel.step = INFINITY;
       channel.overrange = 0;
     }
     if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
@@ -307,13 +379,16 @@ struct Pipeline::Impl {
   // window; until then the finished dwell is kept back.
   void change(int from) {
     if (state == State::measuring) {
-      // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most.
-      const int back = std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1);
+      // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
+      // the amplitude, as far as the phase has been slipping away by that.
+      const int back = std::max(std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1),
+                                std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
       conclude(std::max(0, blocks.count() - back), false);
-      pending_until_serial = blocks.serials() + kQuarters * window_periods + 1;
+      pending_until_serial = blocks.serials() + kLongestPending;
       if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
       return arm(from);
     }
+    ++restarts;
     begin_hold(from);
     start_ns = steady_ns;
   }
@@ -337,12 +412,23 @@ struct Pipeline::Impl {
       --index;
       emit(EndedBy::drive_changed);
     } else if (state == State::settling || state == State::measuring) {
-      conclude(blocks.count(), with_open);
+      // Windows in doubt do not count, whatever ends the dwell.
+      const int doubtful =
+          drive.windows_since_good() > 0 ? std::min(drive.windows_since_good() + 1, blocks.count()) : 0;
+      conclude(blocks.count() - doubtful, with_open && doubtful == 0);
       emit(ended_by);
     }
     enter(next);
   }
-  void lose_data() { end(EndedBy::data_lost, State::fault, false); }
+  void lose_data() {
+    end(EndedBy::data_lost, State::fault, false);
+    // Another transducer of the table's motion, if it has one, shows the drive from now on.
+    for (int c = 0; c < channel_count; ++c)
+      if (shows_drive(rig.channels[static_cast<std::size_t>(c)]) && delivers(c)) {
+        drive_channel = c;
+        break;
+      }
+  }
   void rearm() {
     if (state == State::settling || state == State::measuring) end(EndedBy::drive_changed, State::idle, false);
   }
@@ -357,8 +443,6 @@ struct Pipeline::Impl {
                                   ? live[static_cast<std::size_t>(c)].now.value
                                   : 0.0);
   }
-
-  // ---- settling ---------------------------------------------------------------------------------------------------
 
   // Windows are compared with each other, so all are taken at one ω: when the best known has moved by a part of the
   // tolerance that would show, those of this hold are taken anew.
@@ -397,15 +481,20 @@ struct Pipeline::Impl {
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
       const HarmonicFit& fit = fits[i];
-      const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c);
+      const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !stuck(live[i]);
       if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
         window_periods = 2;
         return false;
       }
-      const double u = std::sqrt(0.5 * fit.covariance.trace());
+      const double noise = watched && fit.usable ? noise_variance(c, from, to, fit.sigma2) : 0.0;
+      const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
       // Relative to the table's phase, whose own noise comes on top.
-      readings[i] = {fit.X[0] * back, std::hypot(u, std::abs(fit.X[0]) * u_table), fit.sigma2, fit.samples,
+      readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
+                     fit.sigma2,           noise, fit.samples,
                      watched && fit.usable};
+      readings[i].others[0] = fit.mean;
+      Complex turn = back;
+      for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
     }
     provisional();
     const double amplitude = std::abs(table.X[0]);
@@ -414,17 +503,38 @@ struct Pipeline::Impl {
     return true;
   }
 
+  // The noise of a channel in blocks [from, to), whatever else it does: in each quarter of a period a mean, a sine and
+  // a cosine follow any smooth motion, and what they leave is noise. Where too few samples allow that, all that the
+  // harmonic fit leaves.
+  double noise_variance(int c, int from, int to, double otherwise) {
+    double squares = 0.0, freedom = 0.0;
+    for (int i = from; i < to; ++i) {
+      blocks.sum_channel(c, i, i + 1, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
+      const HarmonicFit fit = fit_harmonics(quarter, c, 1, 0.0);
+      if (!std::isfinite(fit.sigma2)) continue;
+      squares += fit.sigma2 * (fit.samples - 3);
+      freedom += fit.samples - 3;
+    }
+    return freedom >= 4 ? std::min(otherwise, squares / freedom) : otherwise;
+  }
+
   [[nodiscard]] bool out_of_search() const {
     const double f = drive.omega() / kTwoPi;
     return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
-  // Coefficients from the newest window alone, for the decay that they predict.
+  // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
+  // channel delivers, now and then (the eigenvalues cost n³).
   void provisional() {
+    if (rig.mass_count() > kLargestSolved || blocks.serials() < solve_at_serial) return;
+    solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - steady_serial) / 32);
+    time_constant_s = kNaN;
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
       if (rig.channels[i].measures != Quantity::auxiliary && !readings[i].usable) return;
-      observed(c) = readings[i].usable ? as_observed(rig, c, fits[i].X[0], omega, 1) : Complex{};
+      const Complex seen = settling.later_mean(c);
+      observed(c) =
+          readings[i].usable ? as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1) : Complex{};
     }
     state_x.noalias() = provisional_gain.gain * observed;
     const int n = rig.mass_count();
@@ -442,10 +552,12 @@ struct Pipeline::Impl {
   void count_anew() {
     counted_valid = false;
     if (blocks.count() == 0) return;
+    double u_omega = 0.0;
     for (int i = 0; i < kTurns; ++i) {
       blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
       const Refined refined = refine(rig, counted, drive_channel, totals);
       omega = refined.omega;
+      u_omega = refined.u;
       if (refined.reached) break;
     }
     if (drop_misjudged()) return count_anew();
@@ -453,6 +565,9 @@ struct Pipeline::Impl {
     const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
     blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
     counted_valid = true;
+    const Complex X = fit_harmonics(counted, drive_channel, H, 0.0).X[0];
+    hold = {centroid_ns, std::arg(X), omega, u_omega};
+    drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
     const std::int64_t first = blocks.block(0).first_serial;
     refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
   }
@@ -490,18 +605,23 @@ struct Pipeline::Impl {
     return refined;
   }
 
-  // ---- results ----------------------------------------------------------------------------------------------------
-
   void conclude(int to, bool with_open) {
     finished = evaluate(to, with_open, false);
+    finished_omega = omega;
     finished.state = State::complete;
     finished.settles_in_s = kNaN;
     pending = true;
   }
 
   void emit(EndedBy ended_by) {
-    finished.ended_by = ended_by;
     pending = false;
+    // What never settled and was hardly begun was no dwell.
+    if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
+        to_s(now_ns - start_ns) < kShortest * kTwoPi / finished_omega) {
+      --index;
+      return;
+    }
+    finished.ended_by = ended_by;
     changes |= kCompleted;
   }
 
@@ -510,9 +630,13 @@ struct Pipeline::Impl {
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
+  void widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const;
 };
 
 std::string Pipeline::Impl::settling_reason() const {
+  if (sparse)
+    return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
+           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
   if (state == State::idle) return "the table does not move by more than the minimum";
   if (state == State::fault) {
     const Live& table = live[static_cast<std::size_t>(drive_channel)];
@@ -522,10 +646,18 @@ std::string Pipeline::Impl::settling_reason() const {
   if (out_of_search())
     return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
   if (state == State::settling) {
+    if (restarts >= kManyRestarts)
+      return "the drive is not steady, or not at a frequency between " +
+             std::to_string(rig.excitation.search_low_hz).substr(0, 6) + " and " +
+             std::to_string(rig.excitation.search_high_hz).substr(0, 6) + " Hz";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1) {
       const std::string times = std::to_string(verdict.worst_left);
       return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
-             times.substr(0, times.find('.') + 2) + " times what is allowed";
+             times.substr(0, times.find('.') + 2) + " times what is allowed" +
+             (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
+                      blocks.serials() - steady_serial > 10 * kQuarters
+                  ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
+                  : "");
     }
     return "too few periods seen";
   }
@@ -536,7 +668,10 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   const Live& channel = live[static_cast<std::size_t>(c)];
   ChannelResult result;
   result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
-  if (up_to_now && !delivers(c))
+  result.dof = result.fit.samples - (2 * H + 1);
+  if (stuck(channel))
+    result.withheld = "stuck at one reading";
+  else if (up_to_now && !delivers(c))
     result.withheld =
         channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
             ? "no sample yet"
@@ -548,9 +683,35 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     result.transient_u = transient[static_cast<std::size_t>(c)] * time_constant_s / D *
                          -std::expm1(-D / time_constant_s) / std::numbers::sqrt3;
   }
+  // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a
+  // multiple of the frequency: no more independent errors then than one period has samples.
+  if (result.fit.usable && std::isfinite(channel.step) &&
+      result.fit.sigma2 < channel.step * channel.step * (0.25 + 1.0 / 12)) {
+    const double span_s = std::sqrt(12 * moments::mean_square_u(totals.channel(c).instants, 2 * H + 1));
+    const double in_period = std::max(1.0, result.fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
+    result.quantization_u = channel.step / std::sqrt(12.0) * std::sqrt(2 / in_period);
+  }
   if (channel.half_count > 0)
     result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
   return result;
+}
+
+// Residuals that hang together make the phasor less certain than white ones would.
+void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const {
+  const Scatter scatter = phasor_scatter(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
+  if (!(scatter.dof > 0) || scatter.ratio < 1 + kSureOfScatter * std::sqrt(2 / scatter.dof)) return;
+  // What varies by many times its noise does not do so independently from stretch to stretch: then the spread of the
+  // stretches is the uncertainty, not that of their mean.
+  result.fit.covariance *= scatter.ratio * (scatter.ratio > kUnsteady ? scatter.dof / 2 + 1 : 1.0);
+  result.dof = scatter.dof;
+  // Told where it is many times the noise and a part of the amplitude that matters.
+  const double varies = std::sqrt(0.5 * result.fit.covariance.trace());
+  if (scatter.ratio > kUnsteady && varies > 0.1 * rig.tolerance * std::abs(result.fit.X[0]) &&
+      result.withheld.empty()) {
+    const std::string times = std::to_string(std::sqrt(scatter.ratio));
+    dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + " is not steady: its phasor varies " +
+                             times.substr(0, times.find('.') + 2) + " times as much as its noise explains");
+  }
 }
 
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
@@ -564,12 +725,17 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.index = index;
     dwell.start_s = axis_s(start_ns);
   }
-  const bool settled = state == State::measuring;
+  int quarters_left = 0;
+  for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
+  const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   const auto [w, u, reached] = gather(from, to, with_open);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
   std::vector<ChannelResult> results;
-  for (int c = 0; c < channel_count; ++c) results.push_back(result_of(c, up_to_now));
+  for (int c = 0; c < channel_count; ++c) {
+    results.push_back(result_of(c, up_to_now));
+    if (settled) widen(results.back(), c, from, to, dwell);
+  }
   report_phasors(rig, results, w, u, dwell);
   if (!active) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
@@ -580,7 +746,10 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
                                std::to_string(channel.overrange) + " readings beyond its range were left out");
   }
   if (!settled) {
-    if (active) {
+    if (state == State::measuring) {
+      dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
+      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+    } else if (active) {
       dwell.settles_in_s = verdict.settles_in_s;
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     }
@@ -590,11 +759,13 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
+  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s))
+    dwell.warnings.push_back(
+        "the chain identified while settling would not decay: whether the transient has is judged by "
+        "the windows alone; look at signs, instants and masses");
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }
-
-// ---- the interface --------------------------------------------------------------------------------------------------
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
 Pipeline::~Pipeline() = default;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/harmonic_fit.hpp"
@@ -34,7 +35,10 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
       information += fit.information;
       longest = std::max(longest, moments::mean_square_u(out.channel(static_cast<int>(c)).instants, 2 * H + 1));
     }
-    if (!(information > 0)) break;
+    if (!(information > 0)) {
+      result.u = std::numeric_limits<double>::quiet_NaN();
+      break;
+    }
     result.u = 1 / std::sqrt(information);
     const double delta = score / information;
     if (std::abs(delta) < kNegligible * result.u || std::abs(delta) < 1e-14 * result.omega) break;

@@ -38,9 +38,12 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       const Eigen::Vector2d along(X.real() / amplitude, X.imag() / amplitude), across(-along(1), along(0));
       const double u_along = std::sqrt(along.dot(fit.covariance * along)) / amplitude;
       const double u_across = std::sqrt(across.dot(fit.covariance * across)) / amplitude;
-      out.u_amplitude = std::abs(out.Y) * std::hypot(u_along, channel.scale_u, channels[c].transient_u / amplitude);
-      out.u_phase_rad = std::hypot(u_across, channels[c].transient_u / amplitude,
-                                   omega * std::hypot(channel.delay_u_s, device.delay_u_s, channels[c].turnaround_u_s));
+      out.u_amplitude =
+          std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, channels[c].transient_u / amplitude,
+                                                           channels[c].quantization_u / amplitude));
+      out.u_phase_rad =
+          std::hypot(u_across, std::hypot(channels[c].transient_u, channels[c].quantization_u) / amplitude,
+                     omega * std::hypot(channel.delay_u_s, device.delay_u_s, channels[c].turnaround_u_s));
       for (int h = 2; h <= H; ++h)
         out.harmonics.push_back(
             std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, device.delay_s, h * omega / kTwoPi)) /
@@ -59,8 +62,9 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].usable = evidence[c].reason.empty();
     evidence[c].X = fit.X;
     evidence[c].covariance = fit.covariance;
-    evidence[c].dof = fit.samples - (2 * rig.excitation.harmonics + 1);
+    evidence[c].dof = channels[c].dof;
     evidence[c].transient_u = channels[c].transient_u;
+    evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
   }
   const Gain gain = solve_observation(G, observation_weights(rig, evidence, omega));

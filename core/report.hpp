@@ -14,8 +14,10 @@ namespace dwell {
 // One channel of a dwell.
 struct ChannelResult {
   HarmonicFit fit;
+  double dof = 0.0;             // degrees of freedom behind the fit's covariance
   std::string withheld;         // why it must not be used now; empty: it may
   double transient_u = 0.0;     // of the reading, SI, either component: what is left of the transient, on average
+  double quantization_u = 0.0;  // of the reading, SI, either component: the device's rounding
   double turnaround_u_s = 0.0;  // standard uncertainty of its instants, shared by its device
 };
 

@@ -26,6 +26,8 @@ class Totals {
   void turned(double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
 
   [[nodiscard]] ChannelMoments channel(int c) const noexcept;
+  // H of the sets that it holds.
+  [[nodiscard]] int harmonics() const noexcept { return readings_count_ - 1; }
   [[nodiscard]] double omega() const noexcept { return omega_; }
   [[nodiscard]] std::int64_t t_ref_ns() const noexcept { return t_ref_ns_; }
   // Mean instant of a channel's samples, ns; t_ref if there are none.

@@ -90,6 +90,7 @@ struct Service::Impl {
   RunInfo run;
   std::vector<std::string> drivers;
   std::int64_t started_ns = raw_now_ns();
+  std::uint64_t told_sequence = 0;  // the newest snapshot that was broadcast
   std::unique_ptr<Session> session;
   std::unique_ptr<HttpServer> http;
   std::unique_ptr<ControlServer> control;
@@ -115,7 +116,12 @@ struct Service::Impl {
     std::uint64_t count = 0;
     while (read(wake.get(), &count, sizeof count) > 0) {
     }
-    if (!session || !session->refresh()) return;
+    if (!session) return;
+    // Whoever asked by HTTP in between has taken the snapshot already: what counts is whether it was told.
+    session->refresh();
+    const std::uint64_t sequence = session->latest().sequence;
+    if (sequence == told_sequence) return;
+    told_sequence = sequence;
     notifier.status(status_line(session->latest(), trouble));
     if (http && http->stats().streams > 0) http->broadcast("dwell", dwell_text_json(view()));
   }

@@ -17,16 +17,24 @@ namespace {
 constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
 constexpr std::int64_t kDeviceBound_ns = 3'000'000'000;  // the interface asks for a turn every 0.5 s
 
-// A poll answered just within its timeout is stamped up to half of that before it is known.
+// A poll answered just within its timeout carries a stamp that is as old when it is known; on a serial line the
+// answer's time on the wire comes on top (256 bytes of 11 bits at most).
 std::int64_t hold_back_ns(const config::RigFile& file) {
   constexpr double kShortest_s = 0.1;
-  constexpr double kLongest_s = 2.0;
+  constexpr double kLongest_s = 10.0;
+  constexpr double kLongestFrame_bits = 256 * 11;
   double longest_s = kShortest_s;
-  for (const config::DeviceSettings& device : file.devices)
-    for (const config::Entry& entry : device.entries)
-      if (entry.key == "timeout")
-        if (const double* timeout_s = std::get_if<double>(&entry.value))
-          longest_s = std::max(longest_s, 0.05 + 0.5 * *timeout_s);
+  for (const config::DeviceSettings& device : file.devices) {
+    double age_s = 0.05;
+    for (const config::Entry& entry : device.entries) {
+      if (const double* timeout_s = std::get_if<double>(&entry.value); timeout_s != nullptr && entry.key == "timeout")
+        age_s += *timeout_s;
+      if (const std::int64_t* baud = std::get_if<std::int64_t>(&entry.value);
+          baud != nullptr && entry.key == "baud" && *baud > 0)
+        age_s += kLongestFrame_bits / static_cast<double>(*baud);
+    }
+    longest_s = std::max(longest_s, age_s);
+  }
   return static_cast<std::int64_t>(std::min(longest_s, kLongest_s) * 1e9);
 }
 
