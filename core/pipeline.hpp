@@ -39,8 +39,9 @@ class Pipeline {
   Pipeline& operator=(Pipeline&&) noexcept;
 
   // Takes the next record of the ordered stream; t = 0 of all reported times is the first record. Returns a set of
-  // Change. Cost: O(1) per sample; at the end of a block (a quarter of a period) O(channels · H²). No allocation, but
-  // once per completed dwell.
+  // Change. Cost: O(1) per sample; at the end of a block (a quarter of a period) O(channels · H²), while settling
+  // O(channels · (H² + windows seen)) and now and then the chain's eigenvalues, O(masses³), masses <= 64. No
+  // allocation, but once per completed dwell.
   std::uint8_t push(const Record& record) noexcept;
 
   // The end of the run: completes the current dwell with `end`. Returns a set of Change.

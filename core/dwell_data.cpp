@@ -1,0 +1,66 @@
+#include "core/pipeline_impl.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
+constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
+constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
+
+}  // namespace
+
+void Pipeline::Impl::count_anew() {
+  counted_valid = false;
+  if (blocks.count() == 0) return;
+  double u_omega = 0.0;
+  for (int i = 0; i < kTurns; ++i) {
+    blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
+    const Refined refined = refine(rig, counted, drive_channel, totals);
+    omega = refined.omega;
+    u_omega = refined.u;
+    if (refined.reached) break;
+  }
+  if (drop_misjudged()) return count_anew();
+  // Once more about the centroid, where turning costs least.
+  const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
+  blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
+  counted_valid = true;
+  const Complex X = fit_harmonics(counted, drive_channel, H, 0.0).X[0];
+  hold = {centroid_ns, std::arg(X), omega, u_omega};
+  drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
+  const std::int64_t first = blocks.block(0).first_serial;
+  refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
+}
+
+bool Pipeline::Impl::drop_misjudged() {
+  const std::int64_t first = blocks.block(0).first_serial, all = blocks.serials() - first;
+  if (all < kEnoughQuarters) return false;
+  double loss = 0.0;
+  std::int64_t good_from_ns = 0;
+  for (int i = 0; i < blocks.count(); ++i) {
+    const Blocks::Block& block = blocks.block(i);
+    const double turned = (block.omega / omega - 1) * std::numbers::pi / 4;
+    loss += turned * turned / 6 * block.quarters / static_cast<double>(all);
+    if (block.first_serial - first <= all / 8 && std::abs(block.omega / omega - 1) > kMisjudged)
+      good_from_ns = block.end_ns;
+  }
+  const HarmonicFit fit = fit_harmonics(totals, drive_channel, H, 0.0);
+  if (good_from_ns == 0 || !(loss * std::abs(fit.X[0]) > 0.1 * std::sqrt(0.5 * fit.covariance.trace()))) return false;
+  return blocks.forget_before(good_from_ns);
+}
+
+Refined Pipeline::Impl::gather(int from, int to, bool with_open) const {
+  Refined refined{omega, 0.0, false};
+  for (int i = 0; i < kTurns && !refined.reached; ++i) {
+    if (i == 0 && from == 0 && to == blocks.count() && counted_valid)
+      counted.turned(counted.omega(), counted.t_ref_ns(), gathered);
+    else
+      blocks.sum(from, to, refined.omega, from < to ? blocks.block(from).begin_ns : now_ns, gathered);
+    if (with_open) blocks.add_open(gathered);
+    refined = refine(rig, gathered, drive_channel, totals);
+  }
+  return refined;
+}
+
+}  // namespace dwell

@@ -1,0 +1,148 @@
+#include "core/pipeline_impl.hpp"
+#include "core/scatter.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
+constexpr double kUnsteady = 9.0;       // ratio of variances that an operator is told of
+constexpr int kFewestQuarters = 6;      // of data that a dwell must keep
+constexpr int kManyRestarts = 6;        // of a hold, one after the other, that want to be explained
+
+}  // namespace
+
+std::string Pipeline::Impl::settling_reason() const {
+  if (sparse)
+    return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
+           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
+  if (state == State::idle) return "the table does not move by more than the minimum";
+  if (state == State::fault) {
+    const Live& table = live[static_cast<std::size_t>(drive_channel)];
+    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel)].name + " is " +
+           to_string(table.now.fault == Fault::none ? Fault::silent : table.now.fault);
+  }
+  if (out_of_search())
+    return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
+  if (state == State::settling) {
+    if (restarts >= kManyRestarts)
+      return "the drive is not steady, or not at a frequency between " +
+             std::to_string(rig.excitation.search_low_hz).substr(0, 6) + " and " +
+             std::to_string(rig.excitation.search_high_hz).substr(0, 6) + " Hz";
+    if (verdict.worst_channel >= 0 && verdict.worst_left > 1) {
+      const std::string times = std::to_string(verdict.worst_left);
+      return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
+             times.substr(0, times.find('.') + 2) + " times what is allowed" +
+             (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
+                      blocks.serials() - steady_serial > 10 * kQuarters
+                  ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
+                  : "");
+    }
+    return "too few periods seen";
+  }
+  return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
+}
+
+ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
+  const Live& channel = live[static_cast<std::size_t>(c)];
+  ChannelResult result;
+  result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
+  result.dof = result.fit.samples - (2 * H + 1);
+  if (stuck(channel))
+    result.withheld = "stuck at one reading";
+  else if (up_to_now && !delivers(c))
+    result.withheld =
+        channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
+            ? "no sample yet"
+            : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
+    // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
+    // rectangular.
+    const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
+    result.transient_u = transient[static_cast<std::size_t>(c)] * time_constant_s / D *
+                         -std::expm1(-D / time_constant_s) / std::numbers::sqrt3;
+  }
+  // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a
+  // multiple of the frequency: no more independent errors then than one period has samples.
+  if (result.fit.usable && std::isfinite(channel.step) &&
+      result.fit.sigma2 < channel.step * channel.step * (0.25 + 1.0 / 12)) {
+    const double span_s = std::sqrt(12 * moments::mean_square_u(totals.channel(c).instants, 2 * H + 1));
+    const double in_period = std::max(1.0, result.fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
+    result.quantization_u = channel.step / std::sqrt(12.0) * std::sqrt(2 / in_period);
+  }
+  if (channel.half_count > 0)
+    result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
+  return result;
+}
+
+// Residuals that hang together make the phasor less certain than white ones would.
+void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const {
+  const Scatter scatter = phasor_scatter(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
+  if (!(scatter.dof > 0) || scatter.ratio < 1 + kSureOfScatter * std::sqrt(2 / scatter.dof)) return;
+  // What varies by many times its noise does not do so independently from stretch to stretch: then the spread of the
+  // stretches is the uncertainty, not that of their mean.
+  result.fit.covariance *= scatter.ratio * (scatter.ratio > kUnsteady ? scatter.dof / 2 + 1 : 1.0);
+  result.dof = scatter.dof;
+  // Told where it is many times the noise and a part of the amplitude that matters.
+  const double varies = std::sqrt(0.5 * result.fit.covariance.trace());
+  if (scatter.ratio > kUnsteady && varies > 0.1 * rig.tolerance * std::abs(result.fit.X[0]) &&
+      result.withheld.empty()) {
+    const std::string times = std::to_string(std::sqrt(scatter.ratio));
+    dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + " is not steady: its phasor varies " +
+                             times.substr(0, times.find('.') + 2) + " times as much as its noise explains");
+  }
+}
+
+Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
+  Dwell dwell;
+  dwell.state = state;
+  dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
+  dwell.settling_reason = settling_reason();
+  if (origin_ns == INT64_MIN) return dwell;
+  const bool active = state == State::settling || state == State::measuring;
+  if (active) {
+    dwell.index = index;
+    dwell.start_s = axis_s(start_ns);
+  }
+  int quarters_left = 0;
+  for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
+  const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
+  const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
+  const auto [w, u, reached] = gather(from, to, with_open);
+  dwell.t_ref_s = axis_s(totals.t_ref_ns());
+  std::vector<ChannelResult> results;
+  for (int c = 0; c < channel_count; ++c) {
+    results.push_back(result_of(c, up_to_now));
+    if (settled) widen(results.back(), c, from, to, dwell);
+  }
+  report_phasors(rig, results, w, u, dwell);
+  if (!active) dwell.frequency_hz = {};
+  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
+  for (int c = 0; c < channel_count; ++c) {
+    const Live& channel = live[static_cast<std::size_t>(c)];
+    if (channel.overrange > 0)
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " +
+                               std::to_string(channel.overrange) + " readings beyond its range were left out");
+  }
+  if (!settled) {
+    if (state == State::measuring) {
+      dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
+      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+    } else if (active) {
+      dwell.settles_in_s = verdict.settles_in_s;
+      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+    }
+    return dwell;
+  }
+  dwell.settled_s = axis_s(std::max(settled_ns, blocks.count() > 0 ? blocks.block(0).begin_ns : settled_ns));
+  dwell.verdict_s = axis_s(verdict_ns);
+  dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
+  dwell.settles_in_s = 0.0;
+  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s))
+    dwell.warnings.push_back(
+        "the chain identified while settling would not decay: whether the transient has is judged by "
+        "the windows alone; look at signs, instants and masses");
+  report_elements(rig, G, results, w, u, dwell);
+  return dwell;
+}
+
+}  // namespace dwell

@@ -1,0 +1,242 @@
+// The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
+// the state machine of the dwell, dwell_settling.cpp judges whether the transient has decayed, dwell_data.cpp keeps the
+// sums that count and their frequency, dwell_result.cpp makes of them what is reported. Internal to core.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/blocks.hpp"
+#include "core/decay.hpp"
+#include "core/drive.hpp"
+#include "core/estimate.hpp"
+#include "core/harmonic_fit.hpp"
+#include "core/identify.hpp"
+#include "core/observation.hpp"
+#include "core/pipeline.hpp"
+#include "core/refine.hpp"
+#include "core/report.hpp"
+#include "core/settling.hpp"
+
+namespace dwell {
+
+inline constexpr double kTwoPi = 2 * std::numbers::pi;
+inline constexpr int kQuarters = 4;          // windows of one period
+inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
+inline constexpr double kLost_s = 1.0;
+inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
+
+[[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
+[[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+// An absolute transducer on the table.
+[[nodiscard]] inline bool shows_drive(const Channel& channel) {
+  return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary && channel.at == 0 &&
+         !channel.relative_to;
+}
+
+struct Pipeline::Impl {
+  explicit Impl(const Rig& given)
+      : rig(given),
+        channel_count(static_cast<int>(given.channels.size())),
+        H(given.excitation.harmonics),
+        blocks(channel_count, H),
+        window(channel_count, H),
+        quarter(channel_count, H),
+        counted(channel_count, H),
+        gathered(channel_count, H),
+        totals(channel_count, H),
+        settling(channel_count, given.tolerance),
+        drive(given.tolerance),
+        decay(given.boundary, given.masses),
+        G(observation_matrix(given)),
+        omega(kTwoPi * given.excitation.frequency_hz) {
+    live.resize(static_cast<std::size_t>(channel_count));
+    fits.resize(live.size());
+    readings.resize(live.size());
+    transient.resize(live.size());
+    for (int c = 0; c < channel_count; ++c) {
+      const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+      Live& delivering = live[static_cast<std::size_t>(c)];
+      delivering.gain = channel.si_per_unit * channel.scale;
+      delivering.offset = channel.si_per_unit * channel.offset;
+      delivering.low = channel.range_low.value_or(-INFINITY) * channel.si_per_unit;
+      delivering.high = channel.range_high.value_or(INFINITY) * channel.si_per_unit;
+      if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
+    }
+    for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
+      const Quantity measures = rig.channels[static_cast<std::size_t>(c)].measures;
+      if (measures != Quantity::force && measures != Quantity::auxiliary) drive_channel = c;
+    }
+    const auto unknowns = static_cast<std::size_t>(rig.mass_count());
+    provisional_gain = solve_observation(G, Eigen::VectorXd::Ones(G.rows()));
+    observed.resize(G.rows());
+    state_x.resize(G.cols());
+    Y.resize(unknowns + 1);
+    d.resize(unknowns);
+    Z.resize(static_cast<std::size_t>(rig.element_count()));
+  }
+
+  // One channel as it delivers.
+  struct Live {
+    double gain = 1.0, offset = 0.0, low = -INFINITY, high = INFINITY;  // SI
+    ChannelNow now;
+    std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
+    double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
+    double step = INFINITY;  // smallest difference of two readings one after the other, in this hold: SI
+    std::uint64_t overrange = 0;
+    bool referenced = false;
+  };
+
+  const Rig rig;
+  const int channel_count, H;
+  Blocks blocks;
+  mutable Totals window;  // the newest period
+  Totals quarter;         // one block alone
+  Totals counted;         // all closed blocks of this dwell, kept up to date while measuring
+  bool counted_valid = false;
+  struct Hold {
+    std::int64_t t_ref_ns;
+    double phase_rad, omega, u_omega;
+  } hold{};  // the table's phasor in this dwell, as last counted anew
+  int slips = 0, since_in_phase = 0, restarts = 0;
+  bool sparse = false;              // the drive's channel has too few samples a period
+  mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
+  SettlingDetector settling;
+  DriveMonitor drive;
+  DecayRate decay;
+  const Eigen::MatrixXd G;
+  int drive_channel = -1;
+  std::vector<Live> live;
+  std::vector<HarmonicFit> fits;  // of the newest window
+  std::vector<SettlingDetector::Reading> readings;
+  Gain provisional_gain;
+  Eigen::VectorXcd observed, state_x;
+  std::vector<Complex> Y, d, Z;
+  std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
+
+  State state = State::idle;
+  double omega;  // rad/s, best known
+  std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
+  int index = 0, low_windows = 0, window_periods = 1;
+  std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
+  double time_constant_s = kNaN;
+  SettlingDetector::Verdict verdict;
+  std::int64_t steady_serial = 0, refine_at_serial = 0;
+  std::int64_t solve_at_serial = 0;
+  double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
+  Dwell finished;
+  double finished_omega = 1.0;
+  bool pending = false;  // `finished` awaits its reason
+  std::int64_t pending_until_serial = 0;
+  std::uint8_t changes = kNothing;
+
+  [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
+  [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
+  [[nodiscard]] double period_s() const { return kTwoPi / omega; }
+
+  void enter(State next) {
+    if (next != state) changes |= kStateChanged;
+    state = next;
+  }
+
+  std::uint8_t push(const Record& record);
+
+  // Brings the blocks up to now.
+  void advance();
+
+  void open_block(std::int64_t begin_ns) { blocks.open(begin_ns, begin_ns + to_ns(period_s() / kQuarters), omega); }
+
+  void sample(const Record& record);
+
+  void on_block(std::int64_t end_ns);
+
+  // ω from one window of the drive channel, where that is known to a hundredth.
+  void acquire(int from, int to, std::int64_t centre_ns);
+
+  // The same reading for longer than a motion at the drive's frequency allows.
+  [[nodiscard]] bool stuck(const Live& channel) const {
+    return channel.changed_ns != INT64_MIN &&
+           to_s(channel.last_ns - channel.changed_ns) > std::max(kStuck_s, kLostPeriods * period_s());
+  }
+
+  // A channel delivers while no fault is known of it and its newest sample is not too old.
+  [[nodiscard]] bool delivers(int c) const {
+    const Live& channel = live[static_cast<std::size_t>(c)];
+    return channel.now.fault == Fault::none && channel.last_ns != INT64_MIN &&
+           to_s(now_ns - channel.last_ns) <= std::max(kLost_s, kLostPeriods * period_s());
+  }
+
+  // Whether the table's phase has left that of the dwell: a frequency a little off shows in time, wherever the
+  // amplitude and the window's own frequency show nothing. Two windows one after the other.
+  bool slipped(std::int64_t centre_ns, const HarmonicFit& table);
+
+  void arm(int from);
+
+  // The drive is taken as steady from block `from` on.
+  void begin_hold(int from);
+
+  // The drive is another than in this hold. Whether it changed or stopped shows when the change has passed through the
+  // window; until then the finished dwell is kept back.
+  void change(int from);
+
+  void stop();
+
+  // Ends the run of dwells for another reason than the drive.
+  void end(EndedBy ended_by, State next, bool with_open);
+  void lose_data();
+  void rearm();
+
+  // While nothing is measured the means may be taken anew, so that they never cost digits however long the service
+  // runs.
+  void refresh_reference();
+
+  // Windows are compared with each other, so all are taken at one ω: when the best known has moved by a part of the
+  // tolerance that would show, those of this hold are taken anew.
+  void settle(std::int64_t end_ns);
+
+  // Shows the detector the window of blocks [from, to). false: it could not be fitted.
+  bool look(int from, int to);
+
+  // The noise of a channel in blocks [from, to), whatever else it does: in each quarter of a period a mean, a sine and
+  // a cosine follow any smooth motion, and what they leave is noise. Where too few samples allow that, all that the
+  // harmonic fit leaves.
+  double noise_variance(int c, int from, int to, double otherwise);
+
+  [[nodiscard]] bool out_of_search() const {
+    const double f = drive.omega() / kTwoPi;
+    return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
+  }
+
+  // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
+  // channel delivers, now and then (the eigenvalues cost n³).
+  void provisional();
+
+  // ω and the running sums from all data that count: at the verdict, whenever the data have grown by a sixth, and when
+  // the oldest have been forgotten.
+  void count_anew();
+
+  // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
+  // that is no small part of the uncertainty they go, if they are no large part of the data.
+  bool drop_misjudged();
+
+  // The sums over blocks [from, to) and the open one, refined: leaves them in `totals`.
+  Refined gather(int from, int to, bool with_open) const;
+
+  void conclude(int to, bool with_open);
+
+  void emit(EndedBy ended_by);
+
+  // Blocks up to `to`. up_to_now: a channel that does not deliver now is withheld; a dwell that has ended keeps what it
+  // had.
+  [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
+  [[nodiscard]] std::string settling_reason() const;
+  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
+  void widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const;
+};
+
+}  // namespace dwell
