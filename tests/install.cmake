@@ -1,0 +1,22 @@
+# Installs what was built under a prefix of its own and has the installed service check the installed rig files: it finds
+# its plugins there, and the unit starts the program that lies there. Arguments: BUILD, our build folder; WORK, the prefix.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${ARGN} failed:\n${output}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK})
+file(GLOB rigs ${WORK}/share/dwell/rigs/*.toml)
+if(NOT rigs)
+  message(FATAL_ERROR "no rig file is installed")
+endif()
+foreach(rig ${rigs})
+  run(${CMAKE_COMMAND} -E env --unset=DWELL_DRIVER_PATH ${WORK}/bin/dwelld --check-config ${rig})
+endforeach()
+file(STRINGS ${WORK}/lib/systemd/system/dwelld.service start REGEX "^ExecStart=${WORK}/bin/dwelld ")
+if(NOT start)
+  message(FATAL_ERROR "the unit does not start the installed program")
+endif()
