@@ -369,10 +369,10 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
       }
     }
     if (worst_h > 0) {
-      const std::string thousandths = std::to_string(static_cast<int>(std::lround(1000 * worst)) + 1000).substr(1);
+      const std::string ratio = std::to_string(worst);
       result.warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +
                                 std::to_string(worst_h) + " of its " + worst_of + " is " +
-                                (worst < 1 ? "0." + thousandths : std::to_string(worst)) +
+                                ratio.substr(0, ratio.find('.') + 4) +
                                 " of the fundamental; c and r hold for this amplitude alone");
     }
     result.elements.push_back(std::move(element));

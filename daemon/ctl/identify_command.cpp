@@ -91,8 +91,12 @@ int identify_recording(const IdentifyOptions& options) {
 
   const bool settled =
       std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return std::isfinite(d.settled_s); });
-  if (!settled) say(reason(file->rig, dwells));
-  return std::any_of(dwells.begin(), dwells.end(), answers) ? kDone : kNo;
+  const bool answered = std::any_of(dwells.begin(), dwells.end(), answers);
+  if (!settled)
+    say(reason(file->rig, dwells));
+  else if (!answered)
+    say("no element of any dwell is identifiable; the reasons stand with the elements");
+  return answered ? kDone : kNo;
 }
 
 }  // namespace dwell::ctl
