@@ -91,7 +91,7 @@ TEST(Pipeline, SkewedAndJitteredChannelsGiveTheSameWithinTheirUncertainty) {
   const Chain chain = clamped_chain();
   const double f = 4;
   const Rig rig = rig_of(chain, f);
-  const Sampling skewed{.rate_hz = 100, .skew_s = 0.00125, .jitter = 0.1, .sigma = {2e-6, 2e-6, 2e-6, 0.02}};
+  const Sampling skewed{.rate_hz = 100, .skew_s = 0.005 / 3, .jitter = 0.1, .sigma = {2e-6, 2e-6, 2e-6, 0.02}};
   Bench bench(chain, rig, steady_drive(f), DrivenChain::Start::steady, skewed);
   bench.run(20);
   bench.finish();
