@@ -1,5 +1,6 @@
 // The modbus plugin against devices that lie, dawdle and vanish.
 #include <gtest/gtest.h>
+#include <netdb.h>
 
 #include <cmath>
 
@@ -260,6 +261,10 @@ TEST(ModbusPlugin, SplitsWhatExceedsTheMaximumOfOneTransaction) {
 }
 
 TEST(ModbusPlugin, LooksUpNamesWithoutMakingStopWait) {
+  addrinfo* found = nullptr;
+  if (getaddrinfo("localhost", nullptr, nullptr, &found) != 0)
+    GTEST_SKIP() << "this machine has no address for localhost";
+  freeaddrinfo(found);
   ModbusDevice device(kTcp, honest);
   Given given("amplifier");
   given.set("transport", "tcp").set("host", "localhost").set("port", device.port());
