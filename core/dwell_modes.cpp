@@ -3,9 +3,12 @@
 namespace dwell {
 namespace {
 
-constexpr double kGrowth = 1.12;   // of the hold, before its poles are refined again
+constexpr double kGrowth = 1.25;   // of the hold, before its poles are refined again
+constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode
+constexpr double kGone = 1e-6;     // of an amplitude by then
 constexpr double kTrust = 0.05;    // relative change of a pole in one step of its refinement, as far as the data leave it open
-constexpr int kRefinements = 2;    // steps each time
+constexpr int kRefinements = 2;    // steps each time, at most
+constexpr double kConverged = 0.1; // of the uncertainty of a pole
 constexpr double kGrowthMeasuring = 1.5;  // the same after the verdict …
 constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
@@ -61,14 +64,23 @@ std::span<const Complex> Pipeline::Impl::chain_poles() {
     observed(c) = modal.usable(c) ? as_observed(rig, c, modal.phasor(c, 1), modal.omega(), 1) : Complex{};
   }
   time_constant_s = identified_time_constant(modal.omega());
-  decaying.assign(decay.poles().begin(), decay.poles().end());
-  for (Complex& pole : decaying) pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
-  return decaying;
+  return decay.poles();
+}
+
+// Those of `poles` that have not decayed to nothing where the fit begins.
+void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const {
+  const double skipped_s = to_s(modal_from_ns - steady_ns);
+  out.clear();
+  for (Complex pole : poles) {
+    pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
+    if (std::exp(pole.real() * skipped_s) > kGone) out.push_back(pole);
+  }
 }
 
 bool Pipeline::Impl::refit_modes() {
-  const std::int64_t oldest_ns = history[history.begin()].t_ns;
-  modal_from_ns = std::max(steady_ns, oldest_ns);
+  const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
+  const bool long_enough = to_s(held_ns) > 8 * period_s();
+  modal_from_ns = std::max(steady_ns + (long_enough ? static_cast<std::int64_t>(kSkipped * static_cast<double>(held_ns)) : 0), oldest_ns);
   for (double& range : ranges) range = 0.0;
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
@@ -76,29 +88,33 @@ bool Pipeline::Impl::refit_modes() {
     ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
   const double w = drive_omega();
-  best_poles.clear();
-  double best = INFINITY;
   if (modal_poles.empty()) {
     // From the windows' mean, the first time.
     if (decay.poles().empty()) return false;
     modal_poles.assign(decay.poles().begin(), decay.poles().end());
-    for (Complex& pole : modal_poles) pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
   }
-  best = fit_modes(w, modal_poles);
-  best_poles.assign(modal.poles().begin(), modal.poles().end());
-  for (int i = 0; i < 2; ++i) {
-    const auto chain = chain_poles();
-    if (chain.empty()) break;
-    const double misfit = fit_modes(w, chain);
-    if (!(misfit < best)) break;
-    best = misfit;
-    best_poles.assign(modal.poles().begin(), modal.poles().end());
+  keep_alive(modal_poles, best_poles);
+  double best = fit_modes(w, best_poles);
+  // The chain that this fit identifies may tell better.
+  if (const auto chain = chain_poles(); !chain.empty()) {
+    keep_alive(chain, trial_poles);
+    double furthest = trial_poles.size() == best_poles.size() ? 0.0 : 1.0;
+    for (std::size_t m = 0; furthest < 1 && m < trial_poles.size(); ++m)
+      furthest = std::max(furthest, std::abs(trial_poles[m] - best_poles[m]) / std::abs(best_poles[m]));
+    if (furthest > kTrust) {
+      const double misfit = fit_modes(w, trial_poles);
+      if (misfit < best || !std::isfinite(best)) {
+        best = misfit;
+        best_poles = trial_poles;
+      } else {
+        fit_modes(w, best_poles);
+      }
+    }
   }
   if (!std::isfinite(best)) return false;
-  if (modal.poles().size() != best_poles.size() || !std::equal(best_poles.begin(), best_poles.end(), modal.poles().begin()))
-    fit_modes(w, best_poles);
   for (int i = 0; i < kRefinements; ++i) {
     const auto moved = modal.refined(kTrust);
+    if (modal.converged() < kConverged) break;
     trial_poles.assign(moved.begin(), moved.end());
     const double misfit = fit_modes(w, trial_poles);
     if (!(misfit < best)) {
@@ -218,10 +234,11 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
 void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   if (t_ns < quiet_ns && modal.usable(c)) {
     value -= modal.transient(c, t_ns);
-    const Eigen::VectorXd& modes = modal.modes_at(t_ns);
+    const auto modes = modal.modes_at(t_ns);
     const double angle = modal.omega() * to_s(t_ns - modal.t0_ns());
-    overlap[static_cast<std::size_t>(c)].row(0) += std::sin(angle) * modes.transpose();
-    overlap[static_cast<std::size_t>(c)].row(1) += std::cos(angle) * modes.transpose();
+    auto B = overlap[static_cast<std::size_t>(c)].leftCols(modes.size());
+    B.row(0) += std::sin(angle) * modes.transpose();
+    B.row(1) += std::cos(angle) * modes.transpose();
   }
   blocks.add(c, t_ns, value);
 }

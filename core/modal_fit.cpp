@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dwell {
 namespace {
@@ -23,9 +24,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   poles_.resize(capacity_);
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
-  u_poles_.resize(2 * capacity_);
   x_.resize(all);
-  modes_.resize(2 * most);
   work_.resize(harmonic_ + most, harmonic_ + most);
   columns_.resize(harmonic_ + most, most);
   slopes_.resize(most, most);
@@ -48,7 +47,6 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
   if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
   modal_ = 2 * static_cast<Index>(count_);
   for (std::size_t m = 0; m < count_; ++m) sizes_[m] = std::abs(poles_[m]);
-  std::fill(u_poles_.begin(), u_poles_.end(), 0.0);
   for (PerChannel& channel : channels_) {
     channel.normal.setZero();
     channel.moments.setZero();
@@ -190,6 +188,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
   auto unit = slopes_.topLeftCorner(modal_, modal_);
   unit.setIdentity();
   llt.solveInPlace(unit);
+  converged_ = 0.0;
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
     Complex rho{g(i), g(i + 1)};
@@ -200,8 +199,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
     moved.real(std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
-    u_poles_[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, unit(i, i)));
-    u_poles_[static_cast<std::size_t>(i) + 1] = std::sqrt(std::max(0.0, unit(i + 1, i + 1)));
+    converged_ = std::max(converged_, std::abs(rho) / std::sqrt(std::max(1e-300, unit(i, i) + unit(i + 1, i + 1))));
   }
   return {moved_.data(), count_};
 }
@@ -244,11 +242,9 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   return left;
 }
 
-const Eigen::VectorXd& ModalFit::modes_at(std::int64_t t_ns) noexcept {
+Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) noexcept {
   evaluate(t_ns);
-  modes_.setZero();
-  modes_.head(modal_) = x_.segment(harmonic_, modal_);
-  return modes_;
+  return std::as_const(x_).segment(harmonic_, modal_);
 }
 
 double ModalFit::transient(int channel, std::int64_t t_ns) noexcept {

@@ -69,8 +69,8 @@ struct Pipeline::Impl {
     transient.resize(live.size());
     ranges.resize(live.size());
     overlap.resize(live.size());
-    for (auto& B : overlap) B.setZero(2, modal.modal_regressors() * 2);
-    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &decaying}) poles->reserve(2 * given.masses.size());
+    for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
+    for (auto* poles : {&modal_poles, &best_poles, &trial_poles}) poles->reserve(2 * given.masses.size());
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       Live& delivering = live[static_cast<std::size_t>(c)];
@@ -125,7 +125,7 @@ struct Pipeline::Impl {
   std::uint64_t modal_next = 0;          // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
   std::int64_t quiet_ns = INT64_MIN;     // until then the transient is taken out of what comes in
-  std::vector<Complex> modal_poles, best_poles, trial_poles, decaying;
+  std::vector<Complex> modal_poles, best_poles, trial_poles;
   std::vector<double> ranges;            // per channel, largest distance from the first reading of the hold
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
@@ -238,6 +238,7 @@ struct Pipeline::Impl {
   double fit_modes(double w, std::span<const Complex> poles);
   void solve_modes();
   std::span<const Complex> chain_poles();
+  void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
   bool refit_modes();
   double modal_left(std::int64_t t_ns, int* worst) const;
   bool settle_by_modes(std::int64_t end_ns);
