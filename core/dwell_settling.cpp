@@ -17,6 +17,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   }
   for (int to = first; to <= newest; ++to)
     if (!look(to - quarters, to)) return;
+  if (settle_by_modes(end_ns)) return;
   if (!verdict.settled || out_of_search()) return;
   const int counts_from = blocks.index_of(verdict.from_serial);
   if (counts_from >= blocks.count()) return;
@@ -85,6 +86,11 @@ void Pipeline::Impl::provisional() {
     observed(c) =
         readings[i].usable ? as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1) : Complex{};
   }
+  time_constant_s = identified_time_constant(omega);
+}
+
+// From what the transducers observe, in `observed`.
+double Pipeline::Impl::identified_time_constant(double w) {
   state_x.noalias() = provisional_gain.gain * observed;
   const int n = rig.mass_count();
   Y[0] = state_x(0);
@@ -92,8 +98,8 @@ void Pipeline::Impl::provisional() {
     d[static_cast<std::size_t>(k - 1)] = state_x(k);
     Y[static_cast<std::size_t>(k)] = Y[static_cast<std::size_t>(k - 1)] + state_x(k);
   }
-  identify(rig.boundary, rig.masses, omega, Y, d, state_x(n + 1), Z);
-  time_constant_s = decay.time_constant_s(Z, omega);
+  identify(rig.boundary, rig.masses, w, Y, d, state_x(n + 1), Z);
+  return decay.time_constant_s(Z, w);
 }
 
 }  // namespace dwell

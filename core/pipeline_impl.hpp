@@ -16,10 +16,12 @@
 #include "core/estimate.hpp"
 #include "core/harmonic_fit.hpp"
 #include "core/identify.hpp"
+#include "core/modal_fit.hpp"
 #include "core/observation.hpp"
 #include "core/pipeline.hpp"
 #include "core/refine.hpp"
 #include "core/report.hpp"
+#include "core/sample_history.hpp"
 #include "core/settling.hpp"
 
 namespace dwell {
@@ -39,6 +41,10 @@ inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one a
          !channel.relative_to;
 }
 
+[[nodiscard]] inline std::size_t history_capacity(int channels) {
+  return std::min<std::size_t>(std::size_t{1} << 19, static_cast<std::size_t>(channels) << 15);
+}
+
 struct Pipeline::Impl {
   explicit Impl(const Rig& given)
       : rig(given),
@@ -52,6 +58,8 @@ struct Pipeline::Impl {
         totals(channel_count, H),
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
+        history(history_capacity(channel_count)),
+        modal(channel_count, H, std::min(2 * given.mass_count(), ModalFit::kMaxModes)),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
@@ -59,6 +67,10 @@ struct Pipeline::Impl {
     fits.resize(live.size());
     readings.resize(live.size());
     transient.resize(live.size());
+    ranges.resize(live.size());
+    overlap.resize(live.size());
+    for (auto& B : overlap) B.setZero(2, modal.modal_regressors() * 2);
+    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &decaying}) poles->reserve(2 * given.masses.size());
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       Live& delivering = live[static_cast<std::size_t>(c)];
@@ -108,6 +120,15 @@ struct Pipeline::Impl {
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;
+  SampleHistory history;
+  ModalFit modal;
+  std::uint64_t modal_next = 0;          // the first sample of the history that the modal fit has not seen
+  std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
+  std::int64_t quiet_ns = INT64_MIN;     // until then the transient is taken out of what comes in
+  std::vector<Complex> modal_poles, best_poles, trial_poles, decaying;
+  std::vector<double> ranges;            // per channel, largest distance from the first reading of the hold
+  // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
+  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   DecayRate decay;
   const Eigen::MatrixXd G;
   int drive_channel = -1;
@@ -211,6 +232,21 @@ struct Pipeline::Impl {
     const double f = drive.omega() / kTwoPi;
     return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
+
+  double drive_omega();
+  void feed_modes();
+  double fit_modes(double w, std::span<const Complex> poles);
+  void solve_modes();
+  std::span<const Complex> chain_poles();
+  bool refit_modes();
+  double modal_left(std::int64_t t_ns, int* worst) const;
+  bool settle_by_modes(std::int64_t end_ns);
+  double slowest_rate() const;
+  void refit_later(double growth);
+  void refit_measuring(std::int64_t end_ns);
+  void take_transient_out(std::int64_t end_ns);
+  void add_cleaned(std::int64_t t_ns, int c, double value);
+  double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
   // channel delivers, now and then (the eigenvalues cost n³).
