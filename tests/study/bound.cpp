@@ -8,16 +8,22 @@
 
 namespace dwell::study {
 
-std::vector<ElementBound> bounds_of(const Case& about, double seconds) {
-  const int n = about.chain.mass_count(), elements = about.chain.element_count(), channels = about.channels();
-  const double omega = 2 * std::numbers::pi * about.frequency_hz;
-  const bool clamped = about.chain.boundary == Boundary::clamped;
+namespace {
 
+// What the readings' phasors say of force and deformation of each element: f = force X, d = deformation X, Z = f / d.
+struct Rows {
+  Eigen::MatrixXcd force, deformation;  // elements × channels
+};
+
+// masses: true or stated; with_response: the transducers' own gain, delay and filter divided out.
+Rows rows_of(const Case& about, const std::vector<double>& masses, double omega, bool with_response) {
+  const int n = about.chain.mass_count(), elements = about.chain.element_count(), channels = about.channels();
+  const bool clamped = about.chain.boundary == Boundary::clamped;
   // Readings in terms of (Y_0, d_1 … d_n[, F]), and back.
   Eigen::MatrixXcd G = Eigen::MatrixXcd::Zero(channels, channels);
   for (int c = 0; c < channels; ++c) {
     const Sensor& sensor = about.sensors[static_cast<std::size_t>(c)];
-    Complex factor = sensor.response(about.frequency_hz);
+    Complex factor = with_response ? sensor.response(omega / (2 * std::numbers::pi)) : Complex{1.0};
     if (sensor.measures == Quantity::velocity) factor *= Complex{0, omega};
     if (sensor.measures == Quantity::acceleration) factor *= -omega * omega;
     if (sensor.measures == Quantity::force) {
@@ -28,6 +34,28 @@ std::vector<ElementBound> bounds_of(const Case& about, double seconds) {
     }
   }
   const Eigen::MatrixXcd back = G.inverse();
+  Rows rows{Eigen::MatrixXcd(elements, channels), Eigen::MatrixXcd(elements, channels)};
+  Eigen::RowVectorXcd inertia = Eigen::RowVectorXcd::Zero(channels);  // ω² Σ_{i>=k} m_i Y_i - F
+  if (clamped) inertia -= back.row(n + 1);
+  for (int k = elements; k >= 1; --k) {
+    if (k == n + 1) {  // it ends at the ground: its deformation is the last mass's motion
+      rows.deformation.row(k - 1) = back.topRows(n + 1).colwise().sum();
+      rows.force.row(k - 1) = back.row(n + 1);
+    } else {
+      inertia += omega * omega * masses[static_cast<std::size_t>(k - 1)] * back.topRows(k + 1).colwise().sum();
+      rows.deformation.row(k - 1) = back.row(k);
+      rows.force.row(k - 1) = inertia;
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::vector<ElementBound> bounds_of(const Case& about, double seconds) {
+  const int channels = about.channels();
+  const double omega = 2 * std::numbers::pi * about.frequency_hz;
+  const Rows rows = rows_of(about, about.chain.masses, omega, true);
   Eigen::VectorXd sigma(channels);  // of each component of a channel's phasor
   Eigen::VectorXcd X(channels);
   for (int c = 0; c < channels; ++c) {
@@ -35,33 +63,27 @@ std::vector<ElementBound> bounds_of(const Case& about, double seconds) {
     sigma(c) = line.noise() * std::sqrt(2 / (line.rate_hz * seconds));
     X(c) = about.motion->phasor(c, 1);
   }
-  const Eigen::VectorXcd x = back * X;
-
-  std::vector<ElementBound> bounds(static_cast<std::size_t>(elements));
-  // What the readings do to ω² Σ_{i>=k} m_i Y_i - F.
-  Eigen::RowVectorXcd inertia = Eigen::RowVectorXcd::Zero(channels);
-  if (clamped) inertia -= back.row(n + 1);
-  for (int k = elements; k >= 1; --k) {
-    ElementBound& bound = bounds[static_cast<std::size_t>(k - 1)];
-    bound.Z = {about.chain.stiffness[static_cast<std::size_t>(k - 1)],
-               omega * about.chain.damping[static_cast<std::size_t>(k - 1)]};
-    Eigen::RowVectorXcd deformation = Eigen::RowVectorXcd::Zero(channels), force;
-    if (k == n + 1) {  // it ends at the ground: its deformation is the last mass's motion
-      for (int i = 0; i <= n; ++i) deformation += back.row(i);
-      force = back.row(n + 1);
-    } else {
-      Eigen::RowVectorXcd motion = Eigen::RowVectorXcd::Zero(channels);
-      for (int i = 0; i <= k; ++i) motion += back.row(i);
-      inertia += omega * omega * about.chain.masses[static_cast<std::size_t>(k - 1)] * motion;
-      deformation = back.row(k);
-      force = inertia;
-    }
-    bound.d = (deformation * X)(0);
-    bound.sigma_d = deformation.cwiseAbs().transpose().cwiseProduct(sigma).norm();
-    bound.sigma_Z =
-        ((force - bound.Z * deformation) / bound.d).eval().cwiseAbs().transpose().cwiseProduct(sigma).norm();
+  std::vector<ElementBound> bounds;
+  for (Eigen::Index e = 0; e < rows.force.rows(); ++e) {
+    const auto i = static_cast<std::size_t>(e);
+    ElementBound bound;
+    bound.Z = {about.chain.stiffness[i], omega * about.chain.damping[i]};
+    bound.d = (rows.deformation.row(e) * X)(0);
+    bound.sigma_d = rows.deformation.row(e).cwiseAbs().transpose().cwiseProduct(sigma).norm();
+    const Eigen::RowVectorXcd to_Z = (rows.force.row(e) - bound.Z * rows.deformation.row(e)) / bound.d;
+    bound.sigma_Z = to_Z.cwiseAbs().transpose().cwiseProduct(sigma).norm();
+    bounds.push_back(bound);
   }
   return bounds;
+}
+
+std::vector<Complex> stiffness_of(const Case& about, double omega, const std::vector<Complex>& X) {
+  const Rows rows = rows_of(about, about.rig.masses, omega, false);
+  const Eigen::Map<const Eigen::VectorXcd> readings(X.data(), static_cast<Eigen::Index>(X.size()));
+  std::vector<Complex> Z;
+  for (Eigen::Index e = 0; e < rows.force.rows(); ++e)
+    Z.push_back((rows.force.row(e) * readings)(0) / (rows.deformation.row(e) * readings)(0));
+  return Z;
 }
 
 }  // namespace dwell::study

@@ -19,4 +19,7 @@ struct ElementBound {
 // phasor. Noise: Line::noise().
 [[nodiscard]] std::vector<ElementBound> bounds_of(const Case& about, double seconds);
 
+// Z of every element from readings taken as they come: stated masses, no response of a transducer divided out.
+[[nodiscard]] std::vector<Complex> stiffness_of(const Case& about, double omega, const std::vector<Complex>& X);
+
 }  // namespace dwell::study

@@ -28,8 +28,8 @@ enum class Population {
   frequency_step,
   small_step,
   stop,
-  steady,  // hours of an undisturbed drive, every disturbance of the transducers
-  ramps,   // three periods between ramps
+  steady,  // a long time of an unchanged drive, every disturbance of the transducers
+  ramps,   // n = 0, three periods between ramps
 };
 inline constexpr int kPopulations = 13;
 [[nodiscard]] const char* name_of(Population population);
@@ -47,6 +47,16 @@ struct Line {
   [[nodiscard]] double noise() const { return std::sqrt(sigma * sigma + step * step / 12); }
 };
 
+// Three periods between ramps: what the table's amplitude is multiplied by. Without: 1.
+struct Ramps {
+  double rise_s = 0.0, hold_s = 0.0, fall_s = INFINITY, end_s = INFINITY;
+  [[nodiscard]] double factor(double t_s) const {
+    if (t_s >= hold_s && t_s <= fall_s) return 1.0;
+    if (t_s <= rise_s || t_s >= end_s) return 0.0;
+    return t_s < hold_s ? (t_s - rise_s) / (hold_s - rise_s) : (end_s - t_s) / (end_s - fall_s);
+  }
+};
+
 struct Case {
   Population population = Population::white;
   int index = 0;
@@ -61,9 +71,13 @@ struct Case {
   double clock_error = 0.0;            // relative: stamps run fast by this
   double change_s = 0.0;               // where the drive that is judged begins
   double hold_periods = 50.0;          // to be measured after the verdict
-  double glitches = 0.0;               // part of the force readings that are far off
-  double lost = 0.0;                   // part of the packets that are lost
-  std::string remark;                  // what is special
+  TableMotion table, after;            // the drive that is judged; what it becomes at a step
+  double limit_periods = 0.0;          // after the step, within which it must be seen
+  double hours = 0.0;                  // of a steady drive
+  Ramps ramps;
+  double glitches = 0.0;  // part of the force readings that are far off
+  double lost = 0.0;      // part of the packets that are lost
+  std::string remark;     // what is special
   [[nodiscard]] double period_s() const { return 1 / frequency_hz; }
   [[nodiscard]] int channels() const { return static_cast<int>(lines.size()); }
   [[nodiscard]] double samples_per_period(int c) const {

@@ -1,10 +1,9 @@
-#include "tests/study/draw_rig.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/forward.hpp"
+#include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {
 namespace {
@@ -57,36 +56,37 @@ Chain draw_proportions(Draws& draws, int n, Boundary boundary) {
 
 }  // namespace
 
-DrawnChain draw_chain(Draws& draws, double frequency_hz) {
-  const int n = draws.integer(1, 6);
-  DrawnChain drawn{draw_proportions(draws, n, draws.chance(0.5) ? Boundary::clamped : Boundary::free), ""};
-  Chain& chain = drawn.chain;
+void draw_chain(Draws& draws, Case& about, int most) {
+  const int n = draws.integer(1, most);
+  about.chain = draw_proportions(draws, n, draws.chance(0.5) ? Boundary::clamped : Boundary::free);
+  Chain& chain = about.chain;
   const std::vector<Complex> modes = fit_modes(chain);
   const auto any = static_cast<std::size_t>(draws.integer(0, static_cast<int>(modes.size()) - 1));
   double drive = modes[any].imag();  // rad/s, where the chain as drawn is to be driven
   const double kind = draws.uniform(0, 1);
   if (kind < 0.15) {
     drive *= 1 + draws.uniform(-0.01, 0.01);
-    drawn.remark = "beating ";
+    about.remark = "beating ";
   } else if (kind < 0.25) {
     drive = modes.front().imag() * draws.log_uniform(3, 10);
-    drawn.remark = "slow ";
-  } else if (kind < 0.35 && (n > 1 || chain.boundary == Boundary::clamped) && n > 1) {
+    about.remark = "slow ";
+  } else if (kind < 0.35 && n > 1) {
     const Chain rest = beyond(chain, static_cast<std::size_t>(draws.integer(1, n - 1)));
     std::vector<double> omegas;
     for (const Complex& lambda : natural_values(rest))
       if (lambda.imag() > 0) omegas.push_back(std::abs(lambda));
     std::sort(omegas.begin(), omegas.end());
     drive = omegas[static_cast<std::size_t>(draws.integer(0, static_cast<int>(omegas.size()) - 1))];
-    drawn.remark = "node ";
+    about.remark = "node ";
   } else {
     drive *= draws.log_uniform(0.4, 2.5);
   }
   // The same proportions, all frequencies moved so that `drive` becomes the drive's.
-  const double faster = kTwoPi * frequency_hz / drive;
+  const double faster = kTwoPi * about.frequency_hz / drive;
   for (double& c : chain.stiffness) c *= faster * faster;
   for (double& r : chain.damping) r *= faster;
-  return drawn;
+  about.rig.boundary = chain.boundary;
+  about.rig.masses = chain.masses;
 }
 
 void draw_channels(Draws& draws, Case& about) {
@@ -121,6 +121,8 @@ void draw_channels(Draws& draws, Case& about) {
     force.at = kGround;
     add(force, "reaction");
   }
+  about.lines.assign(about.sensors.size(), Line{});
+  about.half_ns.assign(about.sensors.size(), 0);
 }
 
 }  // namespace dwell::study

@@ -15,6 +15,14 @@ namespace dwell::study {
 [[nodiscard]] Row coverage_row(const std::vector<Outcome>& outcomes, Population population, double slack);
 // Too early, and late by the median and the 95th percentile.
 [[nodiscard]] std::vector<Row> settling_rows(const std::vector<Outcome>& outcomes, double slack);
+// An element that must not be reported, and that must be.
+[[nodiscard]] std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack);
+// Every step seen in time.
+[[nodiscard]] Row step_row(const std::vector<StepOutcome>& outcomes, Population population);
+[[nodiscard]] Row hours_row(const std::vector<HoursOutcome>& outcomes);
+[[nodiscard]] Row ramps_row(const std::vector<RampsOutcome>& outcomes, double slack);
+// Errors and time to answer of the service and of the script on the same recordings, as lines of text.
+[[nodiscard]] std::vector<std::string> beside(const std::vector<Outcome>& outcomes);
 // The dwells of one population that did worst by each figure, as lines.
 [[nodiscard]] std::vector<std::string> worst(const std::vector<Outcome>& outcomes, Population population,
                                              std::uint64_t seed);

@@ -8,7 +8,7 @@
 
 #include "core/driven_chain.hpp"
 #include "tests/study/case.hpp"
-#include "tests/study/draw_rig.hpp"
+#include "tests/study/draw_parts.hpp"
 #include "tests/study/recording.hpp"
 
 namespace dwell::study {
@@ -28,7 +28,7 @@ TEST(StudyMotion, ReadsWhatTheExactSimulationReadsFromRestAndAfterAChange) {
     Draws draws(static_cast<std::uint64_t>(index));
     Case about;
     about.frequency_hz = 5.0;
-    about.chain = draw_chain(draws, about.frequency_hz).chain;
+    draw_chain(draws, about);
     draw_channels(draws, about);
     Motion motion(about.chain, about.sensors);
     motion.drive(0.0, {5.0, {0.002, std::polar(0.0001, 0.7)}});

@@ -1,6 +1,7 @@
 // What one dwell of the study came to, as plain numbers; the rows of the table are sums over these.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ struct ElementOutcome {
   double c_error = 0.0, r_error = 0.0;        // reported minus true, over the Cramér-Rao bound
   double c_U95 = 0.0, r_U95 = 0.0;            // the same over the stated U95
   double c_relative = 0.0, r_relative = 0.0;  // the same over the true value, absolute
+  double naive_c = 0.0, naive_r = 0.0;        // what the script gives, likewise
 };
 
 struct Outcome {
@@ -27,10 +29,34 @@ struct Outcome {
   double verdict_s = 0.0, oracle_s = 0.0;  // from the start of the drive that is judged
   double left = 0.0;                       // largest transient from the verdict on, over its threshold
   int left_channel = -1;
+  double naive_answer_s = 0.0;
   double counted_periods = 0.0;  // of data that count at the end
+  double answer_s = 0.0;         // from the start of the drive to the end of the data that count
   std::vector<ElementOutcome> elements;
 
   [[nodiscard]] double lateness_s() const { return verdict_s - oracle_s; }
+};
+
+// A step or the stop of the drive.
+struct StepOutcome {
+  int index = 0;
+  bool measured = false;   // before the step, for as long as was wanted
+  bool disturbed = false;  // measuring was left before there was a step
+  double seen_periods = INFINITY, limit_periods = 0.0;
+};
+
+// A long time of an unchanged drive.
+struct HoursOutcome {
+  int index = 0;
+  double hours = 0.0;  // measured
+  int rearmed = 0;
+};
+
+// Three periods between ramps.
+struct RampsOutcome {
+  int index = 0;
+  bool found = false;   // a settled dwell within the hold
+  bool beyond = false;  // a settled dwell with data of the ramps
 };
 
 // Told what happens, as it happens; for --only.
@@ -38,5 +64,12 @@ using Trace = std::function<void(const std::string&)>;
 
 // Plays a case's recording to the pipeline until it has settled and measured for as long as the case wants.
 [[nodiscard]] Outcome play_dwell(const Case& about, const Trace& trace = {});
+
+// Plays the steady drive, then the step, until it is seen or long past.
+[[nodiscard]] StepOutcome play_step(const Case& about, const Trace& trace = {});
+
+[[nodiscard]] HoursOutcome play_hours(const Case& about, const Trace& trace = {});
+
+[[nodiscard]] RampsOutcome play_ramps(const Case& about, const Trace& trace = {});
 
 }  // namespace dwell::study

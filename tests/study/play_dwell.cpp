@@ -7,6 +7,7 @@
 #include "tests/study/bound.hpp"
 #include "tests/study/outcome.hpp"
 #include "tests/study/recording.hpp"
+#include "tests/study/script.hpp"
 
 namespace dwell::study {
 namespace {
@@ -51,6 +52,9 @@ void judge_elements(const Case& about, const Dwell& dwell, Outcome& outcome) {
   outcome.counted_periods = seconds * about.frequency_hz;
   outcome.hum_inseparable = hum_inseparable(about, seconds);
   outcome.hum_warned = speaks_of_hum(dwell);
+  outcome.answer_s = true_s(about, dwell.end_s) - about.change_s;
+  const Script script = run_script(about);
+  outcome.naive_answer_s = script.answer_s - about.change_s;
   const std::vector<ElementBound> bounds = bounds_of(about, seconds);
   for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
     const ElementEstimate& given = dwell.elements[e];
@@ -68,6 +72,8 @@ void judge_elements(const Case& about, const Dwell& dwell, Outcome& outcome) {
       element.r_U95 = r / given.damping.U95;
       element.c_relative = std::abs(c / about.chain.stiffness[e]);
       element.r_relative = std::abs(r / about.chain.damping[e]);
+      element.naive_c = std::abs(script.Z[e].real() / about.chain.stiffness[e] - 1);
+      element.naive_r = std::abs(script.Z[e].imag() / omega / about.chain.damping[e] - 1);
     }
     outcome.elements.push_back(element);
   }

@@ -28,7 +28,7 @@ double instant_s(const Case& about, int c, std::int64_t i) {
 
 double reading(const Case& about, int c, std::int64_t i, double t_s) {
   const Line& line = about.lines[static_cast<std::size_t>(c)];
-  double value = line.mean + about.motion->reading(c, t_s);
+  double value = line.mean + about.ramps.factor(t_s) * about.motion->reading(c, t_s);
   if (line.sigma > 0) {
     const Pair random = random_at(about.seed, c, i, kNoise);
     value += line.sigma * normal_of(random.u, random.v);
