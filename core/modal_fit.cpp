@@ -167,7 +167,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
       return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
     };
     const auto J = [&](Index m) {
-      const Complex a = amplitude(m);
+      const Complex a = poles_[static_cast<std::size_t>(m)].real() < 0 ? amplitude(m) : Complex{};
       Eigen::Matrix2d jacobian;
       jacobian << a.real(), -a.imag(), a.imag(), a.real();
       return jacobian;
@@ -190,6 +190,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
   llt.solveInPlace(unit);
   converged_ = 0.0;
   for (std::size_t m = 0; m < count_; ++m) {
+    if (!(poles_[m].real() < 0)) continue;
     const auto i = 2 * static_cast<Index>(m);
     Complex rho{g(i), g(i + 1)};
     if (std::abs(rho) > 2 * trust) rho *= 2 * trust / std::abs(rho);
@@ -216,6 +217,7 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   // The uncertainty at its largest over half a cycle of each of the modes, seen at eight angles.
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
+    if (!(poles_[m].real() < 0)) continue;
     const double decayed = std::exp(poles_[m].real() * u);
     const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
     const double own = std::sqrt(0.5 * std::max(0.0, of.covariance(i, i) + of.covariance(i + 1, i + 1)));
@@ -225,9 +227,11 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
     const double later = u + angle * M_PI / 8 / omega_;
     double variance = 0.0;
     for (std::size_t m = 0; m < count_; ++m) {
+      if (!(poles_[m].real() < 0)) continue;
       const Complex em = std::exp(poles_[m] * later);
       const double xm[2] = {em.real(), poles_[m].imag() > 0 ? -em.imag() : 0.0};
       for (std::size_t l = 0; l < count_; ++l) {
+        if (!(poles_[l].real() < 0)) continue;
         const Complex el = std::exp(poles_[l] * later);
         const double xl[2] = {el.real(), poles_[l].imag() > 0 ? -el.imag() : 0.0};
         for (int p = 0; p < 2; ++p)
@@ -247,10 +251,22 @@ Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) no
   return std::as_const(x_).segment(harmonic_, modal_);
 }
 
+double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept {
+  evaluate(t_ns);
+  const PerChannel& of = at(channel);
+  return value - of.reference - of.theta.head(linear()).dot(x_.head(linear()));
+}
+
 double ModalFit::transient(int channel, std::int64_t t_ns) noexcept {
   evaluate(t_ns);
   const PerChannel& of = at(channel);
-  return of.usable ? of.theta.segment(harmonic_, modal_).dot(x_.segment(harmonic_, modal_)) : 0.0;
+  if (!of.usable) return 0.0;
+  double sum = 0.0;
+  for (std::size_t m = 0; m < count_; ++m)
+    if (poles_[m].real() < 0)
+      for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
+        sum += of.theta(i) * x_(i);
+  return sum;
 }
 
 Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {

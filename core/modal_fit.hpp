@@ -23,12 +23,13 @@ namespace dwell {
 
 class ModalFit {
  public:
-  static constexpr int kMaxModes = 8;  // the slowest; what decays faster is gone before it matters
+  static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
 
   // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+1+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
 
-  // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0; those beyond the capacity are left out.
+  // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is
+  // fitted beside but is no transient; those beyond the capacity are left out.
   void restart(double omega, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
   // One sample, at t >= t_0. reference: what to subtract so that a large mean costs no digits, the same throughout.
   // O((2H+1+4·modes)²), no allocation.
@@ -62,6 +63,8 @@ class ModalFit {
   };
   [[nodiscard]] Left left(int channel, std::int64_t t_ns) const noexcept;
 
+  // What the fit leaves of a reading, steady lines included in the fit.
+  [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
   // The transient at t, in the channel's unit.
   [[nodiscard]] double transient(int channel, std::int64_t t_ns) noexcept;
   // The regressors of the modes at t.
