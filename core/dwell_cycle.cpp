@@ -110,6 +110,7 @@ void Pipeline::Impl::begin_hold(int from) {
   verdict.settles_in_s = kNaN;
   counted_valid = false;
   modal_poles.clear();
+  modal_skipped = 0.0;
   extra_poles.clear();
   for (Noise& noise : noises) noise = {};
   modal_refit_at_ns = 0;

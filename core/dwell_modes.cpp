@@ -1,10 +1,13 @@
 #include "core/pipeline_impl.hpp"
 
+#include <utility>
+
 namespace dwell {
 namespace {
 
 constexpr double kGrowth = 1.25;   // of the hold, before its poles are refined again
-constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode
+constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode …
+constexpr double kSkippedMore = 0.1, kSkippedMost = 0.6;  // … and more of it each time that the fit does not explain the data
 constexpr double kGone = 1e-6;     // of an amplitude by then
 constexpr double kTrust = 0.05;    // relative change of a pole in one step of its refinement, as far as the data leave it open
 constexpr int kRefinements = 2;    // steps each time, at most
@@ -13,6 +16,8 @@ constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pol
 constexpr double kSureOfLine = 9.0;    // exp(-9): once in 8000 searches noise alone
 constexpr double kMainsFirst = 1.2;
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.2;
+constexpr int kManyRefinements = 8;  // where the poles are far off
+constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
 constexpr double kConverged = 0.1; // of the uncertainty of a pole
 constexpr double kGrowthMeasuring = 1.5;  // the same after the verdict …
 constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
@@ -89,7 +94,7 @@ void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Comp
 bool Pipeline::Impl::refit_modes() {
   const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
   const bool long_enough = to_s(held_ns) > 8 * period_s();
-  modal_from_ns = std::max(steady_ns + (long_enough ? static_cast<std::int64_t>(kSkipped * static_cast<double>(held_ns)) : 0), oldest_ns);
+  modal_from_ns = std::max(steady_ns + (long_enough ? static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)) : 0), oldest_ns);
   for (double& range : ranges) range = 0.0;
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
@@ -102,29 +107,60 @@ bool Pipeline::Impl::refit_modes() {
     if (decay.poles().empty()) return false;
     modal_poles.assign(decay.poles().begin(), decay.poles().end());
   }
-  keep_alive(modal_poles, best_poles);
-  double best = fit_modes(w, best_poles);
-  // The chain that this fit identifies may tell better.
-  if (const auto chain = chain_poles(); !chain.empty()) {
-    keep_alive(chain, trial_poles);
-    double furthest = trial_poles.size() == best_poles.size() ? 0.0 : 1.0;
-    for (std::size_t m = 0; furthest < 1 && m < trial_poles.size(); ++m)
-      furthest = std::max(furthest, std::abs(trial_poles[m] - best_poles[m]) / std::abs(best_poles[m]));
-    if (furthest > kTrust) best = try_poles(w, best);
+  // Where poles may come from, until some explain the data: the chain that the fit so far has identified; the poles so
+  // far; that chain without what was found beside it; the chain that the latest third tells of, without any modes.
+  double best = INFINITY;
+  kept_extras = extra_poles;
+  kept_poles.clear();
+  const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
+  for (int candidate = fitted ? 0 : 1; candidate < 4; ++candidate) {
+    extra_poles.clear();
+    if (candidate < 2) extra_poles = kept_extras;
+    std::span<const Complex> poles = modal_poles;
+    if (candidate == 3) {
+      const std::int64_t from_ns = std::exchange(modal_from_ns, std::max(modal_from_ns, now_ns - held_ns / 3));
+      fit_modes(w, {});
+      modal_from_ns = from_ns;
+    }
+    if (candidate != 1) poles = chain_poles();
+    if (poles.empty()) continue;
+    keep_alive(poles, best_poles);
+    const double misfit = refine_poles(w, fit_modes(w, best_poles), candidate == 0 ? kRefinements : kManyRefinements);
+    const double penalized = misfit + kPenalty * static_cast<double>(extra_poles.size());
+    if (penalized < best) {
+      best = penalized;
+      kept_poles = best_poles;
+      spare_poles = extra_poles;
+      if (explained()) break;
+    }
   }
-  if (!std::isfinite(best)) return false;
-  best = refine_poles(w, best);
+  if (kept_poles.empty()) return false;
+  if (best_poles != kept_poles) fit_modes(w, kept_poles);
+  best_poles = kept_poles;
+  extra_poles = spare_poles;
   if (find_extra_pole()) {
-    trial_poles = best_poles;
-    trial_poles.insert(trial_poles.begin(), extra_poles.back());
     std::rotate(extra_poles.begin(), extra_poles.end() - 1, extra_poles.end());
-    best = try_poles(w, INFINITY);
-    best = refine_poles(w, best);
+    best_poles.insert(best_poles.begin(), extra_poles.front());
+    refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
   }
   for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
   modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
   judge_extra_poles();
+  // What cannot be explained is shed: the next fit begins later, where less of it is left.
+  modal_skipped = explained() ? kSkipped : std::min(modal_skipped + kSkippedMore, kSkippedMost);
   return true;
+}
+
+// Whether every channel's residuals are no more than its noise.
+bool Pipeline::Impl::explained() const {
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c) && unexplained(c) > 0) return false;
+  return true;
+}
+
+double Pipeline::Impl::unexplained(int c) const {
+  const Noise& noise = noises[static_cast<std::size_t>(c)];
+  return modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
 }
 
 // Takes trial_poles if they explain the data better; the fit is that of best_poles afterwards.
@@ -138,8 +174,8 @@ double Pipeline::Impl::try_poles(double w, double best) {
   return best;
 }
 
-double Pipeline::Impl::refine_poles(double w, double best) {
-  for (int i = 0; i < kRefinements; ++i) {
+double Pipeline::Impl::refine_poles(double w, double best, int steps) {
+  for (int i = 0; i < steps; ++i) {
     const auto moved = modal.refined(kTrust);
     if (modal.converged() < kConverged) break;
     trial_poles.assign(moved.begin(), moved.end());
@@ -213,8 +249,7 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
     const ModalFit::Left left = modal.left(c, t_ns);
     double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
     // What the fit leaves over beyond the noise is not known to be no transient.
-    const double unexplained = modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
-    if (unexplained > 0) ratio = std::max(ratio, std::sqrt(2 * unexplained) / std::max(allowed, 1e-300));
+    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / std::max(allowed, 1e-300));
     if (ratio > largest) {
       largest = ratio;
       if (worst) *worst = c;

@@ -5,6 +5,8 @@ namespace {
 
 constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more than they tell
 
+constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of |Z|
+
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
@@ -110,7 +112,16 @@ double Pipeline::Impl::identified_time_constant(double w) {
     Y[static_cast<std::size_t>(k)] = Y[static_cast<std::size_t>(k - 1)] + state_x(k);
   }
   identify(rig.boundary, rig.masses, w, Y, d, state_x(n + 1), Z);
-  return decay.time_constant_s(Z, w);
+  const double as_it_is_s = decay.time_constant_s(Z, w);
+  // A real chain is passive; where noise or a transient make it look otherwise, it is taken as lightly damped.
+  bool passive = true;
+  for (Complex& z : Z) {
+    const Complex nearest{std::max(z.real(), kSoftest * std::abs(z)), std::max(z.imag(), kLeastLoss * std::abs(z))};
+    passive = passive && nearest == z;
+    z = nearest;
+  }
+  if (!passive) static_cast<void>(decay.time_constant_s(Z, w));
+  return as_it_is_s;
 }
 
 }  // namespace dwell

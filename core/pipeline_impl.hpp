@@ -73,7 +73,7 @@ struct Pipeline::Impl {
     spectrum.resize(kMains + 400);
     overlap.resize(live.size());
     for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
-    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &extra_poles})
+    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras})
       poles->reserve(2 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
@@ -128,8 +128,9 @@ struct Pipeline::Impl {
   ModalFit modal;
   std::uint64_t modal_next = 0;          // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
+  double modal_skipped = 0.0;            // part of the hold that the modal fit leaves out
   std::int64_t quiet_ns = INT64_MIN;     // until then the transient is taken out of what comes in
-  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spectrum;
+  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras, spectrum;
   struct Noise {
     double variance = INFINITY, freedom = 0.0;
   };
@@ -246,7 +247,9 @@ struct Pipeline::Impl {
   std::span<const Complex> chain_poles();
   void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
   double try_poles(double w, double best);
-  double refine_poles(double w, double best);
+  double refine_poles(double w, double best, int steps);
+  bool explained() const;
+  double unexplained(int c) const;
   bool find_extra_pole();
   void judge_extra_poles();
   bool refit_modes();
