@@ -110,6 +110,8 @@ void Pipeline::Impl::begin_hold(int from) {
   verdict.settles_in_s = kNaN;
   counted_valid = false;
   modal_poles.clear();
+  extra_poles.clear();
+  for (Noise& noise : noises) noise = {};
   modal_refit_at_ns = 0;
   quiet_ns = INT64_MIN;
   settling.restart();

@@ -3,15 +3,27 @@
 namespace dwell {
 namespace {
 
-constexpr double kGrowth = 1.12;   // of the hold, before its poles are refined again
+constexpr double kGrowth = 1.25;   // of the hold, before its poles are refined again
+constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode
+constexpr double kGone = 1e-6;     // of an amplitude by then
 constexpr double kTrust = 0.05;    // relative change of a pole in one step of its refinement, as far as the data leave it open
-constexpr int kRefinements = 2;    // steps each time
+constexpr int kRefinements = 2;    // steps each time, at most
+constexpr std::size_t kExtraPoles = 2;
+constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
+constexpr double kSureOfLine = 9.0;    // exp(-9): once in 8000 searches noise alone
+constexpr double kMainsFirst = 1.2;
+constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.2;
+constexpr double kConverged = 0.1; // of the uncertainty of a pole
 constexpr double kGrowthMeasuring = 1.5;  // the same after the verdict …
 constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;      // standard deviations of what may be left of the transient
+constexpr double kSureOfNoise = 4.0;
 constexpr double kNegligible = 1e-3;  // of what is allowed: nothing is subtracted any more
 constexpr double kShortest = 2.0;  // periods of a hold before anything is said
+
+// Angular frequencies of mains hum and its first harmonics, of either kind.
+double mains(std::size_t k) { return kTwoPi * (k < kMains / 2 ? 50.0 * static_cast<double>(k + 1) : 60.0 * static_cast<double>(k - kMains / 2 + 1)); }
 
 }  // namespace
 
@@ -61,14 +73,23 @@ std::span<const Complex> Pipeline::Impl::chain_poles() {
     observed(c) = modal.usable(c) ? as_observed(rig, c, modal.phasor(c, 1), modal.omega(), 1) : Complex{};
   }
   time_constant_s = identified_time_constant(modal.omega());
-  decaying.assign(decay.poles().begin(), decay.poles().end());
-  for (Complex& pole : decaying) pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
-  return decaying;
+  return decay.poles();
+}
+
+// The poles found beside the chain's, then those of `poles` that have not decayed to nothing where the fit begins.
+void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const {
+  const double skipped_s = to_s(modal_from_ns - steady_ns);
+  out.assign(extra_poles.begin(), extra_poles.end());
+  for (Complex pole : poles) {
+    pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
+    if (std::exp(pole.real() * skipped_s) > kGone) out.push_back(pole);
+  }
 }
 
 bool Pipeline::Impl::refit_modes() {
-  const std::int64_t oldest_ns = history[history.begin()].t_ns;
-  modal_from_ns = std::max(steady_ns, oldest_ns);
+  const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
+  const bool long_enough = to_s(held_ns) > 8 * period_s();
+  modal_from_ns = std::max(steady_ns + (long_enough ? static_cast<std::int64_t>(kSkipped * static_cast<double>(held_ns)) : 0), oldest_ns);
   for (double& range : ranges) range = 0.0;
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
@@ -76,40 +97,106 @@ bool Pipeline::Impl::refit_modes() {
     ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
   const double w = drive_omega();
-  best_poles.clear();
-  double best = INFINITY;
   if (modal_poles.empty()) {
     // From the windows' mean, the first time.
     if (decay.poles().empty()) return false;
     modal_poles.assign(decay.poles().begin(), decay.poles().end());
-    for (Complex& pole : modal_poles) pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
   }
-  best = fit_modes(w, modal_poles);
-  best_poles.assign(modal.poles().begin(), modal.poles().end());
-  for (int i = 0; i < 2; ++i) {
-    const auto chain = chain_poles();
-    if (chain.empty()) break;
-    const double misfit = fit_modes(w, chain);
-    if (!(misfit < best)) break;
-    best = misfit;
-    best_poles.assign(modal.poles().begin(), modal.poles().end());
+  keep_alive(modal_poles, best_poles);
+  double best = fit_modes(w, best_poles);
+  // The chain that this fit identifies may tell better.
+  if (const auto chain = chain_poles(); !chain.empty()) {
+    keep_alive(chain, trial_poles);
+    double furthest = trial_poles.size() == best_poles.size() ? 0.0 : 1.0;
+    for (std::size_t m = 0; furthest < 1 && m < trial_poles.size(); ++m)
+      furthest = std::max(furthest, std::abs(trial_poles[m] - best_poles[m]) / std::abs(best_poles[m]));
+    if (furthest > kTrust) best = try_poles(w, best);
   }
   if (!std::isfinite(best)) return false;
-  if (modal.poles().size() != best_poles.size() || !std::equal(best_poles.begin(), best_poles.end(), modal.poles().begin()))
-    fit_modes(w, best_poles);
+  best = refine_poles(w, best);
+  if (find_extra_pole()) {
+    trial_poles = best_poles;
+    trial_poles.insert(trial_poles.begin(), extra_poles.back());
+    std::rotate(extra_poles.begin(), extra_poles.end() - 1, extra_poles.end());
+    best = try_poles(w, INFINITY);
+    best = refine_poles(w, best);
+  }
+  for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
+  modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
+  judge_extra_poles();
+  return true;
+}
+
+// Takes trial_poles if they explain the data better; the fit is that of best_poles afterwards.
+double Pipeline::Impl::try_poles(double w, double best) {
+  const double misfit = fit_modes(w, trial_poles);
+  if (misfit < best || !std::isfinite(best)) {
+    best_poles = trial_poles;
+    return misfit;
+  }
+  fit_modes(w, best_poles);
+  return best;
+}
+
+double Pipeline::Impl::refine_poles(double w, double best) {
   for (int i = 0; i < kRefinements; ++i) {
     const auto moved = modal.refined(kTrust);
+    if (modal.converged() < kConverged) break;
     trial_poles.assign(moved.begin(), moved.end());
-    const double misfit = fit_modes(w, trial_poles);
-    if (!(misfit < best)) {
-      fit_modes(w, best_poles);
-      break;
-    }
-    best = misfit;
-    best_poles = trial_poles;
+    const double better = try_poles(w, best);
+    if (!(better < best)) break;
+    best = better;
   }
-  modal_poles = best_poles;
+  return best;
+}
+
+// What the fit leaves over may hold an oscillation that the chain does not have: a bracket that rings, mains hum. The
+// strongest line of the beginning of the fit, where it is strongest, on top of what noise shows now and then.
+bool Pipeline::Impl::find_extra_pole() {
+  if (extra_poles.size() >= kExtraPoles) return false;
+  const double stretch_s = std::min(to_s(now_ns - modal.t0_ns()), kSearchPeriods * period_s());
+  const std::int64_t until_ns = modal.t0_ns() + to_ns(stretch_s);
+  const double grid = std::numbers::pi / stretch_s;
+  double strongest = 0.0, found = 0.0;
+  for (int c = 0; c < channel_count; ++c) {
+    if (c == drive_channel || !modal.usable(c)) continue;
+    const double rate = modal.samples(c) / std::max(1e-9, to_s(now_ns - modal.t0_ns()));
+    const auto lines = static_cast<std::size_t>(
+        std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega) / grid, 0.0, static_cast<double>(spectrum.size() - kMains)));
+    std::fill(spectrum.begin(), spectrum.end(), Complex{});
+    double squares = 0.0, count = 0.0;
+    for (auto i = history.first_at(modal.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
+      const SampleHistory::Sample& s = history[i];
+      if (s.channel != c) continue;
+      const double r = modal.residual(c, s.t_ns, s.value), u = to_s(s.t_ns - modal.t0_ns());
+      const Complex step = std::polar(1.0, grid * u);
+      Complex turn = r * step;
+      for (std::size_t k = kMains; k < kMains + lines; ++k, turn *= step) spectrum[k] += turn;
+      for (std::size_t k = 0; k < kMains; ++k) spectrum[k] += r * std::polar(1.0, mains(k) * u);
+      squares += r * r;
+      count += 1.0;
+    }
+    if (count < 16) continue;
+    // Of white noise each is distributed as exp(-P).
+    const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
+    for (std::size_t k = 0; k < kMains + lines; ++k) {
+      // The mains are believed first: what they do is seen at their aliases as well.
+      const double P = std::norm(spectrum[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
+      if (P - sure <= strongest) continue;
+      strongest = P - sure;
+      found = k < kMains ? -mains(k) : grid * static_cast<double>(k - kMains + 1);
+    }
+  }
+  if (found == 0) return false;
+  extra_poles.push_back(found < 0 ? Complex{0.0, -found} : Complex{-1 / stretch_s, found});
   return true;
+}
+
+// An oscillation that does not decay in a long time is no transient.
+void Pipeline::Impl::judge_extra_poles() {
+  const double seen_s = to_s(now_ns - modal.t0_ns());
+  for (Complex& pole : extra_poles)
+    if (seen_s > kLongSeen * period_s() && -pole.real() * seen_s < kHardlyDecayed) pole.real(0.0);
 }
 
 // How much of the transient may be left at t, of what is allowed: the worst of all channels.
@@ -120,9 +207,14 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
     if (!readings[static_cast<std::size_t>(c)].usable) continue;
     if (!modal.usable(c)) return INFINITY;
     const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
-    const double allowed = std::max(rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(modal.variance(c) * 2 / in_ten));
+    const Noise& noise = noises[static_cast<std::size_t>(c)];
+    const double floor = std::min(modal.variance(c), noise.variance);
+    const double allowed = std::max(rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten));
     const ModalFit::Left left = modal.left(c, t_ns);
-    const double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
+    double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
+    // What the fit leaves over beyond the noise is not known to be no transient.
+    const double unexplained = modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
+    if (unexplained > 0) ratio = std::max(ratio, std::sqrt(2 * unexplained) / std::max(allowed, 1e-300));
     if (ratio > largest) {
       largest = ratio;
       if (worst) *worst = c;
@@ -167,7 +259,8 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
 
 double Pipeline::Impl::slowest_rate() const {
   double slowest = INFINITY;
-  for (const Complex& pole : modal.poles()) slowest = std::min(slowest, -pole.real());
+  for (const Complex& pole : modal.poles())
+    if (pole.real() < 0) slowest = std::min(slowest, -pole.real());
   return slowest;
 }
 
@@ -218,10 +311,11 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
 void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   if (t_ns < quiet_ns && modal.usable(c)) {
     value -= modal.transient(c, t_ns);
-    const Eigen::VectorXd& modes = modal.modes_at(t_ns);
+    const auto modes = modal.modes_at(t_ns);
     const double angle = modal.omega() * to_s(t_ns - modal.t0_ns());
-    overlap[static_cast<std::size_t>(c)].row(0) += std::sin(angle) * modes.transpose();
-    overlap[static_cast<std::size_t>(c)].row(1) += std::cos(angle) * modes.transpose();
+    auto B = overlap[static_cast<std::size_t>(c)].leftCols(modes.size());
+    B.row(0) += std::sin(angle) * modes.transpose();
+    B.row(1) += std::cos(angle) * modes.transpose();
   }
   blocks.add(c, t_ns, value);
 }

@@ -46,7 +46,8 @@ bool Pipeline::Impl::look(int from, int to) {
       window_periods = 2;
       return false;
     }
-    const double noise = watched && fit.usable ? noise_variance(c, from, to, fit.sigma2) : 0.0;
+    if (watched && fit.usable) take_noise(c, from, to);
+    const double noise = watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
     // Relative to the table's phase, whose own noise comes on top.
     readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
@@ -56,6 +57,7 @@ bool Pipeline::Impl::look(int from, int to) {
     Complex turn = back;
     for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
   }
+  if (!modal_poles.empty()) return true;  // the modes tell more than windows do
   provisional();
   const double amplitude = std::abs(table.X[0]);
   verdict = settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns),
@@ -63,16 +65,25 @@ bool Pipeline::Impl::look(int from, int to) {
   return true;
 }
 
-double Pipeline::Impl::noise_variance(int c, int from, int to, double otherwise) {
+// In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine follow
+// any smooth motion; the newest period counts an eighth of all.
+void Pipeline::Impl::take_noise(int c, int from, int to) {
+  Noise& noise = noises[static_cast<std::size_t>(c)];
+  const double in_quarter = fits[static_cast<std::size_t>(c)].samples / (to - from);
+  const int length = in_quarter >= 5 ? 1 : 2;
   double squares = 0.0, freedom = 0.0;
-  for (int i = from; i < to; ++i) {
-    blocks.sum_channel(c, i, i + 1, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
+  for (int i = from; i + length <= to; i += length) {
+    blocks.sum_channel(c, i, i + length, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
     const HarmonicFit fit = fit_harmonics(quarter, c, 1, 0.0);
     if (!std::isfinite(fit.sigma2)) continue;
     squares += fit.sigma2 * (fit.samples - 3);
     freedom += fit.samples - 3;
   }
-  return freedom >= 4 ? std::min(otherwise, squares / freedom) : otherwise;
+  // Windows are a quarter of a period apart and share three quarters.
+  const double before = std::min(noise.freedom, 8 * freedom / kQuarters), now = freedom / kQuarters;
+  if (!(before + now > 0)) return;
+  noise.variance = ((before > 0 ? before * noise.variance : 0.0) + squares / kQuarters) / (before + now);
+  noise.freedom = before + now;
 }
 
 void Pipeline::Impl::provisional() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dwell {
 namespace {
@@ -23,9 +24,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   poles_.resize(capacity_);
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
-  u_poles_.resize(2 * capacity_);
   x_.resize(all);
-  modes_.resize(2 * most);
   work_.resize(harmonic_ + most, harmonic_ + most);
   columns_.resize(harmonic_ + most, most);
   slopes_.resize(most, most);
@@ -48,7 +47,6 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
   if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
   modal_ = 2 * static_cast<Index>(count_);
   for (std::size_t m = 0; m < count_; ++m) sizes_[m] = std::abs(poles_[m]);
-  std::fill(u_poles_.begin(), u_poles_.end(), 0.0);
   for (PerChannel& channel : channels_) {
     channel.normal.setZero();
     channel.moments.setZero();
@@ -169,7 +167,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
       return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
     };
     const auto J = [&](Index m) {
-      const Complex a = amplitude(m);
+      const Complex a = poles_[static_cast<std::size_t>(m)].real() < 0 ? amplitude(m) : Complex{};
       Eigen::Matrix2d jacobian;
       jacobian << a.real(), -a.imag(), a.imag(), a.real();
       return jacobian;
@@ -190,7 +188,9 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
   auto unit = slopes_.topLeftCorner(modal_, modal_);
   unit.setIdentity();
   llt.solveInPlace(unit);
+  converged_ = 0.0;
   for (std::size_t m = 0; m < count_; ++m) {
+    if (!(poles_[m].real() < 0)) continue;
     const auto i = 2 * static_cast<Index>(m);
     Complex rho{g(i), g(i + 1)};
     if (std::abs(rho) > 2 * trust) rho *= 2 * trust / std::abs(rho);
@@ -200,8 +200,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
     moved.real(std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
-    u_poles_[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, unit(i, i)));
-    u_poles_[static_cast<std::size_t>(i) + 1] = std::sqrt(std::max(0.0, unit(i + 1, i + 1)));
+    converged_ = std::max(converged_, std::abs(rho) / std::sqrt(std::max(1e-300, unit(i, i) + unit(i + 1, i + 1))));
   }
   return {moved_.data(), count_};
 }
@@ -218,6 +217,7 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   // The uncertainty at its largest over half a cycle of each of the modes, seen at eight angles.
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
+    if (!(poles_[m].real() < 0)) continue;
     const double decayed = std::exp(poles_[m].real() * u);
     const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
     const double own = std::sqrt(0.5 * std::max(0.0, of.covariance(i, i) + of.covariance(i + 1, i + 1)));
@@ -227,9 +227,11 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
     const double later = u + angle * M_PI / 8 / omega_;
     double variance = 0.0;
     for (std::size_t m = 0; m < count_; ++m) {
+      if (!(poles_[m].real() < 0)) continue;
       const Complex em = std::exp(poles_[m] * later);
       const double xm[2] = {em.real(), poles_[m].imag() > 0 ? -em.imag() : 0.0};
       for (std::size_t l = 0; l < count_; ++l) {
+        if (!(poles_[l].real() < 0)) continue;
         const Complex el = std::exp(poles_[l] * later);
         const double xl[2] = {el.real(), poles_[l].imag() > 0 ? -el.imag() : 0.0};
         for (int p = 0; p < 2; ++p)
@@ -244,17 +246,27 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   return left;
 }
 
-const Eigen::VectorXd& ModalFit::modes_at(std::int64_t t_ns) noexcept {
+Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) noexcept {
   evaluate(t_ns);
-  modes_.setZero();
-  modes_.head(modal_) = x_.segment(harmonic_, modal_);
-  return modes_;
+  return std::as_const(x_).segment(harmonic_, modal_);
+}
+
+double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept {
+  evaluate(t_ns);
+  const PerChannel& of = at(channel);
+  return value - of.reference - of.theta.head(linear()).dot(x_.head(linear()));
 }
 
 double ModalFit::transient(int channel, std::int64_t t_ns) noexcept {
   evaluate(t_ns);
   const PerChannel& of = at(channel);
-  return of.usable ? of.theta.segment(harmonic_, modal_).dot(x_.segment(harmonic_, modal_)) : 0.0;
+  if (!of.usable) return 0.0;
+  double sum = 0.0;
+  for (std::size_t m = 0; m < count_; ++m)
+    if (poles_[m].real() < 0)
+      for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
+        sum += of.theta(i) * x_(i);
+  return sum;
 }
 
 Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {

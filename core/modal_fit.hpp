@@ -23,12 +23,13 @@ namespace dwell {
 
 class ModalFit {
  public:
-  static constexpr int kMaxModes = 8;  // the slowest; what decays faster is gone before it matters
+  static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
 
   // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+1+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
 
-  // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0; those beyond the capacity are left out.
+  // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is
+  // fitted beside but is no transient; those beyond the capacity are left out.
   void restart(double omega, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
   // One sample, at t >= t_0. reference: what to subtract so that a large mean costs no digits, the same throughout.
   // O((2H+1+4·modes)²), no allocation.
@@ -42,6 +43,9 @@ class ModalFit {
   // One Gauss-Newton step on the poles from all solved channels, within `trust` of each pole's magnitude; returns the
   // poles moved. Leaves the sums as they are: restart and add again.
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust) noexcept;
+
+  // How far the last step went, in standard deviations of the poles.
+  [[nodiscard]] double converged() const noexcept { return converged_; }
 
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
   [[nodiscard]] double omega() const noexcept { return omega_; }
@@ -59,10 +63,12 @@ class ModalFit {
   };
   [[nodiscard]] Left left(int channel, std::int64_t t_ns) const noexcept;
 
+  // What the fit leaves of a reading, steady lines included in the fit.
+  [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
   // The transient at t, in the channel's unit.
   [[nodiscard]] double transient(int channel, std::int64_t t_ns) noexcept;
-  // The regressors of the modes at t (amplitudes, then relative changes of the poles), as `overlap` wants them.
-  [[nodiscard]] const Eigen::VectorXd& modes_at(std::int64_t t_ns) noexcept;
+  // The regressors of the modes at t.
+  [[nodiscard]] Eigen::VectorXd::ConstSegmentReturnType modes_at(std::int64_t t_ns) noexcept;
   // Covariance of (Re, Im) of Σ_k w_k exp(-jφ_k)-weighted transients: B Cov B^T, B 2 × modal regressors.
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   [[nodiscard]] int modal_regressors() const noexcept { return 2 * static_cast<int>(capacity_); }
@@ -84,10 +90,10 @@ class ModalFit {
   Eigen::Index harmonic_, modal_ = 0;  // regressors: 2H+1, and of the present modes
   std::vector<std::complex<double>> poles_, moved_;
   std::vector<double> sizes_;    // |λ|
-  std::vector<double> u_poles_;  // relative, of the last refinement
+  double converged_ = 0.0;
   double omega_ = 0.0;
   std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
-  Eigen::VectorXd x_, modes_;
+  Eigen::VectorXd x_;
   std::vector<PerChannel> channels_;
   Eigen::MatrixXd work_, columns_, slopes_, hessian_;
   Eigen::VectorXd gradient_;

@@ -30,6 +30,7 @@ inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr int kQuarters = 4;          // windows of one period
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
+inline constexpr std::size_t kMains = 8;     // lines of hum, of 50 and 60 Hz
 inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
@@ -59,7 +60,7 @@ struct Pipeline::Impl {
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
         history(history_capacity(channel_count)),
-        modal(channel_count, H, std::min(2 * given.mass_count(), ModalFit::kMaxModes)),
+        modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
@@ -68,9 +69,12 @@ struct Pipeline::Impl {
     readings.resize(live.size());
     transient.resize(live.size());
     ranges.resize(live.size());
+    noises.resize(live.size());
+    spectrum.resize(kMains + 400);
     overlap.resize(live.size());
-    for (auto& B : overlap) B.setZero(2, modal.modal_regressors() * 2);
-    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &decaying}) poles->reserve(2 * given.masses.size());
+    for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
+    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &extra_poles})
+      poles->reserve(2 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       Live& delivering = live[static_cast<std::size_t>(c)];
@@ -125,7 +129,11 @@ struct Pipeline::Impl {
   std::uint64_t modal_next = 0;          // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
   std::int64_t quiet_ns = INT64_MIN;     // until then the transient is taken out of what comes in
-  std::vector<Complex> modal_poles, best_poles, trial_poles, decaying;
+  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spectrum;
+  struct Noise {
+    double variance = INFINITY, freedom = 0.0;
+  };
+  std::vector<Noise> noises;  // per channel, of the readings: from what no smooth motion explains
   std::vector<double> ranges;            // per channel, largest distance from the first reading of the hold
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
@@ -223,10 +231,8 @@ struct Pipeline::Impl {
   // Shows the detector the window of blocks [from, to). false: it could not be fitted.
   bool look(int from, int to);
 
-  // The noise of a channel in blocks [from, to), whatever else it does: in each quarter of a period a mean, a sine and
-  // a cosine follow any smooth motion, and what they leave is noise. Where too few samples allow that, all that the
-  // harmonic fit leaves.
-  double noise_variance(int c, int from, int to, double otherwise);
+  // Adds what blocks [from, to) tell of a channel's noise, whatever else it does.
+  void take_noise(int c, int from, int to);
 
   [[nodiscard]] bool out_of_search() const {
     const double f = drive.omega() / kTwoPi;
@@ -238,6 +244,11 @@ struct Pipeline::Impl {
   double fit_modes(double w, std::span<const Complex> poles);
   void solve_modes();
   std::span<const Complex> chain_poles();
+  void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
+  double try_poles(double w, double best);
+  double refine_poles(double w, double best);
+  bool find_extra_pole();
+  void judge_extra_poles();
   bool refit_modes();
   double modal_left(std::int64_t t_ns, int* worst) const;
   bool settle_by_modes(std::int64_t end_ns);
