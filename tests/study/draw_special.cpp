@@ -117,9 +117,9 @@ void draw_ramps(Draws& draws, Case& about) {
   draw_noise(draws, about, std::abs(about.table.shape[0]));
   Ramps& ramps = about.ramps;
   ramps.rise_s = draws.uniform(0, 3) / about.frequency_hz;
-  ramps.hold_s = ramps.rise_s + draws.uniform(1.5, 4) / about.frequency_hz;
+  ramps.hold_s = ramps.rise_s + draws.uniform(1.5, 3) / about.frequency_hz;
   ramps.fall_s = ramps.hold_s + 3 / about.frequency_hz;
-  ramps.end_s = ramps.fall_s + draws.uniform(1.5, 4) / about.frequency_hz;
+  ramps.end_s = ramps.fall_s + draws.uniform(1.5, 3) / about.frequency_hz;
   about.remark = "ramps";
 }
 

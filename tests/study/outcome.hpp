@@ -20,7 +20,8 @@ struct ElementOutcome {
 };
 
 struct Outcome {
-  int index = 0;
+  int index = 0, masses = 0;
+  std::string remark;      // Case::remark
   bool settled = false;    // before the study gave up
   bool rearmed = false;    // measuring was left although the drive was steady
   bool completed = false;  // there is a result
@@ -30,6 +31,7 @@ struct Outcome {
   double left = 0.0;                       // largest transient from the verdict on, over its threshold
   int left_channel = -1;
   double naive_answer_s = 0.0;
+  double cpu_s = 0.0;            // that playing it took; no figure, but worth knowing
   double counted_periods = 0.0;  // of data that count at the end
   double answer_s = 0.0;         // from the start of the drive to the end of the data that count
   std::vector<ElementOutcome> elements;

@@ -1,3 +1,5 @@
+#include <time.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -122,11 +124,18 @@ void tell(const Case& about, const Dwell& dwell, const Outcome& outcome, const T
   for (const std::string& warning : dwell.warnings) trace("warning: " + warning);
 }
 
-}  // namespace
+// Of this thread.
+double cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
-Outcome play_dwell(const Case& about, const Trace& trace) {
+Outcome play(const Case& about, const Trace& trace) {
   Outcome outcome;
   outcome.index = about.index;
+  outcome.masses = about.chain.mass_count();
+  outcome.remark = about.remark;
   outcome.period_s = about.period_s();
   outcome.tau_periods = about.motion->time_constant_s() * about.frequency_hz;
   const double oracle_s = oracle_of(about), period_s = about.period_s();
@@ -175,6 +184,15 @@ Outcome play_dwell(const Case& about, const Trace& trace) {
   outcome.completed = true;
   judge_elements(about, dwell, outcome);
   if (trace) tell(about, dwell, outcome, trace);
+  return outcome;
+}
+
+}  // namespace
+
+Outcome play_dwell(const Case& about, const Trace& trace) {
+  const double began_s = cpu_s();
+  Outcome outcome = play(about, trace);
+  outcome.cpu_s = cpu_s() - began_s;
   return outcome;
 }
 
