@@ -224,9 +224,14 @@ void DeviceClock::acquire(std::int64_t arrival_ns) noexcept {
   }
   stretch_[stretch_count_++] = arrival_ns;
   if (stretch_count_ != kShortStretch && stretch_count_ != kLongestStretch) return;
+  // Several streams of a device may share a stated rate that is not theirs.
+  const double mean_ns =
+      static_cast<double>(stretch_[stretch_count_ - 1] - stretch_[0]) / static_cast<double>(stretch_count_ - 1);
+  if (mean_ns < 0.9 * nominal_ns_ || mean_ns > 1.5 * nominal_ns_) nominal_ns_ = 0.0;
   if (const auto grid = find_grid({stretch_.data(), stretch_count_}, nominal_ns_)) {
     lock(*grid, stretch_count_);
   } else if (stretch_count_ == kLongestStretch) {
+    nominal_ns_ = 0.0;  // it did not help
     stretch_count_ = 0;
     pause_ = next_pause_;
     next_pause_ = std::min(2 * next_pause_, kLongestPause);
