@@ -24,6 +24,7 @@ constexpr double kFarPaced = 8.0;      // periods after which it is no stall
 constexpr double kMostPaced = 32.0;    // periods after which more evidence is not to be expected
 constexpr double kMostLost = 0.3;
 constexpr double kMostTooEarly = 8.0;
+constexpr double kMostMistrusted = 0.4;
 
 }  // namespace
 
@@ -54,6 +55,10 @@ void DeviceClock::arrive(std::int64_t arrival_ns) noexcept {
     return;
   }
   weigh(false);
+  if (mistrusted_ > kMostMistrusted) {
+    nominal_ns_ = 0.0;
+    unlock();
+  }
 }
 
 void DeviceClock::wait(std::int64_t now_ns) noexcept {
@@ -151,12 +156,14 @@ void DeviceClock::weigh(bool at_once) noexcept {
       lost_ += static_cast<std::uint64_t>(verdict.lost);
       lost_part_ += 1.0 / 256.0;
       after_loss_ = true;
+      too_early_ = std::max(0.0, too_early_ - verdict.lost);
     } else {
       lost_ -= std::min<std::uint64_t>(lost_, static_cast<std::uint64_t>(-verdict.lost));
       doubt_ = -verdict.lost;
-      too_early_ += 1.0;
+      too_early_ -= verdict.lost;
     }
-    if (lost_part_ > kMostLost || too_early_ > kMostTooEarly || mistrusted_ > memory_) {
+    if (lost_part_ > kMostLost || too_early_ > kMostTooEarly) {
+      nominal_ns_ = 0.0;
       unlock();
       return;
     }
@@ -184,7 +191,7 @@ void DeviceClock::commit_one(Held& reading) noexcept {
     if (nominal_ns_ > 0.0) {
       const double tracked_ns = period_ns_;
       period_ns_ = std::clamp(tracked_ns, nominal_ns_ * (1.0 - kNominalRange), nominal_ns_ * (1.0 + kNominalRange));
-      mistrusted_ = period_ns_ == tracked_ns ? 0.0 : mistrusted_ + 1.0;
+      mistrusted_ += ((period_ns_ == tracked_ns ? 0.0 : 1.0) - mistrusted_) / memory_;
     }
   }
   shape_.add(late, 1.0 / 512.0);
@@ -196,7 +203,7 @@ void DeviceClock::commit_one(Held& reading) noexcept {
   spread_ = std::max(kLeastSpread, spread_ + (std::min(std::abs(late), limit) - spread_) / 256.0);
   variance_ += (late * late - variance_) / std::min(age_, memory_);
   lost_part_ -= lost_part_ / 256.0;
-  too_early_ -= too_early_ / 64.0;
+  too_early_ -= too_early_ / 4096.0;
 
   const double whole = std::floor(part_ns_);
   whole_ns_ += static_cast<std::int64_t>(whole);
@@ -258,8 +265,7 @@ void DeviceClock::lock(const ArrivalGrid& grid, std::size_t count) noexcept {
 // What is held stands as it arrived; the clock is sought anew.
 void DeviceClock::unlock() noexcept {
   for (; decided_ < count_; ++decided_) held(decided_).instant = {held(decided_).arrival_ns, 0, false};
-  // The device does not run at the rate stated.
-  if (mistrusted_ > memory_) nominal_ns_ = 0.0;
+  mistrusted_ = 0.0;
   locked_ = false;
   ++relocked_;
   stretch_count_ = 0;

@@ -113,8 +113,8 @@ class DeviceClock {
   double variance_ = 0.0;                 // of the deviations, stalls included, periods²
   double lost_part_ = 0.0;                // of the readings, recently
   double too_early_ = 0.0;                // readings that came before they could have been taken, recently
-  double mistrusted_ = 0.0;  // readings in a row at which the rate would have left the range about the nominal one
-  double doubt_ = 0.0;       // periods by which the numbering was just put right
+  double mistrusted_ = 0.0;               // part of the readings, recently, at which the rate would have left its range
+  double doubt_ = 0.0;                    // periods by which the numbering was just put right
   bool after_loss_ = false;
   std::int64_t last_given_ns_ = 0;
 

@@ -10,8 +10,8 @@ ScanClocks::ScanClocks(Clock clock, const std::vector<std::uint16_t>& channels, 
   const auto largest = std::max_element(channels.begin(), channels.end());
   places_.resize(largest == channels.end() ? 0 : std::size_t{*largest} + 1);
   streams_.assign(channels.size(), Stream{DeviceClock(rate_hz), {}, 0, {}});
-  // As many scans as a clock holds, and the one on its way in.
-  nodes_.resize(kind_ == Clock::device ? channels.size() * (DeviceClock::kHeld + 1) : 1);
+  // As many scans as a clock holds, the one on its way in, and a last node.
+  nodes_.resize(kind_ == Clock::device ? channels.size() * (DeviceClock::kHeld + 1) + 1 : 2);
   for (std::size_t i = 0; i < nodes_.size(); ++i) append(free_, static_cast<int>(i));
 }
 
@@ -26,18 +26,37 @@ void ScanClocks::push(const Record& sample) noexcept {
     streams_[static_cast<std::size_t>(scan_stream_)].clock.arrive(sample.t_ns);
   } else if (place.stream < 0) {
     place.stream = scan_stream_;
+  } else if (place.stream != scan_stream_) {
+    unite(place.stream, scan_stream_);
   }
   place.scan = scan_;
   Stream& stream = streams_[static_cast<std::size_t>(scan_stream_)];
-  if (free_.first < 0) flush();  // channels that change their company: more scans than clocks hold
+  if (free_.first == free_.last) flush();  // channels that change their company: more scans than the clocks hold
   const int node = take_first(free_);
+  assert(node >= 0);
   nodes_[static_cast<std::size_t>(node)].record = sample;
   nodes_[static_cast<std::size_t>(node)].scan = scan_;
+  if (kind_ == Clock::host) {
+    for (DeviceClock::Instant instant; stream.clock.next(instant);) {
+    }
+    append(out_, node);
+    return;
+  }
   if (stream.decided == scan_) {
     give_out(node, stream.instant);
     return;
   }
   append(stream.held, node);
+  settle(stream);
+}
+
+// Channels that had come apart come together: one stream from the next scan on.
+void ScanClocks::unite(int a, int b) noexcept {
+  const int kept = std::min(a, b), given_up = std::max(a, b);
+  for (Place& place : places_)
+    if (place.stream == given_up) place.stream = kept;
+  Stream& stream = streams_[static_cast<std::size_t>(given_up)];
+  stream.clock.decide_all();
   settle(stream);
 }
 
@@ -81,14 +100,12 @@ void ScanClocks::settle(Stream& stream) noexcept {
 }
 
 void ScanClocks::give_out(int node, const DeviceClock::Instant& instant) noexcept {
-  if (kind_ == Clock::device) {
-    Record& record = nodes_[static_cast<std::size_t>(node)].record;
-    const std::uint64_t half_ns = std::uint64_t{record.t_half_ns} + instant.half_ns;
-    record.t_ns = instant.t_ns;
-    record.t_half_ns =
-        static_cast<std::uint32_t>(std::min<std::uint64_t>(half_ns, std::numeric_limits<std::uint32_t>::max()));
-    if (instant.after_loss) record.flags |= kGap;
-  }
+  Record& record = nodes_[static_cast<std::size_t>(node)].record;
+  const std::uint64_t half_ns = std::uint64_t{record.t_half_ns} + instant.half_ns;
+  record.t_ns = instant.t_ns;
+  record.t_half_ns =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(half_ns, std::numeric_limits<std::uint32_t>::max()));
+  if (instant.after_loss) record.flags |= kGap;
   append(out_, node);
 }
 

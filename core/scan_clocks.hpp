@@ -63,6 +63,7 @@ class ScanClocks {
   int take_first(List& list) noexcept;
   void append(List& list, int node) noexcept;
   void settle(Stream& stream) noexcept;
+  void unite(int a, int b) noexcept;
   void give_out(int node, const DeviceClock::Instant& instant) noexcept;
 
   Clock kind_;

@@ -82,7 +82,7 @@ std::string channels_table(const Json& list) {
   table.add("clock", std::move(clocks));
   table.add("jitter", std::move(jitters), Align::right);
   table.add("drift", std::move(drifts), Align::right);
-  for (const char* name : {"received", "used", "dropped", "queued", "gaps"}) {
+  for (const char* name : {"lost", "received", "used", "dropped", "queued", "gaps"}) {
     std::vector<std::string> counts;
     for (const Json& channel : list) counts.push_back(count_of(channel, name));
     table.add(name, std::move(counts), Align::right);

@@ -39,6 +39,11 @@ TEST(DeviceMistakes, OfTheCommonKeys) {
   expect_mistake("delay_u = 1e-4", "delay_u = @-1e-4", "\"delay_u\" is -0.0001: expected a number from 0 to 10 (s)");
 }
 
+TEST(DeviceMistakes, OfTheClock) {
+  expect_mistake("rate = 500", "rate = 500\nclock = @\"own\"", "\"clock\" is \"own\": expected \"host\" or \"device\"");
+  expect_good("rate = 500", "rate = 500\nclock = \"device\"");
+}
+
 TEST(DeviceMistakes, OfAChannelThatNamesNoDevice) {
   expect_mistake("[[channel]]\nname = \"y0\"\ndevice = \"amplifier\"", "@[[channel]]\nname = \"y0\"",
                  "[[channel]] has no \"device\": expected the name of one of the devices", nullptr);

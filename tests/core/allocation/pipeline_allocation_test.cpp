@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/merger.hpp"
+#include "core/scan_clocks.hpp"
 #include "tests/core/bench_rig.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -61,11 +62,18 @@ TEST(PipelineAllocation, NoneFromTheFirstSampleToTheThousandthPeriod) {
     }
   Pipeline pipeline(rig);
   Merger merger(2, 100'000'000, 1000);
+  ScanClocks clocks(Clock::device, {0, 1, 2}, 0.0);
   std::complex<double> sum = 0;
   bool idle = false, settling = false, measuring = false;
   forbidden = true;
   for (const Record& record : stream) {
-    merger.push(record.channel == 3 ? 1 : 0, record);
+    if (record.channel == 3 || record.kind != Kind::sample) {
+      merger.push(record.channel == 3 ? 1 : 0, record);
+    } else {
+      clocks.push(record);
+      clocks.wait(record.t_ns);
+      for (Record out; clocks.pop(out);) merger.push(0, out);
+    }
     for (Record out; merger.pop(out);) {
       pipeline.push(out);
       idle = idle || pipeline.state() == State::idle;
