@@ -231,6 +231,12 @@ void DeviceClock::acquire(std::int64_t arrival_ns) noexcept {
   }
   stretch_[stretch_count_++] = arrival_ns;
   if (stretch_count_ != kShortStretch && stretch_count_ != kLongestStretch) return;
+  // Not amid those that a stall held up: their stamps stand, and lie beyond what the clock would go on with.
+  const std::size_t n = stretch_count_;
+  if (4 * (stretch_[n - 1] - stretch_[n - 2]) * static_cast<std::int64_t>(n) < stretch_[n - 1] - stretch_[0]) {
+    if (n == kLongestStretch) std::copy(stretch_.begin() + 1, stretch_.begin() + (stretch_count_--), stretch_.begin());
+    return;
+  }
   // Several streams of a device may share a stated rate that is not theirs.
   const double mean_ns =
       static_cast<double>(stretch_[stretch_count_ - 1] - stretch_[0]) / static_cast<double>(stretch_count_ - 1);

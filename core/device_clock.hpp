@@ -112,7 +112,7 @@ class DeviceClock {
   std::int64_t previous_arrival_ns_ = 0;  // of the last reading decided on
   double variance_ = 0.0;                 // of the deviations, stalls included, periods²
   double lost_part_ = 0.0;                // of the readings, recently
-  double too_early_ = 0.0;                // readings that came before they could have been taken, recently
+  double too_early_ = 0.0;   // numbers taken back beyond the losses counted before, recently
   double mistrusted_ = 0.0;               // part of the readings, recently, at which the rate would have left its range
   double doubt_ = 0.0;                    // periods by which the numbering was just put right
   bool after_loss_ = false;
