@@ -134,6 +134,7 @@ DeviceClock::Verdict DeviceClock::judge(bool at_once) noexcept {
   const bool last_chance = at_once || count == kHeld;
   if (least > kFarLate) {
     if (paced < kFarPaced && !last_chance) return {};
+    if (4.0 * paced < static_cast<double>(count - 1)) return {count, 0};  // a bunch: held up, not lost
     return {0, static_cast<int>(std::min(least, 1e6))};
   }
   if (!last_chance && paced < kMostPaced) {
