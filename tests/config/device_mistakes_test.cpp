@@ -42,6 +42,10 @@ TEST(DeviceMistakes, OfTheCommonKeys) {
 TEST(DeviceMistakes, OfTheClock) {
   expect_mistake("rate = 500", "rate = 500\nclock = @\"own\"", "\"clock\" is \"own\": expected \"host\" or \"device\"");
   expect_good("rate = 500", "rate = 500\nclock = \"device\"");
+  // A device whose driver has no key of that name may state its rate all the same.
+  expect_good("driver = \"picky\"", "driver = \"picky\"\nclock = \"device\"\nrate = 1000");
+  expect_mistake("driver = \"picky\"", "driver = \"picky\"\nrate = @0",
+                 "\"rate\" is 0: expected a number from 0.001 to 1e6 (Hz)");
 }
 
 TEST(DeviceMistakes, OfAChannelThatNamesNoDevice) {
