@@ -131,9 +131,9 @@ std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, 
   grid.lost = (index[n - 1] - static_cast<double>(n - 1)) / static_cast<double>(n);
   for (std::size_t j = 0; j < n; ++j) {
     const double deviation = (x_ns[j] - line.last_ns) / line.period_ns - (index[j] - index[n - 1]);
-    grid.shape.add(deviation, 1.0 / static_cast<double>(j + 1));
+    grid.shape.add(deviation);
   }
-  grid.shape.refresh();
+  grid.shape.learn();
   // A short stretch must be plain to see; a long one may jitter by more than a period.
   const double most_spread = n < kLongestStretch ? 0.13 : 0.7;
   const bool sound = grid.period_ns > 0 && std::isfinite(grid.last_ns) && grid.spread < most_spread;

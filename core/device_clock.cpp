@@ -195,11 +195,7 @@ void DeviceClock::commit_one(Held& reading) noexcept {
       mistrusted_ += ((period_ns_ == tracked_ns ? 0.0 : 1.0) - mistrusted_) / memory_;
     }
   }
-  shape_.add(late, 1.0 / 512.0);
-  if (++since_refresh_ == 64) {
-    since_refresh_ = 0;
-    shape_.refresh();
-  }
+  shape_.add(late);
   previous_arrival_ns_ = reading.arrival_ns;
   spread_ = std::max(kLeastSpread, spread_ + (std::min(std::abs(late), limit) - spread_) / 256.0);
   variance_ += (late * late - variance_) / std::min(age_, memory_);

@@ -107,9 +107,9 @@ TEST(DeviceClock, LostReadingsDoNotShiftThoseThatFollow) {
     EXPECT_LT(dwells(device, 0.0, 3.0, 25.0).recovered, 1e-3);
     device.lost = 0.01;
     EXPECT_LT(dwells(device, 1000.0, 3.0, 25.0).recovered, 1e-3);
-    // One in twenty, and a jitter as long as the period.
+    // One in twenty, and a jitter as long as the period: where each was lost is known to a reading or two.
     device.lost = 0.05;
-    EXPECT_LT(dwells(device, 1000.0, 3.0, 25.0).recovered, 2e-3);
+    EXPECT_LT(dwells(device, 1000.0, 3.0, 25.0).recovered, 4e-3);
   }
 }
 
