@@ -139,7 +139,7 @@ Row step_row(const std::vector<StepOutcome>& outcomes, Population population) {
       row.figure = "re-armed within two periods of a frequency step";
       break;
     case Population::small_step:
-      row.figure = "re-armed by a smaller step once it has reached nine standard deviations";
+      row.figure = "re-armed by a smaller amplitude step once it has reached nine standard deviations";
       break;
     default:
       row.figure = "idle within three periods of the drive's stop";
@@ -151,12 +151,12 @@ Row step_row(const std::vector<StepOutcome>& outcomes, Population population) {
   return row;
 }
 
-Row hours_row(const std::vector<HoursOutcome>& outcomes) {
+Row hours_row(const std::vector<HoursOutcome>& outcomes, long others) {
   double hours = 0.0;
-  long rearmed = 0;
+  long rearmed = others;
   for (const HoursOutcome& outcome : outcomes) hours += outcome.hours, rearmed += outcome.rearmed;
-  return {"false re-arms, in so many hours measured of a steady drive", text("%ld", rearmed), "0", std::lround(hours),
-          rearmed == 0};
+  return {"false re-arms, in so many hours measured of a steady drive, and in the dwells above", text("%ld", rearmed),
+          "0", std::lround(hours), rearmed == 0};
 }
 
 Row ramps_row(const std::vector<RampsOutcome>& outcomes, double slack) {
