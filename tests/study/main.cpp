@@ -44,9 +44,14 @@ struct Findings {
 
 template <typename One, typename Play>
 std::vector<One> play_all(const Options& options, Population population, int count, const Play& play) {
+  std::vector<int> indices;
+  for (int index = 0; static_cast<int>(indices.size()) < count; ++index)
+    if (!options.is_short || is_quick(draw(population, options.seed, index))) indices.push_back(index);
   std::vector<One> outcomes(static_cast<std::size_t>(count));
-  for_all(count, name_of(population),
-          [&](int i) { outcomes[static_cast<std::size_t>(i)] = play(draw(population, options.seed, i), Trace{}); });
+  for_all(count, name_of(population), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    outcomes[at] = play(draw(population, options.seed, indices[at]), Trace{});
+  });
   return outcomes;
 }
 
