@@ -107,7 +107,7 @@ void study(const Options& options, Population population, Findings& findings) {
     case Population::small_step:
     case Population::stop: {
       const auto outcomes = play_all<StepOutcome>(options, population, options.count(30, 1000), play_step);
-      findings.rows.push_back(step_row(outcomes, population));
+      findings.rows.push_back(step_row(outcomes, population, options.slack()));
       for (const StepOutcome& outcome : outcomes) findings.rearmed += outcome.disturbed;
       list_bad(
           options, population, outcomes,
@@ -120,7 +120,7 @@ void study(const Options& options, Population population, Findings& findings) {
       const int count =
           options.count(static_cast<int>(kShortHours / quarter), static_cast<int>(1.05 * kHours / quarter));
       const auto outcomes = play_all<HoursOutcome>(options, population, count, play_hours);
-      findings.rows.push_back(hours_row(outcomes, findings.rearmed));
+      findings.rows.push_back(hours_row(outcomes, findings.rearmed, options.slack()));
       list_bad(
           options, population, outcomes, [](const HoursOutcome& o) { return o.rearmed > 0 || o.hours == 0; }, findings);
       break;
@@ -169,6 +169,7 @@ int run(const Options& options) {
     for (Row& row : settling_rows(findings.begun, options.slack())) rows.push_back(std::move(row));
   if (!findings.judged.empty())
     for (Row& row : reported_rows(findings.judged, options.slack())) rows.push_back(std::move(row));
+  if (options.is_short) std::puts("The short form: few dwells, no slow rigs, and wider bounds than the targets shown.");
   print(rows);
   if (!findings.begun.empty())
     for (const std::string& line : beside(findings.begun)) std::puts(line.c_str());
