@@ -12,7 +12,7 @@ constexpr double kWellDetermined = 10.0;  // |Z| over its bound, at least
 
 double quantile(std::vector<double> values, double part) {
   if (values.empty()) return NAN;
-  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1) + 0.5);
+  const std::ptrdiff_t at = std::lround(part * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[static_cast<std::size_t>(at)];
 }
@@ -97,10 +97,9 @@ Row coverage_row(const std::vector<Outcome>& outcomes, Population population, do
 }
 
 std::vector<Row> settling_rows(const std::vector<Outcome>& outcomes, double slack) {
-  long early = 0, settled = 0, never = 0;
+  long early = 0, never = 0;
   std::vector<double> median, tail;
   for (const Outcome& outcome : outcomes) {
-    settled += outcome.settled;
     never += !outcome.settled;
     early += outcome.settled && outcome.left > 1;
     median.push_back(late_by(outcome, 4, 0.5));
