@@ -199,17 +199,19 @@ std::vector<std::string> beside(const std::vector<Outcome>& outcomes) {
   }
   const auto line = [](const char* what, const std::vector<double>& values, const std::vector<double>& script,
                        double factor, const char* unit) {
-    return text("| %-32s | %9.3g %s | %9.3g %s | %9.3g %s | %9.3g %s |", what, factor * quantile(values, 0.5), unit,
-                factor * quantile(values, 0.95), unit, factor * quantile(script, 0.5), unit,
-                factor * quantile(script, 0.95), unit);
+    std::string cells;
+    for (const std::vector<double>* of : {&values, &script})
+      for (const double part : {0.5, 0.95}) cells += text(" %11.3g %s |", factor * quantile(*of, part), unit);
+    return text("| %-19s |", what) + cells;
   };
-  return {text("Beside it, on the same %zu recordings (the elements that are reported): a script that takes the "
+  return {"",
+          text("Beside it, on the same %zu recordings, for the elements that are reported: a script that takes the "
                "channels as simultaneous,",
                answer.size()),
-          "waits 10 s and transforms 1024 samples of the table's channel and as long of the others.",
+          "waits 10 s, transforms 1024 samples of the table's channel and as long of the others, and divides.",
           "",
-          "|                                  |      median |    95 % below | script's median | 95 % below |",
-          "|---|---|---|---|---|",
+          "|                     | median        | 95 % below    | its median    | 95 % below    |",
+          "|---------------------|---------------|---------------|---------------|---------------|",
           line("error of c", c, naive_c, 100, "%"),
           line("error of r", r, naive_r, 100, "%"),
           line("time to that answer", answer, naive_answer, 1, "s")};
