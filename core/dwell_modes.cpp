@@ -33,11 +33,11 @@ constexpr double kSpeaksAgainst = 6.0;    // in N ln σ², of χ²(1)
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;             // standard deviations of what may be left of the transient
 constexpr double kSureOfNoise = 4.0;
-constexpr double kMostTakenOut = 8.0;  // of what may be left, where data begin to count
-constexpr double kNegligible = 1e-3;   // of the tolerance: nothing is subtracted any more …
+constexpr double kMostTakenOut = 8.0;       // of what may be left, where data begin to count
+constexpr double kNegligible = 1e-3;        // of the tolerance: nothing is subtracted any more …
 constexpr double kNegligibleOfNoise = 0.2;  // … or of the uncertainty of the phasor
-constexpr double kUnsure = 1.0;        // periods at the beginning of a hold …
-constexpr double kShortest = 2.0;      // … and after these before anything is said
+constexpr double kUnsure = 1.0;             // periods at the beginning of a hold …
+constexpr double kShortest = 2.0;           // … and after these before anything is said
 
 // Angular frequencies of mains hum and its first harmonics, of either kind.
 double mains(std::size_t k) {
@@ -462,10 +462,10 @@ void Pipeline::Impl::refit_later(double growth) {
 // Not before a period has gone by.
 void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
 
-// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what is
-// not known of it is a part of the uncertainty that matters.
+// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what
+// is not known of it is a part of the uncertainty that matters.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
-  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || drive.windows_since_good() > 0) return;
+  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || doubtful_quarters() > 0) return;
   if (history[history.begin()].t_ns > modal.t0_ns()) {
     modal_refit_at_ns = INT64_MAX;
     return;
@@ -538,12 +538,13 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   }
 }
 
-void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
+double Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   if (t_ns < quiet_ns && modal.usable(c)) {
     value -= modal.disturbance(c, t_ns);
     modal.overlap_at(t_ns, overlap[static_cast<std::size_t>(c)]);
   }
   blocks.add(c, t_ns, value);
+  return value;
 }
 
 }  // namespace dwell

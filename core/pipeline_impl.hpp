@@ -23,6 +23,7 @@
 #include "core/report.hpp"
 #include "core/sample_history.hpp"
 #include "core/settling.hpp"
+#include "core/step_watch.hpp"
 
 namespace dwell {
 
@@ -60,6 +61,7 @@ struct Pipeline::Impl {
         totals(channel_count, H),
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
+        watch(given.tolerance),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         decay(given.boundary, given.masses),
@@ -124,7 +126,8 @@ struct Pipeline::Impl {
   bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
-  DriveMonitor drive;
+  DriveMonitor drive;  // while settling
+  StepWatch watch;     // while measuring
   SampleHistory history;
   ModalFit modal;
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
@@ -273,7 +276,8 @@ struct Pipeline::Impl {
   void refit_later(double growth);
   void refit_measuring(std::int64_t end_ns);
   void take_transient_out(std::int64_t end_ns);
-  void add_cleaned(std::int64_t t_ns, int c, double value);
+  double add_cleaned(std::int64_t t_ns, int c, double value);
+  [[nodiscard]] int doubtful_quarters() const;
   double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
