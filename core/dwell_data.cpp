@@ -31,7 +31,9 @@ void Pipeline::Impl::count_anew() {
   hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
-  if (fit.usable) watch.refer({centroid_ns, fit.mean, fit.X, H, omega, std::sqrt(fit.sigma2), u, u, u_omega});
+  if (fit.usable)
+    watch.refer({centroid_ns, fit.mean, fit.X, H, omega, std::sqrt(fit.sigma2), u, u, u_omega,
+                 quantization_u(drive_channel, fit, counted) / std::abs(X)});
   const std::int64_t first = blocks.block(0).first_serial;
   refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
 }

@@ -303,6 +303,8 @@ struct Pipeline::Impl {
   // had.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
+  // Standard uncertainty of either component of a phasor of the reading by rounding.
+  [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
   void widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const;
 };

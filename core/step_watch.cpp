@@ -14,6 +14,7 @@ constexpr double kClip = 4.0;         // standard deviations of a reading …
 constexpr double kClipPart = 0.5;     // … or what makes it half of the shortest window's say: no outlier says more
 constexpr double kForget = 1.0 / 64;  // of the excess, per period
 constexpr double kExcess = 0.6;       // of the variance by noise, from which an excess shows
+constexpr double kRounding = 3.0;     // standard deviations of what rounding does
 constexpr int kPeriod = 4;
 
 }  // namespace
@@ -122,7 +123,7 @@ bool StepWatch::close() noexcept {
       const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
       excess_ += kForget / kPeriod * (std::min(alpha * alpha, 9 * noise + tolerance_ * tolerance_) - noise - excess_);
       const double shown = std::clamp(excess_ - kExcess * noise, 0.0, tolerance_ * tolerance_ / 2);
-      tolerated_ = kBeyond * std::sqrt(shown);
+      tolerated_ = kBeyond * std::sqrt(shown) + kRounding * now_.u_rounding;
     }
   }
   in_doubt_ = first_doubt > 0 ? in_doubt_ + 1 : 0;

@@ -39,6 +39,7 @@ class StepWatch {
     std::array<std::complex<double>, kMaxHarmonics> X;
     int harmonics;
     double omega, sigma, u_amplitude, u_phase, u_omega;
+    double u_rounding;  // relative, of an amplitude, by rounding that repeats with the motion
   };
   void restart() noexcept;
   // Takes a better reference; what was seen before is brought to it.
