@@ -126,6 +126,14 @@ bool StepWatch::close() noexcept {
       tolerated_ = kBeyond * std::sqrt(shown) + kRounding * now_.u_rounding;
     }
   }
+  // A ramp explains most a little after it has begun.
+  const auto alone = [&](double r, double p) {
+    return p > 0 && std::abs(r / p) > kDoubt * now_.sigma / std::sqrt(p) + kUnsure * tolerance_ + tolerated_;
+  };
+  for (int more = 0; more < kPeriod && changed < most; ++more, ++changed) {
+    const Block& before = back(changed);
+    if (!alone(before.rm, before.mm) && !alone(before.rq, before.qq)) break;
+  }
   in_doubt_ = first_doubt > 0 ? in_doubt_ + 1 : 0;
   since_good_ = worst > 1 ? changed : std::min(in_doubt_, kShortest);
   return worst > 1;
