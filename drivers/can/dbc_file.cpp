@@ -57,7 +57,7 @@ std::vector<std::string> nearest(std::string_view word, const std::vector<std::s
   for (const std::string_view name : names) {
     if (name.size() > kLongest) continue;
     const std::size_t away = edits(word, name);
-    if (2 * away <= std::max(word.size(), name.size()) + 1) near.emplace_back(away, name);
+    if (2 * away <= std::max(word.size(), name.size())) near.emplace_back(away, name);
   }
   std::sort(near.begin(), near.end());
   std::vector<std::string> best;

@@ -40,7 +40,7 @@ void Bus::close() noexcept { socket_.reset(); }
 
 Stamp Bus::stamp_of(const Packet& packet) noexcept {
   Stamp stamp = map_.map(packet.real_ns);
-  if (packet.hardware_ns == 0) return stamp;
+  if (packet.hardware_ns == 0 || !use_hardware_) return stamp;
   const auto t_ns = hardware_.map(packet.hardware_ns, stamp.replaced ? std::nullopt : std::optional(stamp.t_ns));
   if (!t_ns || !map_.plausible(*t_ns)) return stamp;
   hardware_stamps_ = true;

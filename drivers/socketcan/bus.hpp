@@ -69,6 +69,8 @@ class Bus {
 
   // The controller's state as told last; active after open.
   [[nodiscard]] Controller controller() const noexcept { return controller_; }
+  // Whether the interface's own stamps are used where it has them; they are unless told otherwise.
+  void use_hardware_stamps(bool use) noexcept { use_hardware_ = use; }
   // Do frames carry the interface's own stamps, and are these used?
   [[nodiscard]] bool hardware_stamps() const noexcept { return hardware_stamps_; }
 
@@ -85,6 +87,7 @@ class Bus {
   std::unique_ptr<Socket> socket_;
   ClockMap map_;
   HardwareClock hardware_;
+  bool use_hardware_ = true;
   bool hardware_stamps_ = false;
   Controller controller_ = Controller::active;
   std::uint32_t dropped_ = 0;

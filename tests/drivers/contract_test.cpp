@@ -9,6 +9,7 @@
 #include <ostream>
 
 #include "daemon/acquire/plugin.hpp"
+#include "tests/drivers/can_device.hpp"
 #include "tests/drivers/fake_host.hpp"
 #include "tests/drivers/given.hpp"
 #include "tests/drivers/modbus_device.hpp"
@@ -92,6 +93,33 @@ class Recording : public Device {
 
  private:
   std::filesystem::path file_;
+};
+
+class CanRig : public Device {
+ public:
+  Given given() override {
+    Given given("device");
+    given.set("interface", device_.interface()).set("timeout", 0.2);
+    given.channel("one").set("id", 0x123).set("start", 0).set("length", 8);
+    given.channel("two").set("id", 0x123).set("start", 8).set("length", 8);
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("interface", "far/too-long-for-an-interface").set("dbc", "/nonexistent.dbc");
+    given.channel("one").set("id", 0x800).set("extended", false).set("start", 0).set("length", 8);
+    given.channel("two").set("id", 1).set("start", 0).set("length", 33).set("type", "float");
+    return {std::move(given), 4};
+  }
+  void come() override { device_.come(); }
+  void leave() override { device_.leave(); }
+  bool fall_silent() override {
+    device_.set_silent(true);
+    return true;
+  }
+
+ private:
+  CanDevice device_{[] { return std::vector{can_frame_of(0x123, {1, 2})}; }};
 };
 
 struct Case {
@@ -305,6 +333,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Case{"ModbusTcp", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::tcp)); }},
         Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
+        Case{"Can", "can", [] { return std::unique_ptr<Device>(new CanRig); }},
         Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
     [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
 

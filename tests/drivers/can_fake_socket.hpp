@@ -1,0 +1,117 @@
+// A socket that a test scripts: what each read finds, and what was written.
+#pragma once
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "drivers/dwell_driver.hpp"
+#include "drivers/socketcan/socket.hpp"
+
+namespace dwell::test {
+
+// One bus that outlives the sockets opened on it. May be used from any thread.
+class FakeBus {
+ public:
+  FakeBus() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+  ~FakeBus() { ::close(event_); }
+  FakeBus(const FakeBus&) = delete;
+  FakeBus& operator=(const FakeBus&) = delete;
+
+  socketcan::Open opener() {
+    return [this]() -> socketcan::Opened {
+      const std::lock_guard lock(mutex_);
+      ++opened_;
+      if (!refusal_.empty()) return tl::unexpected(refusal_);
+      return std::make_unique<End>(*this);
+    };
+  }
+  // Empty: opens.
+  void refuse(std::string reason) {
+    const std::lock_guard lock(mutex_);
+    refusal_ = std::move(reason);
+  }
+  int opened() const {
+    const std::lock_guard lock(mutex_);
+    return opened_;
+  }
+
+  // A packet that arrives now, with the kernel's stamp.
+  void arrive(canid_t id, const std::vector<std::uint8_t>& data) {
+    socketcan::Packet packet;
+    packet.frame.can_id = id;
+    packet.frame.len = static_cast<std::uint8_t>(data.size());
+    std::copy(data.begin(), data.end(), packet.frame.data);
+    packet.size = data.size() > CAN_MAX_DLEN ? CANFD_MTU : CAN_MTU;
+    packet.real_ns = driver::clock_ns(CLOCK_REALTIME);
+    arrive(packet);
+  }
+  void arrive(const socketcan::Packet& packet) {
+    const std::lock_guard lock(mutex_);
+    packets_.push_back(packet);
+    wake();
+  }
+  // The read that has taken all packets tells it.
+  void fail(int error) {
+    const std::lock_guard lock(mutex_);
+    error_ = error;
+    wake();
+  }
+  void drop(std::uint32_t frames) {
+    const std::lock_guard lock(mutex_);
+    dropped_ += frames;
+  }
+  std::vector<canfd_frame> written() const {
+    const std::lock_guard lock(mutex_);
+    return written_;
+  }
+
+ private:
+  class End : public socketcan::Socket {
+   public:
+    explicit End(FakeBus& bus) : bus_(bus) {}
+    int descriptor() const noexcept override { return bus_.event_; }
+    socketcan::Batch read(std::span<socketcan::Packet> room) noexcept override { return bus_.read(room); }
+    int write(const canfd_frame& frame, bool) noexcept override {
+      const std::lock_guard lock(bus_.mutex_);
+      bus_.written_.push_back(frame);
+      return 0;
+    }
+
+   private:
+    FakeBus& bus_;
+  };
+
+  socketcan::Batch read(std::span<socketcan::Packet> room) noexcept {
+    const std::lock_guard lock(mutex_);
+    socketcan::Batch batch;
+    for (; batch.count < room.size() && !packets_.empty(); packets_.pop_front()) room[batch.count++] = packets_.front();
+    batch.dropped = dropped_;
+    if (batch.count == room.size()) return batch;
+    batch.error = std::exchange(error_, 0);
+    std::uint64_t woken = 0;
+    [[maybe_unused]] const auto got = ::read(event_, &woken, sizeof woken);
+    return batch;
+  }
+  void wake() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(event_, &one, sizeof one);
+  }
+
+  int event_;
+  mutable std::mutex mutex_;
+  std::string refusal_;
+  int opened_ = 0;
+  std::deque<socketcan::Packet> packets_;
+  int error_ = 0;
+  std::uint32_t dropped_ = 0;
+  std::vector<canfd_frame> written_;
+};
+
+}  // namespace dwell::test
