@@ -202,7 +202,7 @@ void DbcParser::names() {
 bool DbcParser::message() {
   const Token at = lexer_.now();
   std::uint64_t id = 0, length = 0;
-  Token name, sender;
+  Token name;
   if (!take(id, 0xFFFFFFFFU, "the message's identifier") || !take_word(name, "the message's name") ||
       !take(':', "after the message's name") || !take(length, kLongestMessage, "the message's length in bytes"))
     return false;

@@ -54,7 +54,7 @@ def differences(frame, expected, found):
             wrong.append(f"{name}: raw {raw}, found {found_raw}")
         value = float(expected[name].phys_value)
         scale = abs(float(signal.factor) * raw) + abs(float(signal.offset))
-        if found_value in ("invalid", "short") or abs(float(found_value) - value) > 4 * EPSILON * scale:
+        if found_value in ("invalid", "short") or abs(float(found_value) - value) > 4 * EPSILON * scale + 5e-324:
             wrong.append(f"{name}: {value!r}, found {found_value}")
     return wrong
 

@@ -206,7 +206,7 @@ TEST_F(CanFault, SurvivesAHostileStream) {
     for (std::uint8_t& byte : std::span(reinterpret_cast<std::uint8_t*>(&packet.frame), sizeof packet.frame))
       byte = static_cast<std::uint8_t>((random = random * 1664525U + 1013904223U) >> 24U);
     packet.size = i % 7 == 0 ? 1 + packet.frame.len : i % 2 == 0 ? CAN_MTU : CANFD_MTU;
-    packet.real_ns = static_cast<std::int64_t>(packet.frame.can_id) * packet.frame.can_id;
+    packet.real_ns = std::int64_t{packet.frame.can_id} << 31U;
     bus_.arrive(packet);
   }
   send(42);
