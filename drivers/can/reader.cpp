@@ -17,7 +17,7 @@ using socketcan::Receipt;
 constexpr int kFailuresToStale = 3;
 constexpr std::int64_t kWatch_ns = 20'000'000;
 // A bus in trouble says so thousands of times a second.
-constexpr std::int64_t kBetweenLines_ns = 10'000'000'000;
+constexpr std::int64_t kBetweenLines_ns = 1'000'000'000;
 constexpr std::uint64_t kMaxCounted = 1'000'000;  // the host counts one by one
 
 std::string seconds(std::int64_t ns) {
@@ -84,7 +84,7 @@ void Reader::take(const Receipt& receipt) {
   if (receipt.malformed > 0) count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
   if (held_ && !receipt.frames.empty() && !receipt.bus_off) release();
   for (const Frame& frame : receipt.frames) deliver(frame);
-  if (receipt.errors > 0) note_controller(receipt);
+  if (receipt.errors > 0 || receipt.restarted) note_controller(receipt);
 }
 
 // The path of a sample: nothing here allocates unless a state changes.
@@ -140,20 +140,24 @@ void Reader::note_losses(const Receipt& receipt) {
 }
 
 void Reader::note_controller(const Receipt& receipt) {
-  count(receipt.bus_off ? DWELL_FAULT_BUS_OFF : DWELL_FAULT_BUS_ERROR, receipt.bus_off ? 1 : receipt.errors);
-  if (receipt.bus_off && receipt.errors > 1) count(DWELL_FAULT_BUS_ERROR, receipt.errors - 1);
+  const unsigned off = receipt.bus_off ? 1 : 0;
+  count(DWELL_FAULT_BUS_OFF, off);
+  count(DWELL_FAULT_BUS_ERROR, std::max(receipt.errors, off) - off);
+  restarted_ = restarted_ || receipt.restarted;
   if (bus_.controller() == Controller::bus_off)
     hold(DWELL_FAULT_BUS_OFF, bus_.name() + ": bus-off; it must be restarted, or have restart-ms set");
   else if (receipt.restarted)
     release();
-  if (bus_.controller() == told_controller_ && !receipt.restarted) return;
-  const bool worse = bus_.controller() > told_controller_;
-  if (now_ns_ < next_controller_line_ns_ && bus_.controller() != Controller::bus_off) return;
-  told_controller_ = bus_.controller();
+}
+
+void Reader::tell_controller() {
+  const Controller now = bus_.controller();
+  if ((now == told_controller_ && !restarted_) || now_ns_ < next_controller_line_ns_) return;
+  host_.log(now > told_controller_ ? DWELL_WARNING : DWELL_INFO,
+            bus_.name() + ": the controller " + (restarted_ ? "was restarted, and is " : "is ") + to_string(now));
+  told_controller_ = now;
+  restarted_ = false;
   next_controller_line_ns_ = now_ns_ + kBetweenLines_ns;
-  host_.log(worse ? DWELL_WARNING : DWELL_INFO, bus_.name() + ": the controller " +
-                                                    (receipt.restarted ? "was restarted, and is " : "is ") +
-                                                    to_string(bus_.controller()));
 }
 
 void Reader::note_source(Target& target, canid_t id) {
@@ -190,6 +194,7 @@ void Reader::watch_silence(std::int64_t now_ns) {
     told_hardware_ = true;
     host_.log(DWELL_INFO, bus_.name() + ": the interface stamps its frames itself");
   }
+  if (bus_.is_open()) tell_controller();
   if (held_) return;
   for (Target& target : targets_) {
     if (target.told == DWELL_FAULT_TIMEOUT || now_ns - target.seen_ns < target.channel.timeout_ns) continue;

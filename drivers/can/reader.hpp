@@ -41,6 +41,7 @@ class Reader {
   void deliver(const socketcan::Frame& frame) noexcept;
   void fail(Target& target, Verdict verdict) noexcept;
   void note_controller(const socketcan::Receipt& receipt);
+  void tell_controller();
   void note_losses(const socketcan::Receipt& receipt);
   void note_source(Target& target, canid_t id);
   void hold(dwell_fault fault, const std::string& reason);
@@ -63,6 +64,7 @@ class Reader {
   std::int64_t next_loss_line_ns_ = 0;
   socketcan::Controller told_controller_ = socketcan::Controller::active;
   std::int64_t next_controller_line_ns_ = 0;
+  bool restarted_ = false;
   bool told_sources_ = false, told_hardware_ = false;
 };
 

@@ -48,7 +48,8 @@ Stamp Bus::stamp_of(const Packet& packet) noexcept {
 }
 
 void Bus::hear_error(const canfd_frame& frame, Receipt& receipt) noexcept {
-  ++receipt.errors;
+  // A restart, or being error-active again, is good news.
+  bool error = (frame.can_id & (CAN_ERR_MASK & ~(CAN_ERR_CRTL | CAN_ERR_RESTARTED | CAN_ERR_CNT))) != 0;
   if ((frame.can_id & CAN_ERR_CRTL) != 0) {
     const unsigned what = frame.data[1];
     if ((what & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0)
@@ -58,6 +59,7 @@ void Bus::hear_error(const canfd_frame& frame, Receipt& receipt) noexcept {
     else if ((what & CAN_ERR_CRTL_ACTIVE) != 0)
       controller_ = Controller::active;
     if ((what & CAN_ERR_CRTL_RX_OVERFLOW) != 0) ++receipt.lost;
+    error = error || (what & ~static_cast<unsigned>(CAN_ERR_CRTL_ACTIVE)) != 0;
   }
   if ((frame.can_id & CAN_ERR_RESTARTED) != 0) {
     controller_ = Controller::active;
@@ -67,6 +69,7 @@ void Bus::hear_error(const canfd_frame& frame, Receipt& receipt) noexcept {
     controller_ = Controller::bus_off;
     receipt.bus_off = true;
   }
+  if (error) ++receipt.errors;
 }
 
 Receipt Bus::read() noexcept {

@@ -41,7 +41,7 @@ struct Receipt {
   bool more = false;              // there may be more waiting: read again before waiting
   std::uint32_t lost = 0;         // frames lost for lack of room in kernel or controller, before or among these
   unsigned malformed = 0;         // packets that are no frames
-  unsigned errors = 0;            // error frames
+  unsigned errors = 0;            // error frames that speak of an error
   bool bus_off = false;           // the controller left the bus: nothing comes until it is restarted
   bool restarted = false;         // … and it was
   int error = 0;                  // errno of the socket, after those frames
