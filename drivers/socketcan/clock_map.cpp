@@ -71,16 +71,17 @@ Stamp ClockMap::map(std::int64_t real_ns) const noexcept {
     if (!plausible(t_ns)) return replacement();
     return {std::min(t_ns, now_.raw_ns), half(width_ns), false};
   }
-  // Read by the wall clock as it was before the step, and as it has been since.
+  // Read by the wall clock as it was before the step, and as it has been since. How it was slewed cannot be told.
+  const std::int64_t unknown_ns = width_ns + 2 * slewed_ns;
   const std::int64_t after_ns = distance(now_.raw_ns, since_ns);
   const std::int64_t before_ns = distance(empty_.raw_ns, distance(empty_.real_ns, real_ns));
   const bool may_be_after = plausible(after_ns), may_be_before = plausible(before_ns);
   if (may_be_after && may_be_before) {
     const std::int64_t t_ns = std::min(before_ns + (after_ns - before_ns) / 2, now_.raw_ns);
-    return {t_ns, half(std::abs(after_ns - before_ns) + width_ns), true};
+    return {t_ns, half(std::abs(after_ns - before_ns) + unknown_ns), true};
   }
   if (!may_be_after && !may_be_before) return replacement();
-  return {std::min(may_be_after ? after_ns : before_ns, now_.raw_ns), half(width_ns), false};
+  return {std::min(may_be_after ? after_ns : before_ns, now_.raw_ns), half(unknown_ns), false};
 }
 
 }  // namespace dwell::socketcan

@@ -78,6 +78,43 @@ TEST(CanClockMap, NeverPutsAFrameAfterItsReading) {
   EXPECT_LE(map.map(clock.at(1 * kS + kMs + 2000)).t_ns, 1 * kS + kMs);
 }
 
+// A wall clock that is slewed by up to 500 ppm and set again and again by 10 ns … 1 h, read at irregular intervals: a
+// stamp is right to what a step that looks like a slew can hide, or says how much it does not know.
+TEST(CanClockMap, IsRightOrSaysByHowMuchItMayNotBeWhateverTheWallClockDoes) {
+  std::mt19937_64 random(1);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  std::int64_t raw = kS, real = kReal0, replaced = 0, frames = 0;
+  ClockMap map({raw, real, 100});
+  for (int read = 0; read < 50'000; ++read) {
+    const double slew = uniform(-5e-4, 5e-4);
+    const auto span = static_cast<std::int64_t>(uniform(0.1e6, 50e6));
+    const bool set = read % 20 == 0;
+    const auto step_at = static_cast<std::int64_t>(uniform(0, static_cast<double>(span)));
+    const auto step =
+        set ? static_cast<std::int64_t>(std::pow(10.0, uniform(1.0, 12.5)) * (read % 40 == 0 ? 1 : -1)) : 0;
+    const auto wall = [&](std::int64_t after) {
+      return real + after + std::llround(slew * static_cast<double>(after)) + (after >= step_at ? step : 0);
+    };
+    map.read_at({raw + span, wall(span), 100});
+    for (int i = 0; i < 4; ++i, ++frames) {
+      const auto after = static_cast<std::int64_t>(uniform(0, static_cast<double>(span)));
+      const Stamp stamp = map.map(wall(after));
+      const auto error = static_cast<double>(std::abs(stamp.t_ns - raw - after));
+      if (stamp.replaced)
+        ASSERT_LE(error, stamp.t_half_ns + 2000.0);
+      else
+        ASSERT_LE(error, set ? 1e-3 * static_cast<double>(span) + 2000.0 : 2000.0) << step;
+      replaced += stamp.replaced ? 1 : 0;
+    }
+    map.empty_at({raw + span, wall(span), 100});
+    raw += span;
+    real = wall(span);
+  }
+  EXPECT_LT(replaced, frames / 50) << "one read in twenty saw a step, most of them beyond doubt";
+}
+
 TEST(CanClockMap, ReadsItsPairsNarrowly) {
   const ClockPair pair = read_clocks();
   EXPECT_GT(pair.raw_ns, 0);

@@ -117,6 +117,19 @@ TEST_F(Can, CountsWhatIsNoFrameAndGoesOn) {
   EXPECT_EQ(host_.counted(DWELL_FAULT_BAD_FRAME), 1);
 }
 
+TEST_F(Can, HasEveryKeyInTheManual) {
+  std::ifstream file(DWELL_RIG_MANUAL);
+  const std::string manual{std::istreambuf_iterator<char>(file), {}};
+  std::size_t section = 0;
+  for (const dwell_scope scope : {DWELL_DEVICE, DWELL_CHANNEL}) {
+    section = manual.find(".SS Keys of the driver can\n", section + 1);
+    ASSERT_NE(section, std::string::npos);
+    const std::string keys = manual.substr(section, manual.find("\n.S", section + 1) - section);
+    for (const dwell_key& key : std::span(table_.keys, table_.key_count))
+      EXPECT_EQ(keys.find("\n.B " + std::string(key.name) + "\n") != std::string::npos, key.scope == scope) << key.name;
+  }
+}
+
 TEST_F(Can, AnswersAMistakeOfTheDbcFileWithItsPlace) {
   write("rig.dbc", "BO_ 291 LoadCell: 8 N\n SG_ Force : 7|16@0- (0.5;-100) [0|0] \"N\" N\nBO_ x\n");
   Given given = with_dbc("LoadCell", "Force");

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "drivers/can/dbc.hpp"
@@ -86,6 +87,12 @@ TEST_F(CanRig, SendsTheModelAsItsDbcFileSays) {
     for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(last_[k], 1e3 * expected[k], 2e-6) << k;
     EXPECT_NEAR(last_[4], expected[4], 1e-5);
   }
+}
+
+TEST_F(CanRig, IsWhatTheSampleRigsDbcFileSays) {
+  std::ifstream file(DWELL_SAMPLE_RIGS "/rigsim.dbc");
+  const std::string shipped{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(shipped, can_dbc({"y0", "y1", "y2", "y3", "reaction"}, true, 5.0));
 }
 
 TEST_F(CanRig, LosesFramesAndSendsThemShort) {
