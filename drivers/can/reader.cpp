@@ -61,22 +61,23 @@ void Reader::open(Stop& stop) {
   stop.sleep_for(reconnect_.next_ns());
 }
 
+// Until nothing more is waiting. A bus that never ceases must not keep us from seeing which channels are silent.
 void Reader::read(const Stop& stop) {
-  bool more = true;
-  while (more && !stop.requested()) {
+  for (bool more = true; more && !stop.requested();) {
     const Receipt receipt = bus_.read();
     more = receipt.more;
     now_ns_ = monotonic_ns();
     take(receipt);
+    if (receipt.error != 0) {
+      host_.count(DWELL_FAULT_DISCONNECTED);
+      hold(DWELL_FAULT_DISCONNECTED, bus_.reason(receipt.error));
+      more = false;
+      // A link that is down comes up again under the same socket.
+      if (receipt.error != ENETDOWN) bus_.close();
+    }
+    if (now_ns_ >= next_watch_ns_) watch_silence(now_ns_);
     stop.turn();
-    if (receipt.error == 0) continue;
-    host_.count(DWELL_FAULT_DISCONNECTED);
-    hold(DWELL_FAULT_DISCONNECTED, bus_.reason(receipt.error));
-    // A link that is down comes up again under the same socket.
-    if (receipt.error != ENETDOWN) return bus_.close();
-    more = false;
   }
-  if (now_ns_ >= next_watch_ns_) watch_silence(now_ns_);
 }
 
 void Reader::take(const Receipt& receipt) {
