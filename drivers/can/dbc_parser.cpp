@@ -1,7 +1,6 @@
 #include "drivers/can/dbc_parser.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -11,44 +10,21 @@ namespace {
 using Kind = Token::Kind;
 
 constexpr std::uint64_t kExtended = 0x80000000U;
-constexpr std::uint64_t kIndependent =
-    0xC0000000U;                                 // VECTOR__INDEPENDENT_SIG_MSG: a home for signals without a message
+// VECTOR__INDEPENDENT_SIG_MSG: a home for signals without a message.
+constexpr std::uint64_t kIndependent = 0xC0000000U;
 constexpr std::uint64_t kLongestMessage = 1785;  // bytes, of a J1939 transport session
 constexpr std::string_view kFormat = "VFrameFormat", kCycle = "GenMsgCycleTime";
 
-constexpr std::array<std::string_view, 30> kSections = {"VERSION",
-                                                        "NS_",
-                                                        "BS_",
-                                                        "BU_",
-                                                        "BO_",
-                                                        "SG_",
-                                                        "CM_",
-                                                        "BA_",
-                                                        "BA_DEF_",
-                                                        "BA_DEF_DEF_",
-                                                        "BA_REL_",
-                                                        "BA_DEF_REL_",
-                                                        "BA_DEF_DEF_REL_",
-                                                        "VAL_",
-                                                        "VAL_TABLE_",
-                                                        "EV_",
-                                                        "ENVVAR_DATA_",
-                                                        "EV_DATA_",
-                                                        "SIG_GROUP_",
-                                                        "SIG_VALTYPE_",
-                                                        "SG_MUL_VAL_",
-                                                        "BO_TX_BU_",
-                                                        "SGTYPE_",
-                                                        "SIG_TYPE_REF_",
-                                                        "CAT_",
-                                                        "CAT_DEF_",
-                                                        "FILTER",
-                                                        "SGTYPE_VAL_",
-                                                        "BA_DEF_SGTYPE_",
-                                                        "BA_SGTYPE_"};
+// Between blanks each.
+constexpr std::string_view kSections =
+    " VERSION NS_ BS_ BU_ BO_ SG_ CM_ BA_ BA_DEF_ BA_DEF_DEF_ BA_REL_ BA_DEF_REL_ BA_DEF_DEF_REL_ VAL_ VAL_TABLE_ EV_ "
+    "ENVVAR_DATA_ EV_DATA_ SIG_GROUP_ SIG_VALTYPE_ SG_MUL_VAL_ BO_TX_BU_ SGTYPE_ SIG_TYPE_REF_ CAT_ CAT_DEF_ FILTER "
+    "SGTYPE_VAL_ BA_DEF_SGTYPE_ BA_SGTYPE_ ";
 
 bool is_section(const Token& token) {
-  return token.kind == Kind::word && std::find(kSections.begin(), kSections.end(), token.text) != kSections.end();
+  constexpr std::size_t kLongest = 20;
+  return token.kind == Kind::word && token.text.size() <= kLongest &&
+         kSections.find(" " + std::string(token.text) + " ") != std::string_view::npos;
 }
 
 std::optional<std::uint64_t> whole(std::string_view text) {

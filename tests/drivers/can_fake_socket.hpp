@@ -67,6 +67,12 @@ class FakeBus {
     const std::lock_guard lock(mutex_);
     dropped_ += frames;
   }
+  // Every read finds as much as it has room for, of no meaning.
+  void babble(bool on) {
+    const std::lock_guard lock(mutex_);
+    babbling_ = on;
+    wake();
+  }
   std::vector<canfd_frame> written() const {
     const std::lock_guard lock(mutex_);
     return written_;
@@ -93,6 +99,10 @@ class FakeBus {
     socketcan::Batch batch;
     for (; batch.count < room.size() && !packets_.empty(); packets_.pop_front()) room[batch.count++] = packets_.front();
     batch.dropped = dropped_;
+    while (babbling_ && batch.count < room.size()) {
+      room[batch.count] = {};
+      room[batch.count++].size = CAN_MTU;
+    }
     if (batch.count == room.size()) return batch;
     batch.error = std::exchange(error_, 0);
     std::uint64_t woken = 0;
@@ -111,6 +121,7 @@ class FakeBus {
   std::deque<socketcan::Packet> packets_;
   int error_ = 0;
   std::uint32_t dropped_ = 0;
+  bool babbling_ = false;
   std::vector<canfd_frame> written_;
 };
 

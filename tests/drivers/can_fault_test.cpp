@@ -174,6 +174,14 @@ TEST_F(CanFault, CallsOnlyTheChannelStaleWhoseFrameStaysAway) {
   ASSERT_TRUE(eventually([&] { return delivers(12); }));
 }
 
+TEST_F(CanFault, SeesSilenceAndStopsOnABusThatNeverCeases) {
+  for (Channel& channel : setup_.channels) channel.timeout_ns = 100'000'000;
+  start();
+  bus_.babble(true);
+  ASSERT_TRUE(eventually([&] { return is_stale(10, DWELL_FAULT_TIMEOUT) && is_stale(12, DWELL_FAULT_TIMEOUT); }));
+  stop();
+}
+
 TEST_F(CanFault, AdvancesEvenWhenStampsDoNot) {
   start();
   socketcan::Packet packet;
