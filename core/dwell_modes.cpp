@@ -16,6 +16,7 @@ constexpr std::size_t kExtraPoles = 2;
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
 constexpr double kSureOfLine = 9.0;    // exp(-9): once in 8000 searches noise alone
 constexpr double kMainsFirst = 1.2;
+constexpr double kBeside = 2.0;  // half cycles over the search
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
 constexpr int kManyRefinements = 8;  // where the poles are far off
 constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
@@ -27,8 +28,10 @@ constexpr double kLongest = 8.0;          // … until the hold is so many times
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;      // standard deviations of what may be left of the transient
 constexpr double kSureOfNoise = 4.0;
+constexpr double kMostTakenOut = 8.0;  // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;  // of what is allowed: nothing is subtracted any more
-constexpr double kShortest = 2.0;  // periods of a hold before anything is said
+constexpr double kUnsure = 1.0;    // periods at the beginning of a hold …
+constexpr double kShortest = 2.0;  // … and after these before anything is said
 
 // Angular frequencies of mains hum and its first harmonics, of either kind.
 double mains(std::size_t k) { return kTwoPi * (k < kMains / 2 ? 50.0 * static_cast<double>(k + 1) : 60.0 * static_cast<double>(k - kMains / 2 + 1)); }
@@ -37,7 +40,7 @@ double mains(std::size_t k) { return kTwoPi * (k < kMains / 2 ? 50.0 * static_ca
 
 double Pipeline::Impl::drive_omega() {
   if (!tracked()) return omega;
-  const int from = std::max(0, blocks.index_of(steady_serial)), to = blocks.count();
+  const int from = blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to = blocks.count();
   double w = omega;
   if (from >= to) return w;
   const std::int64_t middle_ns = blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
@@ -100,13 +103,15 @@ void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Comp
 
 bool Pipeline::Impl::refit_modes() {
   const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
-  const bool long_enough = to_s(held_ns) > 8 * period_s();
-  modal_from_ns = std::max(steady_ns + (long_enough ? static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)) : 0), oldest_ns);
+  // The first period may hold the end of what was before.
+  const std::int64_t skipped_ns = std::max(to_ns(kUnsure * period_s()), static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)));
+  modal_from_ns = std::max(steady_ns + skipped_ns, oldest_ns);
   for (double& range : ranges) range = 0.0;
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
     const auto c = static_cast<std::size_t>(s.channel);
-    ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
+    // What is imposed has no transient.
+    if (!shows_drive(rig.channels[c])) ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
   const double w = drive_omega();
   if (modal_poles.empty()) {
@@ -271,8 +276,11 @@ bool Pipeline::Impl::find_extra_pole() {
       // The mains are believed first: what they do is seen at their aliases as well.
       const double P = std::norm(spectrum[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
       if (P - sure <= strongest) continue;
+      // Beside a harmonic it would be the drive's own frequency that is a little off.
+      const double line = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
+      if (std::abs(std::remainder(line, omega)) < kBeside * grid && line < (H + 0.5) * omega) continue;
       strongest = P - sure;
-      found = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
+      found = line;
     }
   }
   if (found == 0) return false;
@@ -321,6 +329,8 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
 
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
+  // Windows alone would be believed too soon.
+  if (to_s(end_ns - steady_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
   if (modal_poles.empty() || now_ns >= modal_refit_at_ns) {
     if (!refit_modes()) return false;
     // Far from settled there is time.
@@ -340,15 +350,22 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   }
   const bool waits = verdict.worst_left > 1;
   verdict.settles_in_s = waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
-  if (waits || to_s(end_ns - steady_ns) < kShortest * period_s() || out_of_search()) return true;
-  // The data count from where the same could be said of an earlier instant.
+  if (waits || out_of_search()) return true;
+  // The data count from where the same could be said of an earlier instant; further back, where that would leave too
+  // few, only as long as what is taken out is no large multiple of what may be left.
   const auto quarter_ns = to_ns(period_s() / kQuarters);
-  std::int64_t back = 0, too_far = (end_ns - modal.t0_ns()) / quarter_ns + 1;
-  while (too_far - back > 1) {
-    const std::int64_t middle = back + (too_far - back) / 2;
-    (modal_left(end_ns - middle * quarter_ns, nullptr) > 1 ? too_far : back) = middle;
-  }
-  settled_ns = end_ns - std::max<std::int64_t>(back, 2 * kQuarters) * quarter_ns;
+  const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
+  const auto back_to = [&](double allowed) {
+    std::int64_t back = 0, too_far = all + 1;
+    while (too_far - back > 1) {
+      const std::int64_t middle = back + (too_far - back) / 2;
+      (modal_left(end_ns - middle * quarter_ns, nullptr) > allowed ? too_far : back) = middle;
+    }
+    return back;
+  };
+  const std::int64_t back = std::max(back_to(1.0), std::min<std::int64_t>(2 * kQuarters, back_to(kMostTakenOut)));
+  if (back < kFewestQuarters) return true;
+  settled_ns = end_ns - back * quarter_ns;
   verdict.settled = true;
   verdict_ns = end_ns;
   enter(State::measuring);

@@ -28,6 +28,7 @@ namespace dwell {
 
 inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr int kQuarters = 4;          // windows of one period
+inline constexpr int kFewestQuarters = 6;     // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
 inline constexpr std::size_t kMains = 8;     // lines of hum, of 50 and 60 Hz
