@@ -1,0 +1,32 @@
+#!/bin/bash
+# In the guest, as root: installs what the host shares as a package would, then runs every scenario, each in a shell of its
+# own with guest/lib.sh. Exit 0 if no line says FAIL.
+cd /mnt/host || exit 1
+cp -a --no-preserve=ownership root/. /
+systemd-sysusers
+udevadm control --reload
+systemctl daemon-reload
+read -r up _ </proc/uptime
+echo "guest: $(uname -r), up in $up s"
+
+export PATH=/mnt/host/bin:/usr/sbin:$PATH
+failed=0 passed=0
+for file in scenarios/*.sh; do
+  name=$(basename "$file" .sh)
+  [ ! -s wanted ] || grep -qx "$name" wanted || continue
+  read -r began _ </proc/uptime
+  timeout -k 5 240 bash -c 'set -u; . guest/lib.sh; . "$1"' "$name" "$file" 2>/tmp/errors </dev/null | tee /tmp/lines
+  code=${PIPESTATUS[0]}
+  {
+    [ "$code" -eq 0 ] || echo "FAIL $name: it ended with $code: $(tail -n 3 /tmp/errors | tr '\n' ' ')"
+    grep -qE '^(ok|FAIL) ' /tmp/lines || echo "FAIL $name: it claimed nothing"
+  } | tee -a /tmp/lines
+  # What a scenario leaves running or changed is undone here, so that none depends on the one before.
+  timeout -k 5 60 bash -c '. guest/lib.sh; tidy_up' >/dev/null 2>&1
+  read -r ended _ </proc/uptime
+  echo "-- $name: $((${ended%.*} - ${began%.*})) s"
+  passed=$((passed + $(grep -c '^ok ' /tmp/lines)))
+  failed=$((failed + $(grep -c '^FAIL ' /tmp/lines)))
+done
+echo "== $passed ok, $failed failed"
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
