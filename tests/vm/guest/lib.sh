@@ -46,7 +46,14 @@ start_service() {
 # The rig that rigsim is where nothing else is said, polled slowly enough for this machine.
 clamped_rig() { sed 's/^rate .*/rate = 100/' /usr/share/dwell/rigs/clamped.toml; }
 property() { systemctl show dwelld -p "$1" --value; }
-health() { dwellctl status --json | jq -e "$1"; }  # a jq expression that must be true
+health() {  # a jq expression that must be true of /api/v1/health
+  local answer
+  exec 4<>/dev/tcp/127.0.0.1/8380
+  printf 'GET /api/v1/health HTTP/1.0\r\n\r\n' >&4
+  answer=$(sed '1,/^\r*$/d' <&4)
+  exec 4>&-
+  jq -e "$1" <<<"$answer" || { jq -c '[.status, .reason, .stale, .gpio]' <<<"$answer"; return 1; }
+}
 log_of_service() { journalctl -u dwelld --no-pager --after-cursor="$cursor" "${@:--ocat}"; }  # OPTION…
 log_has() { log_of_service | grep -qE -- "$1" || { log_of_service | tail -n 4; return 1; }; }
 
