@@ -120,7 +120,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
     impl->devices.push_back(std::move(*device));
   }
   EstimatorOptions options = options_for(impl->file);
-  if (const config::GpioSettings& lines = impl->file.gpio; lines.interlock || lines.sync || lines.ready || lines.fault) {
+  if (const config::GpioSettings& lines = impl->file.gpio;
+      lines.interlock || lines.sync || lines.ready || lines.fault) {
     impl->gpio.emplace(lines, std::make_unique<gpio::KernelLines>(), log);
     options.gpio = &impl->gpio->link();
   }

@@ -97,8 +97,8 @@ class Output : public OutputLine {
 }  // namespace
 
 tl::expected<std::unique_ptr<InputLine>, std::string> KernelLines::input(const config::GpioLine& line, Edges edges) {
-  auto held = hold(line,
-                   edges == Edges::both ? GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES : GPIOD_LINE_REQUEST_EVENT_RISING_EDGE, 0);
+  auto held =
+      hold(line, edges == Edges::both ? GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES : GPIOD_LINE_REQUEST_EVENT_RISING_EDGE, 0);
   if (!held) return tl::unexpected(held.error());
   return std::make_unique<Input>(std::move(*held));
 }

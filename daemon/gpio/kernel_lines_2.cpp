@@ -86,8 +86,7 @@ class Input : public InputLine {
     const int count = gpiod_line_request_read_edge_events(request_.get(), buffer_.get(), std::min(room, kKernelQueue));
     if (count < 0) return tl::unexpected(line_fault(line_, errno, {}));
     for (int i = 0; i < count; ++i) {
-      gpiod_edge_event* const event =
-          gpiod_edge_event_buffer_get_event(buffer_.get(), static_cast<unsigned long>(i));
+      gpiod_edge_event* const event = gpiod_edge_event_buffer_get_event(buffer_.get(), static_cast<unsigned long>(i));
       const unsigned long number = gpiod_edge_event_get_line_seqno(event);
       out[i] = {static_cast<std::int64_t>(gpiod_edge_event_get_timestamp_ns(event)),
                 gpiod_edge_event_get_event_type(event) == GPIOD_EDGE_EVENT_RISING_EDGE, number != last_ + 1};

@@ -82,8 +82,8 @@ class Panel {
   Status status_;
 };
 
-// Darkens both lamps, for the time after the service has ended; the reasons for those that could not be. Some chips hold
-// the last level when a process dies.
+// Darkens both lamps, for the time after the service has ended; the reasons for those that could not be. Some chips
+// hold the last level when a process dies.
 [[nodiscard]] std::vector<std::string> lamps_off(const config::GpioSettings& settings, LineSource& source);
 
 }  // namespace dwell::gpio

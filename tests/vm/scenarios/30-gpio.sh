@@ -7,9 +7,7 @@ steady() {  # LINE LEVEL: for two seconds
     sleep 0.15
   done
 }
-blinks() {  # LINE: both levels are seen within 4 s
-  eventually 2 lamp "$1" 1 && eventually 2 lamp "$1" 0
-}
+blinks() { eventually 10 lamp "$1" 1 && eventually 10 lamp "$1" 0 && eventually 10 lamp "$1" 1; }  # LINE
 pulses() {  # COUNT
   for _ in $(seq "$1"); do
     echo pull-up >"$lines/sim_gpio1/pull"
