@@ -43,8 +43,8 @@ start_service() {
   systemctl reset-failed dwelld 2>/dev/null
   systemctl restart dwelld
 }
-# The rig that rigsim is where nothing else is said, polled slowly enough for this machine.
-clamped_rig() { sed 's/^rate .*/rate = 100/' /usr/share/dwell/rigs/clamped.toml; }
+# The rig that rigsim is where nothing else is said, polled and evaluated slowly enough for this machine.
+clamped_rig() { sed 's/^rate .*/rate = 80/; s/^update .*/update = 0.4/' /usr/share/dwell/rigs/clamped.toml; }
 property() { systemctl show dwelld -p "$1" --value; }
 health() {  # a jq expression that must be true of /api/v1/health
   local answer
