@@ -77,6 +77,12 @@ start_gpio() {
 pull() { echo "pull-$2" >"$lines/sim_gpio$1/pull"; }  # LINE up|down
 level() { cat "$lines/sim_gpio$1/value"; }            # LINE
 
+# A virtual bus for frames of up to 64 bytes.
+start_can() {  # NAME
+  ip link add "$1" type vcan
+  ip link set "$1" mtu 72 up
+}
+
 stop_gpio() {
   local config=/sys/kernel/config/gpio-sim/dwell
   [ -d $config ] || return 0
@@ -90,4 +96,5 @@ tidy_up() {
   rm -rf /run/systemd/system/dwelld.service.d "$work" /etc/dwell /var/lib/dwell/* /var/log/dwell/*
   systemctl daemon-reload
   stop_gpio
+  ip -o link show type vcan | sed -E 's/^[0-9]+: ([^:]+):.*/\1/' | xargs -r -n 1 ip link delete
 }
