@@ -85,6 +85,11 @@ int Blocks::owner(std::size_t slot, int c) const noexcept {
 }
 
 void Blocks::clear() noexcept {
+  restart();
+  serials_ = 0;
+}
+
+void Blocks::restart() noexcept {
   order_.clear();
   free_.clear();
   for (std::size_t slot = blocks_.size(); slot-- > 0;) free_.push_back(static_cast<std::uint16_t>(slot));
@@ -95,7 +100,6 @@ void Blocks::clear() noexcept {
     member.size = 1;
   }
   open_ = false;
-  serials_ = 0;
 }
 
 void Blocks::open(std::int64_t begin_ns, std::int64_t end_ns, double omega) noexcept {

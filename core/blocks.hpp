@@ -37,6 +37,8 @@ class Blocks {
 
   // Empties everything; channel c's readings are taken relative to reference[c] from now on.
   void clear() noexcept;
+  // Empties everything, but serial numbers and references go on.
+  void restart() noexcept;
   // The value subtracted from a channel's readings, so that a large mean does not cost digits; fixed until clear().
   void set_reference(int channel, double value) noexcept {
     members_[static_cast<std::size_t>(channel)].reference = value;

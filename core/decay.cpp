@@ -1,5 +1,6 @@
 #include "core/decay.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,10 +12,12 @@ DecayRate::DecayRate(Boundary boundary, std::span<const double> masses)
       solver_(static_cast<Eigen::Index>(2 * masses.size())) {
   const auto n = static_cast<Eigen::Index>(masses.size());
   A_.resize(2 * n, 2 * n);
+  poles_.reserve(2 * masses_.size());
 }
 
 double DecayRate::time_constant_s(std::span<const std::complex<double>> Z, double omega) noexcept {
   const auto n = static_cast<Eigen::Index>(masses_.size());
+  poles_.clear();
   if (n == 0) return 0.0;
   A_.setZero();
   A_.topRightCorner(n, n).diagonal().setConstant(omega);
@@ -36,7 +39,10 @@ double DecayRate::time_constant_s(std::span<const std::complex<double>> Z, doubl
   }
   solver_.compute(A_, false);
   if (solver_.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
-  const double rate = -solver_.eigenvalues().real().maxCoeff();
+  for (const std::complex<double>& lambda : solver_.eigenvalues())
+    if (lambda.imag() >= 0) poles_.push_back(lambda);
+  std::sort(poles_.begin(), poles_.end(), [](const auto& a, const auto& b) { return a.real() > b.real(); });
+  const double rate = -poles_.front().real();
   return rate > 0 ? 1 / rate : std::numeric_limits<double>::quiet_NaN();
 }
 

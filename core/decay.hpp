@@ -20,12 +20,15 @@ class DecayRate {
   // Time constant 1 / min(-Re λ) in s of the chain with dynamic stiffnesses Z (N/m) at omega (rad/s). 0 for a chain
   // without masses; NaN where Z is not finite or the chain would not decay. O(n³), no allocation.
   [[nodiscard]] double time_constant_s(std::span<const std::complex<double>> Z, double omega) noexcept;
+  // The eigenvalues behind the last time_constant_s(), slowest first, of conjugate pairs the one with Im > 0; rad/s.
+  [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), poles_.size()}; }
 
  private:
   Boundary boundary_;
   std::vector<double> masses_;
   Eigen::MatrixXd A_;  // of [ω y ; y'], 2n × 2n
   Eigen::EigenSolver<Eigen::MatrixXd> solver_;
+  std::vector<std::complex<double>> poles_;
 };
 
 }  // namespace dwell

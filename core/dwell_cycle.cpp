@@ -64,8 +64,9 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
     settle(end_ns);
-  } else if (state == State::measuring && (!counted_valid || blocks.serials() >= refine_at_serial)) {
-    count_anew();
+  } else if (state == State::measuring) {
+    refit_measuring(end_ns);
+    if (!counted_valid || blocks.serials() >= refine_at_serial) count_anew();
   }
 }
 
@@ -108,6 +109,12 @@ void Pipeline::Impl::begin_hold(int from) {
   verdict = {};
   verdict.settles_in_s = kNaN;
   counted_valid = false;
+  modal_poles.clear();
+  modal_skipped = 0.0;
+  extra_poles.clear();
+  for (Noise& noise : noises) noise = {};
+  modal_refit_at_ns = 0;
+  quiet_ns = INT64_MIN;
   settling.restart();
   history_omega = omega;
   slips = since_in_phase = 0;

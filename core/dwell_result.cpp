@@ -1,6 +1,8 @@
 #include "core/pipeline_impl.hpp"
 #include "core/scatter.hpp"
 
+#include <Eigen/Geometry>
+
 namespace dwell {
 namespace {
 
@@ -58,8 +60,17 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
     // rectangular.
     const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
-    result.transient_u = transient[static_cast<std::size_t>(c)] * time_constant_s / D *
-                         -std::expm1(-D / time_constant_s) / std::numbers::sqrt3;
+    const double u = transient[static_cast<std::size_t>(c)] * time_constant_s / D * -std::expm1(-D / time_constant_s) /
+                     std::numbers::sqrt3;
+    result.transient = u * u * Eigen::Matrix2d::Identity();
+  }
+  if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
+    // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
+    const double angle = modal.omega() * to_s(totals.t_ref_ns() - modal.t0_ns());
+    const Eigen::Rotation2Dd turn(angle);
+    result.transient = 4 / (result.fit.samples * result.fit.samples) *
+                       (turn.toRotationMatrix() * modal.spread(c, overlap[static_cast<std::size_t>(c)]) *
+                        turn.toRotationMatrix().transpose());
   }
   // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a
   // multiple of the frequency: no more independent errors then than one period has samples.

@@ -5,6 +5,8 @@ namespace {
 
 constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more than they tell
 
+constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of |Z|
+
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
@@ -17,6 +19,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   }
   for (int to = first; to <= newest; ++to)
     if (!look(to - quarters, to)) return;
+  if (settle_by_modes(end_ns)) return;
   if (!verdict.settled || out_of_search()) return;
   const int counts_from = blocks.index_of(verdict.from_serial);
   if (counts_from >= blocks.count()) return;
@@ -45,7 +48,8 @@ bool Pipeline::Impl::look(int from, int to) {
       window_periods = 2;
       return false;
     }
-    const double noise = watched && fit.usable ? noise_variance(c, from, to, fit.sigma2) : 0.0;
+    if (watched && fit.usable) take_noise(c, from, to);
+    const double noise = watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
     // Relative to the table's phase, whose own noise comes on top.
     readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
@@ -55,6 +59,7 @@ bool Pipeline::Impl::look(int from, int to) {
     Complex turn = back;
     for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
   }
+  if (!modal_poles.empty()) return true;  // the modes tell more than windows do
   provisional();
   const double amplitude = std::abs(table.X[0]);
   verdict = settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns),
@@ -62,16 +67,25 @@ bool Pipeline::Impl::look(int from, int to) {
   return true;
 }
 
-double Pipeline::Impl::noise_variance(int c, int from, int to, double otherwise) {
+// In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine follow
+// any smooth motion; the newest period counts an eighth of all.
+void Pipeline::Impl::take_noise(int c, int from, int to) {
+  Noise& noise = noises[static_cast<std::size_t>(c)];
+  const double in_quarter = fits[static_cast<std::size_t>(c)].samples / (to - from);
+  const int length = in_quarter >= 5 ? 1 : 2;
   double squares = 0.0, freedom = 0.0;
-  for (int i = from; i < to; ++i) {
-    blocks.sum_channel(c, i, i + 1, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
+  for (int i = from; i + length <= to; i += length) {
+    blocks.sum_channel(c, i, i + length, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
     const HarmonicFit fit = fit_harmonics(quarter, c, 1, 0.0);
     if (!std::isfinite(fit.sigma2)) continue;
     squares += fit.sigma2 * (fit.samples - 3);
     freedom += fit.samples - 3;
   }
-  return freedom >= 4 ? std::min(otherwise, squares / freedom) : otherwise;
+  // Windows are a quarter of a period apart and share three quarters.
+  const double before = std::min(noise.freedom, 8 * freedom / kQuarters), now = freedom / kQuarters;
+  if (!(before + now > 0)) return;
+  noise.variance = ((before > 0 ? before * noise.variance : 0.0) + squares / kQuarters) / (before + now);
+  noise.freedom = before + now;
 }
 
 void Pipeline::Impl::provisional() {
@@ -85,6 +99,11 @@ void Pipeline::Impl::provisional() {
     observed(c) =
         readings[i].usable ? as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1) : Complex{};
   }
+  time_constant_s = identified_time_constant(omega);
+}
+
+// From what the transducers observe, in `observed`.
+double Pipeline::Impl::identified_time_constant(double w) {
   state_x.noalias() = provisional_gain.gain * observed;
   const int n = rig.mass_count();
   Y[0] = state_x(0);
@@ -92,8 +111,17 @@ void Pipeline::Impl::provisional() {
     d[static_cast<std::size_t>(k - 1)] = state_x(k);
     Y[static_cast<std::size_t>(k)] = Y[static_cast<std::size_t>(k - 1)] + state_x(k);
   }
-  identify(rig.boundary, rig.masses, omega, Y, d, state_x(n + 1), Z);
-  time_constant_s = decay.time_constant_s(Z, omega);
+  identify(rig.boundary, rig.masses, w, Y, d, state_x(n + 1), Z);
+  const double as_it_is_s = decay.time_constant_s(Z, w);
+  // A real chain is passive; where noise or a transient make it look otherwise, it is taken as lightly damped.
+  bool passive = true;
+  for (Complex& z : Z) {
+    const Complex nearest{std::max(z.real(), kSoftest * std::abs(z)), std::max(z.imag(), kLeastLoss * std::abs(z))};
+    passive = passive && nearest == z;
+    z = nearest;
+  }
+  if (!passive) static_cast<void>(decay.time_constant_s(Z, w));
+  return as_it_is_s;
 }
 
 }  // namespace dwell

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 #include "core/identify.hpp"
 #include "core/student.hpp"
@@ -165,18 +166,19 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     const Complex per_reading = 1.0 / transfer(rig, channel, omega);
     Eigen::Matrix2d turn;
     turn << per_reading.real(), -per_reading.imag(), per_reading.imag(), per_reading.real();
-    // Two independent errors with this covariance: along the principal axes.
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(turn * seen.covariance * turn.transpose());
-    for (Index axis = 0; axis < 2; ++axis) {
-      const Eigen::Vector2d step = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
-      out.push_back({"noise of " + channel.name, seen.dof, through_channel(c, {step(0), step(1)}), nothing, 0.0});
+    // Two independent errors with each covariance: along the principal axes.
+    const double rounding = std::norm(per_reading) * seen.quantization_u * seen.quantization_u;
+    for (const auto& [name, covariance, dof] :
+         {std::tuple<const char*, Eigen::Matrix2d, double>{"noise of ", turn * seen.covariance * turn.transpose(), seen.dof},
+          {"transient left in ", turn * seen.transient * turn.transpose(), kInfinity},
+          {"quantization of ", rounding * Eigen::Matrix2d::Identity(), kInfinity}}) {
+      if (covariance.isZero(0)) continue;
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
+      for (Index axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector2d step = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
+        out.push_back({name + channel.name, dof, through_channel(c, {step(0), step(1)}), nothing, 0.0});
+      }
     }
-    for (const auto& [name, u] :
-         {std::pair{"transient left in ", seen.transient_u}, std::pair{"quantization of ", seen.quantization_u}})
-      for (const Complex component : {Complex{u, 0.0}, Complex{0.0, u}})
-        if (u > 0)
-          out.push_back(
-              {name + channel.name, kInfinity, through_channel(c, component * std::abs(per_reading)), nothing, 0.0});
     const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
     const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
     if (channel.scale_u > 0)

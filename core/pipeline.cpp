@@ -96,7 +96,8 @@ void Pipeline::Impl::sample(const Record& record) {
     blocks.set_reference(record.channel, value);
     channel.referenced = true;
   }
-  blocks.add(record.channel, record.t_ns, value);
+  history.push(record.t_ns, record.channel, value);
+  add_cleaned(record.t_ns, record.channel, value);
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}

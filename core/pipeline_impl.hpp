@@ -16,10 +16,12 @@
 #include "core/estimate.hpp"
 #include "core/harmonic_fit.hpp"
 #include "core/identify.hpp"
+#include "core/modal_fit.hpp"
 #include "core/observation.hpp"
 #include "core/pipeline.hpp"
 #include "core/refine.hpp"
 #include "core/report.hpp"
+#include "core/sample_history.hpp"
 #include "core/settling.hpp"
 
 namespace dwell {
@@ -28,6 +30,7 @@ inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr int kQuarters = 4;          // windows of one period
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
+inline constexpr std::size_t kMains = 8;     // lines of hum, of 50 and 60 Hz
 inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
@@ -37,6 +40,10 @@ inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one a
 [[nodiscard]] inline bool shows_drive(const Channel& channel) {
   return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary && channel.at == 0 &&
          !channel.relative_to;
+}
+
+[[nodiscard]] inline std::size_t history_capacity(int channels) {
+  return std::min<std::size_t>(std::size_t{1} << 19, static_cast<std::size_t>(channels) << 15);
 }
 
 struct Pipeline::Impl {
@@ -52,6 +59,8 @@ struct Pipeline::Impl {
         totals(channel_count, H),
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
+        history(history_capacity(channel_count)),
+        modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
@@ -59,6 +68,13 @@ struct Pipeline::Impl {
     fits.resize(live.size());
     readings.resize(live.size());
     transient.resize(live.size());
+    ranges.resize(live.size());
+    noises.resize(live.size());
+    spectrum.resize(kMains + 400);
+    overlap.resize(live.size());
+    for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
+    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras})
+      poles->reserve(2 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       Live& delivering = live[static_cast<std::size_t>(c)];
@@ -108,6 +124,20 @@ struct Pipeline::Impl {
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;
+  SampleHistory history;
+  ModalFit modal;
+  std::uint64_t modal_next = 0;          // the first sample of the history that the modal fit has not seen
+  std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
+  double modal_skipped = 0.0;            // part of the hold that the modal fit leaves out
+  std::int64_t quiet_ns = INT64_MIN;     // until then the transient is taken out of what comes in
+  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras, spectrum;
+  struct Noise {
+    double variance = INFINITY, freedom = 0.0;
+  };
+  std::vector<Noise> noises;  // per channel, of the readings: from what no smooth motion explains
+  std::vector<double> ranges;            // per channel, largest distance from the first reading of the hold
+  // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
+  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   DecayRate decay;
   const Eigen::MatrixXd G;
   int drive_channel = -1;
@@ -202,15 +232,35 @@ struct Pipeline::Impl {
   // Shows the detector the window of blocks [from, to). false: it could not be fitted.
   bool look(int from, int to);
 
-  // The noise of a channel in blocks [from, to), whatever else it does: in each quarter of a period a mean, a sine and
-  // a cosine follow any smooth motion, and what they leave is noise. Where too few samples allow that, all that the
-  // harmonic fit leaves.
-  double noise_variance(int c, int from, int to, double otherwise);
+  // Adds what blocks [from, to) tell of a channel's noise, whatever else it does.
+  void take_noise(int c, int from, int to);
 
   [[nodiscard]] bool out_of_search() const {
     const double f = drive.omega() / kTwoPi;
     return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
+
+  double drive_omega();
+  void feed_modes();
+  double fit_modes(double w, std::span<const Complex> poles);
+  void solve_modes();
+  std::span<const Complex> chain_poles();
+  void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
+  double try_poles(double w, double best);
+  double refine_poles(double w, double best, int steps);
+  bool explained() const;
+  double unexplained(int c) const;
+  bool find_extra_pole();
+  void judge_extra_poles();
+  bool refit_modes();
+  double modal_left(std::int64_t t_ns, int* worst) const;
+  bool settle_by_modes(std::int64_t end_ns);
+  double slowest_rate() const;
+  void refit_later(double growth);
+  void refit_measuring(std::int64_t end_ns);
+  void take_transient_out(std::int64_t end_ns);
+  void add_cleaned(std::int64_t t_ns, int c, double value);
+  double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
   // channel delivers, now and then (the eigenvalues cost n³).

@@ -73,11 +73,12 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       const Eigen::Vector2d along(X.real() / amplitude, X.imag() / amplitude), across(-along(1), along(0));
       const double u_along = std::sqrt(along.dot(fit.covariance * along)) / amplitude;
       const double u_across = std::sqrt(across.dot(fit.covariance * across)) / amplitude;
+      const double transient_u = std::sqrt(0.5 * channels[c].transient.trace());
       out.u_amplitude =
-          std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, channels[c].transient_u / amplitude,
-                                                           channels[c].quantization_u / amplitude));
+          std::abs(out.Y) *
+          std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude, channels[c].quantization_u / amplitude));
       out.u_phase_rad =
-          std::hypot(u_across, std::hypot(channels[c].transient_u, channels[c].quantization_u) / amplitude,
+          std::hypot(u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
                      omega * std::hypot(channel.delay_u_s, device.delay_u_s, channels[c].turnaround_u_s));
       for (int h = 2; h <= H; ++h)
         out.harmonics.push_back(
@@ -98,7 +99,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].X = fit.X;
     evidence[c].covariance = fit.covariance;
     evidence[c].dof = channels[c].dof;
-    evidence[c].transient_u = channels[c].transient_u;
+    evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
   }

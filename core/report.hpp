@@ -16,7 +16,8 @@ struct ChannelResult {
   HarmonicFit fit;
   double dof = 0.0;             // degrees of freedom behind the fit's covariance
   std::string withheld;         // why it must not be used now; empty: it may
-  double transient_u = 0.0;     // of the reading, SI, either component: what is left of the transient, on average
+  // Covariance of (Re, Im) of the reading's phasor by what is not known of the transient, SI.
+  Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();
   double quantization_u = 0.0;  // of the reading, SI, either component: the device's rounding
   double turnaround_u_s = 0.0;  // standard uncertainty of its instants, shared by its device
 };

@@ -1,0 +1,358 @@
+#include "core/pipeline_impl.hpp"
+
+#include <utility>
+
+namespace dwell {
+namespace {
+
+constexpr double kGrowth = 1.25;   // of the hold, before its poles are refined again
+constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode …
+constexpr double kSkippedMore = 0.1, kSkippedMost = 0.6;  // … and more of it each time that the fit does not explain the data
+constexpr double kGone = 1e-6;     // of an amplitude by then
+constexpr double kTrust = 0.05;    // relative change of a pole in one step of its refinement, as far as the data leave it open
+constexpr int kRefinements = 2;    // steps each time, at most
+constexpr std::size_t kExtraPoles = 2;
+constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
+constexpr double kSureOfLine = 9.0;    // exp(-9): once in 8000 searches noise alone
+constexpr double kMainsFirst = 1.2;
+constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.2;
+constexpr int kManyRefinements = 8;  // where the poles are far off
+constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
+constexpr double kConverged = 0.1; // of the uncertainty of a pole
+constexpr double kGrowthMeasuring = 1.5;  // the same after the verdict …
+constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
+constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
+constexpr double kSure = 3.0;      // standard deviations of what may be left of the transient
+constexpr double kSureOfNoise = 4.0;
+constexpr double kNegligible = 1e-3;  // of what is allowed: nothing is subtracted any more
+constexpr double kShortest = 2.0;  // periods of a hold before anything is said
+
+// Angular frequencies of mains hum and its first harmonics, of either kind.
+double mains(std::size_t k) { return kTwoPi * (k < kMains / 2 ? 50.0 * static_cast<double>(k + 1) : 60.0 * static_cast<double>(k - kMains / 2 + 1)); }
+
+}  // namespace
+
+double Pipeline::Impl::drive_omega() {
+  if (!tracked()) return omega;
+  const int from = std::max(0, blocks.index_of(steady_serial)), to = blocks.count();
+  double w = omega;
+  if (from >= to) return w;
+  const std::int64_t middle_ns = blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
+  for (int step = 0; step < 3; ++step) {
+    blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+    if (!(fit.information > 0)) return w;
+    const double delta = fit.score / fit.information;
+    w = within_search(rig, w + delta);
+    if (std::abs(delta) * std::sqrt(fit.information) < 0.1) break;
+  }
+  return w;
+}
+
+// Shows the modal fit the samples that it has not seen.
+void Pipeline::Impl::feed_modes() {
+  for (; modal_next < history.end(); ++modal_next) {
+    const SampleHistory::Sample& s = history[modal_next];
+    if (readings[static_cast<std::size_t>(s.channel)].usable) modal.add(s.channel, s.t_ns, s.value);
+  }
+}
+
+double Pipeline::Impl::fit_modes(double w, std::span<const Complex> poles) {
+  modal.restart(w, modal_from_ns, poles);
+  modal_next = history.first_at(modal_from_ns);
+  feed_modes();
+  solve_modes();
+  return modal.misfit();
+}
+
+void Pipeline::Impl::solve_modes() {
+  for (int c = 0; c < channel_count; ++c)
+    if (readings[static_cast<std::size_t>(c)].usable) modal.solve(c, ranges[static_cast<std::size_t>(c)]);
+}
+
+// The poles of the chain that the steady motion tells of, as far as known; where there are none, nothing.
+std::span<const Complex> Pipeline::Impl::chain_poles() {
+  for (int c = 0; c < channel_count; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    if (rig.channels[i].measures != Quantity::auxiliary && !modal.usable(c)) return {};
+    observed(c) = modal.usable(c) ? as_observed(rig, c, modal.phasor(c, 1), modal.omega(), 1) : Complex{};
+  }
+  time_constant_s = identified_time_constant(modal.omega());
+  return decay.poles();
+}
+
+// The poles found beside the chain's, then those of `poles` that have not decayed to nothing where the fit begins.
+void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const {
+  const double skipped_s = to_s(modal_from_ns - steady_ns);
+  out.assign(extra_poles.begin(), extra_poles.end());
+  for (Complex pole : poles) {
+    pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
+    if (std::exp(pole.real() * skipped_s) > kGone) out.push_back(pole);
+  }
+}
+
+bool Pipeline::Impl::refit_modes() {
+  const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
+  const bool long_enough = to_s(held_ns) > 8 * period_s();
+  modal_from_ns = std::max(steady_ns + (long_enough ? static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)) : 0), oldest_ns);
+  for (double& range : ranges) range = 0.0;
+  for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
+    const SampleHistory::Sample& s = history[i];
+    const auto c = static_cast<std::size_t>(s.channel);
+    ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
+  }
+  const double w = drive_omega();
+  if (modal_poles.empty()) {
+    // From the windows' mean, the first time.
+    if (decay.poles().empty()) return false;
+    modal_poles.assign(decay.poles().begin(), decay.poles().end());
+  }
+  // Where poles may come from, until some explain the data: the chain that the fit so far has identified; the poles so
+  // far; that chain without what was found beside it; the chain that the latest third tells of, without any modes.
+  double best = INFINITY;
+  kept_extras = extra_poles;
+  kept_poles.clear();
+  const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
+  for (int candidate = fitted ? 0 : 1; candidate < 4; ++candidate) {
+    extra_poles.clear();
+    if (candidate < 2) extra_poles = kept_extras;
+    std::span<const Complex> poles = modal_poles;
+    if (candidate == 3) {
+      const std::int64_t from_ns = std::exchange(modal_from_ns, std::max(modal_from_ns, now_ns - held_ns / 3));
+      fit_modes(w, {});
+      modal_from_ns = from_ns;
+    }
+    if (candidate != 1) poles = chain_poles();
+    if (poles.empty()) continue;
+    keep_alive(poles, best_poles);
+    const double misfit = refine_poles(w, fit_modes(w, best_poles), candidate == 0 ? kRefinements : kManyRefinements);
+    const double penalized = misfit + kPenalty * static_cast<double>(extra_poles.size());
+    if (penalized < best) {
+      best = penalized;
+      kept_poles = best_poles;
+      spare_poles = extra_poles;
+      if (explained()) break;
+    }
+  }
+  if (kept_poles.empty()) return false;
+  if (best_poles != kept_poles) fit_modes(w, kept_poles);
+  best_poles = kept_poles;
+  extra_poles = spare_poles;
+  if (find_extra_pole()) {
+    std::rotate(extra_poles.begin(), extra_poles.end() - 1, extra_poles.end());
+    best_poles.insert(best_poles.begin(), extra_poles.front());
+    refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
+  }
+  for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
+  modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
+  judge_extra_poles();
+  // What cannot be explained is shed: the next fit begins later, where less of it is left.
+  modal_skipped = explained() ? kSkipped : std::min(modal_skipped + kSkippedMore, kSkippedMost);
+  return true;
+}
+
+// Whether every channel's residuals are no more than its noise.
+bool Pipeline::Impl::explained() const {
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c) && unexplained(c) > 0) return false;
+  return true;
+}
+
+double Pipeline::Impl::unexplained(int c) const {
+  const Noise& noise = noises[static_cast<std::size_t>(c)];
+  return modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
+}
+
+// Takes trial_poles if they explain the data better; the fit is that of best_poles afterwards.
+double Pipeline::Impl::try_poles(double w, double best) {
+  const double misfit = fit_modes(w, trial_poles);
+  if (misfit < best || !std::isfinite(best)) {
+    best_poles = trial_poles;
+    return misfit;
+  }
+  fit_modes(w, best_poles);
+  return best;
+}
+
+double Pipeline::Impl::refine_poles(double w, double best, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    const auto moved = modal.refined(kTrust);
+    if (modal.converged() < kConverged) break;
+    trial_poles.assign(moved.begin(), moved.end());
+    const double better = try_poles(w, best);
+    if (!(better < best)) break;
+    best = better;
+  }
+  return best;
+}
+
+// What the fit leaves over may hold an oscillation that the chain does not have: a bracket that rings, mains hum. The
+// strongest line of the beginning of the fit, where it is strongest, on top of what noise shows now and then.
+bool Pipeline::Impl::find_extra_pole() {
+  if (extra_poles.size() >= kExtraPoles) return false;
+  const double stretch_s = std::min(to_s(now_ns - modal.t0_ns()), kSearchPeriods * period_s());
+  const std::int64_t until_ns = modal.t0_ns() + to_ns(stretch_s);
+  const double grid = std::numbers::pi / stretch_s;
+  double strongest = 0.0, found = 0.0;
+  for (int c = 0; c < channel_count; ++c) {
+    if (c == drive_channel || !modal.usable(c)) continue;
+    const double rate = modal.samples(c) / std::max(1e-9, to_s(now_ns - modal.t0_ns()));
+    const auto lines = static_cast<std::size_t>(
+        std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega) / grid, 0.0, static_cast<double>(spectrum.size() - kMains)));
+    std::fill(spectrum.begin(), spectrum.end(), Complex{});
+    double squares = 0.0, count = 0.0;
+    for (auto i = history.first_at(modal.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
+      const SampleHistory::Sample& s = history[i];
+      if (s.channel != c) continue;
+      const double r = modal.residual(c, s.t_ns, s.value), u = to_s(s.t_ns - modal.t0_ns());
+      const Complex step = std::polar(1.0, grid * u);
+      Complex turn = r * step;
+      for (std::size_t k = kMains; k < kMains + lines; ++k, turn *= step) spectrum[k] += turn;
+      for (std::size_t k = 0; k < kMains; ++k) spectrum[k] += r * std::polar(1.0, mains(k) * u);
+      squares += r * r;
+      count += 1.0;
+    }
+    if (count < 16) continue;
+    // Of white noise each is distributed as exp(-P).
+    const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
+    for (std::size_t k = 0; k < kMains + lines; ++k) {
+      // The mains are believed first: what they do is seen at their aliases as well.
+      const double P = std::norm(spectrum[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
+      if (P - sure <= strongest) continue;
+      strongest = P - sure;
+      found = k < kMains ? -mains(k) : grid * static_cast<double>(k - kMains + 1);
+    }
+  }
+  if (found == 0) return false;
+  extra_poles.push_back(found < 0 ? Complex{0.0, -found} : Complex{-1 / stretch_s, found});
+  return true;
+}
+
+// An oscillation that does not decay in a long time is no transient.
+void Pipeline::Impl::judge_extra_poles() {
+  const double seen_s = to_s(now_ns - modal.t0_ns());
+  for (Complex& pole : extra_poles)
+    if (seen_s > kLongSeen * period_s() && -pole.real() * seen_s < kHardlyDecayed) pole.real(0.0);
+}
+
+// How much of the transient may be left at t, of what is allowed: the worst of all channels.
+double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
+  double largest = 0.0;
+  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
+  for (int c = 0; c < channel_count; ++c) {
+    if (!readings[static_cast<std::size_t>(c)].usable) continue;
+    if (!modal.usable(c)) return INFINITY;
+    const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
+    const Noise& noise = noises[static_cast<std::size_t>(c)];
+    const double floor = std::min(modal.variance(c), noise.variance);
+    const double allowed = std::max(rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten));
+    const ModalFit::Left left = modal.left(c, t_ns);
+    double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
+    // What the fit leaves over beyond the noise is not known to be no transient.
+    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / std::max(allowed, 1e-300));
+    if (ratio > largest) {
+      largest = ratio;
+      if (worst) *worst = c;
+    }
+  }
+  return largest;
+}
+
+bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
+  if (rig.mass_count() == 0) return false;
+  if (modal_poles.empty() || now_ns >= modal_refit_at_ns) {
+    if (!refit_modes()) return false;
+    refit_later(kGrowth);
+  } else {
+    feed_modes();
+    solve_modes();
+  }
+  verdict = {};
+  verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
+  const bool waits = verdict.worst_left > 1;
+  verdict.settles_in_s = waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
+  if (waits || to_s(end_ns - steady_ns) < kShortest * period_s() || out_of_search()) return true;
+  // The data count from where the same could be said of an earlier instant.
+  const auto quarter_ns = to_ns(period_s() / kQuarters);
+  std::int64_t back = 0, too_far = (end_ns - modal.t0_ns()) / quarter_ns + 1;
+  while (too_far - back > 1) {
+    const std::int64_t middle = back + (too_far - back) / 2;
+    (modal_left(end_ns - middle * quarter_ns, nullptr) > 1 ? too_far : back) = middle;
+  }
+  settled_ns = end_ns - std::max<std::int64_t>(back, 2 * kQuarters) * quarter_ns;
+  verdict.settled = true;
+  verdict_ns = end_ns;
+  enter(State::measuring);
+  std::fill(transient.begin(), transient.end(), 0.0);
+  omega = modal.omega();
+  if (pending) emit(EndedBy::drive_changed);
+  refit_later(kGrowthMeasuring);
+  take_transient_out(end_ns);
+  count_anew();
+  return true;
+}
+
+double Pipeline::Impl::slowest_rate() const {
+  double slowest = INFINITY;
+  for (const Complex& pole : modal.poles())
+    if (pole.real() < 0) slowest = std::min(slowest, -pole.real());
+  return slowest;
+}
+
+void Pipeline::Impl::refit_later(double growth) {
+  modal_refit_at_ns = modal.t0_ns() + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - modal.t0_ns()));
+}
+
+// More data tell better what the transient was: while all since the hold's beginning are there, now and then.
+void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
+  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || drive.windows_since_good() > 0) return;
+  if (history[history.begin()].t_ns > modal.t0_ns() || to_s(now_ns - modal.t0_ns()) > kLongest * to_s(verdict_ns - modal.t0_ns())) {
+    modal_refit_at_ns = INT64_MAX;
+    return;
+  }
+  best_poles = modal_poles;
+  const double best = fit_modes(omega, best_poles);
+  const auto moved = modal.refined(kTrust);
+  trial_poles.assign(moved.begin(), moved.end());
+  if (fit_modes(omega, trial_poles) < best)
+    modal_poles = trial_poles;
+  else
+    fit_modes(omega, best_poles);
+  refit_later(kGrowthMeasuring);
+  take_transient_out(end_ns);
+  count_anew();
+}
+
+// Builds the blocks anew from the history, the transient subtracted.
+void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
+  const auto quarter_ns = to_ns(period_s() / kQuarters);
+  std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
+  begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
+  // Until nothing is left that matters.
+  const double left = modal_left(end_ns, nullptr);
+  quiet_ns = end_ns + (left > kNegligible ? to_ns(std::min(std::log(left / kNegligible) / slowest_rate(), rig.memory_s)) : 0);
+  blocks.restart();
+  steady_serial = blocks.serials();
+  for (auto& B : overlap) B.setZero();
+  std::uint64_t i = history.first_at(begin_ns);
+  for (; begin_ns < end_ns; begin_ns += quarter_ns) {
+    blocks.open(begin_ns, begin_ns + quarter_ns, omega);
+    for (; i < history.end() && history[i].t_ns < begin_ns + quarter_ns; ++i)
+      add_cleaned(history[i].t_ns, history[i].channel, history[i].value);
+    blocks.close();
+  }
+}
+
+void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
+  if (t_ns < quiet_ns && modal.usable(c)) {
+    value -= modal.transient(c, t_ns);
+    const auto modes = modal.modes_at(t_ns);
+    const double angle = modal.omega() * to_s(t_ns - modal.t0_ns());
+    auto B = overlap[static_cast<std::size_t>(c)].leftCols(modes.size());
+    B.row(0) += std::sin(angle) * modes.transpose();
+    B.row(1) += std::cos(angle) * modes.transpose();
+  }
+  blocks.add(c, t_ns, value);
+}
+
+}  // namespace dwell

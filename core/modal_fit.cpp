@@ -1,0 +1,279 @@
+#include "core/modal_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dwell {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kSecond = 1e-9;
+constexpr double kGone = 1e-13;      // of an amplitude: as good as nothing
+constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
+
+}  // namespace
+
+ModalFit::ModalFit(int channels, int harmonics, int modes)
+    : harmonics_(harmonics),
+      capacity_(static_cast<std::size_t>(std::min(modes, kMaxModes))),
+      harmonic_(2 * harmonics + 1) {
+  const Index most = 2 * static_cast<Index>(capacity_), all = harmonic_ + 2 * most;
+  poles_.resize(capacity_);
+  moved_.resize(capacity_);
+  sizes_.resize(capacity_);
+  x_.resize(all);
+  work_.resize(harmonic_ + most, harmonic_ + most);
+  columns_.resize(harmonic_ + most, most);
+  slopes_.resize(most, most);
+  hessian_.resize(most, most);
+  gradient_.resize(most);
+  channels_.resize(static_cast<std::size_t>(channels));
+  for (PerChannel& channel : channels_) {
+    channel.normal.resize(all, all);
+    channel.moments.resize(all);
+    channel.theta.resize(harmonic_ + most);
+    channel.covariance.resize(most, most);
+  }
+}
+
+void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex> poles) noexcept {
+  omega_ = omega;
+  t0_ns_ = t0_ns;
+  evaluated_ns_ = INT64_MIN;
+  count_ = std::min(poles.size(), capacity_);
+  if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
+  modal_ = 2 * static_cast<Index>(count_);
+  for (std::size_t m = 0; m < count_; ++m) sizes_[m] = std::abs(poles_[m]);
+  for (PerChannel& channel : channels_) {
+    channel.normal.setZero();
+    channel.moments.setZero();
+    channel.squares = channel.samples = 0.0;
+    channel.usable = channel.referenced = false;
+  }
+}
+
+// The regressors at t: 1, sin, cos, then of each mode those of the real and the imaginary part of its amplitude, then
+// the same of the relative change of its pole.
+void ModalFit::evaluate(std::int64_t t_ns) noexcept {
+  if (t_ns == evaluated_ns_) return;
+  evaluated_ns_ = t_ns;
+  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  const Complex step = std::polar(1.0, omega_ * u);
+  Complex turn = step;
+  x_(0) = 1.0;
+  for (int h = 1; h <= harmonics_; ++h, turn *= step) {
+    x_(h) = turn.imag();
+    x_(harmonics_ + h) = turn.real();
+  }
+  for (std::size_t m = 0; m < count_; ++m) {
+    const Index i = harmonic_ + 2 * static_cast<Index>(m);
+    const double envelope = std::exp(poles_[m].real() * u);
+    const double slope = sizes_[m] * u;
+    const Complex e = envelope < kGone ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
+    x_(i) = e.real();
+    x_(i + 1) = -e.imag();
+    x_(modal_ + i) = slope * x_(i);
+    x_(modal_ + i + 1) = slope * x_(i + 1);
+  }
+}
+
+void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
+  evaluate(t_ns);
+  PerChannel& to = channels_[static_cast<std::size_t>(channel)];
+  if (!to.referenced) {
+    to.reference = value;
+    to.referenced = true;
+  }
+  const double s = value - to.reference;
+  const Index all = linear() + modal_;
+  for (Index j = 0; j < all; ++j) {
+    const double xj = x_(j);
+    double* column = &to.normal(0, j);
+    for (Index i = j; i < all; ++i) column[i] += xj * x_(i);
+    to.moments(j) += xj * s;
+  }
+  to.squares += s * s;
+  to.samples += 1.0;
+}
+
+bool ModalFit::solve(int channel, double range) noexcept {
+  PerChannel& of = channels_[static_cast<std::size_t>(channel)];
+  const Index P = linear();
+  of.usable = false;
+  if (!(of.samples > static_cast<double>(P + 4))) return false;
+  const double width2 = std::max(range * range, 1e-300);
+  double sigma2 = of.sigma2 > 0 ? std::min(of.sigma2, width2) : width2;
+  // The weight of the prior against the data depends on the noise, and the noise on the fit: twice is enough.
+  for (int pass = 0; pass < 2; ++pass) {
+    auto factor = work_.topLeftCorner(P, P);
+    factor = of.normal.topLeftCorner(P, P);
+    for (Index i = harmonic_; i < P; ++i) factor(i, i) += std::max(sigma2 / width2, 1e-12 * of.samples);
+    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
+    if (llt.info() != Eigen::Success) return false;
+    of.theta.head(P) = of.moments.head(P);
+    llt.solveInPlace(of.theta.head(P));
+    // Of the residuals, the prior left aside.
+    const double squares =
+        of.squares - 2 * of.theta.head(P).dot(of.moments.head(P)) +
+        of.theta.head(P).dot(of.normal.topLeftCorner(P, P).selfadjointView<Eigen::Lower>() * of.theta.head(P));
+    sigma2 = std::max(squares, 1e-15 * of.squares) / (of.samples - static_cast<double>(P));
+    if (pass == 1) {
+      auto columns = columns_.topLeftCorner(P, modal_);
+      columns.setZero();
+      for (Index i = 0; i < modal_; ++i) columns(harmonic_ + i, i) = 1.0;
+      llt.solveInPlace(columns);
+      of.covariance.topLeftCorner(modal_, modal_) = sigma2 * columns.bottomRows(modal_);
+    }
+  }
+  of.sigma2 = sigma2;
+  of.usable = of.theta.head(P).allFinite() && std::isfinite(sigma2);
+  return of.usable;
+}
+
+double ModalFit::misfit() const noexcept {
+  double sum = 0.0;
+  for (const PerChannel& channel : channels_)
+    if (channel.usable) sum += channel.samples * std::log(std::max(channel.sigma2, 1e-300));
+  return sum;
+}
+
+std::span<const Complex> ModalFit::refined(double trust) noexcept {
+  const Index P = linear();
+  auto H = hessian_.topLeftCorner(modal_, modal_);
+  auto g = gradient_.head(modal_);
+  H.setZero();
+  g.setZero();
+  for (PerChannel& channel : channels_) {
+    if (!channel.usable || !(channel.sigma2 > 0)) continue;
+    // What the derivatives explain beyond the linear parameters: S = D'D - D'L (L'L)^-1 L'D, and their score.
+    auto factor = work_.topLeftCorner(P, P);
+    factor = channel.normal.topLeftCorner(P, P);
+    for (Index i = harmonic_; i < P; ++i) factor(i, i) += 1e-9 * channel.samples;
+    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
+    if (llt.info() != Eigen::Success) continue;
+    auto columns = columns_.topLeftCorner(P, modal_);
+    columns = channel.normal.block(P, 0, modal_, P).transpose();
+    llt.matrixL().solveInPlace(columns);
+    auto S = slopes_.topLeftCorner(modal_, modal_);
+    S = channel.normal.block(P, P, modal_, modal_).selfadjointView<Eigen::Lower>();
+    S.noalias() -= columns.transpose().lazyProduct(columns);
+    // b_m = a_m ρ_m, ρ the pole's relative change.
+    const auto amplitude = [&](Index m) {
+      return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
+    };
+    const auto J = [&](Index m) {
+      const Complex a = poles_[static_cast<std::size_t>(m)].real() < 0 ? amplitude(m) : Complex{};
+      Eigen::Matrix2d jacobian;
+      jacobian << a.real(), -a.imag(), a.imag(), a.real();
+      return jacobian;
+    };
+    for (Index m = 0; m < modal_ / 2; ++m) {
+      Eigen::Vector2d score = channel.moments.segment<2>(P + 2 * m);
+      for (Index i = 0; i < P; ++i) score -= channel.theta(i) * channel.normal.block<2, 1>(P + 2 * m, i);
+      g.segment<2>(2 * m) += J(m).transpose() * score / channel.sigma2;
+      for (Index l = 0; l < modal_ / 2; ++l)
+        H.block<2, 2>(2 * m, 2 * l) += J(m).transpose() * S.block<2, 2>(2 * m, 2 * l) * J(l) / channel.sigma2;
+    }
+  }
+  H.diagonal().array() += 1 / (trust * trust);
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
+  std::copy_n(poles_.begin(), count_, moved_.begin());
+  if (llt.info() != Eigen::Success) return {moved_.data(), count_};
+  llt.solveInPlace(g);
+  auto unit = slopes_.topLeftCorner(modal_, modal_);
+  unit.setIdentity();
+  llt.solveInPlace(unit);
+  converged_ = 0.0;
+  for (std::size_t m = 0; m < count_; ++m) {
+    if (!(poles_[m].real() < 0)) continue;
+    const auto i = 2 * static_cast<Index>(m);
+    Complex rho{g(i), g(i + 1)};
+    if (std::abs(rho) > 2 * trust) rho *= 2 * trust / std::abs(rho);
+    const double size = std::abs(poles_[m]);
+    Complex moved = poles_[m] + size * rho;
+    // A transient decays, however slowly; a pole that oscillates goes on doing so.
+    moved.real(std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
+    moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
+    if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
+    converged_ = std::max(converged_, std::abs(rho) / std::sqrt(std::max(1e-300, unit(i, i) + unit(i + 1, i + 1))));
+  }
+  return {moved_.data(), count_};
+}
+
+Complex ModalFit::phasor(int channel, int h) const noexcept {
+  const PerChannel& of = at(channel);
+  return {of.theta(h), of.theta(harmonics_ + h)};
+}
+
+ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
+  const PerChannel& of = at(channel);
+  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  Left left{0.0, 0.0};
+  // The uncertainty at its largest over half a cycle of each of the modes, seen at eight angles.
+  for (std::size_t m = 0; m < count_; ++m) {
+    const auto i = 2 * static_cast<Index>(m);
+    if (!(poles_[m].real() < 0)) continue;
+    const double decayed = std::exp(poles_[m].real() * u);
+    const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
+    const double own = std::sqrt(0.5 * std::max(0.0, of.covariance(i, i) + of.covariance(i + 1, i + 1)));
+    if (a.norm() > kStandsOut * own) left.envelope += decayed * a.norm();
+  }
+  for (int angle = 0; angle < 8; ++angle) {
+    const double later = u + angle * M_PI / 8 / omega_;
+    double variance = 0.0;
+    for (std::size_t m = 0; m < count_; ++m) {
+      if (!(poles_[m].real() < 0)) continue;
+      const Complex em = std::exp(poles_[m] * later);
+      const double xm[2] = {em.real(), poles_[m].imag() > 0 ? -em.imag() : 0.0};
+      for (std::size_t l = 0; l < count_; ++l) {
+        if (!(poles_[l].real() < 0)) continue;
+        const Complex el = std::exp(poles_[l] * later);
+        const double xl[2] = {el.real(), poles_[l].imag() > 0 ? -el.imag() : 0.0};
+        for (int p = 0; p < 2; ++p)
+          for (int q = 0; q < 2; ++q)
+            variance += xm[p] * xl[q] *
+                        of.covariance(2 * static_cast<Index>(m) + p, 2 * static_cast<Index>(l) + q);
+      }
+    }
+    left.u = std::max(left.u, variance);
+  }
+  left.u = std::sqrt(std::max(0.0, left.u));
+  return left;
+}
+
+Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) noexcept {
+  evaluate(t_ns);
+  return std::as_const(x_).segment(harmonic_, modal_);
+}
+
+double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept {
+  evaluate(t_ns);
+  const PerChannel& of = at(channel);
+  return value - of.reference - of.theta.head(linear()).dot(x_.head(linear()));
+}
+
+double ModalFit::transient(int channel, std::int64_t t_ns) noexcept {
+  evaluate(t_ns);
+  const PerChannel& of = at(channel);
+  if (!of.usable) return 0.0;
+  double sum = 0.0;
+  for (std::size_t m = 0; m < count_; ++m)
+    if (poles_[m].real() < 0)
+      for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
+        sum += of.theta(i) * x_(i);
+  return sum;
+}
+
+Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {
+  const PerChannel& of = at(channel);
+  if (!of.usable) return Eigen::Matrix2d::Zero();
+  const auto used = B.leftCols(modal_);
+  return used * of.covariance.topLeftCorner(modal_, modal_).selfadjointView<Eigen::Lower>() * used.transpose();
+}
+
+}  // namespace dwell

@@ -1,0 +1,102 @@
+// Steady harmonics and decaying natural oscillations fitted together to the samples of one hold (method section 6).
+//
+//   s_i = b + Σ_h [ p_h sin hωu_i + q_h cos hωu_i ] + Σ_m Re( a_m exp(λ_m u_i) ) + e_i ,    u_i = t_i - t_0
+//
+// per channel, with the poles λ_m shared by all: those of the identified chain, then refined on the data themselves
+// (Gauss-Newton on λ with all linear parameters eliminated, Golub and Pereyra's variable projection as simplified by
+// Kaufman). An amplitude is not believed to be larger than what the channel has shown: a Gaussian prior of that width
+// makes the fit solvable at any time, and makes its uncertainty tell when a slow mode cannot be told yet from the
+// steady motion. What is asked of it: how much of the transient is left, and what to subtract.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/rig.hpp"
+
+namespace dwell {
+
+class ModalFit {
+ public:
+  static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
+
+  // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+1+4·modes)² bytes a channel.
+  ModalFit(int channels, int harmonics, int modes);
+
+  // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is
+  // fitted beside but is no transient; those beyond the capacity are left out.
+  void restart(double omega, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
+  // One sample, at t >= t_0. reference: what to subtract so that a large mean costs no digits, the same throughout.
+  // O((2H+1+4·modes)²), no allocation.
+  void add(int channel, std::int64_t t_ns, double value) noexcept;
+
+  // Solves one channel. range: width of the prior of its amplitudes, in its unit. false: too few samples.
+  bool solve(int channel, double range) noexcept;
+
+  // The sum over solved channels of N ln σ²: what a better set of poles makes smaller.
+  [[nodiscard]] double misfit() const noexcept;
+  // One Gauss-Newton step on the poles from all solved channels, within `trust` of each pole's magnitude; returns the
+  // poles moved. Leaves the sums as they are: restart and add again.
+  [[nodiscard]] std::span<const std::complex<double>> refined(double trust) noexcept;
+
+  // How far the last step went, in standard deviations of the poles.
+  [[nodiscard]] double converged() const noexcept { return converged_; }
+
+  [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
+  [[nodiscard]] double omega() const noexcept { return omega_; }
+  [[nodiscard]] std::int64_t t0_ns() const noexcept { return t0_ns_; }
+  [[nodiscard]] bool usable(int channel) const noexcept { return at(channel).usable; }
+  // Phasor of harmonic h at t_0, of the reading.
+  [[nodiscard]] std::complex<double> phasor(int channel, int h) const noexcept;
+  [[nodiscard]] double variance(int channel) const noexcept { return at(channel).sigma2; }
+  [[nodiscard]] double samples(int channel) const noexcept { return at(channel).samples; }
+
+  // What may be left of the transient from t on: the envelope of what stands out of the noise, and the standard
+  // deviation of the whole.
+  struct Left {
+    double envelope, u;
+  };
+  [[nodiscard]] Left left(int channel, std::int64_t t_ns) const noexcept;
+
+  // What the fit leaves of a reading, steady lines included in the fit.
+  [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
+  // The transient at t, in the channel's unit.
+  [[nodiscard]] double transient(int channel, std::int64_t t_ns) noexcept;
+  // The regressors of the modes at t.
+  [[nodiscard]] Eigen::VectorXd::ConstSegmentReturnType modes_at(std::int64_t t_ns) noexcept;
+  // Covariance of (Re, Im) of Σ_k w_k exp(-jφ_k)-weighted transients: B Cov B^T, B 2 × modal regressors.
+  [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
+  [[nodiscard]] int modal_regressors() const noexcept { return 2 * static_cast<int>(capacity_); }
+
+ private:
+  struct PerChannel {
+    Eigen::MatrixXd normal;  // lower triangle, of all regressors
+    Eigen::VectorXd moments, theta;
+    Eigen::MatrixXd covariance;  // of the modal amplitudes, then of the relative changes of the poles they go with
+    double squares = 0.0, samples = 0.0, sigma2 = 0.0, reference = 0.0;
+    bool usable = false, referenced = false;
+  };
+  [[nodiscard]] const PerChannel& at(int channel) const noexcept { return channels_[static_cast<std::size_t>(channel)]; }
+  void evaluate(std::int64_t t_ns) noexcept;
+  [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
+
+  int harmonics_;
+  std::size_t capacity_, count_ = 0;
+  Eigen::Index harmonic_, modal_ = 0;  // regressors: 2H+1, and of the present modes
+  std::vector<std::complex<double>> poles_, moved_;
+  std::vector<double> sizes_;    // |λ|
+  double converged_ = 0.0;
+  double omega_ = 0.0;
+  std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
+  Eigen::VectorXd x_;
+  std::vector<PerChannel> channels_;
+  Eigen::MatrixXd work_, columns_, slopes_, hessian_;
+  Eigen::VectorXd gradient_;
+};
+
+}  // namespace dwell

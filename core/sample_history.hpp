@@ -1,0 +1,50 @@
+// The newest samples as they came, so that a hold can be gone over again once more is known of it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace dwell {
+
+// A ring: the oldest are overwritten. Bound to one thread, real-time safe but for the constructor.
+class SampleHistory {
+ public:
+  struct Sample {
+    std::int64_t t_ns;
+    double value;  // SI
+    int channel;
+  };
+
+  explicit SampleHistory(std::size_t capacity) : samples_(capacity) {}
+
+  void push(std::int64_t t_ns, int channel, double value) noexcept {
+    samples_[static_cast<std::size_t>(end_ % samples_.size())] = {t_ns, value, channel};
+    ++end_;
+  }
+  // Numbers of the samples held: [begin, end).
+  [[nodiscard]] std::uint64_t begin() const noexcept { return end_ - std::min<std::uint64_t>(end_, samples_.size()); }
+  [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
+  [[nodiscard]] const Sample& operator[](std::uint64_t number) const noexcept {
+    return samples_[static_cast<std::size_t>(number % samples_.size())];
+  }
+  // Number of the first sample held at or after t. O(log n).
+  [[nodiscard]] std::uint64_t first_at(std::int64_t t_ns) const noexcept {
+    std::uint64_t low = begin(), high = end();
+    while (low < high) {
+      const std::uint64_t middle = low + (high - low) / 2;
+      if ((*this)[middle].t_ns < t_ns)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    return low;
+  }
+
+ private:
+  std::vector<Sample> samples_;
+  std::uint64_t end_ = 0;
+};
+
+}  // namespace dwell

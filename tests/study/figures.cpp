@@ -1,0 +1,202 @@
+#include "tests/study/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace dwell::study {
+namespace {
+
+constexpr double kCountedPeriods = 50.0;  // at least, for a figure against the bound
+constexpr double kWellDetermined = 10.0;  // |Z| over its bound, at least
+
+double quantile(std::vector<double> values, double part) {
+  if (values.empty()) return NAN;
+  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+}  // namespace
+
+double late_by(const Outcome& outcome, double periods, double taus) {
+  if (!outcome.settled) return INFINITY;
+  return outcome.lateness_s() / (outcome.period_s * std::max(periods, taus * outcome.tau_periods));
+}
+
+bool counts_for_bound(const Outcome& outcome, const ElementOutcome& element) {
+  return outcome.completed && outcome.counted_periods >= kCountedPeriods && element.reported &&
+         element.snr_Z > kWellDetermined * std::numbers::sqrt2;
+}
+
+Row bound_row(const std::vector<Outcome>& outcomes, double target, double slack) {
+  double squares = 0.0;
+  long count = 0, dwells = 0;
+  for (const Outcome& outcome : outcomes) {
+    bool any = false;
+    for (const ElementOutcome& element : outcome.elements)
+      if (counts_for_bound(outcome, element)) {
+        squares += element.c_error * element.c_error + element.r_error * element.r_error;
+        count += 2;
+        any = true;
+      }
+    dwells += any;
+  }
+  Row row;
+  row.count = dwells;
+  const double ratio = std::sqrt(squares / static_cast<double>(count));
+  row.reached = text("%.3f", ratio);
+  row.target = text("<= %.2f", target);
+  row.met = ratio <= target + 0.25 * slack;
+  return row;
+}
+
+Row coverage_row(const std::vector<Outcome>& outcomes, Population population, double slack) {
+  long inside = 0, count = 0, dwells = 0, excluded = 0, warned = 0;
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.completed) continue;
+    if (outcome.hum_inseparable) {
+      ++excluded;
+      warned += outcome.hum_warned;
+      continue;
+    }
+    ++dwells;
+    for (const ElementOutcome& element : outcome.elements) {
+      if (!element.reported) continue;
+      inside += (std::abs(element.c_U95) <= 1) + (std::abs(element.r_U95) <= 1);
+      count += 2;
+    }
+  }
+  const double share = 100.0 * static_cast<double>(inside) / static_cast<double>(count);
+  Row row;
+  row.count = dwells;
+  row.reached = text("%.1f %%", share);
+  row.figure = text("truth inside the 95 %% interval: %s", name_of(population));
+  double low = 94, high = 96;
+  if (population == Population::quantized) low = 93, high = 98;
+  if (population == Population::coarse) low = 93, high = 100;
+  row.target = high < 100 ? text("%.0f … %.0f %%", low, high) : text(">= %.0f %%", low);
+  row.met = share >= low - 5 * slack && share <= high + 4 * slack;
+  if (excluded > 0) row.figure += text(" (inseparable hum: %ld, warned of %ld)", excluded, warned);
+  return row;
+}
+
+std::vector<Row> settling_rows(const std::vector<Outcome>& outcomes, double slack) {
+  long early = 0, settled = 0, never = 0;
+  std::vector<double> median, tail;
+  for (const Outcome& outcome : outcomes) {
+    settled += outcome.settled;
+    never += !outcome.settled;
+    early += outcome.settled && outcome.left > 1;
+    median.push_back(late_by(outcome, 4, 0.5));
+    tail.push_back(late_by(outcome, 10, 1));
+  }
+  const auto count = static_cast<long>(outcomes.size());
+  const double share = 100.0 * static_cast<double>(early) / static_cast<double>(count);
+  const double half = quantile(median, 0.5), most = quantile(tail, 0.95);
+  return {{"settled too early: transient left at the verdict above its threshold", text("%.2f %%", share), "<= 0.5 %",
+           count, share <= 0.5 + 2 * slack},
+          {text("lateness of the verdict, median, over max(4 periods, 0.5 tau) (never: %ld)", never),
+           text("%.2f", half), "<= 1", count, half <= 1 + 0.25 * slack},
+          {"lateness of the verdict, 95th percentile, over max(10 periods, tau)", text("%.2f", most), "<= 1", count,
+           most <= 1 + slack}};
+}
+
+std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack) {
+  long unseen = 0, wrong = 0, plain = 0, withheld = 0;
+  for (const Outcome& outcome : outcomes)
+    for (const ElementOutcome& element : outcome.elements) {
+      if (element.snr_d < 1) {
+        ++unseen;
+        wrong += element.reported;
+      }
+      // σ_Z of the complex number, as u(Z): √2 of each component.
+      if (element.snr_d > 6 && element.snr_Z > 6 * std::numbers::sqrt2) {
+        ++plain;
+        withheld += !element.reported;
+      }
+    }
+  const double share = 100.0 * static_cast<double>(withheld) / static_cast<double>(plain);
+  return {{"elements reported although |d| is below its standard deviation", text("%ld", wrong), "0", unseen,
+           wrong <= static_cast<long>(slack * 0.05 * static_cast<double>(unseen))},
+          {"elements withheld although |d| and |Z| exceed six of theirs", text("%.2f %%", share), "<= 5 %", plain,
+           share <= 5 + 5 * slack}};
+}
+
+Row step_row(const std::vector<StepOutcome>& outcomes, Population population) {
+  long measured = 0, in_time = 0;
+  for (const StepOutcome& outcome : outcomes) {
+    if (!outcome.measured) continue;
+    ++measured;
+    in_time += outcome.seen_periods <= outcome.limit_periods;
+  }
+  Row row;
+  switch (population) {
+    case Population::amplitude_step:
+      row.figure = "re-armed within two periods of an amplitude step";
+      break;
+    case Population::frequency_step:
+      row.figure = "re-armed within two periods of a frequency step";
+      break;
+    case Population::small_step:
+      row.figure = "re-armed by a smaller step once it has reached nine standard deviations";
+      break;
+    default:
+      row.figure = "idle within three periods of the drive's stop";
+  }
+  row.reached = text("%ld", in_time);
+  row.target = "all";
+  row.count = measured;
+  row.met = in_time == measured && 10 * measured >= 9 * static_cast<long>(outcomes.size());
+  return row;
+}
+
+Row hours_row(const std::vector<HoursOutcome>& outcomes) {
+  double hours = 0.0;
+  long rearmed = 0;
+  for (const HoursOutcome& outcome : outcomes) hours += outcome.hours, rearmed += outcome.rearmed;
+  return {"false re-arms, in so many hours measured of a steady drive", text("%ld", rearmed), "0", std::lround(hours),
+          rearmed == 0};
+}
+
+Row ramps_row(const std::vector<RampsOutcome>& outcomes, double slack) {
+  long found = 0, beyond = 0;
+  for (const RampsOutcome& outcome : outcomes) found += outcome.found && !outcome.beyond, beyond += outcome.beyond;
+  const double share = 100.0 * static_cast<double>(found) / static_cast<double>(outcomes.size());
+  return {text("three periods between ramps found, nothing of the ramps in them (with some: %ld)", beyond),
+          text("%.1f %%", share), ">= 95 %", static_cast<long>(outcomes.size()), share >= 95 - 10 * slack};
+}
+
+std::vector<std::string> beside(const std::vector<Outcome>& outcomes) {
+  std::vector<double> c, r, naive_c, naive_r, answer, naive_answer;
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.completed) continue;
+    answer.push_back(outcome.answer_s);
+    naive_answer.push_back(outcome.naive_answer_s);
+    for (const ElementOutcome& element : outcome.elements) {
+      if (!element.reported) continue;
+      c.push_back(element.c_relative);
+      r.push_back(element.r_relative);
+      naive_c.push_back(element.naive_c);
+      naive_r.push_back(element.naive_r);
+    }
+  }
+  const auto line = [](const char* what, const std::vector<double>& values, const std::vector<double>& script,
+                       double factor, const char* unit) {
+    return text("| %-32s | %9.3g %s | %9.3g %s | %9.3g %s | %9.3g %s |", what, factor * quantile(values, 0.5), unit,
+                factor * quantile(values, 0.95), unit, factor * quantile(script, 0.5), unit,
+                factor * quantile(script, 0.95), unit);
+  };
+  return {text("Beside it, on the same %zu recordings (the elements that are reported): a script that takes the "
+               "channels as simultaneous,",
+               answer.size()),
+          "waits 10 s and transforms 1024 samples of the table's channel and as long of the others.",
+          "",
+          "|                                  |      median |    95 % below | script's median | 95 % below |",
+          "|---|---|---|---|---|",
+          line("error of c", c, naive_c, 100, "%"),
+          line("error of r", r, naive_r, 100, "%"),
+          line("time to that answer", answer, naive_answer, 1, "s")};
+}
+
+}  // namespace dwell::study
