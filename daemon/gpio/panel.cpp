@@ -184,9 +184,11 @@ void Panel::count_loss(Function function) {
 void Panel::light() {
   const std::int64_t now_ns = clocks_.now().raw_ns;
   const LampLevels levels = lamp_levels(link_.order(), now_ns - link_.ordered_ns(), now_ns);
+  const bool anew = now_ns >= lamps_anew_ns_;
+  if (anew) lamps_anew_ns_ = now_ns + kProbe_ns;
   for (const auto& [function, level] :
        {std::pair{Function::ready, levels.ready}, std::pair{Function::fault, levels.fault}}) {
-    if (!held(function).output || status(function).level == level) continue;
+    if (!held(function).output || (status(function).level == level && !anew)) continue;
     if (const auto set = held(function).output->set(level); !set) {
       fail(function, set.error());
     } else {

@@ -25,7 +25,7 @@ namespace dwell::gpio {
 class Panel {
  public:
   static constexpr std::int64_t kRetry_ns = 2'000'000'000;
-  static constexpr std::int64_t kProbe_ns = 1'000'000'000;  // an input is read this often: a chip may go without a word
+  static constexpr std::int64_t kProbe_ns = 1'000'000'000;  // lines are read or set this often: a chip may go unheard
   // An edge may be told so much after its instant: that lies between the interrupt and the thread behind it.
   static constexpr std::int64_t kLateness_ns = 10'000'000;
 
@@ -77,6 +77,7 @@ class Panel {
   Throttle interlock_lines_;
   ClockMap clocks_;
   std::int64_t previous_raw_ns_ = INT64_MIN;  // when edges were read before
+  std::int64_t lamps_anew_ns_ = INT64_MIN;    // when they are set though nothing has changed
   std::array<Held, kFunctions> held_;
   std::array<Input, 2> inputs_;
   Status status_;

@@ -217,6 +217,18 @@ TEST_F(PanelTest, TheFaultLampFollowsTheOrder) {
   EXPECT_FALSE(lines[3].level);
 }
 
+TEST_F(PanelTest, ALampWhoseChipHasGoneIsFoundThoughNothingChanges) {
+  order.ready = true;
+  start();
+  lines[3].fault = "the chip has gone";
+  turn(Panel::kProbe_ns);
+  EXPECT_FALSE(status(Function::fault).works);
+  EXPECT_FALSE(lines[3].held);
+  lines[3].fault.clear();
+  turn(Panel::kRetry_ns);
+  EXPECT_TRUE(status(Function::fault).works);
+}
+
 TEST_F(PanelTest, AServiceThatHangsNeitherBlinksNorIsReady) {
   order.ready = true;
   start();
