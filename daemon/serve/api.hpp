@@ -30,7 +30,7 @@ struct ServiceView {
   LogStats log;
   std::vector<WatchedThread> threads;
   std::string trouble;  // the watchdog's; empty: all is well
-  gpio::Status gpio;
+  gpio::Status gpio{};  // of the lines that are configured
 };
 
 // Finished dwells in one answer at most; further ones with ?from=INDEX.
