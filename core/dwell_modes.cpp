@@ -6,6 +6,7 @@ namespace dwell {
 namespace {
 
 constexpr double kGrowth = 1.25;   // of the hold, before its poles are refined again
+constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most, and part of the time expected to be left
 constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode …
 constexpr double kSkippedMore = 0.1, kSkippedMost = 0.6;  // … and more of it each time that the fit does not explain the data
 constexpr double kGone = 1e-6;     // of an amplitude by then
@@ -15,11 +16,13 @@ constexpr std::size_t kExtraPoles = 2;
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
 constexpr double kSureOfLine = 9.0;    // exp(-9): once in 8000 searches noise alone
 constexpr double kMainsFirst = 1.2;
-constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.2;
+constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
 constexpr int kManyRefinements = 8;  // where the poles are far off
 constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
+constexpr double kSame = 0.3;         // rad over the fit, by which two poles must differ
+constexpr double kNear = 0.1;         // relative, of a chain's pole to one that the data show
 constexpr double kConverged = 0.1; // of the uncertainty of a pole
-constexpr double kGrowthMeasuring = 1.5;  // the same after the verdict …
+constexpr double kGrowthMeasuring = 1.6;  // the same after the verdict …
 constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;      // standard deviations of what may be left of the transient
@@ -85,9 +88,13 @@ std::span<const Complex> Pipeline::Impl::chain_poles() {
 void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const {
   const double skipped_s = to_s(modal_from_ns - steady_ns);
   out.assign(extra_poles.begin(), extra_poles.end());
+  const double seen_s = std::max(to_s(now_ns - modal_from_ns), period_s());
   for (Complex pole : poles) {
     pole.real(std::min(pole.real(), -1e-3 * std::abs(pole)));
-    if (std::exp(pole.real() * skipped_s) > kGone) out.push_back(pole);
+    if (std::exp(pole.real() * skipped_s) < kGone) continue;
+    // Two that the data cannot tell apart are one.
+    if (std::none_of(out.begin(), out.end(), [&](Complex other) { return std::abs(pole - other) * seen_s < kSame; }))
+      out.push_back(pole);
   }
 }
 
@@ -107,13 +114,14 @@ bool Pipeline::Impl::refit_modes() {
     if (decay.poles().empty()) return false;
     modal_poles.assign(decay.poles().begin(), decay.poles().end());
   }
-  // Where poles may come from, until some explain the data: the chain that the fit so far has identified; the poles so
-  // far; that chain without what was found beside it; the chain that the latest third tells of, without any modes.
+  // Where poles may come from, until some explain the data: those so far, of which the ones that show nowhere are the
+  // chain's as now identified; that chain; the same without what was found beside it; the chain that the latest third
+  // tells of, without any modes.
   double best = INFINITY;
   kept_extras = extra_poles;
   kept_poles.clear();
   const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
-  for (int candidate = fitted ? 0 : 1; candidate < 4; ++candidate) {
+  for (int candidate = 0; candidate < 4; ++candidate) {
     extra_poles.clear();
     if (candidate < 2) extra_poles = kept_extras;
     std::span<const Complex> poles = modal_poles;
@@ -122,7 +130,8 @@ bool Pipeline::Impl::refit_modes() {
       fit_modes(w, {});
       modal_from_ns = from_ns;
     }
-    if (candidate != 1) poles = chain_poles();
+    if (candidate == 0 && fitted) renew_silent_poles();
+    if (candidate > 0) poles = chain_poles();
     if (poles.empty()) continue;
     keep_alive(poles, best_poles);
     const double misfit = refine_poles(w, fit_modes(w, best_poles), candidate == 0 ? kRefinements : kManyRefinements);
@@ -151,6 +160,23 @@ bool Pipeline::Impl::refit_modes() {
   return true;
 }
 
+// A pole that shows in no channel is known from the chain alone: from what is known of it now.
+void Pipeline::Impl::renew_silent_poles() {
+  const auto extras = extra_poles.size();
+  if (modal.poles().size() < extras + modal_poles.size()) return;
+  const auto chain = chain_poles();
+  trial_poles.clear();
+  for (std::size_t m = 0; m < modal_poles.size(); ++m)
+    if (modal.shows(extras + m)) trial_poles.push_back(modal_poles[m]);
+  for (const Complex& pole : chain) {
+    if (trial_poles.size() == modal_poles.size()) break;
+    if (std::none_of(trial_poles.begin(), trial_poles.end(),
+                     [&](Complex other) { return std::abs(pole - other) < kNear * std::abs(pole); }))
+      trial_poles.push_back(pole);
+  }
+  if (!chain.empty()) modal_poles = trial_poles;
+}
+
 // Whether every channel's residuals are no more than its noise.
 bool Pipeline::Impl::explained() const {
   for (int c = 0; c < channel_count; ++c)
@@ -160,7 +186,31 @@ bool Pipeline::Impl::explained() const {
 
 double Pipeline::Impl::unexplained(int c) const {
   const Noise& noise = noises[static_cast<std::size_t>(c)];
-  return modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
+  const double by_noise = modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
+  const double by_decay = noise.earlier - noise.later * (1 + kSureOfNoise * std::sqrt(2 * 2 / std::max(1.0, noise.in_half)));
+  return std::max(by_noise, by_decay);
+}
+
+// What a wrong set of poles leaves over decays, noise does not: the residuals of the earlier half of the fit and of the
+// later.
+void Pipeline::Impl::compare_halves() {
+  const std::int64_t middle_ns = modal.t0_ns() + (now_ns - modal.t0_ns()) / 2;
+  for (Noise& noise : noises) noise.earlier = noise.later = noise.in_half = 0.0;
+  for (auto i = history.first_at(modal.t0_ns()); i < modal_next; ++i) {
+    const SampleHistory::Sample& s = history[i];
+    if (!modal.usable(s.channel)) continue;
+    const double r = modal.residual(s.channel, s.t_ns, s.value);
+    Noise& noise = noises[static_cast<std::size_t>(s.channel)];
+    (s.t_ns < middle_ns ? noise.earlier : noise.later) += r * r;
+    noise.in_half += 0.5;
+  }
+  for (Noise& noise : noises) {
+    if (!(noise.in_half > 0)) continue;
+    // Each half has half of the fit's parameters.
+    const double freedom = std::max(1.0, noise.in_half - 0.5 * static_cast<double>(modal.parameters()));
+    noise.earlier /= freedom;
+    noise.later /= freedom;
+  }
 }
 
 // Takes trial_poles if they explain the data better; the fit is that of best_poles afterwards.
@@ -174,7 +224,8 @@ double Pipeline::Impl::try_poles(double w, double best) {
   return best;
 }
 
-double Pipeline::Impl::refine_poles(double w, double best, int steps) {
+double Pipeline::Impl::refine_poles(double w, double misfit, int steps) {
+  double best = misfit;
   for (int i = 0; i < steps; ++i) {
     const auto moved = modal.refined(kTrust);
     if (modal.converged() < kConverged) break;
@@ -183,6 +234,7 @@ double Pipeline::Impl::refine_poles(double w, double best, int steps) {
     if (!(better < best)) break;
     best = better;
   }
+  compare_halves();
   return best;
 }
 
@@ -220,19 +272,28 @@ bool Pipeline::Impl::find_extra_pole() {
       const double P = std::norm(spectrum[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
       if (P - sure <= strongest) continue;
       strongest = P - sure;
-      found = k < kMains ? -mains(k) : grid * static_cast<double>(k - kMains + 1);
+      found = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
     }
   }
   if (found == 0) return false;
-  extra_poles.push_back(found < 0 ? Complex{0.0, -found} : Complex{-1 / stretch_s, found});
+  extra_poles.emplace_back(-1 / stretch_s, found);
   return true;
 }
 
-// An oscillation that does not decay in a long time is no transient.
+// An oscillation that surely does not decay is no transient: at the mains' frequencies as soon as that shows, at others
+// after a long time.
 void Pipeline::Impl::judge_extra_poles() {
   const double seen_s = to_s(now_ns - modal.t0_ns());
-  for (Complex& pole : extra_poles)
-    if (seen_s > kLongSeen * period_s() && -pole.real() * seen_s < kHardlyDecayed) pole.real(0.0);
+  for (std::size_t i = 0; i < extra_poles.size(); ++i) {
+    Complex& pole = extra_poles[i];
+    if (pole.real() == 0) continue;
+    const double u = modal.u_pole(i);
+    bool of_mains = false;
+    for (std::size_t k = 0; k < kMains; ++k)
+      of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * u;
+    const double decayed = (-pole.real() + 3 * u) * seen_s;
+    if ((of_mains || seen_s > kLongSeen * period_s()) && decayed < kHardlyDecayed) pole.real(0.0);
+  }
 }
 
 // How much of the transient may be left at t, of what is allowed: the worst of all channels.
@@ -244,7 +305,7 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
     if (!modal.usable(c)) return INFINITY;
     const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
     const Noise& noise = noises[static_cast<std::size_t>(c)];
-    const double floor = std::min(modal.variance(c), noise.variance);
+    const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
     const double allowed = std::max(rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten));
     const ModalFit::Left left = modal.left(c, t_ns);
     double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
@@ -262,13 +323,21 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
   if (modal_poles.empty() || now_ns >= modal_refit_at_ns) {
     if (!refit_modes()) return false;
-    refit_later(kGrowth);
+    // Far from settled there is time.
+    const double left = modal_left(end_ns, nullptr);
+    const double ahead_s = left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
+    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kGrowth, kGrowthFar));
   } else {
     feed_modes();
     solve_modes();
   }
   verdict = {};
   verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
+  if (verdict.worst_left <= 1) {
+    compare_halves();
+    verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
+    if (!explained()) refit_soon();
+  }
   const bool waits = verdict.worst_left > 1;
   verdict.settles_in_s = waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
   if (waits || to_s(end_ns - steady_ns) < kShortest * period_s() || out_of_search()) return true;
@@ -300,8 +369,11 @@ double Pipeline::Impl::slowest_rate() const {
 }
 
 void Pipeline::Impl::refit_later(double growth) {
-  modal_refit_at_ns = modal.t0_ns() + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - modal.t0_ns()));
+  modal_refit_at_ns = steady_ns + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - steady_ns));
 }
+
+// Not before a period has gone by.
+void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
 
 // More data tell better what the transient was: while all since the hold's beginning are there, now and then.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {

@@ -24,6 +24,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   poles_.resize(capacity_);
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
+  u_poles_.resize(capacity_);
   x_.resize(all);
   work_.resize(harmonic_ + most, harmonic_ + most);
   columns_.resize(harmonic_ + most, most);
@@ -200,6 +201,7 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
     moved.real(std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
+    u_poles_[m] = size * std::sqrt(std::max(0.0, 0.5 * (unit(i, i) + unit(i + 1, i + 1))));
     converged_ = std::max(converged_, std::abs(rho) / std::sqrt(std::max(1e-300, unit(i, i) + unit(i + 1, i + 1))));
   }
   return {moved_.data(), count_};
@@ -208,6 +210,15 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
 Complex ModalFit::phasor(int channel, int h) const noexcept {
   const PerChannel& of = at(channel);
   return {of.theta(h), of.theta(harmonics_ + h)};
+}
+
+bool ModalFit::shows(std::size_t mode) const noexcept {
+  const auto i = 2 * static_cast<Index>(mode);
+  for (const PerChannel& of : channels_)
+    if (of.usable && of.theta.segment<2>(harmonic_ + i).squaredNorm() >
+                         kStandsOut * kStandsOut * 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))
+      return true;
+  return false;
 }
 
 ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
@@ -243,6 +254,13 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
     left.u = std::max(left.u, variance);
   }
   left.u = std::sqrt(std::max(0.0, left.u));
+  // Modes that the data can hardly tell apart may all be uncertain while their sum is not.
+  Complex sum{};
+  for (std::size_t m = 0; m < count_; ++m)
+    if (poles_[m].real() < 0)
+      sum += Complex{of.theta(harmonic_ + 2 * static_cast<Index>(m)), of.theta(harmonic_ + 2 * static_cast<Index>(m) + 1)} *
+             std::exp(poles_[m] * u);
+  if (std::abs(sum) > kStandsOut * left.u) left.envelope = std::max(left.envelope, std::abs(sum));
   return left;
 }
 

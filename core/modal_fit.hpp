@@ -45,6 +45,8 @@ class ModalFit {
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust) noexcept;
 
   // How far the last step went, in standard deviations of the poles.
+  // Standard uncertainty of a pole at the last step, rad/s, either component.
+  [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
   [[nodiscard]] double converged() const noexcept { return converged_; }
 
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
@@ -54,7 +56,11 @@ class ModalFit {
   // Phasor of harmonic h at t_0, of the reading.
   [[nodiscard]] std::complex<double> phasor(int channel, int h) const noexcept;
   [[nodiscard]] double variance(int channel) const noexcept { return at(channel).sigma2; }
+  [[nodiscard]] int parameters() const noexcept { return static_cast<int>(linear()); }
   [[nodiscard]] double samples(int channel) const noexcept { return at(channel).samples; }
+
+  // Whether the amplitude of a mode stands out of the noise in any channel.
+  [[nodiscard]] bool shows(std::size_t mode) const noexcept;
 
   // What may be left of the transient from t on: the envelope of what stands out of the noise, and the standard
   // deviation of the whole.
@@ -91,6 +97,7 @@ class ModalFit {
   std::vector<std::complex<double>> poles_, moved_;
   std::vector<double> sizes_;    // |λ|
   double converged_ = 0.0;
+  std::vector<double> u_poles_;
   double omega_ = 0.0;
   std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
   Eigen::VectorXd x_;

@@ -133,6 +133,7 @@ struct Pipeline::Impl {
   std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras, spectrum;
   struct Noise {
     double variance = INFINITY, freedom = 0.0;
+    double earlier = 0.0, later = 0.0, in_half = 0.0;  // of the modal fit's residuals in either half of it
   };
   std::vector<Noise> noises;  // per channel, of the readings: from what no smooth motion explains
   std::vector<double> ranges;            // per channel, largest distance from the first reading of the hold
@@ -248,8 +249,11 @@ struct Pipeline::Impl {
   void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
   double try_poles(double w, double best);
   double refine_poles(double w, double best, int steps);
+  void compare_halves();
+  void refit_soon();
   bool explained() const;
   double unexplained(int c) const;
+  void renew_silent_poles();
   bool find_extra_pole();
   void judge_extra_poles();
   bool refit_modes();

@@ -8,7 +8,7 @@ namespace dwell::study {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kMostSamples = 1.5e6;  // of a dwell, roughly: slow rigs with many channels are sampled less often
+constexpr double kMostSamples = 6e4;  // of a dwell, roughly: slow rigs with many channels are sampled less often
 
 // Of a channel's own amplitude, but not below a tenth of what a displacement transducer on the table would have, or of
 // what the force would be if the last mass moved as the table.
