@@ -1,5 +1,6 @@
 // Prints the rate of this machine's time-stamp counter in kHz. The emulated processor has the same one; told its rate,
-// the guest need not measure it against an emulated timer, which fails, and hangs the guest, where this machine is busy.
+// the guest need not measure it against an emulated timer, which fails, and hangs the guest, where this machine is
+// busy.
 #include <stdio.h>
 #include <time.h>
 #include <x86intrin.h>
