@@ -6,6 +6,7 @@ namespace dwell::config {
 namespace {
 
 constexpr const char* kDelay = "a number from -10 to 10 (s)";
+constexpr const char* kRate = "a number from 0.001 to 1e6 (Hz)";
 constexpr const char* kDelayU = "a number from 0 to 10 (s)";
 
 // Driver names become file names of plugins.
@@ -29,6 +30,11 @@ const dwell_driver_table* find_driver(Section& section, const std::string& name,
   return nullptr;
 }
 
+bool has_device_key(const dwell_driver_table& driver, std::string_view name) {
+  return std::any_of(driver.keys, driver.keys + driver.key_count,
+                     [name](const dwell_key& key) { return key.scope == DWELL_DEVICE && key.name == name; });
+}
+
 void read_device(const toml::table& table, std::size_t number, const SchemaSource& schemas, Draft& draft) {
   DeviceDraft device{Section(table, "[[device]]", draft.mistakes)};
   Section& section = device.section;
@@ -42,6 +48,9 @@ void read_device(const toml::table& table, std::size_t number, const SchemaSourc
   }
   Device common;
   common.name = settings.name;
+  section.choice("clock", common.clock, {{"host", Clock::host}, {"device", Clock::device}});
+  const bool drivers_own = device.driver == nullptr || has_device_key(*device.driver, "rate");
+  if (!drivers_own && section.real("rate", common.rate_hz, {kRate, 1e-3, 1e6})) settings.rate_hz = common.rate_hz;
   section.real("delay", common.delay_s, {kDelay, -10.0, 10.0});
   section.real("delay_u", common.delay_u_s, {kDelayU, 0.0, 10.0});
   const std::size_t before = draft.mistakes.count();
@@ -52,6 +61,7 @@ void read_device(const toml::table& table, std::size_t number, const SchemaSourc
   if (const toml::node* rate = section.peek("rate"); rate_fits && rate->is_number()) {
     settings.rate_hz = rate->value<double>();
   }
+  common.rate_hz = settings.rate_hz.value_or(0.0);
 
   draft.file.rig.devices.push_back(std::move(common));
   draft.file.devices.push_back(std::move(settings));

@@ -1,14 +1,13 @@
+#include <Eigen/Geometry>
+
 #include "core/pipeline_impl.hpp"
 #include "core/scatter.hpp"
-
-#include <Eigen/Geometry>
 
 namespace dwell {
 namespace {
 
 constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
 constexpr double kUnsteady = 9.0;       // ratio of variances that an operator is told of
-constexpr int kFewestQuarters = 6;      // of data that a dwell must keep
 constexpr int kManyRestarts = 6;        // of a hold, one after the other, that want to be explained
 
 }  // namespace

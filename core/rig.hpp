@@ -53,11 +53,17 @@ struct Channel {
   std::string calibration_due;  // ISO date
 };
 
+// Whose clock the samples of a device follow. host: the stamps stand. device: it samples at a rate of its own and the
+// stamps are arrivals, from which its clock is recovered.
+enum class Clock : std::uint8_t { host, device };
+
 // What all channels of one device share.
 struct Device {
   std::string name;
   double delay_s = 0.0;
   double delay_u_s = 0.0;
+  Clock clock = Clock::host;
+  double rate_hz = 0.0;  // samples per second it is set to; 0: not known
 };
 
 struct Excitation {

@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/scan_clocks.hpp"
 #include "daemon/acquire/device_host.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/estimate/estimation_thread.hpp"
@@ -27,6 +28,8 @@ std::int64_t hold_back_ns(const config::RigFile& file) {
   constexpr double kLongest_s = 10.0;
   constexpr double kLongestFrame_bits = 256 * 11;
   double longest_s = kShortest_s;
+  for (const Device& device : file.rig.devices)
+    if (device.clock == Clock::device) longest_s = 1e-9 * static_cast<double>(ScanClocks::kHoldBack_ns);
   for (const config::DeviceSettings& device : file.devices) {
     double age_s = 0.05;
     for (const config::Entry& entry : device.entries) {

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
+#include "core/merger.hpp"
 #include "core/pipeline.hpp"
+#include "core/scan_clocks.hpp"
 
 namespace dwell::ctl {
 namespace {
@@ -20,6 +23,63 @@ Dwell on_recording_axis(Dwell dwell, double first_s) {
   dwell.t_ref_s += first_s;
   return dwell;
 }
+
+// A recording's samples in the order in which the pipeline takes them: as they are, or, where a device has a clock of
+// its own, at the recovered instants and therefore merged anew.
+class Stream {
+ public:
+  explicit Stream(const Rig& rig) : rig_(rig) {
+    const auto own_clock = [](const Device& device) { return device.clock == Clock::device; };
+    if (std::none_of(rig.devices.begin(), rig.devices.end(), own_clock)) return;
+    std::vector<std::vector<std::uint16_t>> channels(rig.devices.size());
+    for (std::size_t i = 0; i < rig.channels.size(); ++i)
+      if (rig.channels[i].device >= 0)
+        channels[static_cast<std::size_t>(rig.channels[i].device)].push_back(static_cast<std::uint16_t>(i));
+    for (std::size_t i = 0; i < rig.devices.size(); ++i)
+      clocks_.emplace_back(rig.devices[i].clock, channels[i], rig.devices[i].rate_hz);
+    merger_.emplace(rig.devices.size() + 1, ScanClocks::kHoldBack_ns, kMerged);
+  }
+
+  template <class Take>
+  void push(const Record& record, const Take& take) {
+    if (!merger_) {
+      take(record);
+      return;
+    }
+    for (std::size_t i = 0; i < clocks_.size(); ++i) {
+      clocks_[i].wait(record.t_ns);
+      drain(i);
+    }
+    const int device = rig_.channels[record.channel].device;
+    if (device < 0) {
+      merger_->push(clocks_.size(), record);
+    } else {
+      clocks_[static_cast<std::size_t>(device)].push(record);
+      drain(static_cast<std::size_t>(device));
+    }
+    for (Record out; merger_->pop(out);) take(out);
+  }
+  template <class Take>
+  void finish(const Take& take) {
+    if (!merger_) return;
+    for (std::size_t i = 0; i < clocks_.size(); ++i) {
+      clocks_[i].flush();
+      drain(i);
+    }
+    for (Record out; merger_->flush(out);) take(out);
+  }
+
+ private:
+  static constexpr std::size_t kMerged = 65536;  // samples of a device within the time held back
+
+  void drain(std::size_t device) {
+    for (Record out; clocks_[device].pop(out);) merger_->push(device, out);
+  }
+
+  const Rig& rig_;
+  std::vector<ScanClocks> clocks_;  // by device
+  std::optional<Merger> merger_;    // none: every stamp stands
+};
 
 }  // namespace
 
@@ -50,8 +110,13 @@ std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const
   constexpr std::size_t progress_every = 1U << 18U;
   const ColumnMatch match = match_columns(rig, recording);
   Pipeline pipeline(rig);
+  Stream stream(rig);
   std::vector<Dwell> dwells;
   double first_s = kNaN;
+  const auto take = [&](const Record& record) {
+    if (std::isnan(first_s)) first_s = static_cast<double>(record.t_ns) * 1e-9;
+    if ((pipeline.push(record) & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+  };
   std::size_t until_progress = progress_every;
   for (const CsvRecording::Sample& sample : recording.samples) {
     if (progress && --until_progress == 0) {
@@ -64,9 +129,9 @@ std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const
     record.t_ns = std::llround(sample.t_s * 1e9);
     record.value = sample.value;
     record.channel = static_cast<std::uint16_t>(channel);
-    if (std::isnan(first_s)) first_s = static_cast<double>(record.t_ns) * 1e-9;
-    if ((pipeline.push(record) & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+    stream.push(record, take);
   }
+  stream.finish(take);
   if ((pipeline.finish() & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
   if (progress) progress(1.0);
   return dwells;

@@ -35,6 +35,14 @@ std::string fixed(double value, int decimals, const char* unit) {
   return text.data();
 }
 
+// Whose clock, and its rate where it is known.
+std::string clock_text(const Json& channel) {
+  const std::string kind = text_of(channel, "clock");
+  if (kind.empty()) return kNoNumber;
+  const double rate_hz = number_of(channel, "clock_rate_hz");
+  return std::isfinite(rate_hz) ? kind + " " + fixed(rate_hz, 3, "Hz") : kind;
+}
+
 std::string status_with_reason(const std::string& status, const std::string& reason) {
   return reason.empty() || reason == status ? status : status + ": " + reason;
 }
@@ -55,8 +63,11 @@ NumberText interval(const ElementEstimate& e, const Coefficient& c, const char* 
 
 std::string channels_table(const Json& list) {
   std::vector<NumberText> values;
-  std::vector<std::string> names, states, ages, rates;
+  std::vector<std::string> names, states, ages, rates, clocks, jitters, drifts;
   for (const Json& channel : list) {
+    clocks.push_back(clock_text(channel));
+    jitters.push_back(fixed(1e3 * number_of(channel, "jitter_s"), 3, "ms"));
+    drifts.push_back(fixed(number_of(channel, "drift_ppm"), 1, "ppm"));
     names.push_back(text_of(channel, "name"));
     values.push_back(reading(number_of(channel, "value"), text_of(channel, "unit")));
     rates.push_back(fixed(number_of(channel, "rate_hz"), 1, "Hz"));
@@ -68,7 +79,10 @@ std::string channels_table(const Json& list) {
   table.add("value", join_aligned(values));
   table.add("age", std::move(ages), Align::right);
   table.add("rate", std::move(rates), Align::right);
-  for (const char* name : {"received", "used", "dropped", "queued", "gaps"}) {
+  table.add("clock", std::move(clocks));
+  table.add("jitter", std::move(jitters), Align::right);
+  table.add("drift", std::move(drifts), Align::right);
+  for (const char* name : {"lost", "received", "used", "dropped", "queued", "gaps"}) {
     std::vector<std::string> counts;
     for (const Json& channel : list) counts.push_back(count_of(channel, name));
     table.add(name, std::move(counts), Align::right);

@@ -1,6 +1,7 @@
 #include "daemon/estimate/estimator.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -22,10 +23,32 @@ std::size_t merger_capacity(const std::vector<DeviceLink*>& links) {
   return kSpare + 2 * largest;
 }
 
+std::vector<ScanClocks> clocks_of(const Rig& rig, const std::vector<DeviceLink*>& links) {
+  std::vector<ScanClocks> clocks;
+  clocks.reserve(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto channels = links[i] != nullptr ? links[i]->channels() : std::vector<std::uint16_t>{};
+    clocks.emplace_back(rig.devices[i].clock, channels, rig.devices[i].rate_hz);
+  }
+  return clocks;
+}
+
 std::string seconds(std::int64_t ns) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
   return text;
+}
+
+ClockView clock_view(const Device& device, const ClockFigures& figures) {
+  constexpr double kOtherRate_ppm = 1e5;  // what is further off has nothing to do with the rate stated
+  ClockView view;
+  view.kind = device.clock;
+  view.rate_hz = figures.rate_hz;
+  view.jitter_s = figures.jitter_s;
+  view.lost = figures.lost;
+  const double drift_ppm = 1e6 * (figures.rate_hz / device.rate_hz - 1.0);
+  if (device.rate_hz > 0.0 && std::abs(drift_ppm) < kOtherRate_ppm) view.drift_ppm = drift_ppm;
+  return view;
 }
 
 }  // namespace
@@ -47,6 +70,7 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       channels_(rig.channels.size()),
       devices_(links_.size(),
                PerDevice{std::vector<Throttle>(kFaultCount), std::vector<std::uint64_t>(kFaultCount), 0}),
+      clocks_(clocks_of(rig, links_)),
       released_ns_(std::numeric_limits<std::int64_t>::min()),
       next_publish_ns_(now_ns),
       finished_(std::make_shared<const FinishedDwells>()) {}
@@ -89,6 +113,11 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
 
 void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
   turn(now_ns, utc_ns);
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    clocks_[device].flush();
+    admit_samples(device);
+  }
   release(true);
   note(pipeline_.finish());
   settle_counters();
@@ -121,7 +150,7 @@ void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
     if (taken == 0) break;
     left -= taken;
     for (std::size_t i = 0; i < taken; ++i) {
-      Record& record = scratch_[i];
+      const Record& record = scratch_[i];
       PerChannel& own = channels_[record.channel];
       const std::int64_t stale_ns = record.t_ns - watch_[record.channel].since_ns;
       if (watch_.sample(record.channel, record.t_ns, now_ns)) {
@@ -129,27 +158,41 @@ void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
         own.stale_ns = stale_ns;
         admit_state(device, record.channel, record.t_ns, Fault::none);
       }
-      own.half_width_s = record.t_half_ns * 1e-9;
-      if (own.gap != 0) record.flags |= kGap;
-      ChannelCounters& counters = link.counters(link.position(record.channel));
-      switch (merger_.push(device, record)) {
-        case Merger::Admission::queued:
-          own.gap = 0;
-          break;
-        case Merger::Admission::late:
-          own.gap = 1;
-          counters.late();
-          break;
-        case Merger::Admission::full:
-          own.gap = 1;
-          counters.overflow();
-          break;
-      }
+      clocks_[device].push(record);
+      admit_samples(device);
     }
   }
+  clocks_[device].wait(now_ns);
   const bool live = std::any_of(link.channels().begin(), link.channels().end(),
                                 [this](std::uint16_t channel) { return watch_[channel].fault == Fault::none; });
+  if (!live) clocks_[device].flush();
+  admit_samples(device);
   if (!live) merger_.set_live(device, false);
+}
+
+// Hands on what the device's clocks have decided on.
+void Estimator::admit_samples(std::size_t device) {
+  DeviceLink& link = *links_[device];
+  Record record;
+  while (clocks_[device].pop(record)) {
+    PerChannel& own = channels_[record.channel];
+    own.half_width_s = record.t_half_ns * 1e-9;
+    if (own.gap != 0) record.flags |= kGap;
+    ChannelCounters& counters = link.counters(link.position(record.channel));
+    switch (merger_.push(device, record)) {
+      case Merger::Admission::queued:
+        own.gap = 0;
+        break;
+      case Merger::Admission::late:
+        own.gap = 1;
+        counters.late();
+        break;
+      case Merger::Admission::full:
+        own.gap = 1;
+        counters.overflow();
+        break;
+    }
+  }
 }
 
 void Estimator::admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault) {
@@ -256,6 +299,7 @@ void Estimator::publish(std::int64_t now_ns) {
     if (channel.device < 0) continue;
     const auto device = static_cast<std::size_t>(channel.device);
     if (links_[device] == nullptr) continue;
+    view.clock = clock_view(rig_.devices[device], clocks_[device].figures(static_cast<std::uint16_t>(i)));
     view.tally = links_[device]->counters(links_[device]->position(i)).read();
     if (view.fault == Fault::none) to.devices[device].up = true;
   }

@@ -15,6 +15,7 @@
 #include "core/merger.hpp"
 #include "core/pipeline.hpp"
 #include "core/rig.hpp"
+#include "core/scan_clocks.hpp"
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/snapshot.hpp"
@@ -57,6 +58,7 @@ class Estimator {
  private:
   void take_events(std::size_t device, std::int64_t now_ns);
   void take_samples(std::size_t device, std::int64_t now_ns);
+  void admit_samples(std::size_t device);
   void admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault);
   void find_silence(std::int64_t now_ns);
   void take_edges();
@@ -99,6 +101,7 @@ class Estimator {
   std::vector<Record> scratch_;
   std::vector<PerChannel> channels_;
   std::vector<PerDevice> devices_;
+  std::vector<ScanClocks> clocks_;  // by device; for one without a link it has no channels
   std::int64_t released_ns_;
   std::int64_t next_publish_ns_ = 0;
   std::int64_t start_utc_ns_ = 0;

@@ -10,9 +10,20 @@
 
 #include "core/dwell.hpp"
 #include "core/record.hpp"
+#include "core/rig.hpp"
 #include "daemon/acquire/channel_counters.hpp"
 
 namespace dwell {
+
+// What the arrivals of a channel's samples say of the clock behind them, against the host's.
+struct ClockView {
+  Clock kind = Clock::host;
+  // NaN while no constant rate is recognized; otherwise, with Clock::device, the samples carry recovered instants.
+  double rate_hz = kNaN;    // of that clock, samples lost on the way included
+  double jitter_s = kNaN;   // standard deviation of the stamps from it
+  double drift_ppm = kNaN;  // of the rate from the device's `rate`; NaN: none is stated
+  std::uint64_t lost = 0;   // samples recognized as lost before they arrived
+};
 
 struct ChannelView {
   double value = kNaN;          // the newest reading in the channel's own unit
@@ -20,7 +31,8 @@ struct ChannelView {
   Fault fault = Fault::silent;  // none: it delivers
   std::string reason;           // in words, why it does not
   bool overrange = false;
-  double rate_hz = 0.0;       // samples per second, over the last second or so
+  double rate_hz = 0.0;  // samples per second, over the last second or so
+  ClockView clock;
   double half_width_s = 0.0;  // of what is known of the newest sample's instant
   std::uint64_t gaps = 0;     // times that samples were lost
   Tally tally;

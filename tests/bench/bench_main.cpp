@@ -97,6 +97,10 @@ void print(Medians& medians) {
   table.at_most("fit per channel, shared instant, H = 3 / sincos", ns("fit_shared_instant"),
                 against_sincos("fit_shared_instant"), 1.2);
   table.at_most("merger and pipeline per sample, 8 channels / sincos", ns("pipeline"), against_sincos("pipeline"), 8);
+  table.plain("clock of a device recovered, per sample, alone / sincos", ns("device_clock/1"),
+              text("%.2f", against_sincos("device_clock/1")));
+  table.plain("clock of a device recovered, per sample, 8 in a scan / sincos", ns("device_clock/8"),
+              text("%.2f", against_sincos("device_clock/8")));
   const double publish_ns = medians.cost_ns("publish");
   table.plain("publishing one result / the 0.1 s between two", text("%.1f us", 1e-3 * publish_ns),
               text("%.5f", publish_ns / update_ns));

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/identify.hpp"
 #include "core/merger.hpp"
 #include "core/pipeline.hpp"
+#include "core/scan_clocks.hpp"
 #include "tests/bench/steady_rig.hpp"
 
 namespace dwell {
@@ -68,6 +70,33 @@ std::vector<Record> minute_of(SteadyRig& source) {
     }
   return records;
 }
+
+// A device's own clock recovered: scans of `channels`, jittering by a millisecond at 1 kHz.
+void device_clock(benchmark::State& state) {
+  const auto channels = static_cast<std::uint16_t>(state.range(0));
+  std::vector<std::uint16_t> indices(channels);
+  std::iota(indices.begin(), indices.end(), std::uint16_t{0});
+  std::mt19937_64 rng(5);
+  std::uniform_int_distribution<std::int64_t> late_ns(0, 1'000'000);
+  std::vector<std::int64_t> lateness(kScans);
+  for (std::int64_t& late : lateness) late = late_ns(rng);
+  ScanClocks clocks(Clock::device, indices, 0.0);
+  std::int64_t t_ns = 0, sum = 0;
+  for (auto _ : state)
+    for (int i = 0; i < kScans; ++i, t_ns += 1'000'000) {
+      Record record;
+      record.t_ns = t_ns + lateness[static_cast<std::size_t>(i)];
+      for (std::uint16_t c = 0; c < channels; ++c) {
+        record.channel = c;
+        clocks.push(record);
+      }
+      for (Record out; clocks.pop(out);) sum += out.t_ns;
+    }
+  benchmark::DoNotOptimize(sum);
+  if (std::isnan(clocks.figures(0).rate_hz)) state.SkipWithError("no clock was found");
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kScans * channels);
+}
+BENCHMARK(device_clock)->Arg(1)->Arg(8);
 
 // Every sample through the merger and the pipeline, as in the service.
 void pipeline(benchmark::State& state) {

@@ -39,6 +39,15 @@ TEST(DeviceMistakes, OfTheCommonKeys) {
   expect_mistake("delay_u = 1e-4", "delay_u = @-1e-4", "\"delay_u\" is -0.0001: expected a number from 0 to 10 (s)");
 }
 
+TEST(DeviceMistakes, OfTheClock) {
+  expect_mistake("rate = 500", "rate = 500\nclock = @\"own\"", "\"clock\" is \"own\": expected \"host\" or \"device\"");
+  expect_good("rate = 500", "rate = 500\nclock = \"device\"");
+  // A device whose driver has no key of that name may state its rate all the same.
+  expect_good("driver = \"picky\"", "driver = \"picky\"\nclock = \"device\"\nrate = 1000");
+  expect_mistake("driver = \"picky\"", "driver = \"picky\"\nrate = @0",
+                 "\"rate\" is 0: expected a number from 0.001 to 1e6 (Hz)");
+}
+
 TEST(DeviceMistakes, OfAChannelThatNamesNoDevice) {
   expect_mistake("[[channel]]\nname = \"y0\"\ndevice = \"amplifier\"", "@[[channel]]\nname = \"y0\"",
                  "[[channel]] has no \"device\": expected the name of one of the devices", nullptr);

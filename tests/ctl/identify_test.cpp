@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <random>
 
 namespace dwell::ctl {
 namespace {
@@ -54,6 +55,32 @@ TEST(Identify, FindsTheCoefficientsOfARecordingBegunInTheSteadyState) {
   EXPECT_EQ(dwells[0].ended_by, EndedBy::end);
   EXPECT_NEAR(dwells[0].elements[0].stiffness.value, kStiffness, 1e-6 * kStiffness);
   EXPECT_NEAR(dwells[0].elements[0].damping.value, kDamping, 1e-5 * kDamping);
+}
+
+// One minute at 25 Hz and 1 kHz; both channels come together, up to a millisecond late.
+TEST(Identify, RecoversTheClockOfADeviceThatHasOne) {
+  Rig rig = mount();
+  rig.excitation.frequency_hz = 25.0;
+  rig.excitation.search_low_hz = 24.5;
+  rig.excitation.search_high_hz = 25.5;
+  rig.devices = {{"amplifier", 0.0, 0.0}};
+  for (Channel& channel : rig.channels) channel.device = 0;
+  CsvRecording recording;
+  recording.channels = {"y0", "force"};
+  std::mt19937_64 rng(4);
+  std::uniform_real_distribution<double> late_s(0.0, 1e-3);
+  for (int i = 0; i < 60'000; ++i) {
+    const double t_s = i / 1000.0, angle = 2.0 * std::numbers::pi * 25.0 * t_s, stamp_s = t_s + late_s(rng);
+    recording.samples.push_back({stamp_s, 0.5 * std::sin(angle), 0});
+    recording.samples.push_back({stamp_s, 120.0 * std::sin(angle + 0.2), 1});
+  }
+  const auto amplitude = [&](Clock clock) {
+    rig.devices[0].clock = clock;
+    const std::vector<Dwell> found = identify(rig, recording);
+    return found.size() == 1 ? std::abs(found[0].phasors[0].Y) : kNaN;
+  };
+  EXPECT_NEAR(amplitude(Clock::device), 0.5e-3, 0.2e-3 * 0.5e-3);
+  EXPECT_LT(amplitude(Clock::host), (1.0 - 0.7e-3) * 0.5e-3) << "as stamped the jitter takes 0.1 % off";
 }
 
 TEST(Identify, ReportsTimesOnTheRecordingsOwnAxis) {

@@ -17,16 +17,18 @@ using Json = nlohmann::ordered_json;
 TEST(Tables, ChannelsShowWhatTheServiceKnowsAndDashesForWhatItDoesNot) {
   const Json list = Json::parse(R"([
     {"name":"y0","value":4.70639,"unit":"mm","status":"ok","reason":null,"age_s":0.0021,"rate_hz":499.9,
+     "clock":"device","clock_rate_hz":500.0213,"jitter_s":0.00029,"drift_ppm":42.6,"lost":3,
      "received":123456,"used":123450,"dropped":4,"queued":2,"gaps":1},
     {"name":"θ","value":null,"unit":"um","status":"timeout","reason":"no answer within 0.1 s","age_s":12.5,
-     "rate_hz":null,"received":9,"used":9,"dropped":0,"queued":0,"gaps":0},
+     "rate_hz":null,"clock":"host","clock_rate_hz":null,"jitter_s":null,"drift_ppm":null,"lost":0,"received":9,"used":9,"dropped":0,"queued":0,"gaps":0},
     {"name":7}, 3])");
-  EXPECT_EQ(channels_table(list),
-            R"(channel  value            age      rate  received    used  dropped  queued  gaps  status
-y0       4.70639 mm   0.002 s  499.9 Hz    123456  123450        4       2     1  ok
-θ              —     12.500 s         —         9       9        0       0     0  timeout: no answer within 0.1 s
-               —            —         —         —       —        —       —     —
-               —            —         —         —       —        —       —     —
+  EXPECT_EQ(
+      channels_table(list),
+      R"(channel  value            age      rate  clock                jitter     drift  lost  received    used  dropped  queued  gaps  status
+y0       4.70639 mm   0.002 s  499.9 Hz  device 500.021 Hz  0.290 ms  42.6 ppm     3    123456  123450        4       2     1  ok
+θ              —     12.500 s         —  host                      —         —     0         9       9        0       0     0  timeout: no answer within 0.1 s
+               —            —         —  —                         —         —     —         —       —        —       —     —
+               —            —         —  —                         —         —     —         —       —        —       —     —
 )");
 }
 

@@ -71,8 +71,11 @@ TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
   snapshot.channels[0].heard_ns = 1'900'000'000;
   const Json channel = get("/api/v1/channels")["channels"][0];
   for (const char* key :
-       {"name", "value", "unit", "status", "age_s", "rate_hz", "received", "used", "dropped", "queued", "gaps"})
+       {"name", "value", "unit", "status", "age_s", "rate_hz", "received", "used", "dropped", "queued", "gaps", "lost"})
     EXPECT_TRUE(channel.contains(key)) << key;
+  EXPECT_EQ(channel["clock"], "host");
+  for (const char* key : {"clock_rate_hz", "jitter_s", "drift_ppm"})
+    EXPECT_TRUE(channel[key].is_null()) << key << ": not known yet";
   EXPECT_EQ(channel["status"], "ok");
   EXPECT_NEAR(channel["age_s"].get<double>(), 0.1, 1e-9);
   EXPECT_EQ(channel["received"].get<int>(),

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 namespace dwell {
 namespace {
@@ -96,6 +97,50 @@ TEST_F(EstimatorTest, MeasuresWhatSettles) {
     EXPECT_EQ(channel.tally.dropped(), 0u);
     EXPECT_LE(channel.tally.queued, 22u) << "no more than what the merger holds back";
   }
+}
+
+TEST_F(EstimatorTest, TellsWhatTheStampsSayOfTheClockBehindThem) {
+  rig.devices[0].rate_hz = 200.1;
+  begin({});
+  go_on(5'000 * kMs);
+  for (const ChannelView& channel : latest().channels) {
+    EXPECT_EQ(channel.clock.kind, Clock::host);
+    EXPECT_NEAR(channel.clock.rate_hz, 200.0, 1e-6);
+    EXPECT_NEAR(channel.clock.drift_ppm, -499.75, 0.1);
+    EXPECT_LT(channel.clock.jitter_s, 1e-6);
+  }
+}
+
+TEST_F(EstimatorTest, ADeviceWithAClockOfItsOwnIsMeasuredAtItsInstants) {
+  rig.devices[0].clock = Clock::device;
+  begin({});
+  std::mt19937_64 rng(1);
+  std::uniform_int_distribution<std::int64_t> delay_ns(0, 2 * kMs);
+  for (std::int64_t i = 0; i < 2400; ++i) {  // two to a turn, up to 2 ms late
+    const std::int64_t taken_ns = now_ns + (i % 2 == 0 ? 1 : 6) * kMs;
+    const double angle = 2.0 * std::numbers::pi * 10.0 * static_cast<double>(taken_ns) * 1e-9;
+    const std::int64_t t_ns = taken_ns + delay_ns(rng);
+    const dwell_sample samples[2] = {{t_ns, std::sin(angle), 0, 0, 0}, {t_ns, 1.5 * std::sin(angle - 0.4), 0, 1, 0}};
+    ASSERT_TRUE(link.push(samples, 2));
+    if (i % 2 == 0) continue;
+    now_ns += 10 * kMs;
+    estimator->turn(now_ns, now_ns + 1);
+  }
+  const Snapshot& snapshot = latest();
+  ASSERT_EQ(snapshot.dwell.state, State::measuring) << snapshot.dwell.settling_reason;
+  // As they arrived, the jitter would take (2 π 10 · 0.58 ms)²/2 = 0.07 % off each amplitude.
+  EXPECT_NEAR(std::abs(snapshot.dwell.phasors[0].Y), 1e-3, 1.5e-7);
+  for (const ChannelView& channel : snapshot.channels) {
+    EXPECT_EQ(channel.clock.kind, Clock::device);
+    EXPECT_NEAR(channel.clock.rate_hz, 200.0, 0.01);
+    EXPECT_NEAR(channel.clock.jitter_s, 0.58e-3, 0.05e-3);
+    EXPECT_TRUE(std::isnan(channel.clock.drift_ppm)) << "no rate is stated";
+    EXPECT_EQ(channel.tally.received, 2400u);
+    EXPECT_EQ(channel.tally.received, channel.tally.used + channel.tally.dropped() + channel.tally.queued);
+    EXPECT_EQ(channel.tally.dropped(), 0u);
+  }
+  estimator->finish(now_ns, now_ns + 1);
+  EXPECT_EQ(latest().channels[0].tally.used, 2400u) << "what the clock held has been used";
 }
 
 TEST_F(EstimatorTest, SilenceIsNoticedSaidAndOver) {

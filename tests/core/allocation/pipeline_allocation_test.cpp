@@ -5,7 +5,9 @@
 #include <cstdlib>
 
 #include "core/merger.hpp"
+#include "core/scan_clocks.hpp"
 #include "tests/core/bench_rig.hpp"
+#include "tests/core/streaming_device.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define DWELL_MALLOC_IS_THE_SANITIZERS 1
@@ -81,6 +83,33 @@ TEST(PipelineAllocation, NoneFromTheFirstSampleToTheThousandthPeriod) {
   forbidden = false;
   EXPECT_EQ(allocations, 1);
   EXPECT_TRUE(idle && settling && measuring);
+}
+
+TEST(ScanClocksAllocation, NoneWhileAClockIsFoundFollowedAndLost) {
+  if (DWELL_MALLOC_IS_THE_SANITIZERS) GTEST_SKIP() << "malloc belongs to the sanitizer in this build";
+  StreamingDevice device;
+  device.lost = 0.01;
+  device.stall_every_s = 1.0;
+  std::mt19937_64 rng(1);
+  std::vector<Arrival> stream = arrivals(device, 0.0, 10.0, rng);
+  for (const Arrival& arrival : arrivals(device, 15.0, 20.0, rng)) stream.push_back(arrival);
+  ScanClocks clocks(Clock::device, {0, 1}, 1000.0);
+  std::size_t given = 0;
+  allocations = 0;
+  forbidden = true;
+  for (const Arrival& arrival : stream) {
+    Record record;
+    record.t_ns = arrival.arrival_ns;
+    for (record.channel = 0; record.channel < 2; ++record.channel) clocks.push(record);
+    clocks.wait(arrival.arrival_ns);
+    for (Record out; clocks.pop(out);) ++given;
+  }
+  clocks.flush();
+  for (Record out; clocks.pop(out);) ++given;
+  forbidden = false;
+  EXPECT_EQ(allocations, 0);
+  EXPECT_EQ(given, 2 * stream.size());
+  EXPECT_EQ(clocks.figures(0).relocked, 1u);
 }
 
 }  // namespace
