@@ -105,7 +105,7 @@ TEST(GpioText, TellsHowTheInterlockStandsAndWhatDoesNotWork) {
             "interlock  closed\n");
   EXPECT_EQ(gpio_text(Json::parse(R"({"gpio":{"interlock":{"works":true,"reason":null,"level":0},
                                              "ready":{"works":false,"reason":"in\u001b use","level":null}}})")),
-            "interlock  open: the shaker may not run\ngpio       ready does not work: in use\n");
+            "interlock  open: the shaker may not run\ngpio       ready does not work: in? use\n");
   for (const char* odd : {"1", "[]", R"({"gpio":3})", R"({"gpio":{"interlock":7}})"})
     EXPECT_EQ(gpio_text(Json::parse(odd)), "") << odd;
 }
