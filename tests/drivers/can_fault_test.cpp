@@ -122,6 +122,17 @@ TEST_F(CanFault, IsBackWithTheNextFrameAfterTheLinkWasDown) {
   EXPECT_EQ(bus_.opened(), 1) << "the same socket";
 }
 
+TEST_F(CanFault, NamesTheLastReasonOfALinkThatGoesDownAsItsInterfaceIsRemoved) {
+  start();
+  send_both();
+  ASSERT_TRUE(eventually([&] { return delivers(12); }));
+  bus_.fail(ENETDOWN);
+  ASSERT_TRUE(eventually([&] { return host_.state_of(12).reason == "can0: the link is down"; }));
+  bus_.refuse("can0: there is no such interface");
+  bus_.fail(ENODEV);
+  ASSERT_TRUE(eventually([&] { return host_.state_of(12).reason == "can0: there is no such interface"; }));
+}
+
 TEST_F(CanFault, NoLongerBlamesALinkThatIsUpForFramesThatStayAway) {
   for (Channel& channel : setup_.channels) channel.timeout_ns = 200'000'000;
   start();
