@@ -25,8 +25,10 @@ constexpr double kPenalty = 50.0;         // of the misfit, for each pole beside
 constexpr double kSame = 0.3;             // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;             // relative, of a chain's pole to one that the data show
 constexpr double kConverged = 0.1;        // of the uncertainty of a pole
-constexpr double kGrowthMeasuring = 1.6;  // the same after the verdict …
-constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
+constexpr double kGrowthMeasuring = 2.0;  // the same after the verdict
+constexpr double kMatters = 0.05;         // of the variance
+constexpr double kTurned = 0.1;           // standard deviations
+constexpr double kSpeaksAgainst = 6.0;    // in N ln σ², of χ²(1)
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;             // standard deviations of what may be left of the transient
 constexpr double kSureOfNoise = 4.0;
@@ -163,9 +165,8 @@ bool Pipeline::Impl::refit_modes() {
     best_poles.insert(best_poles.begin(), extra_poles.front());
     refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
   }
-  for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
-  modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
-  judge_extra_poles();
+  take_best_poles();
+  judge_extra_poles(w);
   // What cannot be explained is shed: the next fit begins later, where less of it is left.
   modal_skipped = explained() ? kSkipped : std::min(modal_skipped + kSkippedMore, kSkippedMost);
   return true;
@@ -297,44 +298,85 @@ bool Pipeline::Impl::find_extra_pole() {
   return true;
 }
 
-// An oscillation that surely does not decay is no transient: at the mains' frequencies as soon as that shows, at others
-// after a long time.
-void Pipeline::Impl::judge_extra_poles() {
+// An oscillation that does not decay is no transient. At the mains' frequencies that is believed unless the data speak
+// against it; at others after a long time.
+void Pipeline::Impl::judge_extra_poles(double w) {
   const double seen_s = to_s(now_ns - modal.t0_ns());
   for (std::size_t i = 0; i < extra_poles.size(); ++i) {
-    Complex& pole = extra_poles[i];
-    if (pole.real() == 0) continue;
-    const double u = modal.u_pole(i);
+    const Complex pole = extra_poles[i];
     bool of_mains = false;
     for (std::size_t k = 0; k < kMains; ++k)
-      of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * u;
-    const double decayed = (-pole.real() + 3 * u) * seen_s;
-    if ((of_mains || seen_s > kLongSeen * period_s()) && decayed < kHardlyDecayed) pole.real(0.0);
+      of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * modal.u_pole(i);
+    if (of_mains) {
+      kept_poles = best_poles;
+      const double given = modal.misfit();
+      const bool was_steady = pole.real() == 0;
+      best_poles[i].real(was_steady ? -1 / seen_s : 0.0);
+      const double other = refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
+      if (was_steady ? other + kSpeaksAgainst < given : other < given + kSpeaksAgainst) {
+        take_best_poles();
+      } else {
+        best_poles = kept_poles;
+        fit_modes(w, best_poles);
+        compare_halves();
+      }
+    } else if (pole.real() != 0 && seen_s > kLongSeen * period_s() &&
+               (-pole.real() + 3 * modal.u_pole(i)) * seen_s < kHardlyDecayed) {
+      extra_poles[i].real(0.0);
+    }
   }
+}
+
+// best_poles are those beside the chain, then the chain's.
+void Pipeline::Impl::take_best_poles() {
+  for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
+  modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
+}
+
+bool Pipeline::Impl::hums() const {
+  return std::any_of(extra_poles.begin(), extra_poles.end(), [](Complex pole) { return pole.real() == 0; });
+}
+
+// What may be left of the transient in a channel: the tolerance of its amplitude, or what ten periods' noise hides.
+double Pipeline::Impl::allowed_left(int c) const {
+  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
+  const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
+  const Noise& noise = noises[static_cast<std::size_t>(c)];
+  const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
+  return std::max({rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten), 1e-300});
 }
 
 // How much of the transient may be left at t, of what is allowed: the worst of all channels.
 double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
   double largest = 0.0;
-  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
   for (int c = 0; c < channel_count; ++c) {
     if (!readings[static_cast<std::size_t>(c)].usable) continue;
     if (!modal.usable(c)) return INFINITY;
-    const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
-    const Noise& noise = noises[static_cast<std::size_t>(c)];
-    const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
-    const double allowed = std::max(rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten));
+    const double allowed = allowed_left(c);
     const ModalFit::Left left = modal.left(c, t_ns);
-    double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
+    double ratio = (left.envelope + kSure * left.u) / (kSafety * allowed);
     // What the fit leaves over beyond the noise is not known to be no transient.
-    if (const double power = unexplained(c); power > 0)
-      ratio = std::max(ratio, std::sqrt(2 * power) / std::max(allowed, 1e-300));
+    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / allowed);
     if (ratio > largest) {
       largest = ratio;
       if (worst) *worst = c;
     }
   }
   return largest;
+}
+
+// What has become negligible in every channel is evaluated no more.
+void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
+  for (std::size_t m = 0; m < modal.poles().size(); ++m) {
+    if (modal.poles()[m].real() == 0) continue;
+    double fades_s = 0.0;
+    for (int c = 0; c < channel_count; ++c)
+      if (modal.usable(c)) {
+        const double most = modal.most(c, m, t_ns) / (kNegligible * allowed_left(c));
+        if (most > 1) fades_s = std::max(fades_s, std::log(most) / -modal.poles()[m].real());
+      }
+    modal.fade(m, t_ns + to_ns(std::min(fades_s, rig.memory_s)));
+  }
 }
 
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
@@ -387,6 +429,12 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+  if (tracked()) {
+    // Now that the frequency is known from data taken at it.
+    fit_modes(omega, modal.poles());
+    take_transient_out(end_ns);
+    count_anew();
+  }
   return true;
 }
 
@@ -404,25 +452,54 @@ void Pipeline::Impl::refit_later(double growth) {
 // Not before a period has gone by.
 void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
 
-// More data tell better what the transient was: while all since the hold's beginning are there, now and then.
+// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what is
+// not known of it is a part of the uncertainty that matters.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || drive.windows_since_good() > 0) return;
-  if (history[history.begin()].t_ns > modal.t0_ns() ||
-      to_s(now_ns - modal.t0_ns()) > kLongest * to_s(verdict_ns - modal.t0_ns())) {
+  if (history[history.begin()].t_ns > modal.t0_ns() || !(hums() || transient_matters())) {
     modal_refit_at_ns = INT64_MAX;
     return;
   }
-  best_poles = modal_poles;
-  const double best = fit_modes(omega, best_poles);
-  const auto moved = modal.refined(kTrust);
-  trial_poles.assign(moved.begin(), moved.end());
-  if (fit_modes(omega, trial_poles) < best)
-    modal_poles = trial_poles;
-  else
-    fit_modes(omega, best_poles);
+  best_poles.assign(extra_poles.begin(), extra_poles.end());
+  best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
+  double misfit = NAN;
+  if (same_drive()) {
+    feed_modes();
+    solve_modes();
+    misfit = modal.misfit();
+  } else {
+    misfit = fit_modes(omega, best_poles);
+  }
+  refine_poles(omega, misfit, 1);
+  take_best_poles();
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+}
+
+// Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows.
+bool Pipeline::Impl::same_drive() const {
+  const double turned = std::abs(omega - modal.omega()) * to_s(now_ns - modal.t0_ns());
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c) &&
+        turned * std::abs(modal.phasor(c, 1)) > kTurned * std::sqrt(modal.variance(c) * 2 / modal.samples(c)))
+      return false;
+  return true;
+}
+
+// Whether in any channel what is not known of the transient adds to the variance of the phasor.
+bool Pipeline::Impl::transient_matters() const {
+  for (int c = 0; c < channel_count; ++c) {
+    const HarmonicFit fit = fit_harmonics(counted, c, H, 0.0);
+    if (!fit.usable || !modal.usable(c)) continue;
+    if (transient_covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;
+  }
+  return false;
+}
+
+// Of p_1 and q_1 of N samples, referred to the modal fit's zero of time.
+Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) const {
+  return 4 / (samples * samples) * modal.spread(c, overlap[static_cast<std::size_t>(c)]);
 }
 
 // Builds the blocks anew from the history, the transient subtracted.
@@ -430,10 +507,12 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
   begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
-  // Until nothing is left that matters.
-  const double left = modal_left(end_ns, nullptr);
-  quiet_ns =
-      end_ns + (left > kNegligible ? to_ns(std::min(std::log(left / kNegligible) / slowest_rate(), rig.memory_s)) : 0);
+  quiet_ns = end_ns;
+  fade_modes(begin_ns);
+  for (std::size_t m = 0; m < modal.poles().size(); ++m)
+    if (modal.poles()[m].real() < 0) quiet_ns = std::max(quiet_ns, modal.faded_ns(m));
+  // What hums is followed as long as it is fitted anew.
+  if (hums()) quiet_ns = std::max(quiet_ns, modal_refit_at_ns + to_ns(2 * period_s()));
   blocks.restart();
   steady_serial = blocks.serials();
   for (auto& B : overlap) B.setZero();
@@ -448,7 +527,7 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
 
 void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   if (t_ns < quiet_ns && modal.usable(c)) {
-    value -= modal.transient(c, t_ns);
+    value -= modal.disturbance(c, t_ns);
     const auto modes = modal.modes_at(t_ns);
     const double angle = modal.omega() * to_s(t_ns - modal.t0_ns());
     auto B = overlap[static_cast<std::size_t>(c)].leftCols(modes.size());

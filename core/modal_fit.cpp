@@ -25,12 +25,14 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
   u_poles_.resize(capacity_);
+  faded_ns_.resize(capacity_, INT64_MAX);
   x_.resize(all);
   work_.resize(harmonic_ + most, harmonic_ + most);
   columns_.resize(harmonic_ + most, most);
   slopes_.resize(most, most);
   hessian_.resize(most, most);
   gradient_.resize(most);
+  product_.resize(harmonic_ + most);
   channels_.resize(static_cast<std::size_t>(channels));
   for (PerChannel& channel : channels_) {
     channel.normal.resize(all, all);
@@ -48,6 +50,7 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
   if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
   modal_ = 2 * static_cast<Index>(count_);
   for (std::size_t m = 0; m < count_; ++m) sizes_[m] = std::abs(poles_[m]);
+  std::fill(faded_ns_.begin(), faded_ns_.end(), INT64_MAX);
   for (PerChannel& channel : channels_) {
     channel.normal.setZero();
     channel.moments.setZero();
@@ -71,6 +74,11 @@ void ModalFit::evaluate(std::int64_t t_ns) noexcept {
   }
   for (std::size_t m = 0; m < count_; ++m) {
     const Index i = harmonic_ + 2 * static_cast<Index>(m);
+    if (t_ns >= faded_ns_[m]) {
+      x_.segment<2>(i).setZero();
+      x_.segment<2>(modal_ + i).setZero();
+      continue;
+    }
     const double envelope = std::exp(poles_[m].real() * u);
     const double slope = sizes_[m] * u;
     const Complex e = envelope < kGone ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
@@ -118,9 +126,8 @@ bool ModalFit::solve(int channel, double range) noexcept {
     of.theta.head(P) = of.moments.head(P);
     llt.solveInPlace(of.theta.head(P));
     // Of the residuals, the prior left aside.
-    const double squares =
-        of.squares - 2 * of.theta.head(P).dot(of.moments.head(P)) +
-        of.theta.head(P).dot(of.normal.topLeftCorner(P, P).selfadjointView<Eigen::Lower>() * of.theta.head(P));
+    product_.head(P).noalias() = of.normal.topLeftCorner(P, P).selfadjointView<Eigen::Lower>() * of.theta.head(P);
+    const double squares = of.squares + of.theta.head(P).dot(product_.head(P) - 2 * of.moments.head(P));
     sigma2 = std::max(squares, 1e-15 * of.squares) / (of.samples - static_cast<double>(P));
     if (pass == 1) {
       auto columns = columns_.topLeftCorner(P, modal_);
@@ -168,9 +175,11 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
       return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
     };
     const auto J = [&](Index m) {
-      const Complex a = poles_[static_cast<std::size_t>(m)].real() < 0 ? amplitude(m) : Complex{};
+      const Complex a = amplitude(m);
+      // Of a steady line the frequency alone is open.
+      const double decays = poles_[static_cast<std::size_t>(m)].real() < 0 ? 1.0 : 0.0;
       Eigen::Matrix2d jacobian;
-      jacobian << a.real(), -a.imag(), a.imag(), a.real();
+      jacobian << decays * a.real(), -a.imag(), decays * a.imag(), a.real();
       return jacobian;
     };
     for (Index m = 0; m < modal_ / 2; ++m) {
@@ -191,14 +200,14 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
   llt.solveInPlace(unit);
   converged_ = 0.0;
   for (std::size_t m = 0; m < count_; ++m) {
-    if (!(poles_[m].real() < 0)) continue;
     const auto i = 2 * static_cast<Index>(m);
-    Complex rho{g(i), g(i + 1)};
+    const bool steady = !(poles_[m].real() < 0);
+    Complex rho{steady ? 0.0 : g(i), g(i + 1)};
     if (std::abs(rho) > 2 * trust) rho *= 2 * trust / std::abs(rho);
     const double size = std::abs(poles_[m]);
     Complex moved = poles_[m] + size * rho;
     // A transient decays, however slowly; a pole that oscillates goes on doing so.
-    moved.real(std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
+    moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
     u_poles_[m] = size * std::sqrt(std::max(0.0, 0.5 * (unit(i, i) + unit(i + 1, i + 1))));
@@ -264,6 +273,14 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   return left;
 }
 
+double ModalFit::most(int channel, std::size_t m, std::int64_t t_ns) const noexcept {
+  const PerChannel& of = at(channel);
+  const auto i = 2 * static_cast<Index>(m);
+  return std::exp(poles_[m].real() * kSecond * static_cast<double>(t_ns - t0_ns_)) *
+         (of.theta.segment<2>(harmonic_ + i).norm() +
+          3 * std::sqrt(std::max(0.0, 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))));
+}
+
 Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) noexcept {
   evaluate(t_ns);
   return std::as_const(x_).segment(harmonic_, modal_);
@@ -275,23 +292,25 @@ double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept
   return value - of.reference - of.theta.head(linear()).dot(x_.head(linear()));
 }
 
-double ModalFit::transient(int channel, std::int64_t t_ns) noexcept {
+double ModalFit::disturbance(int channel, std::int64_t t_ns) noexcept {
   evaluate(t_ns);
   const PerChannel& of = at(channel);
   if (!of.usable) return 0.0;
   double sum = 0.0;
   for (std::size_t m = 0; m < count_; ++m)
-    if (poles_[m].real() < 0)
-      for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
-        sum += of.theta(i) * x_(i);
+    for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
+      sum += of.theta(i) * x_(i);
   return sum;
 }
 
 Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {
   const PerChannel& of = at(channel);
   if (!of.usable) return Eigen::Matrix2d::Zero();
-  const auto used = B.leftCols(modal_);
-  return used * of.covariance.topLeftCorner(modal_, modal_).selfadjointView<Eigen::Lower>() * used.transpose();
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (Index j = 0; j < modal_; ++j)
+    for (Index i = 0; i < modal_; ++i)
+      spread.noalias() += of.covariance(std::max(i, j), std::min(i, j)) * B.col(i).lazyProduct(B.col(j).transpose());
+  return spread;
 }
 
 }  // namespace dwell
