@@ -179,10 +179,9 @@ TEST_F(CanFault, OpensAnInterfaceAnewThatWasRemoved) {
   bus_.fail(ENODEV);
   ASSERT_TRUE(eventually([&] { return is_stale(10, DWELL_FAULT_DISCONNECTED) && bus_.opened() >= 2; }));
   bus_.refuse("");
-  ASSERT_TRUE(eventually([&] {
-    send_both();
-    return delivers(10) && delivers(12);
-  }));
+  ASSERT_TRUE(eventually([&] { return bus_.is_open(); }));
+  send_both();
+  ASSERT_TRUE(eventually([&] { return delivers(10) && delivers(12); }));
   send(9);
   ASSERT_TRUE(eventually([&] { return host_.samples(10).back().raw == 9.0; }));
   EXPECT_EQ(host_.samples(10).back().flags, 0U);
