@@ -13,14 +13,20 @@ namespace dwell {
 enum class Kind : std::uint8_t {
   sample,  // `value`: the device's own number, before scale and offset; `t_half_ns`; `flags`: kGap, kStampReplaced
   channel_state,  // `flags`: a Fault; Fault::none says that the channel delivers again
-  edge,           // a GPIO edge; `channel`: the line; `value`: the level after it, 0 or 1
+  edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
   action,         // an operator's action; `flags`: an Action
   tick,           // time goes on, nothing else
 };
 
-// Sample flags.
+// Sample and edge flags.
 inline constexpr std::uint8_t kGap = 1;            // samples of this channel were lost immediately before this one
 inline constexpr std::uint8_t kStampReplaced = 2;  // the device's stamp was implausible; the instant is that of reading
+
+// The GPIO inputs. Level 1 is the active one, whatever the voltage.
+enum class Line : std::uint16_t {
+  interlock = 0,  // 1: the shaker may run. The first edge is the level at the start; from 0 to 1: it may again
+  sync = 1,       // one edge to 1 for each period of the excitation; edges to 0 are not told
+};
 
 // Why a channel does not deliver. The numbers are those of dwell_driver.h (DWELL_FAULT_...), and are recorded.
 enum class Fault : std::uint8_t {
@@ -36,8 +42,11 @@ enum class Fault : std::uint8_t {
   missed_deadline = 9,  // a poll began too late and was skipped
   end_of_data = 10,     // a finite source has been played to its end
   silent = 11,          // nothing arrived although nothing failed
+  overflow = 12,        // lost on the way in, for lack of room in the kernel or in the controller
+  bus_error = 13,       // the bus controller reports errors on the line
+  bus_off = 14,         // the bus controller has left the bus for too many of them
 };
-inline constexpr int kFaultCount = 12;
+inline constexpr int kFaultCount = 15;
 
 // Short name of a fault as shown to people and in JSON, for instance "timeout".
 [[nodiscard]] const char* to_string(Fault fault) noexcept;

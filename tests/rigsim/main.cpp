@@ -10,10 +10,12 @@
 #include <iostream>
 #include <sstream>
 
+#include "tests/rigsim/can_frames.hpp"
 #include "tests/rigsim/control.hpp"
 #include "tests/rigsim/recording.hpp"
 #include "tests/rigsim/server.hpp"
 #include "tests/rigsim/sockets.hpp"
+#include "tests/rigsim/sync_pulses.hpp"
 #include "tests/rigsim/truth.hpp"
 
 namespace {
@@ -26,11 +28,13 @@ constexpr int kWrongUsage = 2;
 struct Arguments {
   Options rig;
   RecordingOptions recording;
+  rigsim::SyncOptions sync;
   std::string boundary = "clamped";
   std::string parity = "even";
   std::string masses, tcp, unit = "m", csv;
   std::vector<std::string> harmonics, stuck;
   bool print_truth = false;
+  bool print_dbc = false;
 };
 
 int wrong(const std::string& message) {
@@ -59,6 +63,9 @@ void define(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(300, 10000000));
   app.add_option("--parity", arguments.parity, "of the simulated wire: a pseudo-terminal does not tell the client's")
       ->check(CLI::IsMember({"even", "odd", "none"}));
+  app.add_option("--can", rig.can, "send CAN frames on this interface, or on unix:PATH, a local bus made for it");
+  app.add_option("--can-rate", rig.can_rate_hz, "frames per second and channel")->check(CLI::Range(0.1, 1e4));
+  app.add_flag("--print-dbc", arguments.print_dbc, "print the DBC file of these frames, and end");
   app.add_option("--control", rig.control_path, "unix stream socket for control lines");
   app.add_option("--clock-drift", rig.clock_drift_ppm, "of the rig's clock, ppm")->check(CLI::Range(-1e5, 1e5));
   app.add_option("--stuck", arguments.stuck, "a channel stuck from the beginning; repeatable");
@@ -66,6 +73,11 @@ void define(CLI::App& app, Arguments& arguments) {
   for (const rigsim::FaultName& fault : rigsim::fault_names())
     app.add_option("--" + std::string(fault.name), rig.faults.*fault.member, fault.help)
         ->check(CLI::Range(0.0, fault.highest));
+  app.add_option("--sync", arguments.sync.file, "the sync output's line, a simulated GPIO chip's sim_gpioK/pull");
+  app.add_option("--sync-missing", arguments.sync.missing, "probability per period of no sync pulse")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--sync-twice", arguments.sync.twice, "probability per period of two sync pulses")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--print-truth", arguments.print_truth, "print coefficients and steady phasors as JSON, and end");
   RecordingOptions& recording = arguments.recording;
   app.add_option("--csv", arguments.csv, "write a recording to this file (-: standard output), and end");
@@ -114,7 +126,10 @@ std::string settle(Arguments& arguments) {
     rig.drive.harmonics.push_back(*harmonic);
   }
   rig.millimetres = arguments.unit == "mm";
+  arguments.sync.seed = rig.seed;
   rig.rtu = !rig.rtu_link.empty();
+  if (!rig.can.empty() && rig.chain.masses.size() > rigsim::kMostCanMasses)
+    return "--can: expected at most " + std::to_string(rigsim::kMostCanMasses) + " masses";
   rig.parity = arguments.parity != "none";
   rig.tcp_port.reset();
   if (!arguments.tcp.empty()) {
@@ -162,8 +177,8 @@ void attend(rigsim::Server& server, int signals) {
 }
 
 int serve(const Arguments& arguments) {
-  if (!arguments.rig.tcp_port && !arguments.rig.rtu)
-    return wrong("nothing to do: expected --tcp, --rtu, --csv or --print-truth");
+  if (!arguments.rig.tcp_port && !arguments.rig.rtu && arguments.rig.can.empty())
+    return wrong("nothing to do: expected --tcp, --rtu, --can, --csv, --print-truth or --print-dbc");
   // Blocked before the server's thread is made, so that it inherits this and the signal comes to us.
   sigset_t set;
   sigemptyset(&set);
@@ -176,8 +191,15 @@ int serve(const Arguments& arguments) {
   if (!server) return wrong(server.error());
   for (const std::string& channel : arguments.stuck)
     if (const std::string answer = (*server)->command("stuck " + channel + " on"); answer != "ok") return wrong(answer);
+  std::unique_ptr<rigsim::SyncPulses> sync;
+  if (!arguments.sync.file.empty()) {
+    auto started = rigsim::SyncPulses::start(arguments.sync, **server);
+    if (!started) return wrong(started.error());
+    sync = std::move(*started);
+  }
   if (arguments.rig.tcp_port) std::cout << "tcp " << arguments.rig.tcp_host << ':' << (*server)->tcp_port() << '\n';
   if (arguments.rig.rtu) std::cout << "rtu " << (*server)->rtu_path() << '\n';
+  if (!arguments.rig.can.empty()) std::cout << "can " << arguments.rig.can << '\n';
   if (!arguments.rig.control_path.empty()) std::cout << "control " << arguments.rig.control_path << '\n';
   std::cout << "ready" << std::endl;
   attend(**server, signals.get());
@@ -203,6 +225,12 @@ int main(int argc, char** argv) {
   if (const std::string fault = settle(arguments); !fault.empty()) return wrong(fault);
   if (arguments.print_truth) {
     std::cout << rigsim::truth_json(arguments.rig.chain, arguments.rig.drive) << '\n';
+    return 0;
+  }
+  if (arguments.print_dbc) {
+    const rigsim::Device device(arguments.rig);
+    std::cout << rigsim::can_dbc(device.channels(), arguments.rig.chain.boundary == dwell::Boundary::clamped,
+                                 1e3 / arguments.rig.can_rate_hz);
     return 0;
   }
   return arguments.csv.empty() ? serve(arguments) : record(arguments);

@@ -19,6 +19,7 @@ const std::vector<FaultName>& fault_names() {
       {"bad-crc", &Faults::bad_crc, 1, "probability of a wrong CRC (RTU)"},
       {"wrong-id", &Faults::wrong_id, 1, "probability of a wrong transaction id (TCP) or address (RTU)"},
       {"reset", &Faults::reset, 1, "probability of a connection reset (TCP)"},
+      {"babble", &Faults::babble_hz, 1e5, "meaningless frames per second (CAN)"},
   };
   return names;
 }

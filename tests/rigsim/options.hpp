@@ -13,7 +13,8 @@
 
 namespace rigsim {
 
-// Probabilities are per request. All of these can be changed while running (control.hpp) by the names in `kFaultNames`.
+// Probabilities are per request, on a CAN bus per frame. All of these can be changed while running (control.hpp) by the
+// names in `kFaultNames`.
 struct Faults {
   double noise = 0.0;      // standard deviation, relative to each channel's steady amplitude under the first drive
   double quantize = 0.0;   // step, relative likewise
@@ -30,6 +31,7 @@ struct Faults {
   double bad_crc = 0.0;      // probability of a wrong CRC (RTU)
   double wrong_id = 0.0;     // probability of another transaction's id (TCP), another station's address (RTU)
   double reset = 0.0;        // probability that the connection is reset instead of answered (TCP)
+  double babble_hz = 0.0;    // meaningless frames of the highest priority per second (CAN)
 };
 
 struct FaultName {
@@ -57,6 +59,8 @@ struct Options {
   std::string rtu_link;  // symbolic link to make to it; empty: none
   int baud = 0;          // of the simulated wire; 0: what the client sets
   bool parity = true;    // likewise; a pseudo-terminal does not tell the client's (11 bits a character; without: 10)
+  std::string can;       // CAN interface, or unix:PATH for a local one; empty: none
+  double can_rate_hz = 200;  // frames per second and channel
   std::string control_path;  // unix stream socket for control lines; empty: none
 
   // The host's clock, ns; CLOCK_MONOTONIC_RAW unless a test brings its own. Called from the server's thread.
