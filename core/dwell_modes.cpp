@@ -25,8 +25,9 @@ constexpr double kPenalty = 50.0;         // of the misfit, for each pole beside
 constexpr double kSame = 0.3;             // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;             // relative, of a chain's pole to one that the data show
 constexpr double kConverged = 0.1;        // of the uncertainty of a pole
-constexpr double kGrowthMeasuring = 1.6;  // the same after the verdict …
-constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
+constexpr double kGrowthMeasuring = 1.6;  // the same after the verdict
+constexpr double kMatters = 0.02;         // of the variance …
+constexpr double kSpeaksAgainst = 6.0;    // in N ln σ², of χ²(1)
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;             // standard deviations of what may be left of the transient
 constexpr double kSureOfNoise = 4.0;
@@ -163,9 +164,8 @@ bool Pipeline::Impl::refit_modes() {
     best_poles.insert(best_poles.begin(), extra_poles.front());
     refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
   }
-  for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
-  modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
-  judge_extra_poles();
+  take_best_poles();
+  judge_extra_poles(w);
   // What cannot be explained is shed: the next fit begins later, where less of it is left.
   modal_skipped = explained() ? kSkipped : std::min(modal_skipped + kSkippedMore, kSkippedMost);
   return true;
@@ -297,20 +297,43 @@ bool Pipeline::Impl::find_extra_pole() {
   return true;
 }
 
-// An oscillation that surely does not decay is no transient: at the mains' frequencies as soon as that shows, at others
-// after a long time.
-void Pipeline::Impl::judge_extra_poles() {
+// An oscillation that does not decay is no transient. At the mains' frequencies that is believed unless the data speak
+// against it; at others after a long time.
+void Pipeline::Impl::judge_extra_poles(double w) {
   const double seen_s = to_s(now_ns - modal.t0_ns());
   for (std::size_t i = 0; i < extra_poles.size(); ++i) {
-    Complex& pole = extra_poles[i];
-    if (pole.real() == 0) continue;
-    const double u = modal.u_pole(i);
+    const Complex pole = extra_poles[i];
     bool of_mains = false;
     for (std::size_t k = 0; k < kMains; ++k)
-      of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * u;
-    const double decayed = (-pole.real() + 3 * u) * seen_s;
-    if ((of_mains || seen_s > kLongSeen * period_s()) && decayed < kHardlyDecayed) pole.real(0.0);
+      of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * modal.u_pole(i);
+    if (of_mains) {
+      kept_poles = best_poles;
+      const double given = modal.misfit();
+      const bool was_steady = pole.real() == 0;
+      best_poles[i].real(was_steady ? -1 / seen_s : 0.0);
+      const double other = refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
+      if (was_steady ? other + kSpeaksAgainst < given : other < given + kSpeaksAgainst) {
+        take_best_poles();
+      } else {
+        best_poles = kept_poles;
+        fit_modes(w, best_poles);
+        compare_halves();
+      }
+    } else if (pole.real() != 0 && seen_s > kLongSeen * period_s() &&
+               (-pole.real() + 3 * modal.u_pole(i)) * seen_s < kHardlyDecayed) {
+      extra_poles[i].real(0.0);
+    }
   }
+}
+
+// best_poles are those beside the chain, then the chain's.
+void Pipeline::Impl::take_best_poles() {
+  for (std::size_t i = 0; i < extra_poles.size(); ++i) extra_poles[i] = best_poles[i];
+  modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
+}
+
+bool Pipeline::Impl::hums() const {
+  return std::any_of(extra_poles.begin(), extra_poles.end(), [](Complex pole) { return pole.real() == 0; });
 }
 
 // How much of the transient may be left at t, of what is allowed: the worst of all channels.
@@ -387,6 +410,12 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+  if (tracked()) {
+    // Now that the frequency is known from data taken at it.
+    fit_modes(omega, modal.poles());
+    take_transient_out(end_ns);
+    count_anew();
+  }
   return true;
 }
 
@@ -404,25 +433,36 @@ void Pipeline::Impl::refit_later(double growth) {
 // Not before a period has gone by.
 void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
 
-// More data tell better what the transient was: while all since the hold's beginning are there, now and then.
+// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what is
+// not known of it is a part of the uncertainty that matters.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || drive.windows_since_good() > 0) return;
-  if (history[history.begin()].t_ns > modal.t0_ns() ||
-      to_s(now_ns - modal.t0_ns()) > kLongest * to_s(verdict_ns - modal.t0_ns())) {
+  if (history[history.begin()].t_ns > modal.t0_ns() || !(hums() || transient_matters())) {
     modal_refit_at_ns = INT64_MAX;
     return;
   }
-  best_poles = modal_poles;
-  const double best = fit_modes(omega, best_poles);
-  const auto moved = modal.refined(kTrust);
-  trial_poles.assign(moved.begin(), moved.end());
-  if (fit_modes(omega, trial_poles) < best)
-    modal_poles = trial_poles;
-  else
-    fit_modes(omega, best_poles);
+  best_poles.assign(extra_poles.begin(), extra_poles.end());
+  best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
+  refine_poles(omega, fit_modes(omega, best_poles), 1);
+  take_best_poles();
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+}
+
+// Whether in any channel what is not known of the transient adds to the variance of the phasor.
+bool Pipeline::Impl::transient_matters() const {
+  for (int c = 0; c < channel_count; ++c) {
+    const HarmonicFit fit = fit_harmonics(counted, c, H, 0.0);
+    if (!fit.usable || !modal.usable(c)) continue;
+    if (transient_covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;
+  }
+  return false;
+}
+
+// Of p_1 and q_1 of N samples, referred to the modal fit's zero of time.
+Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) const {
+  return 4 / (samples * samples) * modal.spread(c, overlap[static_cast<std::size_t>(c)]);
 }
 
 // Builds the blocks anew from the history, the transient subtracted.
@@ -430,10 +470,16 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
   begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
-  // Until nothing is left that matters.
-  const double left = modal_left(end_ns, nullptr);
-  quiet_ns =
-      end_ns + (left > kNegligible ? to_ns(std::min(std::log(left / kNegligible) / slowest_rate(), rig.memory_s)) : 0);
+  // Until nothing is left that matters; what hums is followed as long as it is fitted anew.
+  std::int64_t loud_ns = 0, silent_ns = to_ns(period_s());
+  while (silent_ns < to_ns(rig.memory_s) && modal_left(end_ns + silent_ns, nullptr) > kNegligible)
+    loud_ns = std::exchange(silent_ns, 2 * silent_ns);
+  for (int i = 0; i < 4; ++i) {
+    const std::int64_t middle_ns = (loud_ns + silent_ns) / 2;
+    (modal_left(end_ns + middle_ns, nullptr) > kNegligible ? loud_ns : silent_ns) = middle_ns;
+  }
+  quiet_ns = end_ns + silent_ns;
+  if (hums()) quiet_ns = std::max(quiet_ns, modal_refit_at_ns + to_ns(2 * period_s()));
   blocks.restart();
   steady_serial = blocks.serials();
   for (auto& B : overlap) B.setZero();
@@ -448,7 +494,7 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
 
 void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   if (t_ns < quiet_ns && modal.usable(c)) {
-    value -= modal.transient(c, t_ns);
+    value -= modal.disturbance(c, t_ns);
     const auto modes = modal.modes_at(t_ns);
     const double angle = modal.omega() * to_s(t_ns - modal.t0_ns());
     auto B = overlap[static_cast<std::size_t>(c)].leftCols(modes.size());

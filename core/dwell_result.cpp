@@ -66,10 +66,8 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
     const double angle = modal.omega() * to_s(totals.t_ref_ns() - modal.t0_ns());
-    const Eigen::Rotation2Dd turn(angle);
-    result.transient = 4 / (result.fit.samples * result.fit.samples) *
-                       (turn.toRotationMatrix() * modal.spread(c, overlap[static_cast<std::size_t>(c)]) *
-                        turn.toRotationMatrix().transpose());
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle).toRotationMatrix();
+    result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
   }
   // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a
   // multiple of the frequency: no more independent errors then than one period has samples.

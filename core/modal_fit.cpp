@@ -31,6 +31,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   slopes_.resize(most, most);
   hessian_.resize(most, most);
   gradient_.resize(most);
+  product_.resize(harmonic_ + most);
   channels_.resize(static_cast<std::size_t>(channels));
   for (PerChannel& channel : channels_) {
     channel.normal.resize(all, all);
@@ -118,9 +119,8 @@ bool ModalFit::solve(int channel, double range) noexcept {
     of.theta.head(P) = of.moments.head(P);
     llt.solveInPlace(of.theta.head(P));
     // Of the residuals, the prior left aside.
-    const double squares =
-        of.squares - 2 * of.theta.head(P).dot(of.moments.head(P)) +
-        of.theta.head(P).dot(of.normal.topLeftCorner(P, P).selfadjointView<Eigen::Lower>() * of.theta.head(P));
+    product_.head(P).noalias() = of.normal.topLeftCorner(P, P).selfadjointView<Eigen::Lower>() * of.theta.head(P);
+    const double squares = of.squares + of.theta.head(P).dot(product_.head(P) - 2 * of.moments.head(P));
     sigma2 = std::max(squares, 1e-15 * of.squares) / (of.samples - static_cast<double>(P));
     if (pass == 1) {
       auto columns = columns_.topLeftCorner(P, modal_);
@@ -168,9 +168,11 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
       return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
     };
     const auto J = [&](Index m) {
-      const Complex a = poles_[static_cast<std::size_t>(m)].real() < 0 ? amplitude(m) : Complex{};
+      const Complex a = amplitude(m);
+      // Of a steady line the frequency alone is open.
+      const double decays = poles_[static_cast<std::size_t>(m)].real() < 0 ? 1.0 : 0.0;
       Eigen::Matrix2d jacobian;
-      jacobian << a.real(), -a.imag(), a.imag(), a.real();
+      jacobian << decays * a.real(), -a.imag(), decays * a.imag(), a.real();
       return jacobian;
     };
     for (Index m = 0; m < modal_ / 2; ++m) {
@@ -191,14 +193,14 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
   llt.solveInPlace(unit);
   converged_ = 0.0;
   for (std::size_t m = 0; m < count_; ++m) {
-    if (!(poles_[m].real() < 0)) continue;
     const auto i = 2 * static_cast<Index>(m);
-    Complex rho{g(i), g(i + 1)};
+    const bool steady = !(poles_[m].real() < 0);
+    Complex rho{steady ? 0.0 : g(i), g(i + 1)};
     if (std::abs(rho) > 2 * trust) rho *= 2 * trust / std::abs(rho);
     const double size = std::abs(poles_[m]);
     Complex moved = poles_[m] + size * rho;
     // A transient decays, however slowly; a pole that oscillates goes on doing so.
-    moved.real(std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
+    moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
     u_poles_[m] = size * std::sqrt(std::max(0.0, 0.5 * (unit(i, i) + unit(i + 1, i + 1))));
@@ -275,15 +277,14 @@ double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept
   return value - of.reference - of.theta.head(linear()).dot(x_.head(linear()));
 }
 
-double ModalFit::transient(int channel, std::int64_t t_ns) noexcept {
+double ModalFit::disturbance(int channel, std::int64_t t_ns) noexcept {
   evaluate(t_ns);
   const PerChannel& of = at(channel);
   if (!of.usable) return 0.0;
   double sum = 0.0;
   for (std::size_t m = 0; m < count_; ++m)
-    if (poles_[m].real() < 0)
-      for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
-        sum += of.theta(i) * x_(i);
+    for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
+      sum += of.theta(i) * x_(i);
   return sum;
 }
 

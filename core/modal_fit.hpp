@@ -71,8 +71,8 @@ class ModalFit {
 
   // What the fit leaves of a reading, steady lines included in the fit.
   [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
-  // The transient at t, in the channel's unit.
-  [[nodiscard]] double transient(int channel, std::int64_t t_ns) noexcept;
+  // The transient and the steady lines at t, in the channel's unit.
+  [[nodiscard]] double disturbance(int channel, std::int64_t t_ns) noexcept;
   // The regressors of the modes at t.
   [[nodiscard]] Eigen::VectorXd::ConstSegmentReturnType modes_at(std::int64_t t_ns) noexcept;
   // Covariance of (Re, Im) of Σ_k w_k exp(-jφ_k)-weighted transients: B Cov B^T, B 2 × modal regressors.
@@ -105,7 +105,7 @@ class ModalFit {
   Eigen::VectorXd x_;
   std::vector<PerChannel> channels_;
   Eigen::MatrixXd work_, columns_, slopes_, hessian_;
-  Eigen::VectorXd gradient_;
+  Eigen::VectorXd gradient_, product_;
 };
 
 }  // namespace dwell

@@ -257,7 +257,11 @@ struct Pipeline::Impl {
   double unexplained(int c) const;
   void renew_silent_poles();
   bool find_extra_pole();
-  void judge_extra_poles();
+  void judge_extra_poles(double w);
+  void take_best_poles();
+  bool hums() const;
+  bool transient_matters() const;
+  Eigen::Matrix2d transient_covariance(int c, double samples) const;
   bool refit_modes();
   double modal_left(std::int64_t t_ns, int* worst) const;
   bool settle_by_modes(std::int64_t end_ns);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 // Samples of a dwell, roughly: for the study to take no hours, slow rigs with many channels are sampled less often, but
 // for one in eight, so that every rig meets every rate.
-constexpr double kUsualSamples = 6e4, kMostSamples = 1e6, kDense = 0.125;
+constexpr double kUsualSamples = 6e4, kMostSamples = 3e5, kDense = 0.125;
 
 // Of a channel's own amplitude, but not below a tenth of what a displacement transducer on the table would have, or of
 // what the force would be if the last mass moved as the table.
@@ -45,6 +45,7 @@ void draw_sampling(Draws& draws, Case& about, double fewest, double most) {
 
 void draw_noise(Draws& draws, Case& about, double table_amplitude) {
   const double common = draws.log_uniform(2e-4, 2e-2);
+  const double mains_hz = 50 + draws.uniform(-0.05, 0.05);  // one grid feeds all
   for (int c = 0; c < about.channels(); ++c) {
     Line& line = about.lines[static_cast<std::size_t>(c)];
     const double scale = scale_of_noise(about, c, table_amplitude);
@@ -54,7 +55,7 @@ void draw_noise(Draws& draws, Case& about, double table_amplitude) {
     if (about.population == Population::hum || (all && draws.chance(0.5))) {
       // Slow beats of hum on the table must stay apart from a step of three tolerances in an unchanged drive.
       line.hum = scale * draws.log_uniform(5e-4, all && c == 0 ? about.rig.tolerance : 2e-2);
-      line.hum_hz = 50 + draws.uniform(-0.05, 0.05);
+      line.hum_hz = mains_hz;
       line.hum_phase = draws.uniform(0, kTwoPi);
     }
     if (about.population == Population::quantized || about.population == Population::coarse ||
