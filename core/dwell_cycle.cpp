@@ -58,12 +58,17 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
   if (state == State::idle || state == State::fault) {
     if (std::abs(Y0) < 5 * u0) return refresh_reference();
+    if (!permitted || !has_reference()) {
+      enter(permitted ? State::fault : State::idle);
+      return refresh_reference();
+    }
     arm(from);
   }
+  if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
   if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
-    settle(end_ns);
+    if (!pulses_contradict()) settle(end_ns);
   } else if (state == State::measuring) {
     refit_measuring(end_ns);
     if (!counted_valid || blocks.serials() >= refine_at_serial) count_anew();
@@ -118,6 +123,7 @@ void Pipeline::Impl::begin_hold(int from) {
   settling.restart();
   history_omega = omega;
   slips = since_in_phase = 0;
+  pulses_before = sync.counts();
   drive.restart();
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
@@ -159,10 +165,14 @@ void Pipeline::Impl::stop() {
 void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
   if (pending) {
     --index;
-    emit(EndedBy::drive_changed);
+    // Of a drive that the interlock has cut the motion may tell first.
+    emit(ended_by == EndedBy::interlock ? ended_by : EndedBy::drive_changed);
   } else if (state == State::settling || state == State::measuring) {
-    // Windows in doubt do not count, whatever ends the dwell.
-    const int doubtful = drive.windows_since_good() > 0 ? std::min(drive.windows_since_good() + 1, blocks.count()) : 0;
+    // Windows in doubt do not count, whatever ends the dwell; nor does the quarter of a period before the interlock,
+    // whose contact may lag what it tells of.
+    const int least = ended_by == EndedBy::interlock ? 1 : 0;
+    const int doubtful =
+        std::min(drive.windows_since_good() > 0 ? drive.windows_since_good() + 1 : least, blocks.count());
     conclude(blocks.count() - doubtful, with_open && doubtful == 0);
     emit(ended_by);
   }

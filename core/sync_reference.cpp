@@ -154,7 +154,8 @@ std::optional<PulseLine> SyncReference::over(std::int64_t from_ns, std::int64_t 
   const double T_s = all.train.T_s + slope, u_T_s = std::sqrt(variance / all.kk * dof / (dof - 2));
   const double k = std::round(all.k);
   const double pulse_s = k * all.train.T_s + all.x + (k - all.k) * slope;
-  return PulseLine{kTwoPi / T_s, kTwoPi / T_s * u_T_s / T_s, all.train.begin_ns + std::llround(pulse_s * 1e9)};
+  return PulseLine{kTwoPi / T_s, kTwoPi / T_s * u_T_s / T_s, all.train.begin_ns + std::llround(pulse_s * 1e9),
+                   to_s(all.last_ns - all.first_ns)};
 }
 
 }  // namespace dwell

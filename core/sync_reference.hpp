@@ -26,6 +26,7 @@ struct PulseLine {
   double omega = 0.0;         // rad/s
   double u = 0.0;             // its standard uncertainty, rad/s; NaN: too few pulses to tell
   std::int64_t pulse_ns = 0;  // an instant of phase zero, as the line has it
+  double span_s = 0.0;        // from the first pulse to the last
 
   // The instant of phase zero nearest to t.
   [[nodiscard]] std::int64_t nearest_ns(std::int64_t t_ns) const noexcept;
