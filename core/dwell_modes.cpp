@@ -25,8 +25,9 @@ constexpr double kPenalty = 50.0;         // of the misfit, for each pole beside
 constexpr double kSame = 0.3;             // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;             // relative, of a chain's pole to one that the data show
 constexpr double kConverged = 0.1;        // of the uncertainty of a pole
-constexpr double kGrowthMeasuring = 1.6;  // the same after the verdict
-constexpr double kMatters = 0.02;         // of the variance …
+constexpr double kGrowthMeasuring = 2.0;  // the same after the verdict
+constexpr double kMatters = 0.05;         // of the variance
+constexpr double kTurned = 0.1;           // standard deviations
 constexpr double kSpeaksAgainst = 6.0;    // in N ln σ², of χ²(1)
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;             // standard deviations of what may be left of the transient
@@ -336,28 +337,46 @@ bool Pipeline::Impl::hums() const {
   return std::any_of(extra_poles.begin(), extra_poles.end(), [](Complex pole) { return pole.real() == 0; });
 }
 
+// What may be left of the transient in a channel: the tolerance of its amplitude, or what ten periods' noise hides.
+double Pipeline::Impl::allowed_left(int c) const {
+  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
+  const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
+  const Noise& noise = noises[static_cast<std::size_t>(c)];
+  const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
+  return std::max({rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten), 1e-300});
+}
+
 // How much of the transient may be left at t, of what is allowed: the worst of all channels.
 double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
   double largest = 0.0;
-  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
   for (int c = 0; c < channel_count; ++c) {
     if (!readings[static_cast<std::size_t>(c)].usable) continue;
     if (!modal.usable(c)) return INFINITY;
-    const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
-    const Noise& noise = noises[static_cast<std::size_t>(c)];
-    const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
-    const double allowed = std::max(rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten));
+    const double allowed = allowed_left(c);
     const ModalFit::Left left = modal.left(c, t_ns);
-    double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
+    double ratio = (left.envelope + kSure * left.u) / (kSafety * allowed);
     // What the fit leaves over beyond the noise is not known to be no transient.
-    if (const double power = unexplained(c); power > 0)
-      ratio = std::max(ratio, std::sqrt(2 * power) / std::max(allowed, 1e-300));
+    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / allowed);
     if (ratio > largest) {
       largest = ratio;
       if (worst) *worst = c;
     }
   }
   return largest;
+}
+
+// What has become negligible in every channel is evaluated no more.
+void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
+  for (std::size_t m = 0; m < modal.poles().size(); ++m) {
+    if (modal.poles()[m].real() == 0) continue;
+    double fades_s = 0.0;
+    for (int c = 0; c < channel_count; ++c)
+      if (modal.usable(c)) {
+        const double most = modal.most(c, m, t_ns) / (kNegligible * allowed_left(c));
+        if (most > 1) fades_s = std::max(fades_s, std::log(most) / -modal.poles()[m].real());
+      }
+    modal.fade(m, t_ns + to_ns(std::min(fades_s, rig.memory_s)));
+  }
 }
 
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
@@ -443,11 +462,29 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   }
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
-  refine_poles(omega, fit_modes(omega, best_poles), 1);
+  double misfit = NAN;
+  if (same_drive()) {
+    feed_modes();
+    solve_modes();
+    misfit = modal.misfit();
+  } else {
+    misfit = fit_modes(omega, best_poles);
+  }
+  refine_poles(omega, misfit, 1);
   take_best_poles();
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+}
+
+// Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows.
+bool Pipeline::Impl::same_drive() const {
+  const double turned = std::abs(omega - modal.omega()) * to_s(now_ns - modal.t0_ns());
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c) &&
+        turned * std::abs(modal.phasor(c, 1)) > kTurned * std::sqrt(modal.variance(c) * 2 / modal.samples(c)))
+      return false;
+  return true;
 }
 
 // Whether in any channel what is not known of the transient adds to the variance of the phasor.
@@ -470,15 +507,11 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
   begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
-  // Until nothing is left that matters; what hums is followed as long as it is fitted anew.
-  std::int64_t loud_ns = 0, silent_ns = to_ns(period_s());
-  while (silent_ns < to_ns(rig.memory_s) && modal_left(end_ns + silent_ns, nullptr) > kNegligible)
-    loud_ns = std::exchange(silent_ns, 2 * silent_ns);
-  for (int i = 0; i < 4; ++i) {
-    const std::int64_t middle_ns = (loud_ns + silent_ns) / 2;
-    (modal_left(end_ns + middle_ns, nullptr) > kNegligible ? loud_ns : silent_ns) = middle_ns;
-  }
-  quiet_ns = end_ns + silent_ns;
+  quiet_ns = end_ns;
+  fade_modes(begin_ns);
+  for (std::size_t m = 0; m < modal.poles().size(); ++m)
+    if (modal.poles()[m].real() < 0) quiet_ns = std::max(quiet_ns, modal.faded_ns(m));
+  // What hums is followed as long as it is fitted anew.
   if (hums()) quiet_ns = std::max(quiet_ns, modal_refit_at_ns + to_ns(2 * period_s()));
   blocks.restart();
   steady_serial = blocks.serials();

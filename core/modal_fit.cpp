@@ -25,6 +25,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
   u_poles_.resize(capacity_);
+  faded_ns_.resize(capacity_, INT64_MAX);
   x_.resize(all);
   work_.resize(harmonic_ + most, harmonic_ + most);
   columns_.resize(harmonic_ + most, most);
@@ -49,6 +50,7 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
   if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
   modal_ = 2 * static_cast<Index>(count_);
   for (std::size_t m = 0; m < count_; ++m) sizes_[m] = std::abs(poles_[m]);
+  std::fill(faded_ns_.begin(), faded_ns_.end(), INT64_MAX);
   for (PerChannel& channel : channels_) {
     channel.normal.setZero();
     channel.moments.setZero();
@@ -72,6 +74,11 @@ void ModalFit::evaluate(std::int64_t t_ns) noexcept {
   }
   for (std::size_t m = 0; m < count_; ++m) {
     const Index i = harmonic_ + 2 * static_cast<Index>(m);
+    if (t_ns >= faded_ns_[m]) {
+      x_.segment<2>(i).setZero();
+      x_.segment<2>(modal_ + i).setZero();
+      continue;
+    }
     const double envelope = std::exp(poles_[m].real() * u);
     const double slope = sizes_[m] * u;
     const Complex e = envelope < kGone ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
@@ -266,6 +273,14 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   return left;
 }
 
+double ModalFit::most(int channel, std::size_t m, std::int64_t t_ns) const noexcept {
+  const PerChannel& of = at(channel);
+  const auto i = 2 * static_cast<Index>(m);
+  return std::exp(poles_[m].real() * kSecond * static_cast<double>(t_ns - t0_ns_)) *
+         (of.theta.segment<2>(harmonic_ + i).norm() +
+          3 * std::sqrt(std::max(0.0, 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))));
+}
+
 Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) noexcept {
   evaluate(t_ns);
   return std::as_const(x_).segment(harmonic_, modal_);
@@ -291,8 +306,11 @@ double ModalFit::disturbance(int channel, std::int64_t t_ns) noexcept {
 Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {
   const PerChannel& of = at(channel);
   if (!of.usable) return Eigen::Matrix2d::Zero();
-  const auto used = B.leftCols(modal_);
-  return used * of.covariance.topLeftCorner(modal_, modal_).selfadjointView<Eigen::Lower>() * used.transpose();
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (Index j = 0; j < modal_; ++j)
+    for (Index i = 0; i < modal_; ++i)
+      spread.noalias() += of.covariance(std::max(i, j), std::min(i, j)) * B.col(i).lazyProduct(B.col(j).transpose());
+  return spread;
 }
 
 }  // namespace dwell

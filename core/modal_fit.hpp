@@ -69,6 +69,12 @@ class ModalFit {
   };
   [[nodiscard]] Left left(int channel, std::int64_t t_ns) const noexcept;
 
+  // What mode m may at most be at t, three standard deviations included.
+  [[nodiscard]] double most(int channel, std::size_t m, std::int64_t t_ns) const noexcept;
+  // From t on mode m is as good as nothing: it costs no more until the next restart.
+  void fade(std::size_t m, std::int64_t t_ns) noexcept { faded_ns_[m] = t_ns; }
+  [[nodiscard]] std::int64_t faded_ns(std::size_t m) const noexcept { return faded_ns_[m]; }
+
   // What the fit leaves of a reading, steady lines included in the fit.
   [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
   // The transient and the steady lines at t, in the channel's unit.
@@ -100,6 +106,7 @@ class ModalFit {
   std::vector<double> sizes_;  // |λ|
   double converged_ = 0.0;
   std::vector<double> u_poles_;
+  std::vector<std::int64_t> faded_ns_;
   double omega_ = 0.0;
   std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
   Eigen::VectorXd x_;

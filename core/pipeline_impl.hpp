@@ -283,8 +283,11 @@ struct Pipeline::Impl {
   void take_best_poles();
   bool hums() const;
   bool transient_matters() const;
+  bool same_drive() const;
   Eigen::Matrix2d transient_covariance(int c, double samples) const;
   bool refit_modes();
+  double allowed_left(int c) const;
+  void fade_modes(std::int64_t t_ns);
   double modal_left(std::int64_t t_ns, int* worst) const;
   bool settle_by_modes(std::int64_t end_ns);
   double slowest_rate() const;
