@@ -54,6 +54,8 @@ health() {  # a jq expression that must be true of /api/v1/health
   exec 4>&-
   jq -e "$1" <<<"$answer" || { jq -c '[.status, .reason, .stale, .gpio]' <<<"$answer"; return 1; }
 }
+state_is() { dwellctl status --json | jq -e ".state == \"$1\"" || { dwellctl status | head -n 3; return 1; }; }
+last_dwell() { dwellctl dwells --json | jq -e ".dwells[-1] | $1" || { dwellctl dwells | tail -n 4; return 1; }; }
 log_of_service() { journalctl -u dwelld --no-pager --after-cursor="$cursor" "${@:--ocat}"; }  # OPTION…
 log_has() { log_of_service | grep -qE -- "$1" || { log_of_service | tail -n 4; return 1; }; }
 
