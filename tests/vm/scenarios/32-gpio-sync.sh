@@ -21,8 +21,7 @@ sleep 10
 claim "sync: one in each period of the drive" one_per_period "$first" "$(seen)"
 claim "sync: none is lost" line_is sync 'lost == 0'
 claim "sync: every coefficient of a dwell by them is within 4 u of the truth" every_coefficient_is_right 20 150
-claim "sync: so is the frequency, whose uncertainty is that of the pulses" \
-  dwell_says '.frequency_hz | (.value - 4 | fabs) < 4 * .u and .u < 0.002 and .u > 0.0001'
+claim "sync: so is the frequency" dwell_says '.frequency_hz | (.value - 4 | fabs) < 4 * .u and .u < 0.001'
 
 rig_says sync-missing 0.1
 rig_says sync-twice 0.1
