@@ -65,13 +65,15 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     arm(from);
   }
   if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
-  if (drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega) || slipped(centre_ns, table)) return change(from);
+  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega), stepped = watch.close();
+  if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
     if (!pulses_contradict()) settle(end_ns);
   } else if (state == State::measuring) {
     refit_measuring(end_ns);
-    if (!counted_valid || blocks.serials() >= refine_at_serial) count_anew();
+    // Not from what may be another drive.
+    if (!counted_valid || (blocks.serials() >= refine_at_serial && doubtful_quarters() == 0)) count_anew();
   }
 }
 
@@ -125,6 +127,7 @@ void Pipeline::Impl::begin_hold(int from) {
   slips = since_in_phase = 0;
   pulses_before = sync.counts();
   drive.restart();
+  watch.restart();
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
     channel.step = INFINITY;
@@ -133,12 +136,17 @@ void Pipeline::Impl::begin_hold(int from) {
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
 }
 
+// How many of the newest blocks may hold another drive.
+int Pipeline::Impl::doubtful_quarters() const {
+  const int quarters = watch.watches() ? watch.since_good() : std::min(drive.windows_since_good(), 2 * kQuarters);
+  return std::min(quarters, Blocks::kFine - 2 * kQuarters);
+}
+
 void Pipeline::Impl::change(int from) {
   if (state == State::measuring) {
     // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
     // the amplitude, as far as the phase has been slipping away by that.
-    const int back = std::max(std::min(drive.windows_since_good() + 1, 2 * kQuarters + 1),
-                              std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
+    const int back = std::max(doubtful_quarters() + 1, std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
     conclude(std::max(0, blocks.count() - back), false);
     pending_until_serial = blocks.serials() + kLongestPending;
     if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
@@ -154,7 +162,7 @@ void Pipeline::Impl::stop() {
     --index;  // what was armed after the change was no dwell
     emit(EndedBy::drive_stopped);
   } else if (state == State::settling || state == State::measuring) {
-    const int back = std::min(kQuarters * window_periods + drive.windows_since_good() + 2, blocks.count());
+    const int back = std::min(kQuarters * window_periods + doubtful_quarters() + 2, blocks.count());
     conclude(blocks.count() - back, false);
     emit(EndedBy::drive_stopped);
   }
@@ -172,7 +180,7 @@ void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
     // whose contact may lag what it tells of.
     const int least = ended_by == EndedBy::interlock ? 1 : 0;
     const int doubtful =
-        std::min(drive.windows_since_good() > 0 ? drive.windows_since_good() + 1 : least, blocks.count());
+        doubtful_quarters() > 0 ? std::min(doubtful_quarters() + 1, blocks.count()) : std::min(least, blocks.count());
     conclude(blocks.count() - doubtful, with_open && doubtful == 0);
     emit(ended_by);
   }

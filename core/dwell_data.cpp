@@ -26,9 +26,12 @@ void Pipeline::Impl::count_anew() {
   const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
   blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
   counted_valid = true;
-  const Complex X = fit_harmonics(counted, drive_channel, H, 0.0).X[0];
+  const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
+  const Complex X = fit.X[0];
   hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
+  const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
+  if (fit.usable) watch.refer({centroid_ns, fit.mean, fit.X, H, omega, std::sqrt(fit.sigma2), u, u, u_omega});
   const std::int64_t first = blocks.block(0).first_serial;
   refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
 }

@@ -28,14 +28,16 @@ constexpr double kConverged = 0.1;        // of the uncertainty of a pole
 constexpr double kGrowthMeasuring = 2.0;  // the same after the verdict
 constexpr double kMatters = 0.05;         // of the variance
 constexpr double kTurned = 0.1;           // standard deviations
+constexpr int kTurns = 4;                 // of the fit at a better frequency, at most
 constexpr double kSpeaksAgainst = 6.0;    // in N ln σ², of χ²(1)
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;             // standard deviations of what may be left of the transient
 constexpr double kSureOfNoise = 4.0;
-constexpr double kMostTakenOut = 8.0;  // of what may be left, where data begin to count
-constexpr double kNegligible = 1e-3;   // of what is allowed: nothing is subtracted any more
-constexpr double kUnsure = 1.0;        // periods at the beginning of a hold …
-constexpr double kShortest = 2.0;      // … and after these before anything is said
+constexpr double kMostTakenOut = 8.0;       // of what may be left, where data begin to count
+constexpr double kNegligible = 1e-3;        // of the tolerance: nothing is subtracted any more …
+constexpr double kNegligibleOfNoise = 0.2;  // … or of the uncertainty of the phasor
+constexpr double kUnsure = 1.0;             // periods at the beginning of a hold …
+constexpr double kShortest = 2.0;           // … and after these before anything is said
 
 // Angular frequencies of mains hum and its first harmonics, of either kind.
 double mains(std::size_t k) {
@@ -365,6 +367,12 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
   return largest;
 }
 
+// What may be left without being taken out.
+double Pipeline::Impl::negligible_left(int c) const {
+  return std::max(kNegligible * rig.tolerance * std::abs(modal.phasor(c, 1)),
+                  kNegligibleOfNoise * std::sqrt(modal.variance(c) * 2 / modal.samples(c)));
+}
+
 // What has become negligible in every channel is evaluated no more.
 void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
   for (std::size_t m = 0; m < modal.poles().size(); ++m) {
@@ -372,7 +380,7 @@ void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
     double fades_s = 0.0;
     for (int c = 0; c < channel_count; ++c)
       if (modal.usable(c)) {
-        const double most = modal.most(c, m, t_ns) / (kNegligible * allowed_left(c));
+        const double most = modal.most(c, m, t_ns) / negligible_left(c);
         if (most > 1) fades_s = std::max(fades_s, std::log(most) / -modal.poles()[m].real());
       }
     modal.fade(m, t_ns + to_ns(std::min(fades_s, rig.memory_s)));
@@ -429,9 +437,11 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
-  if (tracked()) {
-    // Now that the frequency is known from data taken at it.
-    fit_modes(omega, modal.poles());
+  // Again, now that the frequency is known from data taken at it.
+  for (int i = 0; i < kTurns && tracked(); ++i) {
+    const double w = drive_omega();
+    if (same_drive(w)) break;
+    fit_modes(w, modal.poles());
     take_transient_out(end_ns);
     count_anew();
   }
@@ -452,34 +462,37 @@ void Pipeline::Impl::refit_later(double growth) {
 // Not before a period has gone by.
 void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
 
-// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what is
-// not known of it is a part of the uncertainty that matters.
+// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what
+// is not known of it is a part of the uncertainty that matters.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
-  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || drive.windows_since_good() > 0) return;
-  if (history[history.begin()].t_ns > modal.t0_ns() || !(hums() || transient_matters())) {
+  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || doubtful_quarters() > 0) return;
+  if (history[history.begin()].t_ns > modal.t0_ns()) {
     modal_refit_at_ns = INT64_MAX;
     return;
   }
+  const bool last = !(hums() || transient_matters());
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
   double misfit = NAN;
-  if (same_drive()) {
+  const double w = drive_omega();
+  if (same_drive(w)) {
     feed_modes();
     solve_modes();
     misfit = modal.misfit();
   } else {
-    misfit = fit_modes(omega, best_poles);
+    misfit = fit_modes(w, best_poles);
   }
-  refine_poles(omega, misfit, 1);
+  refine_poles(modal.omega(), misfit, 1);
   take_best_poles();
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+  if (last) modal_refit_at_ns = INT64_MAX;
 }
 
 // Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows.
-bool Pipeline::Impl::same_drive() const {
-  const double turned = std::abs(omega - modal.omega()) * to_s(now_ns - modal.t0_ns());
+bool Pipeline::Impl::same_drive(double w) const {
+  const double turned = std::abs(w - modal.omega()) * to_s(now_ns - modal.t0_ns());
   for (int c = 0; c < channel_count; ++c)
     if (modal.usable(c) &&
         turned * std::abs(modal.phasor(c, 1)) > kTurned * std::sqrt(modal.variance(c) * 2 / modal.samples(c)))
@@ -525,16 +538,13 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   }
 }
 
-void Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
+double Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   if (t_ns < quiet_ns && modal.usable(c)) {
     value -= modal.disturbance(c, t_ns);
-    const auto modes = modal.modes_at(t_ns);
-    const double angle = modal.omega() * to_s(t_ns - modal.t0_ns());
-    auto B = overlap[static_cast<std::size_t>(c)].leftCols(modes.size());
-    B.row(0) += std::sin(angle) * modes.transpose();
-    B.row(1) += std::cos(angle) * modes.transpose();
+    modal.overlap_at(t_ns, overlap[static_cast<std::size_t>(c)]);
   }
   blocks.add(c, t_ns, value);
+  return value;
 }
 
 }  // namespace dwell

@@ -36,6 +36,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   channels_.resize(static_cast<std::size_t>(channels));
   for (PerChannel& channel : channels_) {
     channel.normal.resize(all, all);
+    channel.pending.resize(all, kTogether);
     channel.moments.resize(all);
     channel.theta.resize(harmonic_ + most);
     channel.covariance.resize(most, most);
@@ -55,6 +56,7 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
     channel.normal.setZero();
     channel.moments.setZero();
     channel.squares = channel.samples = 0.0;
+    channel.pending_count = 0;
     channel.usable = channel.referenced = false;
   }
 }
@@ -98,20 +100,32 @@ void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
   }
   const double s = value - to.reference;
   const Index all = linear() + modal_;
-  for (Index j = 0; j < all; ++j) {
-    const double xj = x_(j);
-    double* column = &to.normal(0, j);
-    for (Index i = j; i < all; ++i) column[i] += xj * x_(i);
-    to.moments(j) += xj * s;
-  }
+  to.moments.head(all) += s * x_.head(all);
   to.squares += s * s;
   to.samples += 1.0;
+  // The products of several samples at once: it is the going through the matrix that costs.
+  to.pending.col(to.pending_count).head(all) = x_.head(all);
+  if (++to.pending_count == kTogether) add_pending(to);
+}
+
+void ModalFit::add_pending(PerChannel& to) noexcept {
+  static_assert(kTogether == 4);
+  const Index all = linear() + modal_;
+  for (Index i = to.pending_count; i < kTogether; ++i) to.pending.col(i).setZero();
+  const double *x0 = &to.pending(0, 0), *x1 = &to.pending(0, 1), *x2 = &to.pending(0, 2), *x3 = &to.pending(0, 3);
+  for (Index j = 0; j < all; ++j) {
+    double* column = &to.normal(0, j);
+    const double a = x0[j], b = x1[j], c = x2[j], d = x3[j];
+    for (Index i = j; i < all; ++i) column[i] += (a * x0[i] + b * x1[i]) + (c * x2[i] + d * x3[i]);
+  }
+  to.pending_count = 0;
 }
 
 bool ModalFit::solve(int channel, double range) noexcept {
   PerChannel& of = channels_[static_cast<std::size_t>(channel)];
   const Index P = linear();
   of.usable = false;
+  if (of.pending_count > 0) add_pending(of);
   if (!(of.samples > static_cast<double>(P + 4))) return false;
   const double width2 = std::max(range * range, 1e-300);
   double sigma2 = of.sigma2 > 0 ? std::min(of.sigma2, width2) : width2;
@@ -245,19 +259,17 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   }
   for (int angle = 0; angle < 8; ++angle) {
     const double later = u + angle * M_PI / 8 / omega_;
-    double variance = 0.0;
+    std::array<double, 2 * kMaxModes> x;
     for (std::size_t m = 0; m < count_; ++m) {
-      if (!(poles_[m].real() < 0)) continue;
-      const Complex em = std::exp(poles_[m] * later);
-      const double xm[2] = {em.real(), poles_[m].imag() > 0 ? -em.imag() : 0.0};
-      for (std::size_t l = 0; l < count_; ++l) {
-        if (!(poles_[l].real() < 0)) continue;
-        const Complex el = std::exp(poles_[l] * later);
-        const double xl[2] = {el.real(), poles_[l].imag() > 0 ? -el.imag() : 0.0};
-        for (int p = 0; p < 2; ++p)
-          for (int q = 0; q < 2; ++q)
-            variance += xm[p] * xl[q] * of.covariance(2 * static_cast<Index>(m) + p, 2 * static_cast<Index>(l) + q);
-      }
+      const Complex e = poles_[m].real() < 0 ? std::exp(poles_[m] * later) : Complex{};
+      x[2 * m] = e.real();
+      x[2 * m + 1] = poles_[m].imag() > 0 ? -e.imag() : 0.0;
+    }
+    double variance = 0.0;
+    for (Index j = 0; j < modal_; ++j) {
+      double row = 0.5 * of.covariance(j, j) * x[static_cast<std::size_t>(j)];
+      for (Index i = j + 1; i < modal_; ++i) row += of.covariance(i, j) * x[static_cast<std::size_t>(i)];
+      variance += 2 * row * x[static_cast<std::size_t>(j)];
     }
     left.u = std::max(left.u, variance);
   }
@@ -281,9 +293,13 @@ double ModalFit::most(int channel, std::size_t m, std::int64_t t_ns) const noexc
           3 * std::sqrt(std::max(0.0, 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))));
 }
 
-Eigen::VectorXd::ConstSegmentReturnType ModalFit::modes_at(std::int64_t t_ns) noexcept {
+void ModalFit::overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept {
   evaluate(t_ns);
-  return std::as_const(x_).segment(harmonic_, modal_);
+  const double sine = x_(1), cosine = x_(harmonics_ + 1);
+  for (Index i = 0; i < modal_; ++i) {
+    B(0, i) += sine * x_(harmonic_ + i);
+    B(1, i) += cosine * x_(harmonic_ + i);
+  }
 }
 
 double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept {

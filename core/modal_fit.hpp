@@ -79,8 +79,8 @@ class ModalFit {
   [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
   // The transient and the steady lines at t, in the channel's unit.
   [[nodiscard]] double disturbance(int channel, std::int64_t t_ns) noexcept;
-  // The regressors of the modes at t.
-  [[nodiscard]] Eigen::VectorXd::ConstSegmentReturnType modes_at(std::int64_t t_ns) noexcept;
+  // B += (sin ωu, cos ωu)' (regressors of the modes) at t: what an error of the amplitudes does to the steady phasor.
+  void overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept;
   // Covariance of (Re, Im) of Σ_k w_k exp(-jφ_k)-weighted transients: B Cov B^T, B 2 × modal regressors.
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   [[nodiscard]] int modal_regressors() const noexcept { return 2 * static_cast<int>(capacity_); }
@@ -88,6 +88,8 @@ class ModalFit {
  private:
   struct PerChannel {
     Eigen::MatrixXd normal;  // lower triangle, of all regressors
+    Eigen::MatrixXd pending;  // regressors of the samples not yet in `normal`
+    Eigen::Index pending_count = 0;
     Eigen::VectorXd moments, theta;
     Eigen::MatrixXd covariance;  // of the modal amplitudes, then of the relative changes of the poles they go with
     double squares = 0.0, samples = 0.0, sigma2 = 0.0, reference = 0.0;
@@ -96,7 +98,9 @@ class ModalFit {
   [[nodiscard]] const PerChannel& at(int channel) const noexcept {
     return channels_[static_cast<std::size_t>(channel)];
   }
+  static constexpr Eigen::Index kTogether = 4;
   void evaluate(std::int64_t t_ns) noexcept;
+  void add_pending(PerChannel& to) noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
 
   int harmonics_;

@@ -99,7 +99,8 @@ void Pipeline::Impl::sample(const Record& record) {
     channel.referenced = true;
   }
   history.push(record.t_ns, record.channel, value);
-  add_cleaned(record.t_ns, record.channel, value);
+  const double cleaned = add_cleaned(record.t_ns, record.channel, value);
+  if (record.channel == drive_channel) watch.add(record.t_ns, cleaned);
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}

@@ -24,6 +24,7 @@
 #include "core/report.hpp"
 #include "core/sample_history.hpp"
 #include "core/settling.hpp"
+#include "core/step_watch.hpp"
 #include "core/sync_reference.hpp"
 
 namespace dwell {
@@ -62,6 +63,7 @@ struct Pipeline::Impl {
         totals(channel_count, H),
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
+        watch(given.tolerance),
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
@@ -127,7 +129,8 @@ struct Pipeline::Impl {
   bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
-  DriveMonitor drive;
+  DriveMonitor drive;  // while settling
+  StepWatch watch;     // while measuring
   SyncReference sync;
   SyncReference::Counts pulses_before;  // this hold
   bool permitted = true;                // by the interlock; without one always
@@ -283,10 +286,11 @@ struct Pipeline::Impl {
   void take_best_poles();
   bool hums() const;
   bool transient_matters() const;
-  bool same_drive() const;
+  bool same_drive(double w) const;
   Eigen::Matrix2d transient_covariance(int c, double samples) const;
   bool refit_modes();
   double allowed_left(int c) const;
+  double negligible_left(int c) const;
   void fade_modes(std::int64_t t_ns);
   double modal_left(std::int64_t t_ns, int* worst) const;
   bool settle_by_modes(std::int64_t end_ns);
@@ -294,7 +298,8 @@ struct Pipeline::Impl {
   void refit_later(double growth);
   void refit_measuring(std::int64_t end_ns);
   void take_transient_out(std::int64_t end_ns);
-  void add_cleaned(std::int64_t t_ns, int c, double value);
+  double add_cleaned(std::int64_t t_ns, int c, double value);
+  [[nodiscard]] int doubtful_quarters() const;
   double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every

@@ -1,0 +1,128 @@
+#include "core/step_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dwell {
+namespace {
+
+constexpr double kSure = 5.6;         // standard deviations: once in 5e7, and tested some times a second for days
+constexpr double kBeyond = 1.5;       // tolerances
+constexpr double kDoubt = 3.0;        // standard deviations
+constexpr double kClip = 4.0;         // standard deviations of a reading …
+constexpr double kClipPart = 0.5;     // … or what makes it half of the shortest window's say: no outlier says more
+constexpr double kForget = 1.0 / 64;  // of the excess, per period
+constexpr double kExcess = 0.6;       // of the variance by noise, from which an excess shows
+constexpr int kPeriod = 4;
+
+}  // namespace
+
+void StepWatch::restart() noexcept {
+  seen_ = 0;
+  referred_ = false;
+  open_ = {};
+  open_t_ = open_n_ = in_quarter_ = excess_ = tolerated_ = 0.0;
+  since_good_ = in_doubt_ = 0;
+}
+
+void StepWatch::refer(const Reference& reference) noexcept {
+  if (referred_) {
+    const double shift_s = 1e-9 * static_cast<double>(reference.t_ref_ns - now_.t_ref_ns);
+    const double before = std::abs(now_.X[0]), after = std::abs(reference.X[0]);
+    const double turned = std::arg(reference.X[0] * std::conj(now_.X[0] * std::polar(1.0, now_.omega * shift_s)));
+    const auto to_reference = [&](Block& block) {
+      block.t_s -= shift_s;
+      const double dphi = turned + (reference.omega - now_.omega) * block.t_s;
+      const double scale = after / before;
+      block.rm = (block.rm - (scale - 1) * block.mm) * scale;
+      block.rq = (block.rq - dphi * block.qq) * scale;
+      block.mm *= scale * scale;
+      block.qq *= scale * scale;
+    };
+    const std::int64_t held = std::min<std::int64_t>(seen_, kLongest);
+    for (std::int64_t i = seen_ - held; i < seen_; ++i) to_reference(blocks_[static_cast<std::size_t>(i % kLongest)]);
+    open_ = {};
+    open_t_ = open_n_ = 0.0;
+  }
+  now_ = reference;
+  referred_ = true;
+}
+
+void StepWatch::add(std::int64_t t_ns, double value) noexcept {
+  if (!referred_) return;
+  const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
+  const std::complex<double> step = std::polar(1.0, std::remainder(now_.omega * t_s, 2 * M_PI));
+  std::complex<double> turn = step;
+  double predicted = now_.mean;
+  for (int h = 0; h < now_.harmonics; ++h, turn *= step)
+    predicted += (now_.X[static_cast<std::size_t>(h)] * turn).imag();  // p sin + q cos = Im (p + jq) exp(jωt)
+  const std::complex<double> now = now_.X[0] * step;
+  const double most =
+      std::max(kClip * now_.sigma, kClipPart * kShortest * in_quarter_ * tolerance_ * std::abs(now_.X[0]));
+  const double r = std::clamp(value - predicted, -most, most);
+  open_.rm += r * now.imag();
+  open_.mm += now.imag() * now.imag();
+  open_.rq += r * now.real();
+  open_.qq += now.real() * now.real();
+  open_t_ += t_s;
+  open_n_ += 1.0;
+}
+
+bool StepWatch::close() noexcept {
+  if (!referred_ || open_n_ == 0) return false;
+  open_.t_s = open_t_ / open_n_;
+  in_quarter_ += ((seen_ == 0 ? open_n_ : std::min(open_n_, 2 * in_quarter_)) - in_quarter_) / (seen_ < 8 ? 2 : 8);
+  blocks_[static_cast<std::size_t>(seen_ % kLongest)] = open_;
+  ++seen_;
+  open_ = {};
+  open_t_ = open_n_ = 0.0;
+  const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
+  const double quarter_s = 2 * M_PI / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
+  // Sums since t_j, the moments of time about now so that they serve every j.
+  double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0.0;
+  const double now_s = back(0).t_s + quarter_s / 2;
+  int changed = 0, first_doubt = 0;
+  for (int k = 0; k < most; ++k) {
+    const Block& block = back(k);
+    const double ago = now_s - block.t_s;
+    rm += block.rm;
+    mm += block.mm;
+    r0 += block.rq;
+    r1 += block.rq * ago;
+    q0 += block.qq;
+    q1 += block.qq * ago;
+    q2 += block.qq * ago * ago;
+    if (!(mm > 0 && q0 > 0)) continue;
+    // Beyond some periods not every length is needed: those of like length see the same.
+    if (k + 1 < kPeriod || (k > 32 && (k & (k >> 5 > 1 ? 7 : 3)) != 3)) continue;
+    const double since = ago + quarter_s / 2;  // of t_j
+    const double alpha = rm / mm, u_alpha = std::sqrt(sigma2 / mm + now_.u_amplitude * now_.u_amplitude);
+    const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;  // τ = since - ago
+    const double drift = score / weight;
+    // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
+    const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since));
+    const double u_drift = std::sqrt(sigma2 / weight + std::pow(1.5 * u_phase / since, 2) + std::pow(now_.u_omega, 2));
+    const double by_amplitude = std::abs(alpha) / (std::max(kBeyond * tolerance_, kSure * u_alpha) + tolerated_);
+    const double by_drift =
+        std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
+    const double beyond = std::max(by_amplitude, by_drift);
+    if (std::max(std::abs(alpha) / (u_alpha + tolerated_), std::abs(drift) / (u_drift + tolerated_ / since)) > kDoubt &&
+        first_doubt == 0)
+      first_doubt = k + 1;
+    if (k + 1 >= kShortest && beyond > worst) {
+      worst = beyond;
+      changed = k + 1;
+    }
+    if (k + 1 == kPeriod && in_doubt_ == 0) {
+      const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
+      excess_ += kForget / kPeriod * (std::min(alpha * alpha, 9 * noise + tolerance_ * tolerance_) - noise - excess_);
+      const double shown = std::clamp(excess_ - kExcess * noise, 0.0, tolerance_ * tolerance_ / 2);
+      tolerated_ = kBeyond * std::sqrt(shown);
+    }
+  }
+  in_doubt_ = first_doubt > 0 ? in_doubt_ + 1 : 0;
+  since_good_ = worst > 1 ? changed : std::min(in_doubt_, kShortest);
+  return worst > 1;
+}
+
+}  // namespace dwell
