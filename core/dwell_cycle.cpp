@@ -146,7 +146,8 @@ void Pipeline::Impl::change(int from) {
   if (state == State::measuring) {
     // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
     // the amplitude, as far as the phase has been slipping away by that.
-    const int back = std::max(doubtful_quarters() + 1, std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
+    // A change that begins as a ramp explains most a little after it has begun.
+    const int back = std::max(doubtful_quarters() + 2, std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
     conclude(std::max(0, blocks.count() - back), false);
     pending_until_serial = blocks.serials() + kLongestPending;
     if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;

@@ -31,7 +31,7 @@ std::string Pipeline::Impl::settling_reason() const {
       return "the drive is not steady, or not at a frequency between " +
              std::to_string(rig.excitation.search_low_hz).substr(0, 6) + " and " +
              std::to_string(rig.excitation.search_high_hz).substr(0, 6) + " Hz";
-    if (verdict.worst_channel >= 0 && verdict.worst_left > 1) {
+    if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
       return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +

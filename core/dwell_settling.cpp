@@ -21,7 +21,8 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
     if (!look(to - quarters, to)) return;
   if (settle_by_modes(end_ns)) return;
   if (!verdict.settled || out_of_search()) return;
-  const int counts_from = blocks.index_of(verdict.from_serial);
+  // Where nothing rings the motion before may have been a ramp, of which a window bears a little.
+  const int counts_from = blocks.index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
   if (counts_from >= blocks.count()) return;
   settled_ns = blocks.block(counts_from).begin_ns;
   blocks.forget_before(settled_ns);

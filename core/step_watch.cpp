@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kSure = 5.6;         // standard deviations: once in 5e7, and tested some times a second for days
 constexpr double kBeyond = 1.5;       // tolerances
-constexpr double kDoubt = 3.0;        // standard deviations
+constexpr double kDoubt = 3.0;        // standard deviations …
+constexpr double kUnsure = 0.1;       // … and tolerances
 constexpr double kClip = 4.0;         // standard deviations of a reading …
 constexpr double kClipPart = 0.5;     // … or what makes it half of the shortest window's say: no outlier says more
 constexpr double kForget = 1.0 / 64;  // of the excess, per period
@@ -79,7 +80,7 @@ bool StepWatch::close() noexcept {
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
   const double quarter_s = 2 * M_PI / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
   // Sums since t_j, the moments of time about now so that they serve every j.
-  double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0.0;
+  double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0, most_explained = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
   int changed = 0, first_doubt = 0;
   for (int k = 0; k < most; ++k) {
@@ -93,11 +94,16 @@ bool StepWatch::close() noexcept {
     q1 += block.qq * ago;
     q2 += block.qq * ago * ago;
     if (!(mm > 0 && q0 > 0)) continue;
+    const double since = ago + quarter_s / 2;                                                 // of t_j
+    const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;  // τ = since - ago
+    // When it was: where a change explains most.
+    if (const double explains = rm * rm / mm + score * score / weight; explains > most_explained) {
+      most_explained = explains;
+      changed = k + 1;
+    }
     // Beyond some periods not every length is needed: those of like length see the same.
     if (k + 1 < kPeriod || (k > 32 && (k & (k >> 5 > 1 ? 7 : 3)) != 3)) continue;
-    const double since = ago + quarter_s / 2;  // of t_j
     const double alpha = rm / mm, u_alpha = std::sqrt(sigma2 / mm + now_.u_amplitude * now_.u_amplitude);
-    const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;  // τ = since - ago
     const double drift = score / weight;
     // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
     const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since));
@@ -106,13 +112,12 @@ bool StepWatch::close() noexcept {
     const double by_drift =
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);
-    if (std::max(std::abs(alpha) / (u_alpha + tolerated_), std::abs(drift) / (u_drift + tolerated_ / since)) > kDoubt &&
-        first_doubt == 0)
+    const double unsure = kUnsure * tolerance_ + tolerated_;
+    if (first_doubt == 0 &&
+        (std::abs(alpha) > kDoubt * u_alpha + unsure ||
+         std::abs(drift) > kDoubt * u_drift + kUnsure * tolerance_ * now_.omega + tolerated_ / since))
       first_doubt = k + 1;
-    if (k + 1 >= kShortest && beyond > worst) {
-      worst = beyond;
-      changed = k + 1;
-    }
+    if (k + 1 >= kShortest) worst = std::max(worst, beyond);
     if (k + 1 == kPeriod && in_doubt_ == 0) {
       const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
       excess_ += kForget / kPeriod * (std::min(alpha * alpha, 9 * noise + tolerance_ * tolerance_) - noise - excess_);
