@@ -58,13 +58,18 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
   if (state == State::idle || state == State::fault) {
     if (std::abs(Y0) < 5 * u0) return refresh_reference();
+    if (!permitted || !has_reference()) {
+      enter(permitted ? State::fault : State::idle);
+      return refresh_reference();
+    }
     arm(from);
   }
+  if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
   const bool other = drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega), stepped = watch.close();
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
-    settle(end_ns);
+    if (!pulses_contradict()) settle(end_ns);
   } else if (state == State::measuring) {
     refit_measuring(end_ns);
     // Not from what may be another drive.
@@ -120,6 +125,7 @@ void Pipeline::Impl::begin_hold(int from) {
   settling.restart();
   history_omega = omega;
   slips = since_in_phase = 0;
+  pulses_before = sync.counts();
   drive.restart();
   watch.restart();
   for (Live& channel : live) {
@@ -168,10 +174,14 @@ void Pipeline::Impl::stop() {
 void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
   if (pending) {
     --index;
-    emit(EndedBy::drive_changed);
+    // Of a drive that the interlock has cut the motion may tell first.
+    emit(ended_by == EndedBy::interlock ? ended_by : EndedBy::drive_changed);
   } else if (state == State::settling || state == State::measuring) {
-    // Windows in doubt do not count, whatever ends the dwell.
-    const int doubtful = doubtful_quarters() > 0 ? std::min(doubtful_quarters() + 1, blocks.count()) : 0;
+    // Windows in doubt do not count, whatever ends the dwell; nor does the quarter of a period before the interlock,
+    // whose contact may lag what it tells of.
+    const int least = ended_by == EndedBy::interlock ? 1 : 0;
+    const int doubtful =
+        doubtful_quarters() > 0 ? std::min(doubtful_quarters() + 1, blocks.count()) : std::min(least, blocks.count());
     conclude(blocks.count() - doubtful, with_open && doubtful == 0);
     emit(ended_by);
   }

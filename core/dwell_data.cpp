@@ -16,7 +16,7 @@ void Pipeline::Impl::count_anew() {
   double u_omega = 0.0;
   for (int i = 0; i < kTurns; ++i) {
     blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
-    const Refined refined = refine(rig, counted, drive_channel, totals);
+    const Refined refined = refine_sums(counted, blocks.block(0).begin_ns, blocks.block(blocks.count() - 1).end_ns);
     omega = refined.omega;
     u_omega = refined.u;
     if (refined.reached) break;
@@ -56,14 +56,15 @@ bool Pipeline::Impl::drop_misjudged() {
 }
 
 Refined Pipeline::Impl::gather(int from, int to, bool with_open) const {
+  const std::int64_t begin_ns = from < to ? blocks.block(from).begin_ns : now_ns;
   Refined refined{omega, 0.0, false};
   for (int i = 0; i < kTurns && !refined.reached; ++i) {
     if (i == 0 && from == 0 && to == blocks.count() && counted_valid)
       counted.turned(counted.omega(), counted.t_ref_ns(), gathered);
     else
-      blocks.sum(from, to, refined.omega, from < to ? blocks.block(from).begin_ns : now_ns, gathered);
+      blocks.sum(from, to, refined.omega, begin_ns, gathered);
     if (with_open) blocks.add_open(gathered);
-    refined = refine(rig, gathered, drive_channel, totals);
+    refined = refine_sums(gathered, begin_ns, with_open || from == to ? now_ns : blocks.block(to - 1).end_ns);
   }
   return refined;
 }

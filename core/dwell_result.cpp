@@ -16,7 +16,9 @@ std::string Pipeline::Impl::settling_reason() const {
   if (sparse)
     return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
-  if (state == State::idle) return "the table does not move by more than the minimum";
+  if (state == State::idle)
+    return permitted ? "the table does not move by more than the minimum" : "the interlock is open";
+  if (const std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
   if (state == State::fault) {
     const Live& table = live[static_cast<std::size_t>(drive_channel)];
     return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel)].name + " is " +
@@ -152,6 +154,12 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.warnings.push_back(
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
+  warn_of_pulses(dwell);
+  if (synced() && !std::isfinite(u)) {
+    dwell.settling_reason = "too few sync pulses among the data that count";
+    dwell.warnings.push_back("no coefficients: " + dwell.settling_reason);
+    return dwell;
+  }
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }

@@ -34,6 +34,8 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
       if (record.flags == static_cast<std::uint8_t>(Action::rearm)) rearm();
       break;
     case Kind::edge:
+      edge(record);
+      break;
     case Kind::tick:
       break;
   }

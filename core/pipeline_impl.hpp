@@ -1,6 +1,7 @@
 // The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
 // the state machine of the dwell, dwell_settling.cpp judges whether the transient has decayed, dwell_data.cpp keeps the
-// sums that count and their frequency, dwell_result.cpp makes of them what is reported. Internal to core.
+// sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
+// of all what is reported. Internal to core.
 #pragma once
 
 #include <algorithm>
@@ -24,6 +25,7 @@
 #include "core/sample_history.hpp"
 #include "core/settling.hpp"
 #include "core/step_watch.hpp"
+#include "core/sync_reference.hpp"
 
 namespace dwell {
 
@@ -62,6 +64,7 @@ struct Pipeline::Impl {
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
         watch(given.tolerance),
+        sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         decay(given.boundary, given.masses),
@@ -128,6 +131,9 @@ struct Pipeline::Impl {
   SettlingDetector settling;
   DriveMonitor drive;  // while settling
   StepWatch watch;     // while measuring
+  SyncReference sync;
+  SyncReference::Counts pulses_before;  // this hold
+  bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
   ModalFit modal;
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
@@ -171,7 +177,9 @@ struct Pipeline::Impl {
   std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
 
+  // While settling the motion itself shows the frequency, though pulses may give it in the end.
   [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
+  [[nodiscard]] bool synced() const { return rig.excitation.reference == Reference::sync; }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
 
@@ -188,6 +196,20 @@ struct Pipeline::Impl {
   void open_block(std::int64_t begin_ns) { blocks.open(begin_ns, begin_ns + to_ns(period_s() / kQuarters), omega); }
 
   void sample(const Record& record);
+
+  // A GPIO edge. The loss of the interlock ends the dwell at once; nothing begins before its return, and nothing from
+  // before that counts.
+  void edge(const Record& record);
+
+  // Whether a dwell may begin: with pulses as the reference only while they come, within the range that is searched.
+  [[nodiscard]] bool has_reference() const;
+  // The table moves at another frequency than that of the pulses.
+  [[nodiscard]] bool pulses_contradict() const;
+  // What is wrong with the reference; empty: nothing.
+  [[nodiscard]] std::string reference_reason() const;
+  void warn_of_pulses(Dwell& dwell) const;
+  // `sums`, which are over [from, to], at the best ω for them: leaves them in `totals`.
+  Refined refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const;
 
   void on_block(std::int64_t end_ns);
 

@@ -15,6 +15,13 @@ constexpr double kNegligible = 1e-2;  // part of the uncertainty that changes no
 constexpr double kFurthest = 5e-3;    // rad at the ends of the data; its cube over six, 2e-8, is the error of turning
 }  // namespace
 
+Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channel, Totals& out) noexcept {
+  const std::int64_t t_ref_ns = pulses.nearest_ns(sums.centroid_ns(reference_channel));
+  sums.turned(pulses.omega, t_ref_ns, out);
+  const double mean_square = moments::mean_square_u(out.channel(reference_channel).instants, 2 * out.harmonics() + 1);
+  return {pulses.omega, pulses.u, std::abs(pulses.omega - sums.omega()) * std::sqrt(3 * mean_square) <= kFurthest};
+}
+
 double within_search(const Rig& rig, double omega) noexcept {
   return std::clamp(omega, kTwoPi * rig.excitation.search_low_hz, kTwoPi * rig.excitation.search_high_hz);
 }

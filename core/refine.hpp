@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/rig.hpp"
+#include "core/sync_reference.hpp"
 #include "core/totals.hpp"
 
 namespace dwell {
@@ -17,6 +18,10 @@ struct Refined {
 // refined ω about the centroid of `reference_channel`'s samples, where phase and frequency are uncorrelated. Seven
 // steps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
 [[nodiscard]] Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept;
+
+// The same where pulses give the frequency: nothing is fitted, and `out` is about the instant of phase zero next to the
+// centroid; half a period away from it phase and frequency are as good as uncorrelated.
+[[nodiscard]] Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channel, Totals& out) noexcept;
 
 // ω within the range that the rig file allows to be searched.
 [[nodiscard]] double within_search(const Rig& rig, double omega) noexcept;

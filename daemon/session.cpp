@@ -167,8 +167,9 @@ void Session::light_lamps(bool works) {
                                  [](const ChannelView& channel) { return channel.fault != Fault::none; });
   const bool broken =
       std::any_of(lines.begin(), lines.end(), [](const auto& line) { return line.configured && !line.works; });
-  impl_->gpio->link().order({works && valid && interlock.level.value_or(true), !works || stale || broken},
-                            raw_now_ns());
+  impl_->gpio->link().order(
+      {works && valid && interlock.level.value_or(true), !works || stale || broken || dwell.state == State::fault},
+      raw_now_ns());
 }
 
 std::vector<WatchedThread> Session::threads() const {

@@ -54,6 +54,11 @@ int identify_recording(const IdentifyOptions& options) {
     std::fputs(config::to_string(options.rig, file.error()).c_str(), stderr);
     return kUsage;
   }
+  if (file->rig.excitation.reference == Reference::sync) {
+    say(options.rig + ": the reference is \"sync\", and a recording as text holds no pulses: expected \"tracked\" or " +
+        "\"fixed\" there");
+    return kUsage;
+  }
   const auto recording = read_csv(options.data);
   if (!recording) {
     say(recording.error());

@@ -36,6 +36,7 @@ class Link {
 
   // The GPIO thread. push: false: no room.
   bool push(const Record& edge) noexcept { return edges_.push(edge); }
+  [[nodiscard]] bool has_room() const noexcept { return edges_.write_available() > 0; }
   // Every edge before this instant (CLOCK_MONOTONIC_RAW) has been pushed.
   void seen_to(std::int64_t t_ns) noexcept { seen_to_ns_.store(t_ns, std::memory_order_release); }
   void tell(const Status& status) {

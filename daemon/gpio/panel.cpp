@@ -52,6 +52,8 @@ void Panel::turn(const ClockPair& now) {
   for (const Function function : {Function::interlock, Function::sync}) {
     if (held(function).input) take(function);
     if (held(function).input && now.monotonic_ns >= input(function).probe_ns) probe(function);
+    if (function == Function::interlock && input(function).untold && link_.has_room())
+      tell_edge(function, now.monotonic_ns, status(function).level.value_or(false));
   }
   light();
   previous_raw_ns_ = now.raw_ns;
@@ -152,9 +154,9 @@ void Panel::tell_edge(Function function, std::int64_t monotonic_ns, bool level) 
   const bool changed = told.level != level;
   if (function == Function::interlock || input(function).filter) told.level = level;
   if (function == Function::interlock && changed) {
-    if (const auto changes = interlock_lines_.admit(clocks_.now().raw_ns)) {
+    if (const auto changes = interlock_lines_[level ? 1 : 0].admit(clocks_.now().raw_ns)) {
       std::string line = level ? "gpio: the interlock permits the shaker to run" : "gpio: the interlock is open";
-      if (*changes > 1) line += " (" + std::to_string(*changes) + " changes since the last such line)";
+      if (*changes > 1) line += " (" + std::to_string(*changes) + " times since the last such line)";
       log_.write(level ? Level::info : Level::warning, line, {{"DWELL_GPIO", "interlock"}});
     }
   }
@@ -171,9 +173,11 @@ void Panel::tell_edge(Function function, std::int64_t monotonic_ns, bool level) 
     record.t_half_ns = static_cast<std::uint32_t>(std::min<std::int64_t>((now_ns - previous_raw_ns_) / 2, UINT32_MAX));
     record.flags |= kStampReplaced;
   }
-  if (std::exchange(input(function).gap, false)) record.flags |= kGap;
+  Input& own = input(function);
+  if (std::exchange(own.gap, false)) record.flags |= kGap;
   ++told.edges;
-  if (!link_.push(record)) count_loss(function);
+  own.untold = !link_.push(record);
+  if (own.untold) count_loss(function);
 }
 
 void Panel::count_loss(Function function) {

@@ -56,6 +56,7 @@ class Panel {
     std::optional<EdgeFilter> filter;  // none: rising edges are taken as they come
     std::int64_t probe_ns = 0;         // CLOCK_MONOTONIC
     bool gap = false;                  // edges were lost before the next one
+    bool untold = false;               // the last edge found no room: the stream knows another level
   };
 
   void open(Function function);
@@ -74,7 +75,7 @@ class Panel {
   LineSource& source_;
   Link& link_;
   Log& log_;
-  Throttle interlock_lines_;
+  std::array<Throttle, 2> interlock_lines_;  // by level: a loss is told however lately it returned
   ClockMap clocks_;
   std::int64_t previous_raw_ns_ = INT64_MIN;  // when edges were read before
   std::int64_t lamps_anew_ns_ = INT64_MIN;    // when they are set though nothing has changed

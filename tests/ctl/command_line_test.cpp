@@ -347,6 +347,12 @@ TEST(CommandLine, IdentifySaysWhyThereIsNothing) {
   EXPECT_EQ(unreadable.code, 2);
   EXPECT_NE(unreadable.err.find("u.csv:2:3: "), std::string::npos) << unreadable.err;
   EXPECT_EQ(run({"identify", "--rig", folder.path("none.toml"), folder.path("u.csv")}).code, 2);
+  std::string synced = kRig;
+  synced.replace(synced.find("[excitation]\n"), 13, "[excitation]\nreference = \"sync\"\n");
+  synced += "\n[gpio]\nsync = { chip = \"/dev/gpiochip0\", line = 1 }\n";
+  const Outcome pulses = run({"identify", "--rig", folder.file("s.toml", synced), folder.path("still.csv")});
+  EXPECT_EQ(pulses.code, 2);
+  EXPECT_NE(pulses.err.find("holds no pulses"), std::string::npos) << pulses.err;
 }
 
 TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {

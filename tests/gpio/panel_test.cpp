@@ -141,6 +141,24 @@ TEST_F(PanelTest, WhatDoesNotFitIntoTheStreamIsCountedAndFlagged) {
   EXPECT_EQ(records.back().flags, kGap);
 }
 
+TEST_F(PanelTest, TheLossOfTheInterlockIsToldOnceThereIsRoom) {
+  start();
+  for (std::size_t i = 0; i < Link::kEdges; ++i) link.push({});
+  lines[0].edge(now_ns + 1, false);
+  now_ns += 1'000'000;
+  panel->turn({now_ns + kOffset_ns, now_ns, 30});
+  EXPECT_EQ(status(Function::interlock).lost, 1u);
+  for (Record record; link.pop(record);) {
+  }
+  turn(1'000'000);
+  EXPECT_TRUE(is(records.back(), Line::interlock, 0.0, now_ns));
+  EXPECT_EQ(records.back().flags, kGap);
+  const std::size_t told = records.size();
+  turn(1'000'000);
+  EXPECT_EQ(records.size(), told) << "once";
+  EXPECT_EQ(status(Function::interlock).lost, 1u);
+}
+
 TEST_F(PanelTest, ALineThatBabblesDoesNotKeepATurnBusyForEver) {
   start();
   for (int i = 0; i < 10'000; ++i) lines[1].edge(now_ns + i, true);

@@ -74,10 +74,6 @@ void define(CLI::App& app, Arguments& arguments) {
     app.add_option("--" + std::string(fault.name), rig.faults.*fault.member, fault.help)
         ->check(CLI::Range(0.0, fault.highest));
   app.add_option("--sync", arguments.sync.file, "the sync output's line, a simulated GPIO chip's sim_gpioK/pull");
-  app.add_option("--sync-missing", arguments.sync.missing, "probability per period of no sync pulse")
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--sync-twice", arguments.sync.twice, "probability per period of two sync pulses")
-      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--print-truth", arguments.print_truth, "print coefficients and steady phasors as JSON, and end");
   RecordingOptions& recording = arguments.recording;
   app.add_option("--csv", arguments.csv, "write a recording to this file (-: standard output), and end");

@@ -124,9 +124,12 @@ std::string Server::Impl::status() {
   return "ok {\"t_s\":" + std::to_string(time.at(clock())) +
          ",\"running\":" + (responder.device.running() ? "true" : "false") +
          ",\"frequency_hz\":" + std::to_string(drive.frequency_hz) +
-         ",\"amplitude\":" + std::to_string(drive.amplitude) + ",\"requests\":" + std::to_string(tally.requests) +
-         ",\"answers\":" + std::to_string(tally.answers) + ",\"exceptions\":" + std::to_string(tally.exceptions) +
-         ",\"unanswered\":" + std::to_string(tally.unanswered) + ",\"resets\":" + std::to_string(tally.resets) +
+         ",\"amplitude\":" + std::to_string(drive.amplitude) +
+         ",\"sync_missing\":" + std::to_string(responder.device.faults.sync_missing) +
+         ",\"sync_twice\":" + std::to_string(responder.device.faults.sync_twice) +
+         ",\"requests\":" + std::to_string(tally.requests) + ",\"answers\":" + std::to_string(tally.answers) +
+         ",\"exceptions\":" + std::to_string(tally.exceptions) + ",\"unanswered\":" + std::to_string(tally.unanswered) +
+         ",\"resets\":" + std::to_string(tally.resets) +
          ",\"connections\":" + std::to_string(exchange.connection_count()) +
          ",\"silent\":" + (responder.silent ? "true" : "false") + (options.can.empty() ? "" : "," + can.status()) + "}";
 }

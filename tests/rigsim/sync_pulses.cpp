@@ -20,14 +20,19 @@ std::int64_t raw_now_ns() {
   return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
+double number_of(const std::string& status, const std::string& key) {
+  const auto at = status.find("\"" + key + "\":");
+  if (at == std::string::npos) return 0.0;
+  const auto first = at + key.size() + 3;
+  return number(status.substr(first, status.find_first_of(",}", first) - first)).value_or(0.0);
+}
+
 }  // namespace
 
-double running_frequency_hz(const std::string& status) {
-  constexpr const char* kKey = "\"frequency_hz\":";
-  const auto at = status.find(kKey);
-  if (at == std::string::npos || status.find("\"running\":true") == std::string::npos) return 0.0;
-  const auto first = at + std::strlen(kKey);
-  return number(status.substr(first, status.find_first_of(",}", first) - first)).value_or(0.0);
+SyncState sync_state(const std::string& status) {
+  const bool running = status.find("\"running\":true") != std::string::npos;
+  return {running ? number_of(status, "frequency_hz") : 0.0, number_of(status, "sync_missing"),
+          number_of(status, "sync_twice")};
 }
 
 tl::expected<std::unique_ptr<SyncPulses>, std::string> SyncPulses::start(const SyncOptions& options, Server& server) {
@@ -49,12 +54,12 @@ void SyncPulses::run() {
   std::uniform_real_distribution<double> chance;
   double next_s = server_.simulated_time_s(raw_now_ns());
   while (true) {
-    const double frequency_hz = running_frequency_hz(server_.command("status"));
-    const double period_s = frequency_hz > 0.0 ? 1.0 / frequency_hz : kIdle_s;
-    if (frequency_hz > 0.0) {
+    const SyncState state = sync_state(server_.command("status"));
+    const double period_s = state.frequency_hz > 0.0 ? 1.0 / state.frequency_hz : kIdle_s;
+    if (state.frequency_hz > 0.0) {
       const double length_s = std::min(0.1 * period_s, 0.01);
-      if (chance(random_) >= options_.missing && !pulse(next_s, length_s)) return;
-      if (chance(random_) < options_.twice && !pulse(next_s + 0.25 * period_s, length_s)) return;
+      if (chance(random_) >= state.missing && !pulse(next_s, length_s)) return;
+      if (chance(random_) < state.twice && !pulse(next_s + 0.25 * period_s, length_s)) return;
     }
     next_s += period_s;
     if (!wait_until(next_s - 0.5 * period_s)) return;

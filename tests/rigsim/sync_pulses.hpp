@@ -17,9 +17,7 @@
 namespace rigsim {
 
 struct SyncOptions {
-  std::string file;      // empty: no sync output
-  double missing = 0.0;  // probability per period of no pulse
-  double twice = 0.0;    // … of a second pulse a quarter of a period later
+  std::string file;  // empty: no sync output
   std::uint64_t seed = 1;
 };
 
@@ -48,7 +46,12 @@ class SyncPulses {
   std::thread thread_;
 };
 
-// The frequency in the answer to the control line `status`; 0: the drive does not run.
-[[nodiscard]] double running_frequency_hz(const std::string& status);
+// What the answer to the control line `status` says of the sync output.
+struct SyncState {
+  double frequency_hz = 0.0;  // 0: the drive does not run
+  double missing = 0.0;       // Faults::sync_missing
+  double twice = 0.0;         // Faults::sync_twice
+};
+[[nodiscard]] SyncState sync_state(const std::string& status);
 
 }  // namespace rigsim

@@ -47,7 +47,6 @@ TEST_F(SyncTest, PulsesGoUpAndDownWhileTheDriveRuns) {
 
 TEST_F(SyncTest, AStoppedDriveHasNone) {
   server->command("stop");
-  options.missing = 0.0;
   pulses = std::move(*SyncPulses::start(options, *server));
   server->command("status");
   pulses.reset();
@@ -62,14 +61,28 @@ TEST_F(SyncTest, AFileThatCannotBeWrittenIsSaidToBe) {
   EXPECT_EQ(none.error(), "cannot write /no/such/line: No such file or directory");
 }
 
-TEST(RunningFrequency, IsReadFromTheStatusLine) {
+TEST_F(SyncTest, MissingPulsesAreMissingUntilTheyAreBack) {
+  server->command("sync-missing 1");
+  pulses = std::move(*SyncPulses::start(options, *server));
+  pollfd ready{ends[0], POLLIN, 0};
+  EXPECT_EQ(::poll(&ready, 1, 100), 0);
+  server->command("sync-missing 0");
+  EXPECT_EQ(told(18), "pull-up\npull-down\n");
+}
+
+TEST(SyncState, IsReadFromTheStatusLine) {
   auto server = std::move(*Server::start({}));
-  EXPECT_EQ(running_frequency_hz(server->command("status")), 4.0);
+  EXPECT_EQ(sync_state(server->command("status")).frequency_hz, 4.0);
   server->command("frequency 4.25");
-  EXPECT_EQ(running_frequency_hz(server->command("status")), 4.25);
+  server->command("sync-missing 0.5");
+  server->command("sync-twice 0.25");
+  const SyncState state = sync_state(server->command("status"));
+  EXPECT_EQ(state.frequency_hz, 4.25);
+  EXPECT_EQ(state.missing, 0.5);
+  EXPECT_EQ(state.twice, 0.25);
   server->command("stop");
-  EXPECT_EQ(running_frequency_hz(server->command("status")), 0.0);
-  EXPECT_EQ(running_frequency_hz("error: what?"), 0.0);
+  EXPECT_EQ(sync_state(server->command("status")).frequency_hz, 0.0);
+  EXPECT_EQ(sync_state("error: what?").frequency_hz, 0.0);
 }
 
 }  // namespace

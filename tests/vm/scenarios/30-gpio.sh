@@ -36,13 +36,26 @@ claim "gpio: the ready lamp blinks while nothing is settled" blinks 2
 claim "gpio: the fault lamp is dark, high where low is active" eventually 10 lamp 3 1
 rig_says start
 claim "gpio: the ready lamp is steady once settled and valid" eventually 60 steady 2 1
+every_coefficient_is_right 10 60 >/dev/null
 
 pull 0 down
 claim "gpio: the loss of the interlock is an event" eventually 5 log_has "the interlock is open"
 claim "gpio: it shows in the health" line_is interlock 'level == 0'
+claim "gpio: it has ended the dwell, which is marked" eventually 5 last_dwell '.ended_by == "interlock"'
+right_at_the_end() {  # the dwell as it is kept, against the rig's truth
+  dwellctl dwells --json | jq -e --slurpfile truth "$work/truth.json" '
+    def off($given; $true): (($given.value - $true) / $given.u) | fabs;
+    .dwells[-1].elements as $found | $truth[0] as $rig
+    | [range($found | length) | off($found[.].stiffness; $rig.stiffness[.]), off($found[.].damping; $rig.damping[.])]
+    | if length == 8 and max < 4 then true else "off by \(.) u" | halt_error end'
+}
+claim "gpio: every coefficient of it is within 4 u of the truth" right_at_the_end
+claim "gpio: the operator is told why nothing is measured" sh -c 'dwellctl status | grep -q "interlock is open"'
 claim "gpio: the ready lamp blinks while it is open" blinks 2
+claim "gpio: nothing is measured while it is open, though the table moves" state_is idle
 pull 0 up
 claim "gpio: its return is an event" eventually 5 log_has "the interlock permits"
+claim "gpio: then a new dwell is measured" eventually 60 state_is measuring
 
 pulses 50
 claim "gpio: every sync pulse is seen once" eventually 3 line_is sync 'edges == 50'

@@ -1,7 +1,6 @@
 # Lines that cannot be had, and the keys of a line: 0 interlock (held by another program at first), 1 sync on a chip that is
 # not there, 2 ready lamp on a line that the chip does not have.
 line_is() { health ".gpio.$1.$2"; }
-measuring() { dwellctl status --json | jq -e '.state == "measuring"'; }
 
 start_gpio
 start_rig --tcp 127.0.0.1:1502 --unit mm --noise 0.001
@@ -26,7 +25,7 @@ claim "gpio fault: so it is in the log" log_has "interlock does not work: line 0
 claim "gpio fault: the operator sees it" sh -c 'dwellctl status | grep -q "sync does not work: there is no"'
 claim "gpio fault: the health is degraded" health '.status == "degraded"'
 claim "gpio fault: the fault lamp is lit" eventually 10 test "$(level 3)" = 1
-claim "gpio fault: the service measures all the same" eventually 60 measuring
+claim "gpio fault: the service measures all the same" eventually 60 state_is measuring
 
 kill "$holder"
 claim "gpio fault: a line that is let go is taken" eventually 20 line_is interlock works

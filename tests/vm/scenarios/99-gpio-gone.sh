@@ -1,7 +1,6 @@
 # A chip that is taken away under the service and comes back, maybe by another number: a link has its name, as a udev rule
 # would make it. The last of all: the kernel leaves a warning of its own.
 line_is() { health ".gpio.$1.$2"; }
-measuring() { dwellctl status --json | jq -e '.state == "measuring"'; }
 
 start_gpio
 ln -sfn "$chip" /dev/rig-gpio
@@ -14,12 +13,15 @@ start_rig --tcp 127.0.0.1:1502 --unit mm --noise 0.001
   echo "ready = { chip = \"/dev/rig-gpio\", line = 2 }"
 } | start_service
 claim "gpio gone: the interlock works" eventually 10 line_is interlock 'level == 1'
+claim "gpio gone: a dwell is measured" eventually 60 state_is measuring
 echo 0 >/sys/kernel/config/gpio-sim/dwell/live
 claim "gpio gone: the interlock counts as lost" eventually 10 log_has "the interlock is open"
 claim "gpio gone: with the reason" eventually 10 line_is interlock 'works | not'
 claim "gpio gone: the lamp is known not to work" eventually 10 line_is ready 'works | not'
-claim "gpio gone: the service measures on" eventually 60 measuring
+claim "gpio gone: the dwell has ended" eventually 5 last_dwell '.ended_by == "interlock"'
+claim "gpio gone: nothing is measured without it" eventually 5 state_is idle
 start_gpio
 ln -sfn "$chip" /dev/rig-gpio
 pull 0 up
 claim "gpio gone: a chip that is back is taken again" eventually 20 line_is interlock 'works and .gpio.ready.works'
+claim "gpio gone: and then a dwell is measured" eventually 60 state_is measuring
