@@ -1,40 +1,44 @@
-#include "core/pipeline_impl.hpp"
-
 #include <utility>
+
+#include "core/pipeline_impl.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kGrowth = 1.25;   // of the hold, before its poles are refined again
+constexpr double kGrowth = 1.25;                  // of the hold, before its poles are refined again
 constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most, and part of the time expected to be left
 constexpr double kSkipped = 0.15;  // of the hold, its violent beginning: what has decayed by then needs no mode …
-constexpr double kSkippedMore = 0.1, kSkippedMost = 0.6;  // … and more of it each time that the fit does not explain the data
-constexpr double kGone = 1e-6;     // of an amplitude by then
-constexpr double kTrust = 0.05;    // relative change of a pole in one step of its refinement, as far as the data leave it open
-constexpr int kRefinements = 2;    // steps each time, at most
+constexpr double kSkippedMore = 0.1,
+                 kSkippedMost = 0.6;  // … and more of it each time that the fit does not explain the data
+constexpr double kGone = 1e-6;        // of an amplitude by then
+constexpr double kTrust =
+    0.05;  // relative change of a pole in one step of its refinement, as far as the data leave it open
+constexpr int kRefinements = 2;  // steps each time, at most
 constexpr std::size_t kExtraPoles = 2;
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
-constexpr double kSureOfLine = 9.0;    // exp(-9): once in 8000 searches noise alone
+constexpr double kSureOfLine = 9.0;                               // exp(-9): once in 8000 searches noise alone
 constexpr double kMainsFirst = 1.2;
-constexpr double kBeside = 2.0;  // half cycles over the search
+constexpr double kBeside = 2.0;                                                 // half cycles over the search
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
-constexpr int kManyRefinements = 8;  // where the poles are far off
-constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
-constexpr double kSame = 0.3;         // rad over the fit, by which two poles must differ
-constexpr double kNear = 0.1;         // relative, of a chain's pole to one that the data show
-constexpr double kConverged = 0.1; // of the uncertainty of a pole
+constexpr int kManyRefinements = 8;                                             // where the poles are far off
+constexpr double kPenalty = 50.0;         // of the misfit, for each pole beside the chain's
+constexpr double kSame = 0.3;             // rad over the fit, by which two poles must differ
+constexpr double kNear = 0.1;             // relative, of a chain's pole to one that the data show
+constexpr double kConverged = 0.1;        // of the uncertainty of a pole
 constexpr double kGrowthMeasuring = 1.6;  // the same after the verdict …
 constexpr double kLongest = 8.0;          // … until the hold is so many times as long as it took to settle
 constexpr double kSafety = 0.8;           // of what is allowed: that is itself only estimated
-constexpr double kSure = 3.0;      // standard deviations of what may be left of the transient
+constexpr double kSure = 3.0;             // standard deviations of what may be left of the transient
 constexpr double kSureOfNoise = 4.0;
 constexpr double kMostTakenOut = 8.0;  // of what may be left, where data begin to count
-constexpr double kNegligible = 1e-3;  // of what is allowed: nothing is subtracted any more
-constexpr double kUnsure = 1.0;    // periods at the beginning of a hold …
-constexpr double kShortest = 2.0;  // … and after these before anything is said
+constexpr double kNegligible = 1e-3;   // of what is allowed: nothing is subtracted any more
+constexpr double kUnsure = 1.0;        // periods at the beginning of a hold …
+constexpr double kShortest = 2.0;      // … and after these before anything is said
 
 // Angular frequencies of mains hum and its first harmonics, of either kind.
-double mains(std::size_t k) { return kTwoPi * (k < kMains / 2 ? 50.0 * static_cast<double>(k + 1) : 60.0 * static_cast<double>(k - kMains / 2 + 1)); }
+double mains(std::size_t k) {
+  return kTwoPi * (k < kMains / 2 ? 50.0 * static_cast<double>(k + 1) : 60.0 * static_cast<double>(k - kMains / 2 + 1));
+}
 
 }  // namespace
 
@@ -43,7 +47,8 @@ double Pipeline::Impl::drive_omega() {
   const int from = blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to = blocks.count();
   double w = omega;
   if (from >= to) return w;
-  const std::int64_t middle_ns = blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
+  const std::int64_t middle_ns =
+      blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
   for (int step = 0; step < 3; ++step) {
     blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
     const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
@@ -104,7 +109,8 @@ void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Comp
 bool Pipeline::Impl::refit_modes() {
   const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
   // The first period may hold the end of what was before.
-  const std::int64_t skipped_ns = std::max(to_ns(kUnsure * period_s()), static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)));
+  const std::int64_t skipped_ns =
+      std::max(to_ns(kUnsure * period_s()), static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)));
   modal_from_ns = std::max(steady_ns + skipped_ns, oldest_ns);
   for (double& range : ranges) range = 0.0;
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
@@ -191,8 +197,10 @@ bool Pipeline::Impl::explained() const {
 
 double Pipeline::Impl::unexplained(int c) const {
   const Noise& noise = noises[static_cast<std::size_t>(c)];
-  const double by_noise = modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
-  const double by_decay = noise.earlier - noise.later * (1 + kSureOfNoise * std::sqrt(2 * 2 / std::max(1.0, noise.in_half)));
+  const double by_noise =
+      modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
+  const double by_decay =
+      noise.earlier - noise.later * (1 + kSureOfNoise * std::sqrt(2 * 2 / std::max(1.0, noise.in_half)));
   return std::max(by_noise, by_decay);
 }
 
@@ -254,8 +262,9 @@ bool Pipeline::Impl::find_extra_pole() {
   for (int c = 0; c < channel_count; ++c) {
     if (c == drive_channel || !modal.usable(c)) continue;
     const double rate = modal.samples(c) / std::max(1e-9, to_s(now_ns - modal.t0_ns()));
-    const auto lines = static_cast<std::size_t>(
-        std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega) / grid, 0.0, static_cast<double>(spectrum.size() - kMains)));
+    const auto lines =
+        static_cast<std::size_t>(std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega) / grid,
+                                            0.0, static_cast<double>(spectrum.size() - kMains)));
     std::fill(spectrum.begin(), spectrum.end(), Complex{});
     double squares = 0.0, count = 0.0;
     for (auto i = history.first_at(modal.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
@@ -318,7 +327,8 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
     const ModalFit::Left left = modal.left(c, t_ns);
     double ratio = (left.envelope + kSure * left.u) / std::max(kSafety * allowed, 1e-300);
     // What the fit leaves over beyond the noise is not known to be no transient.
-    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / std::max(allowed, 1e-300));
+    if (const double power = unexplained(c); power > 0)
+      ratio = std::max(ratio, std::sqrt(2 * power) / std::max(allowed, 1e-300));
     if (ratio > largest) {
       largest = ratio;
       if (worst) *worst = c;
@@ -335,7 +345,8 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     if (!refit_modes()) return false;
     // Far from settled there is time.
     const double left = modal_left(end_ns, nullptr);
-    const double ahead_s = left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
+    const double ahead_s =
+        left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
     refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kGrowth, kGrowthFar));
   } else {
     feed_modes();
@@ -349,7 +360,8 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     if (!explained()) refit_soon();
   }
   const bool waits = verdict.worst_left > 1;
-  verdict.settles_in_s = waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
+  verdict.settles_in_s =
+      waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
   if (waits || out_of_search()) return true;
   // The data count from where the same could be said of an earlier instant; further back, where that would leave too
   // few, only as long as what is taken out is no large multiple of what may be left.
@@ -395,7 +407,8 @@ void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_
 // More data tell better what the transient was: while all since the hold's beginning are there, now and then.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || drive.windows_since_good() > 0) return;
-  if (history[history.begin()].t_ns > modal.t0_ns() || to_s(now_ns - modal.t0_ns()) > kLongest * to_s(verdict_ns - modal.t0_ns())) {
+  if (history[history.begin()].t_ns > modal.t0_ns() ||
+      to_s(now_ns - modal.t0_ns()) > kLongest * to_s(verdict_ns - modal.t0_ns())) {
     modal_refit_at_ns = INT64_MAX;
     return;
   }
@@ -419,7 +432,8 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
   // Until nothing is left that matters.
   const double left = modal_left(end_ns, nullptr);
-  quiet_ns = end_ns + (left > kNegligible ? to_ns(std::min(std::log(left / kNegligible) / slowest_rate(), rig.memory_s)) : 0);
+  quiet_ns =
+      end_ns + (left > kNegligible ? to_ns(std::min(std::log(left / kNegligible) / slowest_rate(), rig.memory_s)) : 0);
   blocks.restart();
   steady_serial = blocks.serials();
   for (auto& B : overlap) B.setZero();

@@ -1,7 +1,7 @@
+#include <Eigen/Geometry>
+
 #include "core/pipeline_impl.hpp"
 #include "core/scatter.hpp"
-
-#include <Eigen/Geometry>
 
 namespace dwell {
 namespace {

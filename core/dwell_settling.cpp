@@ -49,7 +49,8 @@ bool Pipeline::Impl::look(int from, int to) {
       return false;
     }
     if (watched && fit.usable) take_noise(c, from, to);
-    const double noise = watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
+    const double noise =
+        watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
     // Relative to the table's phase, whose own noise comes on top.
     readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
@@ -67,8 +68,8 @@ bool Pipeline::Impl::look(int from, int to) {
   return true;
 }
 
-// In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine follow
-// any smooth motion; the newest period counts an eighth of all.
+// In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine
+// follow any smooth motion; the newest period counts an eighth of all.
 void Pipeline::Impl::take_noise(int c, int from, int to) {
   Noise& noise = noises[static_cast<std::size_t>(c)];
   const double in_quarter = fits[static_cast<std::size_t>(c)].samples / (to - from);

@@ -169,7 +169,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     // Two independent errors with each covariance: along the principal axes.
     const double rounding = std::norm(per_reading) * seen.quantization_u * seen.quantization_u;
     for (const auto& [name, covariance, dof] :
-         {std::tuple<const char*, Eigen::Matrix2d, double>{"noise of ", turn * seen.covariance * turn.transpose(), seen.dof},
+         {std::tuple<const char*, Eigen::Matrix2d, double>{"noise of ", turn * seen.covariance * turn.transpose(),
+                                                           seen.dof},
           {"transient left in ", turn * seen.transient * turn.transpose(), kInfinity},
           {"quantization of ", rounding * Eigen::Matrix2d::Identity(), kInfinity}}) {
       if (covariance.isZero(0)) continue;

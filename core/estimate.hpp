@@ -32,9 +32,9 @@ struct Evidence {
   std::array<std::complex<double>, kMaxHarmonics> X{};   // phasors of the reading at ω … Hω, SI
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (Re X_1, Im X_1)
   double dof = 0.0;                                      // degrees of freedom behind that covariance
-  Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  // covariance by what is not known of the transient
-  double quantization_u = 0.0;  // of the reading, either component, the device's rounding
-  double turnaround_u_s = 0.0;  // standard uncertainty of the instants, shared by the device
+  Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();   // covariance by what is not known of the transient
+  double quantization_u = 0.0;                           // of the reading, either component, the device's rounding
+  double turnaround_u_s = 0.0;                           // standard uncertainty of the instants, shared by the device
 };
 
 struct Frequency {

@@ -11,7 +11,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kSecond = 1e-9;
-constexpr double kGone = 1e-13;      // of an amplitude: as good as nothing
+constexpr double kGone = 1e-13;     // of an amplitude: as good as nothing
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 
 }  // namespace
@@ -247,8 +247,7 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
         const double xl[2] = {el.real(), poles_[l].imag() > 0 ? -el.imag() : 0.0};
         for (int p = 0; p < 2; ++p)
           for (int q = 0; q < 2; ++q)
-            variance += xm[p] * xl[q] *
-                        of.covariance(2 * static_cast<Index>(m) + p, 2 * static_cast<Index>(l) + q);
+            variance += xm[p] * xl[q] * of.covariance(2 * static_cast<Index>(m) + p, 2 * static_cast<Index>(l) + q);
       }
     }
     left.u = std::max(left.u, variance);
@@ -258,7 +257,8 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   Complex sum{};
   for (std::size_t m = 0; m < count_; ++m)
     if (poles_[m].real() < 0)
-      sum += Complex{of.theta(harmonic_ + 2 * static_cast<Index>(m)), of.theta(harmonic_ + 2 * static_cast<Index>(m) + 1)} *
+      sum += Complex{of.theta(harmonic_ + 2 * static_cast<Index>(m)),
+                     of.theta(harmonic_ + 2 * static_cast<Index>(m) + 1)} *
              std::exp(poles_[m] * u);
   if (std::abs(sum) > kStandsOut * left.u) left.envelope = std::max(left.envelope, std::abs(sum));
   return left;

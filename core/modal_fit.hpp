@@ -87,7 +87,9 @@ class ModalFit {
     double squares = 0.0, samples = 0.0, sigma2 = 0.0, reference = 0.0;
     bool usable = false, referenced = false;
   };
-  [[nodiscard]] const PerChannel& at(int channel) const noexcept { return channels_[static_cast<std::size_t>(channel)]; }
+  [[nodiscard]] const PerChannel& at(int channel) const noexcept {
+    return channels_[static_cast<std::size_t>(channel)];
+  }
   void evaluate(std::int64_t t_ns) noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
 
@@ -95,7 +97,7 @@ class ModalFit {
   std::size_t capacity_, count_ = 0;
   Eigen::Index harmonic_, modal_ = 0;  // regressors: 2H+1, and of the present modes
   std::vector<std::complex<double>> poles_, moved_;
-  std::vector<double> sizes_;    // |λ|
+  std::vector<double> sizes_;  // |λ|
   double converged_ = 0.0;
   std::vector<double> u_poles_;
   double omega_ = 0.0;

@@ -28,11 +28,11 @@ namespace dwell {
 
 inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr int kQuarters = 4;          // windows of one period
-inline constexpr int kFewestQuarters = 6;     // of data that a dwell must keep
+inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
-inline constexpr std::size_t kMains = 8;     // lines of hum, of 50 and 60 Hz
-inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
+inline constexpr std::size_t kMains = 8;  // lines of hum, of 50 and 60 Hz
+inline constexpr double kStuck_s = 0.5;   // and at least kLostPeriods with one and the same reading: it is stuck
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 [[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -127,17 +127,18 @@ struct Pipeline::Impl {
   DriveMonitor drive;
   SampleHistory history;
   ModalFit modal;
-  std::uint64_t modal_next = 0;          // the first sample of the history that the modal fit has not seen
+  std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
-  double modal_skipped = 0.0;            // part of the hold that the modal fit leaves out
-  std::int64_t quiet_ns = INT64_MIN;     // until then the transient is taken out of what comes in
-  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras, spectrum;
+  double modal_skipped = 0.0;         // part of the hold that the modal fit leaves out
+  std::int64_t quiet_ns = INT64_MIN;  // until then the transient is taken out of what comes in
+  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
+      spectrum;
   struct Noise {
     double variance = INFINITY, freedom = 0.0;
     double earlier = 0.0, later = 0.0, in_half = 0.0;  // of the modal fit's residuals in either half of it
   };
-  std::vector<Noise> noises;  // per channel, of the readings: from what no smooth motion explains
-  std::vector<double> ranges;            // per channel, largest distance from the first reading of the hold
+  std::vector<Noise> noises;   // per channel, of the readings: from what no smooth motion explains
+  std::vector<double> ranges;  // per channel, largest distance from the first reading of the hold
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   DecayRate decay;

@@ -13,14 +13,20 @@ namespace dwell {
 enum class Kind : std::uint8_t {
   sample,  // `value`: the device's own number, before scale and offset; `t_half_ns`; `flags`: kGap, kStampReplaced
   channel_state,  // `flags`: a Fault; Fault::none says that the channel delivers again
-  edge,           // a GPIO edge; `channel`: the line; `value`: the level after it, 0 or 1
+  edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
   action,         // an operator's action; `flags`: an Action
   tick,           // time goes on, nothing else
 };
 
-// Sample flags.
+// Sample and edge flags.
 inline constexpr std::uint8_t kGap = 1;            // samples of this channel were lost immediately before this one
 inline constexpr std::uint8_t kStampReplaced = 2;  // the device's stamp was implausible; the instant is that of reading
+
+// The GPIO inputs. Level 1 is the active one, whatever the voltage.
+enum class Line : std::uint16_t {
+  interlock = 0,  // 1: the shaker may run. The first edge is the level at the start; from 0 to 1: it may again
+  sync = 1,       // one edge to 1 for each period of the excitation; edges to 0 are not told
+};
 
 // Why a channel does not deliver. The numbers are those of dwell_driver.h (DWELL_FAULT_...), and are recorded.
 enum class Fault : std::uint8_t {

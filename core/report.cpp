@@ -74,12 +74,10 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       const double u_along = std::sqrt(along.dot(fit.covariance * along)) / amplitude;
       const double u_across = std::sqrt(across.dot(fit.covariance * across)) / amplitude;
       const double transient_u = std::sqrt(0.5 * channels[c].transient.trace());
-      out.u_amplitude =
-          std::abs(out.Y) *
-          std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude, channels[c].quantization_u / amplitude));
-      out.u_phase_rad =
-          std::hypot(u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
-                     omega * std::hypot(channel.delay_u_s, device.delay_u_s, channels[c].turnaround_u_s));
+      out.u_amplitude = std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude,
+                                                                         channels[c].quantization_u / amplitude));
+      out.u_phase_rad = std::hypot(u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
+                                   omega * std::hypot(channel.delay_u_s, device.delay_u_s, channels[c].turnaround_u_s));
       for (int h = 2; h <= H; ++h)
         out.harmonics.push_back(
             std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, device.delay_s, h * omega / kTwoPi)) /

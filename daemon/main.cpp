@@ -10,6 +10,8 @@
 
 #include "config/rig_file.hpp"
 #include "daemon/acquire/plugin.hpp"
+#include "daemon/gpio/kernel_lines.hpp"
+#include "daemon/gpio/panel.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/service.hpp"
 #include "daemon/version.hpp"
@@ -58,6 +60,13 @@ void print_summary(const RigFile& file) {
               file.devices.size());
 }
 
+int darken_lamps(const RigFile& file) {
+  dwell::gpio::KernelLines lines;
+  const auto faults = dwell::gpio::lamps_off(file.gpio, lines);
+  for (const std::string& fault : faults) std::fprintf(stderr, "dwelld: %s\n", fault.c_str());
+  return faults.empty() ? kDone : kFailed;
+}
+
 int serve(RigFile file, const dwell::config::SchemaSource& drivers, const std::string& log_file,
           const std::string& control_path) {
   dwell::LogOptions log_options;
@@ -90,6 +99,9 @@ int main(int argc, char** argv) {
   auto* const config_option = app.add_option("--config", config_path, "the rig file to serve");
   app.add_option("--check-config", check_path, "check a rig file, print every mistake, and exit")
       ->excludes(config_option);
+  bool lamps_off = false;
+  app.add_flag("--lamps-off", lamps_off, "darken the lamps of the rig file's [gpio] and exit: for after the service")
+      ->needs(config_option);
   app.add_option("--log", log_file, "also log to this file, rotated (default: $LOGS_DIRECTORY/dwelld.log)");
   app.add_option("--control", control_path, "the control socket (default: $RUNTIME_DIRECTORY/control)");
   try {
@@ -106,11 +118,13 @@ int main(int argc, char** argv) {
   const dwell::config::SchemaSource drivers = [](std::string_view name) {
     return dwell::acquire::load_plugin(std::string(name));
   };
-  auto file = dwell::config::load(path, drivers);
+  // For the lamps no driver is needed.
+  auto file = dwell::config::load(path, lamps_off ? dwell::config::SchemaSource() : drivers);
   if (!file) {
     std::fputs(dwell::config::to_string(path, file.error()).c_str(), stderr);
     return kUnusable;
   }
+  if (lamps_off) return darken_lamps(*file);
   if (!check_path.empty()) {
     print_summary(*file);
     return kDone;

@@ -109,7 +109,8 @@ struct Service::Impl {
             http ? http->stats() : HttpStats{},
             log.stats(),
             session->threads(),
-            trouble};
+            trouble,
+            session->gpio()};
   }
 
   void published() {
@@ -122,6 +123,7 @@ struct Service::Impl {
     const std::uint64_t sequence = session->latest().sequence;
     if (sequence == told_sequence) return;
     told_sequence = sequence;
+    session->light_lamps(trouble.empty());
     notifier.status(status_line(session->latest(), trouble));
     if (http && http->stats().streams > 0) http->broadcast("dwell", dwell_text_json(view()));
   }
@@ -138,6 +140,7 @@ struct Service::Impl {
       notifier.status(status_line(session->latest(), found));
     }
     trouble = found;
+    session->light_lamps(trouble.empty());
     if (trouble.empty()) notifier.feed_watchdog();
   }
 

@@ -11,12 +11,15 @@
 #include "daemon/clock.hpp"
 #include "daemon/estimate/estimation_thread.hpp"
 #include "daemon/estimate/estimator.hpp"
+#include "daemon/gpio/gpio_thread.hpp"
+#include "daemon/gpio/kernel_lines.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
 constexpr std::int64_t kDeviceBound_ns = 3'000'000'000;  // the interface asks for a turn every 0.5 s
+constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
 
 // A poll answered just within its timeout carries a stamp that is as old when it is known; on a serial line the
 // answer's time on the wire comes on top (256 bytes of 11 bits at most).
@@ -99,6 +102,7 @@ struct Session::Impl {
   config::RigFile file;
   Log& log;
   std::vector<std::unique_ptr<DeviceHost>> devices;
+  std::optional<gpio::GpioThread> gpio;
   std::optional<Estimator> estimator;
   std::optional<EstimationThread> thread;
 };
@@ -108,7 +112,7 @@ Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFile file,
                                                                   const config::SchemaSource& drivers, Log& log,
                                                                   std::function<void()> published) {
-  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, std::nullopt, std::nullopt});
+  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}});
   std::vector<DeviceLink*> links;
   for (const config::DeviceSettings& settings : impl->file.devices) {
     const auto table = drivers(settings.driver);
@@ -118,8 +122,13 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
     links.push_back(&(*device)->link());
     impl->devices.push_back(std::move(*device));
   }
-  impl->estimator.emplace(impl->file.rig, std::move(links), options_for(impl->file), log, std::move(published),
-                          raw_now_ns());
+  EstimatorOptions options = options_for(impl->file);
+  if (const config::GpioSettings& lines = impl->file.gpio;
+      lines.interlock || lines.sync || lines.ready || lines.fault) {
+    impl->gpio.emplace(lines, std::make_unique<gpio::KernelLines>(), log);
+    options.gpio = &impl->gpio->link();
+  }
+  impl->estimator.emplace(impl->file.rig, std::move(links), options, log, std::move(published), raw_now_ns());
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
 
@@ -144,8 +153,27 @@ bool Session::refresh() noexcept { return impl_->estimator->refresh(); }
 const Snapshot& Session::latest() const noexcept { return impl_->estimator->latest(); }
 bool Session::rearm() noexcept { return impl_->estimator->rearm(); }
 
+gpio::Status Session::gpio() const { return impl_->gpio ? impl_->gpio->link().status() : gpio::Status{}; }
+
+void Session::light_lamps(bool works) {
+  if (!impl_->gpio) return;
+  const Dwell& dwell = latest().dwell;
+  const gpio::Status lines = impl_->gpio->link().status();
+  const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
+  const bool valid =
+      dwell.state == State::measuring && !dwell.elements.empty() &&
+      std::all_of(dwell.elements.begin(), dwell.elements.end(), [](const auto& e) { return e.identifiable; });
+  const bool stale = std::any_of(latest().channels.begin(), latest().channels.end(),
+                                 [](const ChannelView& channel) { return channel.fault != Fault::none; });
+  const bool broken =
+      std::any_of(lines.begin(), lines.end(), [](const auto& line) { return line.configured && !line.works; });
+  impl_->gpio->link().order({works && valid && interlock.level.value_or(true), !works || stale || broken},
+                            raw_now_ns());
+}
+
 std::vector<WatchedThread> Session::threads() const {
   std::vector<WatchedThread> threads;
+  if (impl_->gpio) threads.push_back({"gpio", impl_->gpio->last_turn_ns(), kGpioBound_ns});
   if (impl_->thread) threads.push_back({"estimate", impl_->thread->last_turn_ns(), kEstimateBound_ns});
   const Snapshot& snapshot = latest();
   for (const auto& device : impl_->devices) {

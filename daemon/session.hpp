@@ -11,6 +11,7 @@
 
 #include "config/rig_file.hpp"
 #include "daemon/estimate/snapshot.hpp"
+#include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -37,6 +38,12 @@ class Session {
   bool refresh() noexcept;
   [[nodiscard]] const Snapshot& latest() const noexcept;
   bool rearm() noexcept;
+
+  // How the rig's GPIO lines stand; none is configured where there is no [gpio].
+  [[nodiscard]] gpio::Status gpio() const;
+  // Of the event loop: what the lamps are to show, from the newest snapshot; at least once a second. works: the
+  // watchdog found nothing.
+  void light_lamps(bool works);
 
   // What the watchdog looks at.
   [[nodiscard]] std::vector<WatchedThread> threads() const;

@@ -58,7 +58,14 @@ int status(const Service& service) {
   if (!value) return value.error();
   const auto view = dwell_from_json(*value);
   if (!view) return not_the_service(service.url, view.error());
-  print(service.json ? dump(*value, 2) + "\n" : dwell_text(*view));
+  if (service.json) {
+    print(dump(*value, 2) + "\n");
+  } else {
+    print(dwell_text(*view));
+    // A service too old to tell, or one that has just ended, says nothing of its lines.
+    if (const auto answer = http_get(*parse_url(service.url), "/api/v1/health"))
+      print(gpio_text(Json::parse(answer->body, nullptr, false)));
+  }
   return view->dwell.state == State::measuring ? kDone : kNo;
 }
 

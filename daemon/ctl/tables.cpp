@@ -91,6 +91,21 @@ std::string channels_table(const Json& list) {
   return table.text();
 }
 
+std::string gpio_text(const Json& health) {
+  std::string text;
+  const auto gpio = health.is_object() ? health.find("gpio") : health.end();
+  if (gpio == health.end() || !gpio->is_object()) return text;
+  for (const auto& [name, line] : gpio->items()) {
+    const double level = number_of(line, "level");
+    if (const std::string reason = text_of(line, "reason"); !reason.empty()) {
+      text += "gpio       " + printable(name) + " does not work: " + printable(reason) + "\n";
+    } else if (name == "interlock" && std::isfinite(level)) {
+      text += level == 0.0 ? "interlock  open: the shaker may not run\n" : "interlock  closed\n";
+    }
+  }
+  return text;
+}
+
 std::string dwells_table(const std::vector<DwellView>& dwells) {
   std::vector<std::string> numbers, states, data, elements, notes;
   std::vector<NumberText> frequencies, stiffness, damping;

@@ -14,6 +14,10 @@ namespace dwell::ctl {
 // `list`: an array of the interface's channel objects.
 [[nodiscard]] std::string channels_table(const nlohmann::ordered_json& list);
 
+// `health`: the interface's health object. What an operator must know of the GPIO lines: how the interlock stands, and
+// which lines do not work; empty: no interlock, and all work.
+[[nodiscard]] std::string gpio_text(const nlohmann::ordered_json& health);
+
 // One line per element of each dwell.
 [[nodiscard]] std::string dwells_table(const std::vector<DwellView>& dwells);
 

@@ -60,8 +60,9 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       options_(options),
       log_(log),
       published_(std::move(published)),
-      tick_source_(links_.size()),
-      merger_(links_.size() + 1, options.hold_back_ns, merger_capacity(links_)),
+      edge_source_(links_.size()),
+      tick_source_(links_.size() + 1),
+      merger_(links_.size() + 2, options.hold_back_ns, merger_capacity(links_)),
       pipeline_(rig),
       watch_(options.nominal_rate_hz, now_ns),
       actions_(kActions),
@@ -86,6 +87,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
     log_recoveries(device, now_ns);
   }
   find_silence(now_ns);
+  take_edges();
   // Actions and the tick last: a backlog in the rings must not look late beside them.
   Action action{};
   while (actions_.pop(action)) {
@@ -213,6 +215,22 @@ void Estimator::find_silence(std::int64_t now_ns) {
     }
     log_stale(device, now_ns);
   }
+}
+
+// The edges' source is heard of although nothing happens there, so that the merger need not guess how long to wait.
+void Estimator::take_edges() {
+  if (options_.gpio == nullptr) return;
+  const std::int64_t seen_to_ns = options_.gpio->seen_to_ns();
+  Record edge;
+  while (options_.gpio->pop(edge)) {
+    // The interlock is never too late to matter; a pulse with a wrong instant is worse than none.
+    if (edge.channel == static_cast<std::uint16_t>(Line::interlock)) edge.t_ns = std::max(edge.t_ns, released_ns_);
+    if (merger_.push(edge_source_, edge) != Merger::Admission::queued) options_.gpio->late();
+  }
+  Record heard;
+  heard.t_ns = seen_to_ns;
+  heard.kind = Kind::tick;
+  if (seen_to_ns > released_ns_) merger_.push(edge_source_, heard);
 }
 
 void Estimator::release(bool everything) {

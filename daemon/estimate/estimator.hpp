@@ -20,6 +20,7 @@
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/estimate/triple_buffer.hpp"
+#include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/log/throttle.hpp"
 
@@ -29,6 +30,7 @@ struct EstimatorOptions {
   std::int64_t hold_back_ns = 100'000'000;  // how far the merger waits for the slowest source
   std::size_t kept_dwells = 1000;           // finished dwells kept
   std::vector<double> nominal_rate_hz;      // per channel, 0: not known
+  gpio::Link* gpio = nullptr;               // where edges come from; must outlive the estimator; null: none
 };
 
 class Estimator {
@@ -59,6 +61,7 @@ class Estimator {
   void admit_samples(std::size_t device);
   void admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault);
   void find_silence(std::int64_t now_ns);
+  void take_edges();
   void release(bool everything);
   void feed(const Record& record);
   void note(std::uint8_t change);
@@ -90,7 +93,7 @@ class Estimator {
   const EstimatorOptions options_;
   Log& log_;
   const std::function<void()> published_;
-  std::size_t tick_source_;
+  std::size_t edge_source_, tick_source_;
   Merger merger_;
   Pipeline pipeline_;
   ChannelWatch watch_;

@@ -1,5 +1,6 @@
 #include "daemon/serve/api.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -82,7 +83,23 @@ Json devices_json(const ServiceView& view) {
   return list;
 }
 
-// "fault": the service itself does not work; "degraded": a channel does not deliver.
+// The configured lines by what they are for.
+Json gpio_json(const ServiceView& view) {
+  Json lines = Json::object();
+  for (std::size_t i = 0; i < gpio::kFunctions; ++i) {
+    const gpio::LineStatus& line = view.gpio[i];
+    if (!line.configured) continue;
+    lines[gpio::kFunctionNames[i]] = {{"works", line.works},
+                                      {"reason", line.reason.empty() ? Json(nullptr) : Json(line.reason)},
+                                      {"level", line.level ? Json(*line.level ? 1 : 0) : Json(nullptr)},
+                                      {"edges", line.edges},
+                                      {"bounces", line.bounces},
+                                      {"lost", line.lost}};
+  }
+  return lines;
+}
+
+// "fault": the service itself does not work; "degraded": a channel does not deliver, or a GPIO line does not work.
 Json health_json(const ServiceView& view) {
   const Json stale = stale_json(view);
   Json threads = Json::array();
@@ -92,9 +109,11 @@ Json health_json(const ServiceView& view) {
                        {"turned_s_ago", number(static_cast<double>(still_ns) * 1e-9)},
                        {"ok", still_ns <= thread.bound_ns}});
   }
-  return {{"status", !view.trouble.empty() ? "fault"
-                     : stale.empty()       ? "ok"
-                                           : "degraded"},
+  const bool broken =
+      std::any_of(view.gpio.begin(), view.gpio.end(), [](const auto& line) { return line.configured && !line.works; });
+  return {{"status", !view.trouble.empty()      ? "fault"
+                     : stale.empty() && !broken ? "ok"
+                                                : "degraded"},
           {"reason", view.trouble.empty() ? Json(nullptr) : Json(view.trouble)},
           {"state", to_string(view.snapshot.dwell.state)},
           {"rig", view.rig.name},
@@ -103,6 +122,7 @@ Json health_json(const ServiceView& view) {
           {"uptime_s", number(view.uptime_s)},
           {"stale", stale},
           {"devices", devices_json(view)},
+          {"gpio", gpio_json(view)},
           {"threads", std::move(threads)},
           {"skipped_turns", view.snapshot.skipped_turns},
           {"http",

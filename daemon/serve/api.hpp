@@ -10,6 +10,7 @@
 
 #include "core/rig.hpp"
 #include "daemon/estimate/snapshot.hpp"
+#include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/serve/http_server.hpp"
@@ -29,6 +30,7 @@ struct ServiceView {
   LogStats log;
   std::vector<WatchedThread> threads;
   std::string trouble;  // the watchdog's; empty: all is well
+  gpio::Status gpio{};  // of the lines that are configured
 };
 
 // Finished dwells in one answer at most; further ones with ?from=INDEX.

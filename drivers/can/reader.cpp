@@ -72,8 +72,12 @@ void Reader::read(const Stop& stop) {
       host_.count(DWELL_FAULT_DISCONNECTED);
       hold(DWELL_FAULT_DISCONNECTED, bus_.reason(receipt.error));
       more = false;
-      // A link that is down comes up again under the same socket.
-      if (receipt.error != ENETDOWN) bus_.close();
+      // A link that is down comes up again under the same socket. A new one may fail as soon: not without a pause.
+      link_down_ = receipt.error == ENETDOWN;
+      if (!link_down_) {
+        bus_.close();
+        stop.sleep_for(reconnect_.next_ns());
+      }
     }
     if (now_ns_ >= next_watch_ns_) watch_silence(now_ns_);
     stop.turn();
@@ -185,8 +189,15 @@ void Reader::hold(dwell_fault fault, const std::string& reason) {
 // What held them is over: each has its own time anew to deliver.
 void Reader::release() noexcept {
   if (!held_) return;
-  held_ = false;
+  held_ = link_down_ = false;
   for (Target& target : targets_) target.seen_ns = now_ns_;
+}
+
+// A link may come up without a frame: then it is no longer the link that keeps them away.
+void Reader::watch_link() {
+  if (!bus_.is_open() || bus_.link() == socketcan::Link::down) return;
+  host_.log(DWELL_INFO, bus_.name() + ": the link is up again");
+  release();
 }
 
 void Reader::watch_silence(std::int64_t now_ns) {
@@ -196,11 +207,14 @@ void Reader::watch_silence(std::int64_t now_ns) {
     host_.log(DWELL_INFO, bus_.name() + ": the interface stamps its frames itself");
   }
   if (bus_.is_open()) tell_controller();
+  if (link_down_) watch_link();
   if (held_) return;
   for (Target& target : targets_) {
     if (target.told == DWELL_FAULT_TIMEOUT || now_ns - target.seen_ns < target.channel.timeout_ns) continue;
     host_.count(DWELL_FAULT_TIMEOUT);
-    const std::string reason = target.channel.source + ": no frame for " + seconds(target.channel.timeout_ns);
+    std::string reason = target.channel.source + ": no frame for " + seconds(target.channel.timeout_ns);
+    if (bus_.is_open() && bus_.link() == socketcan::Link::no_carrier)
+      reason += "; the interface has no carrier: bus-off, unless restarted";
     tell(target, DWELL_FAULT_TIMEOUT, reason.c_str());
   }
 }

@@ -46,6 +46,7 @@ class Reader {
   void note_source(Target& target, canid_t id);
   void hold(dwell_fault fault, const std::string& reason);
   void release() noexcept;
+  void watch_link();
   void watch_silence(std::int64_t now_ns);
   void tell(Target& target, dwell_fault fault, const char* reason) noexcept;
   void count(dwell_fault fault, std::uint64_t times) const noexcept;
@@ -57,7 +58,8 @@ class Reader {
   std::vector<Target> targets_;
   std::vector<dwell_sample> scan_;
   socketcan::Backoff reconnect_;
-  bool held_ = false;  // all channels are stale for a reason that is not theirs
+  bool held_ = false;       // all channels are stale for a reason that is not theirs
+  bool link_down_ = false;  // … which is that
   std::int64_t now_ns_ = 0;
   std::int64_t next_watch_ns_ = 0;
   std::uint64_t lost_ = 0;  // since the last line about it

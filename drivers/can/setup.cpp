@@ -149,6 +149,11 @@ class SetupReader {
     const Message* const message = find_message(*message_name);
     const Signal* const signal = message != nullptr ? find_signal(*message, *signal_name) : nullptr;
     if (signal == nullptr) return false;
+    if (message->j1939 && message->length > CAN_MAX_DLEN) {
+      wrong("message", "message `" + message->name + "` of " + file_ + " has " + std::to_string(message->length) +
+                           " bytes, which J1939 sends in several frames; expected at most 8");
+      return false;
+    }
     wanted.match = {message->id, message->extended, message->j1939, -1};
     wanted.field = signal->field;
     wanted.factor = signal->factor;

@@ -68,6 +68,8 @@ class Bus {
   // Sends one frame, does not wait: 0, or errno (Socket::write). While open.
   int write(const canfd_frame& frame, bool fd = false) noexcept { return socket_->write(frame, fd); }
 
+  // While open.
+  [[nodiscard]] Link link() const noexcept { return socket_->link(); }
   // The controller's state as told last; active after open.
   [[nodiscard]] Controller controller() const noexcept { return controller_; }
   // Whether the interface's own stamps are used where it has them; they are unless told otherwise.

@@ -4,6 +4,7 @@
 #include <linux/errqueue.h>
 #include <linux/net_tstamp.h>
 #include <net/if.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <time.h>
@@ -30,12 +31,20 @@ tl::unexpected<std::string> failed(const std::string& interface, const char* wha
 
 class KernelSocket : public Socket {
  public:
-  explicit KernelSocket(int descriptor) noexcept : descriptor_(descriptor) {}
+  explicit KernelSocket(int descriptor, std::string interface = {}) noexcept
+      : descriptor_(descriptor), interface_(std::move(interface)) {}
   ~KernelSocket() override { ::close(descriptor_); }
   KernelSocket(const KernelSocket&) = delete;
   KernelSocket& operator=(const KernelSocket&) = delete;
 
   [[nodiscard]] int descriptor() const noexcept override { return descriptor_; }
+  [[nodiscard]] Link link() const noexcept override {
+    ifreq request{};
+    interface_.copy(request.ifr_name, IFNAMSIZ - 1);
+    if (interface_.empty() || ::ioctl(descriptor_, SIOCGIFFLAGS, &request) != 0) return Link::up;
+    const auto flags = static_cast<unsigned>(request.ifr_flags);
+    return (flags & IFF_UP) == 0 ? Link::down : (flags & IFF_RUNNING) == 0 ? Link::no_carrier : Link::up;
+  }
 
   // A socket that cannot do one of these does without: a stamp that is missing is replaced.
   void ask_for_stamps_and_losses() noexcept {
@@ -124,6 +133,7 @@ class KernelSocket : public Socket {
   }
 
   int descriptor_;
+  std::string interface_;  // empty: a local socket
   std::uint32_t dropped_ = 0;
   std::array<mmsghdr, kBatch> messages_{};
   std::array<iovec, kBatch> pieces_{};
@@ -149,7 +159,7 @@ Opened open_interface(const std::string& interface, Filters filters, OwnFrames o
     if (errno == EAFNOSUPPORT) return tl::unexpected(interface + ": this kernel has no CAN (modules can and can-raw)");
     return failed(interface, "cannot make a CAN socket", errno);
   }
-  auto socket = std::make_unique<KernelSocket>(descriptor);
+  auto socket = std::make_unique<KernelSocket>(descriptor, interface);
   const unsigned index = ::if_nametoindex(interface.c_str());
   if (index == 0) return tl::unexpected(interface + ": there is no such interface");
   // Before binding, so that nothing unwanted is ever in the queue.

@@ -32,6 +32,8 @@ struct Batch {
   std::uint32_t dropped = 0;  // frames that the kernel has dropped for lack of room since it was opened, modulo 2^32
 };
 
+enum class Link : std::uint8_t { up, no_carrier, down };
+
 class Socket {
  public:
   virtual ~Socket() = default;
@@ -41,6 +43,8 @@ class Socket {
   virtual Batch read(std::span<Packet> room) noexcept = 0;
   // Sends one frame; does not wait. 0, or errno: ENOBUFS or EAGAIN (no room at the moment), ENETDOWN, ENODEV, …
   virtual int write(const canfd_frame& frame, bool fd) noexcept = 0;
+  // How the interface stands; no_carrier: it is up, but its controller has left the bus. Up where that is not known.
+  [[nodiscard]] virtual Link link() const noexcept { return Link::up; }
 };
 
 using Opened = tl::expected<std::unique_ptr<Socket>, std::string>;

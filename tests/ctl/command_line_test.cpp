@@ -126,7 +126,10 @@ TEST(CommandLine, AServiceThatIsNotThereIsExitCode3) {
 }
 
 TEST(CommandLine, StatusIsOneScreenAndNoUnlessMeasuring) {
-  ScriptedServer server({Reply{http_reply(200, sample_text())}, Reply{http_reply(200, settling_text())},
+  // For people it asks for the health as well, which tells of the GPIO lines.
+  const std::string open = R"({"gpio":{"interlock":{"works":true,"reason":null,"level":0}}})";
+  ScriptedServer server({Reply{http_reply(200, sample_text())}, Reply{http_reply(404, "{}")},
+                         Reply{http_reply(200, settling_text())}, Reply{http_reply(200, open)},
                          Reply{http_reply(200, sample_text())}});
   const Outcome measuring = run({"status", "--url", server.url()});
   EXPECT_EQ(measuring.code, 0) << measuring.err;
@@ -135,6 +138,7 @@ TEST(CommandLine, StatusIsOneScreenAndNoUnlessMeasuring) {
   const Outcome settling = run({"status", "--url", server.url()});
   EXPECT_EQ(settling.code, 1);
   EXPECT_NE(settling.out.find("about 3.2 s left"), std::string::npos);
+  EXPECT_NE(settling.out.find("interlock  open"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"status", "--json", "--url", server.url()}).out), Json::parse(sample_text()));
 }
 

@@ -99,5 +99,16 @@ TEST(Truth, AgreesOnlyIfEveryCoefficientIsThereAndNearEnough) {
   EXPECT_EQ(why, "element 2 is not identifiable: the deformation is less than three times its uncertainty");
 }
 
+TEST(GpioText, TellsHowTheInterlockStandsAndWhatDoesNotWork) {
+  EXPECT_EQ(gpio_text(Json::parse(R"({"status":"ok"})")), "");
+  EXPECT_EQ(gpio_text(Json::parse(R"({"gpio":{"interlock":{"works":true,"reason":null,"level":1}}})")),
+            "interlock  closed\n");
+  EXPECT_EQ(gpio_text(Json::parse(R"({"gpio":{"interlock":{"works":true,"reason":null,"level":0},
+                                             "ready":{"works":false,"reason":"in\u001b use","level":null}}})")),
+            "interlock  open: the shaker may not run\ngpio       ready does not work: in? use\n");
+  for (const char* odd : {"1", "[]", R"({"gpio":3})", R"({"gpio":{"interlock":7}})"})
+    EXPECT_EQ(gpio_text(Json::parse(odd)), "") << odd;
+}
+
 }  // namespace
 }  // namespace dwell::ctl

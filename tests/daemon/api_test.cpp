@@ -149,5 +149,21 @@ TEST_F(ApiTest, ARearmThatCannotBeTakenIsSaid) {
   EXPECT_TRUE(control(R"({"verb":"rearm"})").contains("error"));
 }
 
+TEST_F(ApiTest, HealthTellsOfTheLinesThatAreConfiguredAndIsDegradedByOneThatDoesNotWork) {
+  snapshot.channels[0].fault = Fault::none;
+  ServiceView now = view();
+  EXPECT_EQ(Json::parse(http_answer(now, "/api/v1/health", "").body)["gpio"], Json::object());
+  now.gpio[0] = {true, true, "", true, 5, 1, 0};
+  Json health = Json::parse(http_answer(now, "/api/v1/health", "").body);
+  EXPECT_EQ(health["status"], "ok");
+  EXPECT_EQ(health["gpio"], Json::parse(R"({"interlock":{"works":true,"reason":null,"level":1,"edges":5,"bounces":1,
+                                             "lost":0}})"));
+  now.gpio[3] = {true, false, "there is no /dev/gpiochip0", std::nullopt, 0, 0, 0};
+  health = Json::parse(http_answer(now, "/api/v1/health", "").body);
+  EXPECT_EQ(health["status"], "degraded");
+  EXPECT_EQ(health["gpio"]["fault"]["reason"], "there is no /dev/gpiochip0");
+  EXPECT_EQ(health["gpio"]["fault"]["level"], nullptr);
+}
+
 }  // namespace
 }  // namespace dwell

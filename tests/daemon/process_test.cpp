@@ -148,6 +148,17 @@ TEST_F(ProcessTest, ChecksARigFileAndTellsEveryMistakeWithItsPlace) {
   EXPECT_EQ(run({"--config", folder + "/wrong.toml"}), 2) << "and does not serve it";
 }
 
+TEST_F(ProcessTest, LampsOffNeedsNoDriverAndSaysWhichLampItCouldNotReach) {
+  std::string text = test::rig_file(1502);
+  text.replace(text.find("\"modbus\""), 8, "\"no-such\"");
+  EXPECT_EQ(run({"--lamps-off", "--config", write("rig.toml", text)}), 0)
+      << "no lamp, nothing to do: " << read("output");
+  text += "[gpio]\nready = { chip = \"/dev/no-such-gpiochip\", line = 1 }\n";
+  EXPECT_EQ(run({"--lamps-off", "--config", write("rig.toml", text)}), 1);
+  EXPECT_NE(read("output").find("there is no /dev/no-such-gpiochip"), std::string::npos) << read("output");
+  EXPECT_EQ(run({"--lamps-off"}), 2);
+}
+
 TEST_F(ProcessTest, WrongUsageIsTwo) {
   EXPECT_EQ(run({}), 2);
   EXPECT_EQ(run({"--no-such-option"}), 2);

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
@@ -19,10 +20,11 @@ rigsim::WireFrame can_frame_of(canid_t id, const std::vector<std::uint8_t>& data
   return frame;
 }
 
-CanDevice::CanDevice(Frames cyclic) : cyclic_(std::move(cyclic)) {
+CanDevice::CanDevice(Frames cyclic, std::string interface)
+    : cyclic_(std::move(cyclic)), interface_(std::move(interface)) {
   static std::atomic<int> number{0};
   const auto name = "dwell-can-" + std::to_string(::getpid()) + "-" + std::to_string(++number);
-  interface_ = "unix:" + (std::filesystem::temp_directory_path() / name).string();
+  if (interface_.empty()) interface_ = "unix:" + (std::filesystem::temp_directory_path() / name).string();
   thread_ = std::thread([this] { work(); });
 }
 
@@ -74,6 +76,32 @@ void CanDevice::work() {
     clients_ = wire ? wire->clients() : 0;
     std::this_thread::sleep_for(std::chrono::nanoseconds(std::max<std::int64_t>(0, next_ns - driver::monotonic_ns())));
   }
+}
+
+namespace {
+
+bool ip_link(const std::string& what) { return std::system(("ip link " + what + " >/dev/null 2>&1").c_str()) == 0; }
+
+}  // namespace
+
+VirtualCan::VirtualCan() {
+  static std::atomic<int> number{0};
+  name_ = "vc" + std::to_string(::getpid() % 1'000'000) + "x" + std::to_string(++number % 1000);
+}
+
+bool VirtualCan::possible() {
+  static const bool made = VirtualCan().come();
+  return made;
+}
+
+bool VirtualCan::come() {
+  there_ = there_ || ip_link("add " + name_ + " type vcan");
+  return there_ && ip_link("set " + name_ + " mtu 72 up");
+}
+
+void VirtualCan::leave() {
+  if (there_) ip_link("delete " + name_);
+  there_ = false;
 }
 
 }  // namespace dwell::test

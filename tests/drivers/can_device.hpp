@@ -19,8 +19,9 @@ class CanDevice {
  public:
   using Frames = std::function<std::vector<rigsim::WireFrame>()>;
 
-  // `cyclic`: what is sent every 5 ms, from a thread; none: nothing. Begins absent.
-  explicit CanDevice(Frames cyclic = {});
+  // `cyclic`: what is sent every 5 ms, from a thread; none: nothing. `interface`: where, default a local socket of its
+  // own. Begins absent.
+  explicit CanDevice(Frames cyclic = {}, std::string interface = {});
   ~CanDevice();
   CanDevice(const CanDevice&) = delete;
   CanDevice& operator=(const CanDevice&) = delete;
@@ -46,6 +47,25 @@ class CanDevice {
   mutable std::mutex mutex_;
   std::vector<rigsim::WireFrame> to_send_, received_;
   std::thread thread_;
+};
+
+// A virtual CAN interface of the kernel, of a name of its own; there from come() to leave().
+class VirtualCan {
+ public:
+  VirtualCan();
+  ~VirtualCan() { leave(); }
+  VirtualCan(const VirtualCan&) = delete;
+  VirtualCan& operator=(const VirtualCan&) = delete;
+
+  // Whether this process can make one: it needs a kernel with vcan and the right to.
+  [[nodiscard]] static bool possible();
+  [[nodiscard]] const std::string& name() const { return name_; }
+  bool come();
+  void leave();
+
+ private:
+  std::string name_;
+  bool there_ = false;
 };
 
 }  // namespace dwell::test

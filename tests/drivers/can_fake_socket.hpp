@@ -63,6 +63,16 @@ class FakeBus {
     error_ = error;
     wake();
   }
+  // So does every read from now on; 0: no longer.
+  void fail_always(int error) {
+    const std::lock_guard lock(mutex_);
+    error_always_ = error;
+    wake();
+  }
+  void set_link(socketcan::Link link) {
+    const std::lock_guard lock(mutex_);
+    link_ = link;
+  }
   void drop(std::uint32_t frames) {
     const std::lock_guard lock(mutex_);
     dropped_ += frames;
@@ -84,6 +94,10 @@ class FakeBus {
     explicit End(FakeBus& bus) : bus_(bus) {}
     int descriptor() const noexcept override { return bus_.event_; }
     socketcan::Batch read(std::span<socketcan::Packet> room) noexcept override { return bus_.read(room); }
+    socketcan::Link link() const noexcept override {
+      const std::lock_guard lock(bus_.mutex_);
+      return bus_.link_;
+    }
     int write(const canfd_frame& frame, bool) noexcept override {
       const std::lock_guard lock(bus_.mutex_);
       bus_.written_.push_back(frame);
@@ -104,7 +118,7 @@ class FakeBus {
       room[batch.count++].size = CAN_MTU;
     }
     if (batch.count == room.size()) return batch;
-    batch.error = std::exchange(error_, 0);
+    batch.error = error_always_ != 0 ? error_always_ : std::exchange(error_, 0);
     std::uint64_t woken = 0;
     [[maybe_unused]] const auto got = ::read(event_, &woken, sizeof woken);
     return batch;
@@ -119,7 +133,8 @@ class FakeBus {
   std::string refusal_;
   int opened_ = 0;
   std::deque<socketcan::Packet> packets_;
-  int error_ = 0;
+  int error_ = 0, error_always_ = 0;
+  socketcan::Link link_ = socketcan::Link::up;
   std::uint32_t dropped_ = 0;
   bool babbling_ = false;
   std::vector<canfd_frame> written_;

@@ -122,6 +122,44 @@ TEST_F(CanFault, IsBackWithTheNextFrameAfterTheLinkWasDown) {
   EXPECT_EQ(bus_.opened(), 1) << "the same socket";
 }
 
+TEST_F(CanFault, NoLongerBlamesALinkThatIsUpForFramesThatStayAway) {
+  for (Channel& channel : setup_.channels) channel.timeout_ns = 200'000'000;
+  start();
+  send_both();
+  ASSERT_TRUE(eventually([&] { return delivers(12); }));
+  bus_.set_link(socketcan::Link::down);
+  bus_.fail(ENETDOWN);
+  ASSERT_TRUE(eventually([&] { return is_stale(10, DWELL_FAULT_DISCONNECTED); }));
+  bus_.set_link(socketcan::Link::up);
+  ASSERT_TRUE(eventually([&] { return is_stale(10, DWELL_FAULT_TIMEOUT) && is_stale(12, DWELL_FAULT_TIMEOUT); }));
+  EXPECT_EQ(host_.state_of(12).reason, "Two.Byte: no frame for 0.2 s");
+  EXPECT_EQ(host_.logged().back(), "can0: the link is up again");
+}
+
+// A service that is started while the controller is off the bus hears no error frame of it.
+TEST_F(CanFault, NamesTheMissingCarrierWhereFramesStayAway) {
+  for (Channel& channel : setup_.channels) channel.timeout_ns = 50'000'000;
+  bus_.set_link(socketcan::Link::no_carrier);
+  start();
+  ASSERT_TRUE(eventually([&] { return is_stale(12, DWELL_FAULT_TIMEOUT); }));
+  EXPECT_EQ(host_.state_of(12).reason,
+            "Two.Byte: no frame for 0.05 s; the interface has no carrier: bus-off, unless restarted");
+}
+
+TEST_F(CanFault, PausesBeforeASocketThatFailsAtOnceIsOpenedAgain) {
+  bus_.fail_always(EIO);
+  const std::int64_t begin_ns = driver::monotonic_ns();
+  start();
+  ASSERT_TRUE(eventually([&] { return bus_.opened() >= 4; }));
+  EXPECT_GE(driver::monotonic_ns() - begin_ns, 700'000'000) << "0.1, 0.2 and 0.4 s";
+  EXPECT_TRUE(is_stale(10, DWELL_FAULT_DISCONNECTED));
+  bus_.fail_always(0);
+  ASSERT_TRUE(eventually([&] {
+    send_both();
+    return delivers(10) && delivers(12);
+  }));
+}
+
 TEST_F(CanFault, OpensAnInterfaceAnewThatWasRemoved) {
   start();
   send_both();

@@ -24,11 +24,14 @@ constexpr const char* kDbc =
     " SG_ Serial m2 : 24|96@1+ (1,0) [0|0] \"\" N\n"
     "BO_ 2566844672 Motion: 8 N\n"
     " SG_ Position : 0|32@1- (1,0) [0|0] \"mm\" N\n"
+    "BO_ 2566845182 Identity: 20 N\n"
+    " SG_ Serial : 0|32@1+ (1,0) [0|0] \"\" N\n"
     "BO_ 1024 Wide: 64 N\n"
     " SG_ Last : 480|32@1- (1,0) [0|0] \"mm\" N\n"
     "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\";\n"
     "BA_DEF_DEF_ \"VFrameFormat\" \"StandardCAN\";\n"
     "BA_ \"VFrameFormat\" BO_ 2566844672 3;\n"
+    "BA_ \"VFrameFormat\" BO_ 2566845182 3;\n"
     "SIG_VALTYPE_ 1024 Last : 1;\n";
 
 class Can : public ::testing::Test {
@@ -146,12 +149,19 @@ TEST_F(Can, AnswersANameTheDbcFileLacksWithTheNearest) {
   EXPECT_EQ(mistake_of(with_dbc("LoadCell", "force")),
             "channel 0, signal: message `LoadCell` of rig.dbc has no signal `force`; the nearest is Force");
   EXPECT_EQ(mistake_of(with_dbc("Qqqqqqqq", "Force")),
-            "channel 0, message: rig.dbc has no message `Qqqqqqqq`; expected one of LoadCell, Motion, Wide");
+            "channel 0, message: rig.dbc has no message `Qqqqqqqq`; expected one of LoadCell, Motion, Identity, Wide");
 }
 
 TEST_F(Can, AnswersASignalItCannotReadWithItsPlace) {
   EXPECT_EQ(mistake_of(with_dbc("LoadCell", "Serial")),
             "channel 0, signal: rig.dbc:7:6: signal `Serial` is of 96 bits; expected at most 64");
+}
+
+TEST_F(Can, AnswersAGroupThatComesInSeveralFrames) {
+  EXPECT_EQ(
+      mistake_of(with_dbc("Identity", "Serial")),
+      "channel 0, message: message `Identity` of rig.dbc has 20 bytes, which J1939 sends in several frames; expected "
+      "at most 8");
 }
 
 TEST_F(Can, AnswersWhatDoesNotGoTogether) {

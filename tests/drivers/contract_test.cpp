@@ -29,6 +29,8 @@ class Device {
   virtual void leave() = 0;
   // There, but without an answer; false: cannot be.
   virtual bool fall_silent() { return false; }
+  // What this machine lacks for it, or empty.
+  virtual std::string lacking() { return {}; }
 };
 
 class ModbusRig : public Device {
@@ -97,6 +99,12 @@ class Recording : public Device {
 
 class CanRig : public Device {
  public:
+  explicit CanRig(std::string interface = {})
+      : device_(
+            [] {
+              return std::vector{can_frame_of(0x123, {1, 2})};
+            },
+            std::move(interface)) {}
   Given given() override {
     Given given("device");
     given.set("interface", device_.interface()).set("timeout", 0.2);
@@ -119,7 +127,30 @@ class CanRig : public Device {
   }
 
  private:
-  CanDevice device_{[] { return std::vector{can_frame_of(0x123, {1, 2})}; }};
+  CanDevice device_;
+};
+
+// The same on the kernel's own CAN: an interface that is made and removed.
+class VirtualCanRig : public Device {
+ public:
+  Given given() override { return rig_.given(); }
+  std::pair<Given, std::size_t> given_wrong() override { return rig_.given_wrong(); }
+  void come() override {
+    EXPECT_TRUE(interface_.come());
+    rig_.come();
+  }
+  void leave() override {
+    rig_.leave();
+    interface_.leave();
+  }
+  bool fall_silent() override { return rig_.fall_silent(); }
+  std::string lacking() override {
+    return VirtualCan::possible() ? "" : "a kernel with vcan, and the right to make interfaces: ./dev vm-test has both";
+  }
+
+ private:
+  VirtualCan interface_;
+  CanRig rig_{interface_.name()};
 };
 
 struct Case {
@@ -131,6 +162,10 @@ void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 
 class DriverContract : public ::testing::TestWithParam<Case> {
  protected:
+  void SetUp() override {
+    if (const std::string lacking = device_->lacking(); !lacking.empty()) GTEST_SKIP() << "this needs " << lacking;
+  }
+
   const dwell_driver_table& table_ = *acquire::load_plugin(GetParam().plugin, {TEST_PLUGIN_DIR}).value();
   std::unique_ptr<Device> device_ = GetParam().make();
   Given given_ = device_->given();
@@ -334,6 +369,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ModbusTcp", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::tcp)); }},
         Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
         Case{"Can", "can", [] { return std::unique_ptr<Device>(new CanRig); }},
+        Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualCanRig); }},
         Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
     [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
 

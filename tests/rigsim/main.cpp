@@ -15,6 +15,7 @@
 #include "tests/rigsim/recording.hpp"
 #include "tests/rigsim/server.hpp"
 #include "tests/rigsim/sockets.hpp"
+#include "tests/rigsim/sync_pulses.hpp"
 #include "tests/rigsim/truth.hpp"
 
 namespace {
@@ -27,6 +28,7 @@ constexpr int kWrongUsage = 2;
 struct Arguments {
   Options rig;
   RecordingOptions recording;
+  rigsim::SyncOptions sync;
   std::string boundary = "clamped";
   std::string parity = "even";
   std::string masses, tcp, unit = "m", csv;
@@ -71,6 +73,11 @@ void define(CLI::App& app, Arguments& arguments) {
   for (const rigsim::FaultName& fault : rigsim::fault_names())
     app.add_option("--" + std::string(fault.name), rig.faults.*fault.member, fault.help)
         ->check(CLI::Range(0.0, fault.highest));
+  app.add_option("--sync", arguments.sync.file, "the sync output's line, a simulated GPIO chip's sim_gpioK/pull");
+  app.add_option("--sync-missing", arguments.sync.missing, "probability per period of no sync pulse")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--sync-twice", arguments.sync.twice, "probability per period of two sync pulses")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--print-truth", arguments.print_truth, "print coefficients and steady phasors as JSON, and end");
   RecordingOptions& recording = arguments.recording;
   app.add_option("--csv", arguments.csv, "write a recording to this file (-: standard output), and end");
@@ -119,6 +126,7 @@ std::string settle(Arguments& arguments) {
     rig.drive.harmonics.push_back(*harmonic);
   }
   rig.millimetres = arguments.unit == "mm";
+  arguments.sync.seed = rig.seed;
   rig.rtu = !rig.rtu_link.empty();
   if (!rig.can.empty() && rig.chain.masses.size() > rigsim::kMostCanMasses)
     return "--can: expected at most " + std::to_string(rigsim::kMostCanMasses) + " masses";
@@ -183,6 +191,12 @@ int serve(const Arguments& arguments) {
   if (!server) return wrong(server.error());
   for (const std::string& channel : arguments.stuck)
     if (const std::string answer = (*server)->command("stuck " + channel + " on"); answer != "ok") return wrong(answer);
+  std::unique_ptr<rigsim::SyncPulses> sync;
+  if (!arguments.sync.file.empty()) {
+    auto started = rigsim::SyncPulses::start(arguments.sync, **server);
+    if (!started) return wrong(started.error());
+    sync = std::move(*started);
+  }
   if (arguments.rig.tcp_port) std::cout << "tcp " << arguments.rig.tcp_host << ':' << (*server)->tcp_port() << '\n';
   if (arguments.rig.rtu) std::cout << "rtu " << (*server)->rtu_path() << '\n';
   if (!arguments.rig.can.empty()) std::cout << "can " << arguments.rig.can << '\n';

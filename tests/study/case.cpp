@@ -44,10 +44,11 @@ const char* name_of(Population population) {
 }
 
 std::string Case::description() const {
-  double most = 0.0, fewest = INFINITY, noise = 0.0;
+  double most = 0.0, fewest = INFINITY, noise = 0.0, hum = 0.0;
   for (int c = 0; c < channels(); ++c) {
     most = std::max(most, samples_per_period(c));
     fewest = std::min(fewest, samples_per_period(c));
+    hum = std::max(hum, lines[static_cast<std::size_t>(c)].hum / std::abs(motion->phasor(c, 1)));
     noise = std::max(noise, lines[static_cast<std::size_t>(c)].noise() / std::abs(motion->phasor(c, 1)));
   }
   char text[256];
@@ -57,7 +58,11 @@ std::string Case::description() const {
                 chain.mass_count(), chain.boundary == Boundary::clamped ? "clamped" : "free", frequency_hz,
                 rig.excitation.reference == Reference::fixed ? "fixed" : "tracked", rig.excitation.harmonics,
                 motion->time_constant_s() * frequency_hz, fewest, most, noise, rig.tolerance);
-  return text + remark;
+  std::string more;
+  if (hum > 0) more += ", hum up to " + std::to_string(hum);
+  if (glitches > 0) more += ", glitches";
+  if (lost > 0) more += ", lost packets";
+  return text + remark + more;
 }
 
 }  // namespace dwell::study

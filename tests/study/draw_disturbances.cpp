@@ -8,7 +8,9 @@ namespace dwell::study {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kMostSamples = 6e4;  // of a dwell, roughly: slow rigs with many channels are sampled less often
+// Samples of a dwell, roughly: for the study to take no hours, slow rigs with many channels are sampled less often, but
+// for one in eight, so that every rig meets every rate.
+constexpr double kUsualSamples = 6e4, kMostSamples = 1e6, kDense = 0.125;
 
 // Of a channel's own amplitude, but not below a tenth of what a displacement transducer on the table would have, or of
 // what the force would be if the last mass moved as the table.
@@ -26,7 +28,8 @@ double scale_of_noise(const Case& about, int c, double table_amplitude) {
 
 void draw_sampling(Draws& draws, Case& about, double fewest, double most) {
   const double periods = 60 + 8 * about.motion->time_constant_s() * about.frequency_hz + about.hold_periods;
-  most = std::clamp(kMostSamples / (periods * about.channels()), std::min(most, 1.2 * fewest), most);
+  const double samples = draws.chance(kDense) ? kMostSamples : kUsualSamples;
+  most = std::clamp(samples / (periods * about.channels()), std::min(most, 1.2 * fewest), most);
   const double common = draws.log_uniform(fewest, most);
   const bool same = draws.chance(0.7);
   const double skew = draws.chance(0.8) ? draws.uniform(0, 1.0 / about.channels()) : 0.0;

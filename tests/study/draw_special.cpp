@@ -85,11 +85,15 @@ void draw_step(Draws& draws, Case& about) {
   if (size > 0 && size < 0.9) size *= draws.sign();
   for (Complex& shape : about.after.shape) shape *= 1 + size;
   about.hold_periods = draws.uniform(10, 60) + 3 * about.limit_periods;
-  about.remark += "then step of " + std::to_string(size);
+  about.remark +=
+      about.population == Population::frequency_step
+          ? "then a step of frequency by " + std::to_string(about.after.frequency_hz / about.frequency_hz - 1)
+          : "then a step of amplitude by " + std::to_string(size);
 }
 
 void draw_hours(Draws& draws, Case& about) {
   about.hours = 0.25;
+  about.remark = "steady ";
   const bool costly = draws.chance(0.05);
   draw_steady_rig(draws, about, 2, costly ? 40 : 5, costly ? 4 : 2);
   about.hold_periods = about.hours * 3600 * about.frequency_hz;

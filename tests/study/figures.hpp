@@ -23,8 +23,9 @@ namespace dwell::study {
 // An element that must not be reported, and that must be.
 [[nodiscard]] std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack);
 // Every step seen in time.
-[[nodiscard]] Row step_row(const std::vector<StepOutcome>& outcomes, Population population);
-[[nodiscard]] Row hours_row(const std::vector<HoursOutcome>& outcomes);
+[[nodiscard]] Row step_row(const std::vector<StepOutcome>& outcomes, Population population, double slack);
+// others: false re-arms elsewhere in the study.
+[[nodiscard]] Row hours_row(const std::vector<HoursOutcome>& outcomes, long others, double slack);
 [[nodiscard]] Row ramps_row(const std::vector<RampsOutcome>& outcomes, double slack);
 // Errors and time to answer of the service and of the script on the same recordings, as lines of text.
 [[nodiscard]] std::vector<std::string> beside(const std::vector<Outcome>& outcomes);

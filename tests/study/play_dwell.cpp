@@ -14,6 +14,7 @@
 namespace dwell::study {
 namespace {
 
+constexpr double kGiveUp = 2.0;      // times the lateness that one dwell in twenty may have
 constexpr double kOldVerdict = 2.0;  // periods after a change, within which a verdict may still be the old drive's
 
 // The last instant at which any channel's transient is above its threshold.
@@ -140,7 +141,7 @@ Outcome play(const Case& about, const Trace& trace) {
   outcome.tau_periods = about.motion->time_constant_s() * about.frequency_hz;
   const double oracle_s = oracle_of(about), period_s = about.period_s();
   outcome.oracle_s = oracle_s - about.change_s;
-  const double give_up_s = oracle_s + 4 * std::max(10 * period_s, about.motion->time_constant_s()) + 20 * period_s;
+  const double give_up_s = oracle_s + kGiveUp * std::max(10 * period_s, about.motion->time_constant_s());
 
   Pipeline pipeline(about.rig);
   Player player(about);

@@ -1,0 +1,4 @@
+# A complete dwell over Modbus TCP, each coefficient against the simulated rig's truth.
+start_rig --tcp 127.0.0.1:1502 --unit mm --noise 0.001
+clamped_rig | start_service
+claim "modbus: every coefficient is within 4 u of the truth" every_coefficient_is_right 20 150
