@@ -1,6 +1,7 @@
 // The canopen plugin: a small master that has transducers (CiA 404, CiA 406 and others) sample at its SYNC.
 #include <poll.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -29,8 +30,8 @@ class Asker {
     if (!error_.empty()) return error_;
     SdoClient client(node);
     client.upload(wanted.object, driver::monotonic_ns());
-    // One attempt: a node that is silent shall not take long.
-    const std::int64_t end_ns = driver::monotonic_ns() + SdoClient::kTimeout_ns;
+    // Attempts while there is time; one for every node.
+    const std::int64_t end_ns = std::max(end_ns_, driver::monotonic_ns() + SdoClient::kTimeout_ns);
     while (client.state() == SdoClient::State::busy) {
       while (const auto frame = client.to_send()) {
         canfd_frame sent{};
@@ -39,8 +40,11 @@ class Asker {
         std::copy_n(frame->data, CAN_MAX_DLEN, sent.data);
         if (const int error = bus_.write(sent); error != 0) return error_ = bus_.reason(error);
       }
-      if (never_.wait(bus_.descriptor(), POLLIN, end_ns) != driver::Stop::Wait::ready)
-        return "node " + std::to_string(node) + ": no answer";
+      const std::int64_t now_ns = driver::monotonic_ns();
+      if (now_ns >= end_ns) return "node " + std::to_string(node) + ": no answer";
+      client.tick(now_ns);
+      if (never_.wait(bus_.descriptor(), POLLIN, std::min(end_ns, now_ns + kTick_ns)) != driver::Stop::Wait::ready)
+        continue;
       const socketcan::Receipt receipt = bus_.read();
       if (receipt.error != 0) return error_ = bus_.reason(receipt.error);
       if (receipt.bus_off) return error_ = bus_.name() + ": bus-off";
@@ -65,7 +69,10 @@ class Asker {
   }
 
  private:
+  static constexpr std::int64_t kTick_ns = 10'000'000, kTogether_ns = 900'000'000;
+
   driver::Stop never_{nullptr};
+  std::int64_t end_ns_ = driver::monotonic_ns() + kTogether_ns;
   socketcan::Bus bus_;
   std::string error_;
 };

@@ -88,6 +88,7 @@ class SetupReader {
     const auto id = channel.get<std::uint8_t>("node", 1);
     const std::size_t node = node_of(id);
     setup_.channels.push_back({channel.index, "node " + std::to_string(id) + ", " + to_string(wanted.object), node});
+    read_identity(channel, setup_.nodes[node]);
     const auto name = channel.get<std::string_view>("type");
     const auto type = name ? parse_type(*name) : profile_type(wanted.object.index);
     if (!type) {
@@ -98,17 +99,19 @@ class SetupReader {
     }
     wanted.type = *type;
     Wish& wish = setup_.nodes[node];
-    const bool twice = std::any_of(wish.wanted.begin(), wish.wanted.end(), [&](const Wanted& each) {
-      return each.object == wanted.object && each.type == wanted.type;
-    });
+    const bool twice = std::any_of(wish.wanted.begin(), wish.wanted.end(),
+                                   [&](const Wanted& each) { return each.object == wanted.object; });
     if (twice)
       wrong("index",
             "object " + to_string(wanted.object) + " of node " + std::to_string(id) + " is another channel's already");
     wish.wanted.push_back(wanted);
+  }
+
+  void read_identity(const ChannelSettings& channel, Wish& wish) {
     for (std::size_t i = 0; i < wish.identity.size(); ++i) {
       const auto given = channel.get<std::uint32_t>(kIdentityKeys[i]);
       if (given && wish.identity[i] && *given != *wish.identity[i])
-        wrong(kIdentityKeys[i], "node " + std::to_string(id) + " has " + hex(*wish.identity[i]) +
+        wrong(kIdentityKeys[i], "node " + std::to_string(wish.node) + " has " + hex(*wish.identity[i]) +
                                     " in another channel; expected the same");
       if (given) wish.identity[i] = given;
     }

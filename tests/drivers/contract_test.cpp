@@ -10,6 +10,7 @@
 
 #include "daemon/acquire/plugin.hpp"
 #include "tests/drivers/can_device.hpp"
+#include "tests/drivers/canopen_device.hpp"
 #include "tests/drivers/fake_host.hpp"
 #include "tests/drivers/given.hpp"
 #include "tests/drivers/modbus_device.hpp"
@@ -151,6 +152,34 @@ class VirtualCanRig : public Device {
  private:
   VirtualCan interface_;
   CanRig rig_{interface_.name()};
+};
+
+class CanopenRig : public Device {
+ public:
+  Given given() override {
+    Given given("device");
+    given.set("interface", device_.interface()).set("timeout", 0.2).set("rate", 200).set("heartbeat", 0.05);
+    given.channel("one").set("node", CanopenDevice::kNode).set("index", 0x6150).set("sub_index", 1);
+    given.set("type", "unsigned8");
+    given.channel("two").set("node", CanopenDevice::kNode).set("index", 0x9130).set("sub_index", 1);
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("interface", "far/too-long-for-an-interface").set("rate", 1).set("timeout", 0.1);
+    given.channel("one").set("node", 1).set("index", 0x2000).set("vendor_id", 1);  // of no known type
+    given.channel("two").set("node", 1).set("index", 0x9130).set("vendor_id", 2);
+    return {std::move(given), 4};
+  }
+  void come() override { device_.come(); }
+  void leave() override { device_.leave(); }
+  bool fall_silent() override {
+    device_.set_silent(true);
+    return true;
+  }
+
+ private:
+  CanopenDevice device_;
 };
 
 struct Case {
@@ -370,6 +399,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
         Case{"Can", "can", [] { return std::unique_ptr<Device>(new CanRig); }},
         Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualCanRig); }},
+        Case{"Canopen", "canopen", [] { return std::unique_ptr<Device>(new CanopenRig); }},
         Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
     [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
 

@@ -22,11 +22,11 @@ std::uint32_t number(const std::uint8_t* bytes, std::size_t count) {
   return value;
 }
 
-std::uint16_t index_of(const can_frame& frame) { return static_cast<std::uint16_t>(number(frame.data + 1, 2)); }
+std::uint16_t index_of(const ::can_frame& frame) { return static_cast<std::uint16_t>(number(frame.data + 1, 2)); }
 
 }  // namespace
 
-CanopenNode::CanopenNode(std::uint8_t id, Transducer what, std::vector<can_frame>& out)
+CanopenNode::CanopenNode(std::uint8_t id, Transducer what, std::vector<::can_frame>& out)
     : id_(id), what_(what), out_(out) {}
 
 void CanopenNode::set_entry(std::uint16_t index, std::uint8_t sub_index, std::uint32_t value, std::size_t bytes,
@@ -103,7 +103,7 @@ void CanopenNode::encode(double si) {
 }
 
 void CanopenNode::send(canid_t id, const std::vector<std::uint8_t>& bytes) {
-  can_frame frame{};
+  ::can_frame frame{};
   frame.can_id = id;
   frame.can_dlc = static_cast<std::uint8_t>(std::min<std::size_t>(bytes.size(), CAN_MAX_DLEN));
   std::copy_n(bytes.begin(), frame.can_dlc, frame.data);
@@ -137,7 +137,7 @@ void CanopenNode::tick(std::int64_t now_ns) {
   heartbeat_ns_ = now_ns + static_cast<std::int64_t>(1e6 * entry(0x1017, 0) / rate_);
 }
 
-void CanopenNode::take(const can_frame& frame, std::int64_t now_ns) {
+void CanopenNode::take(const ::can_frame& frame, std::int64_t now_ns) {
   if (state_ == State::off || state_ == State::booting) return;
   if (frame.can_id == 0x600U + id_ && frame.can_dlc == 8 && state_ != State::stopped) {
     const std::uint32_t before = entry(0x1017, 0);
@@ -200,13 +200,13 @@ void CanopenNode::send_pdo(unsigned number) {
 
 // ---- service data --------------------------------------------------------------------------------------------------
 
-void CanopenNode::abort(const can_frame& request, std::uint32_t code) {
+void CanopenNode::abort(const ::can_frame& request, std::uint32_t code) {
   send(0x580U + id_, {0x80, request.data[1], request.data[2], request.data[3], static_cast<std::uint8_t>(code),
                       static_cast<std::uint8_t>(code >> 8U), static_cast<std::uint8_t>(code >> 16U),
                       static_cast<std::uint8_t>(code >> 24U)});
 }
 
-void CanopenNode::serve_sdo(const can_frame& request) {
+void CanopenNode::serve_sdo(const ::can_frame& request) {
   switch (request.data[0] >> 5U) {
     case 1:
       return download(request);
@@ -222,7 +222,7 @@ void CanopenNode::serve_sdo(const can_frame& request) {
   }
 }
 
-void CanopenNode::upload(const can_frame& request) {
+void CanopenNode::upload(const ::can_frame& request) {
   const std::uint16_t index = index_of(request);
   const auto place = dictionary_.find(key(index, request.data[3]));
   if (place == dictionary_.end()) {
@@ -244,7 +244,7 @@ void CanopenNode::upload(const can_frame& request) {
   send(0x580U + id_, answer);
 }
 
-void CanopenNode::upload_segment(const can_frame& request) {
+void CanopenNode::upload_segment(const ::can_frame& request) {
   const bool toggle = (request.data[0] & 0x10U) != 0;
   if (segments_.empty()) return abort(request, kUnknownCommand);
   if (toggle != toggle_) return abort(request, kToggleError);
@@ -268,7 +268,7 @@ std::uint32_t CanopenNode::refusal(std::uint16_t index, std::uint8_t sub_index, 
   return 0;
 }
 
-void CanopenNode::download(const can_frame& request) {
+void CanopenNode::download(const ::can_frame& request) {
   const std::uint16_t index = index_of(request);
   const auto place = dictionary_.find(key(index, request.data[3]));
   if (place == dictionary_.end()) return abort(request, kNoObject);

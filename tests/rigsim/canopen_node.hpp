@@ -23,12 +23,12 @@ class CanopenNode {
   static constexpr std::int64_t kBoot_ns = 20'000'000;  // from a reset to the boot-up message
 
   // Answers are appended to `out`, which outlives it. Off until reset.
-  CanopenNode(std::uint8_t id, Transducer what, std::vector<can_frame>& out);
+  CanopenNode(std::uint8_t id, Transducer what, std::vector<::can_frame>& out);
 
   [[nodiscard]] std::uint8_t id() const noexcept { return id_; }
   [[nodiscard]] bool operational() const noexcept { return state_ == State::operational; }
 
-  void take(const can_frame& frame, std::int64_t now_ns);
+  void take(const ::can_frame& frame, std::int64_t now_ns);
   // A SYNC, at which the quantity is `si`; NaN: none (integers: the lowest code).
   void sync(double si);
   void tick(std::int64_t now_ns);
@@ -63,17 +63,17 @@ class CanopenNode {
   void fill();
   void encode(double si);
   void send(canid_t id, const std::vector<std::uint8_t>& bytes);
-  void serve_sdo(const can_frame& request);
-  void abort(const can_frame& request, std::uint32_t code);
-  void upload(const can_frame& request);
-  void upload_segment(const can_frame& request);
-  void download(const can_frame& request);
+  void serve_sdo(const ::can_frame& request);
+  void abort(const ::can_frame& request, std::uint32_t code);
+  void upload(const ::can_frame& request);
+  void upload_segment(const ::can_frame& request);
+  void download(const ::can_frame& request);
   [[nodiscard]] std::uint32_t refusal(std::uint16_t index, std::uint8_t sub_index, std::uint32_t value) const;
   void send_pdo(unsigned number);
 
   std::uint8_t id_;
   Transducer what_;
-  std::vector<can_frame>& out_;
+  std::vector<::can_frame>& out_;
   State state_ = State::off;
   std::map<std::uint32_t, Entry> dictionary_;
   bool wrong_ = false;
