@@ -68,7 +68,7 @@ tl::expected<const dwell_driver_table*, std::string> built_plugin(std::string_vi
 }
 
 TEST(SampleRigs, LoadWithTheShippedPlugins) {
-  for (const char* driver : {"modbus", "replay", "can"}) {
+  for (const char* driver : {"modbus", "replay", "can", "canopen"}) {
     const std::string file = std::string(DWELL_BUILT_PLUGINS "/dwell-driver-") + driver + ".so";
     if (!std::ifstream(file)) GTEST_SKIP() << "the plugin " << file << " is not built";
   }

@@ -14,10 +14,10 @@
 
 namespace dwell::test {
 
-CanopenDevice::CanopenDevice() {
+CanopenDevice::CanopenDevice(const std::string& interface) : interface_(interface) {
   static std::atomic<int> number{0};
   const auto name = "dwell-canopen-" + std::to_string(::getpid()) + "-" + std::to_string(++number);
-  interface_ = "unix:" + (std::filesystem::temp_directory_path() / name).string();
+  if (interface_.empty()) interface_ = "unix:" + (std::filesystem::temp_directory_path() / name).string();
   thread_ = std::thread([this] { work(); });
 }
 

@@ -1,5 +1,5 @@
-// A CANopen bus with one node, for tests: on a local socket, from a thread of its own. The node (number 3) is rigsim's
-// input: 6150h:01 (8 bits) reads 1, 9130h:01 (32 bits) reads 2.
+// A CANopen bus with one node, for tests: on a local socket or a CAN interface, from a thread of its own. The node
+// (number 3) is rigsim's input: 6150h:01 (8 bits) reads 1, 9130h:01 (32 bits) reads 2.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,8 @@ class CanopenDevice {
  public:
   static constexpr int kNode = 3;
 
-  CanopenDevice();  // absent
+  // Begins absent. Empty: a local socket.
+  explicit CanopenDevice(const std::string& interface = "");
   ~CanopenDevice();
   CanopenDevice(const CanopenDevice&) = delete;
   CanopenDevice& operator=(const CanopenDevice&) = delete;

@@ -131,34 +131,13 @@ class CanRig : public Device {
   CanDevice device_;
 };
 
-// The same on the kernel's own CAN: an interface that is made and removed.
-class VirtualCanRig : public Device {
- public:
-  Given given() override { return rig_.given(); }
-  std::pair<Given, std::size_t> given_wrong() override { return rig_.given_wrong(); }
-  void come() override {
-    EXPECT_TRUE(interface_.come());
-    rig_.come();
-  }
-  void leave() override {
-    rig_.leave();
-    interface_.leave();
-  }
-  bool fall_silent() override { return rig_.fall_silent(); }
-  std::string lacking() override {
-    return VirtualCan::possible() ? "" : "a kernel with vcan, and the right to make interfaces: ./dev vm-test has both";
-  }
-
- private:
-  VirtualCan interface_;
-  CanRig rig_{interface_.name()};
-};
-
 class CanopenRig : public Device {
  public:
+  // Empty: a local socket.
+  explicit CanopenRig(const std::string& interface = "") : device_(interface) {}
   Given given() override {
     Given given("device");
-    given.set("interface", device_.interface()).set("timeout", 0.2).set("rate", 200).set("heartbeat", 0.05);
+    given.set("interface", device_.interface()).set("timeout", 0.2).set("rate", 100).set("heartbeat", 0.05);
     given.channel("one").set("node", CanopenDevice::kNode).set("index", 0x6150).set("sub_index", 1);
     given.set("type", "unsigned8");
     given.channel("two").set("node", CanopenDevice::kNode).set("index", 0x9130).set("sub_index", 1);
@@ -180,6 +159,30 @@ class CanopenRig : public Device {
 
  private:
   CanopenDevice device_;
+};
+
+// The same on the kernel's own CAN: an interface that is made and removed.
+template <class OnCan>
+class VirtualRig : public Device {
+ public:
+  Given given() override { return rig_.given(); }
+  std::pair<Given, std::size_t> given_wrong() override { return rig_.given_wrong(); }
+  void come() override {
+    EXPECT_TRUE(interface_.come());
+    rig_.come();
+  }
+  void leave() override {
+    rig_.leave();
+    interface_.leave();
+  }
+  bool fall_silent() override { return rig_.fall_silent(); }
+  std::string lacking() override {
+    return VirtualCan::possible() ? "" : "a kernel with vcan, and the right to make interfaces: ./dev vm-test has both";
+  }
+
+ private:
+  VirtualCan interface_;
+  OnCan rig_{interface_.name()};
 };
 
 struct Case {
@@ -398,8 +401,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ModbusTcp", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::tcp)); }},
         Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
         Case{"Can", "can", [] { return std::unique_ptr<Device>(new CanRig); }},
-        Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualCanRig); }},
+        Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualRig<CanRig>); }},
         Case{"Canopen", "canopen", [] { return std::unique_ptr<Device>(new CanopenRig); }},
+        Case{"VirtualCanopen", "canopen", [] { return std::unique_ptr<Device>(new VirtualRig<CanopenRig>); }},
         Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
     [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
 
