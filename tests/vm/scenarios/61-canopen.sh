@@ -1,10 +1,10 @@
 # A complete dwell on CANopen: nodes set up by SDO, sampled at our SYNC; candump sees both.
 seen() { grep -qE "$1" "$work/frames.log" || { head -n 4 "$work/frames.log"; return 1; }; }  # a line of candump -L
-# Distances between SYNCs as candump's stamps have them: their mean within 0.5 % of the period.
+# Distances between SYNCs as candump's stamps have them: their median, as where an answer is late one is left out.
 period_is() {  # SECONDS
-  grep -E ' 080#' "$work/frames.log" | sed -E 's/^\(([0-9.]+)\).*/\1/' |
-    awk -v period="$1" 'NR == 1 {first = $1} {last = $1} END {mean = (last - first) / (NR - 1); print NR, mean;
-      exit !(NR > 100 && mean > 0.995 * period && mean < 1.005 * period)}'
+  grep -E ' 080#' "$work/frames.log" | sed -E 's/^\(([0-9.]+)\).*/\1/' | awk 'NR > 1 {print $1 - last} {last = $1}' | sort -n |
+    awk -v period="$1" '{distance[NR] = $1} END {median = distance[int((NR + 1) / 2)]; print NR, median;
+      exit !(NR > 100 && median > 0.99 * period && median < 1.01 * period)}'
 }
 
 start_can vcan0
