@@ -103,6 +103,7 @@ Receipt Bus::read() noexcept {
     Frame& frame = frames_[count++];
     frame.can = packet.frame;
     frame.fd = fd;
+    frame.own = packet.own;
     frame.stamp = stamp_of(packet);
   }
   if (!receipt.more) map_.empty_at(before);

@@ -29,6 +29,7 @@ namespace dwell::socketcan {
 struct Frame {
   canfd_frame can{};
   bool fd = false;
+  bool own = false;  // Packet::own
   Stamp stamp;
 };
 

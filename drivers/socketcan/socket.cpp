@@ -100,6 +100,7 @@ class KernelSocket : public Socket {
                                MSG_DONTWAIT | MSG_TRUNC, nullptr);
     for (int i = 0; i < got; ++i) {
       Packet& packet = room[static_cast<std::size_t>(i)];
+      packet.own = (messages_[static_cast<std::size_t>(i)].msg_hdr.msg_flags & MSG_CONFIRM) != 0;
       packet.size = messages_[static_cast<std::size_t>(i)].msg_len;
       if (packet.size == CAN_MTU) clear_rest(packet.frame);
       read_control(messages_[static_cast<std::size_t>(i)].msg_hdr, packet);
@@ -152,7 +153,7 @@ Opened open_local(const std::string& interface) {
   return socket;
 }
 
-Opened open_interface(const std::string& interface, Filters filters) {
+Opened open_interface(const std::string& interface, Filters filters, OwnFrames own) {
   const int descriptor = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
   if (descriptor < 0) {
     if (errno == EAFNOSUPPORT) return tl::unexpected(interface + ": this kernel has no CAN (modules can and can-raw)");
@@ -169,6 +170,7 @@ Opened open_interface(const std::string& interface, Filters filters) {
   const can_err_mask_t all_errors = CAN_ERR_MASK;
   socket->set(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, all_errors);
   socket->set(SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1);
+  if (own == OwnFrames::returned) socket->set(SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, 1);
   socket->ask_for_stamps_and_losses();
   sockaddr_can address{};
   address.can_family = AF_CAN;
@@ -182,9 +184,10 @@ Opened open_interface(const std::string& interface, Filters filters) {
 
 }  // namespace
 
-Opened open_socket(const std::string& interface, Filters filters) {
+Opened open_socket(const std::string& interface, Filters filters, OwnFrames own) {
   if (std::string fault = interface_fault(interface); !fault.empty()) return tl::unexpected(interface + ": " + fault);
-  return interface.compare(0, kLocal.size(), kLocal) == 0 ? open_local(interface) : open_interface(interface, filters);
+  return interface.compare(0, kLocal.size(), kLocal) == 0 ? open_local(interface)
+                                                          : open_interface(interface, filters, own);
 }
 
 std::string interface_fault(const std::string& interface) {

@@ -23,6 +23,7 @@ struct Packet {
   std::size_t size = 0;          // bytes; CAN_MTU, CANFD_MTU, or not a frame; 0: the other end has closed
   std::int64_t real_ns = 0;      // the kernel's stamp of arrival, CLOCK_REALTIME; 0: none
   std::int64_t hardware_ns = 0;  // the interface's own stamp, in its own clock; 0: none
+  bool own = false;              // sent by this very socket (OwnFrames::returned)
 };
 
 struct Batch {
@@ -54,9 +55,13 @@ using Open = std::function<Opened()>;
 // entries than the kernel takes (512): whoever reads must be content with frames it did not ask for.
 using Filters = std::span<const can_filter>;
 
+// Whether what a socket sends comes back to it once the interface has sent it, with the stamp of then. Never from a
+// local socket.
+enum class OwnFrames : std::uint8_t { dropped, returned };
+
 // Opens `interface`: the name of a CAN interface ("can0"), or "unix:PATH", a SEQPACKET socket that carries can_frame
 // and canfd_frame, for simulators and tests. Does not wait. Says why not in one line.
-[[nodiscard]] Opened open_socket(const std::string& interface, Filters filters);
+[[nodiscard]] Opened open_socket(const std::string& interface, Filters filters, OwnFrames own = OwnFrames::dropped);
 
 // What is wrong with an interface's name, or empty.
 [[nodiscard]] std::string interface_fault(const std::string& interface);

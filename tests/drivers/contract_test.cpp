@@ -10,6 +10,7 @@
 
 #include "daemon/acquire/plugin.hpp"
 #include "tests/drivers/can_device.hpp"
+#include "tests/drivers/canopen_device.hpp"
 #include "tests/drivers/fake_host.hpp"
 #include "tests/drivers/given.hpp"
 #include "tests/drivers/modbus_device.hpp"
@@ -130,8 +131,39 @@ class CanRig : public Device {
   CanDevice device_;
 };
 
+class CanopenRig : public Device {
+ public:
+  // Empty: a local socket.
+  explicit CanopenRig(const std::string& interface = "") : device_(interface) {}
+  Given given() override {
+    Given given("device");
+    given.set("interface", device_.interface()).set("timeout", 0.2).set("rate", 100).set("heartbeat", 0.05);
+    given.channel("one").set("node", CanopenDevice::kNode).set("index", 0x6150).set("sub_index", 1);
+    given.set("type", "unsigned8");
+    given.channel("two").set("node", CanopenDevice::kNode).set("index", 0x9130).set("sub_index", 1);
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("interface", "far/too-long-for-an-interface").set("rate", 1).set("timeout", 0.1);
+    given.channel("one").set("node", 1).set("index", 0x2000).set("vendor_id", 1);  // of no known type
+    given.channel("two").set("node", 1).set("index", 0x9130).set("vendor_id", 2);
+    return {std::move(given), 4};
+  }
+  void come() override { device_.come(); }
+  void leave() override { device_.leave(); }
+  bool fall_silent() override {
+    device_.set_silent(true);
+    return true;
+  }
+
+ private:
+  CanopenDevice device_;
+};
+
 // The same on the kernel's own CAN: an interface that is made and removed.
-class VirtualCanRig : public Device {
+template <class OnCan>
+class VirtualRig : public Device {
  public:
   Given given() override { return rig_.given(); }
   std::pair<Given, std::size_t> given_wrong() override { return rig_.given_wrong(); }
@@ -150,7 +182,7 @@ class VirtualCanRig : public Device {
 
  private:
   VirtualCan interface_;
-  CanRig rig_{interface_.name()};
+  OnCan rig_{interface_.name()};
 };
 
 struct Case {
@@ -369,7 +401,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ModbusTcp", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::tcp)); }},
         Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
         Case{"Can", "can", [] { return std::unique_ptr<Device>(new CanRig); }},
-        Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualCanRig); }},
+        Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualRig<CanRig>); }},
+        Case{"Canopen", "canopen", [] { return std::unique_ptr<Device>(new CanopenRig); }},
+        Case{"VirtualCanopen", "canopen", [] { return std::unique_ptr<Device>(new VirtualRig<CanopenRig>); }},
         Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
     [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
 

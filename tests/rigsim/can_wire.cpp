@@ -56,7 +56,7 @@ void CanWire::receive(std::vector<WireFrame>& frames) {
     const auto batch = interface_->read(packets);
     for (std::size_t i = 0; i < batch.count; ++i)
       if ((packets[i].frame.can_id & CAN_ERR_FLAG) == 0)
-        frames.push_back({packets[i].frame, packets[i].size == CANFD_MTU});
+        frames.push_back({packets[i].frame, packets[i].size == CANFD_MTU, packets[i].real_ns});
     return;
   }
   while (clients_.size() < kMostClients) {

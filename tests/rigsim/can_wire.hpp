@@ -20,6 +20,7 @@ namespace rigsim {
 struct WireFrame {
   canfd_frame can{};
   bool fd = false;
+  std::int64_t real_ns = 0;  // the kernel's stamp of its arrival, CLOCK_REALTIME; 0: none
 };
 
 class CanWire {

@@ -71,6 +71,7 @@ struct Options {
   int baud = 0;          // of the simulated wire; 0: what the client sets
   bool parity = true;    // likewise; a pseudo-terminal does not tell the client's (11 bits a character; without: 10)
   std::string can;       // CAN interface, or unix:PATH for a local one; empty: none
+  std::string canopen;   // likewise for the CANopen nodes
   double can_rate_hz = 200;  // frames per second and channel
   std::string control_path;  // unix stream socket for control lines; empty: none
 

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "tests/rigsim/can_node.hpp"
+#include "tests/rigsim/canopen_nodes.hpp"
 #include "tests/rigsim/control.hpp"
 #include "tests/rigsim/exchange.hpp"
 #include "tests/rigsim/responder.hpp"
@@ -52,7 +53,8 @@ struct Server::Impl {
         time(clock(), options.clock_drift_ppm),
         responder(options),
         exchange(responder, clock, time),
-        can(options, responder, clock, time) {}
+        can(options, responder, clock, time),
+        canopen(options, responder, clock, time) {}
 
   // Set up before the thread starts, read-only afterwards.
   Options options;
@@ -65,6 +67,7 @@ struct Server::Impl {
   Responder responder;
   Exchange exchange;
   CanNodes can;
+  CanopenNodes canopen;
   Fd tcp_listener, control_listener;
   std::vector<Client> clients;
 
@@ -110,6 +113,7 @@ Result<void> Server::Impl::open() {
     exchange.add_terminal(std::move(*made), options.parity);
   }
   if (auto opened = can.open(); !opened) return opened;
+  if (auto opened = canopen.open(); !opened) return opened;
   if (!options.control_path.empty()) {
     auto listener = listen_unix(options.control_path);
     if (!listener) return tl::make_unexpected(listener.error());
@@ -131,7 +135,8 @@ std::string Server::Impl::status() {
          ",\"exceptions\":" + std::to_string(tally.exceptions) + ",\"unanswered\":" + std::to_string(tally.unanswered) +
          ",\"resets\":" + std::to_string(tally.resets) +
          ",\"connections\":" + std::to_string(exchange.connection_count()) +
-         ",\"silent\":" + (responder.silent ? "true" : "false") + (options.can.empty() ? "" : "," + can.status()) + "}";
+         ",\"silent\":" + (responder.silent ? "true" : "false") + (options.can.empty() ? "" : "," + can.status()) +
+         (options.canopen.empty() ? "" : "," + canopen.status()) + "}";
 }
 
 std::string Server::Impl::execute_line(const std::string& line) {
@@ -140,6 +145,7 @@ std::string Server::Impl::execute_line(const std::string& line) {
   if (words.empty()) return "error: an empty line";
   if (auto answer = execute(responder.device, time.at(clock()), words)) return *answer;
   if (auto answer = can.command(words)) return *answer;
+  if (auto answer = canopen.command(words)) return *answer;
   const std::string& verb = words[0];
   const bool alone = words.size() == 1;
   const bool on = words.size() == 2 && words[1] == "on";
@@ -170,6 +176,7 @@ std::string Server::Impl::execute_line(const std::string& line) {
     if (!ppm || std::abs(*ppm) > 1e5) return "error: expected: clock-drift PPM, at most 100000";
     time.set_drift(clock(), *ppm);
     can.set_drift(*ppm);
+    canopen.set_drift(*ppm);
     return "ok";
   }
   return "error: cannot make out: " + line;
@@ -217,10 +224,12 @@ void Server::Impl::serve_once() {
   exchange.watch(polled);
   const std::size_t link_count = polled.size() - first_link;
   can.watch(polled);
+  canopen.watch(polled);
 
   timespec wait{};
   auto due_ns = exchange.next_due_ns();
-  if (const auto can_ns = can.next_due_ns()) due_ns = due_ns ? std::min(*due_ns, *can_ns) : *can_ns;
+  for (const auto bus_ns : {can.next_due_ns(), canopen.next_due_ns()})
+    if (bus_ns) due_ns = due_ns ? std::min(*due_ns, *bus_ns) : *bus_ns;
   if (due_ns) {
     const std::int64_t left = std::max<std::int64_t>(0, *due_ns - now_ns(CLOCK_MONOTONIC));
     wait = {left / 1'000'000'000, left % 1'000'000'000};
@@ -229,6 +238,7 @@ void Server::Impl::serve_once() {
 
   exchange.serve(std::span(polled).subspan(first_link, link_count));
   can.serve(now_ns(CLOCK_MONOTONIC));
+  canopen.serve(now_ns(CLOCK_MONOTONIC));
   const auto ready = [&](std::size_t i) { return polled[i].fd >= 0 && polled[i].revents != 0; };
   for (std::size_t i = 0; i < client_count; ++i)
     if (ready(3 + i)) serve_client(clients[i]);

@@ -50,6 +50,10 @@ can_rig() {  # INTERFACE
   sed "s/^update .*/update = 0.4/; s/^interface .*/interface = \"$1\"/; s|^dbc .*|dbc = \"/usr/share/dwell/rigs/rigsim.dbc\"|" \
     /usr/share/dwell/rigs/can.toml
 }
+# The same with CANopen transducers; a SYNC every 12.5 ms, and answers that may take long.
+canopen_rig() {  # INTERFACE
+  sed "s/^update .*/update = 0.4/; s/^interface .*/interface = \"$1\"/; s/^rate .*/rate = 80/" /usr/share/dwell/rigs/canopen.toml
+}
 property() { systemctl show dwelld -p "$1" --value; }
 health() {  # a jq expression that must be true of /api/v1/health
   local answer
