@@ -105,6 +105,22 @@ void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell
   }
 }
 
+// What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
+void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
+  const double f = omega / kTwoPi;
+  for (const double line : kMainsFundamentals_hz)
+    for (int h = 1; h <= H; ++h) {
+      std::string names;
+      for (int c = 0; c < channel_count; ++c)
+        if (live[static_cast<std::size_t>(c)].sampling.distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
+          names += (names.empty() ? "" : ", ") + rig.channels[static_cast<std::size_t>(c)].name;
+      if (names.empty()) continue;
+      const std::string hertz = std::to_string(static_cast<int>(line));
+      dwell.warnings.push_back("hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                               std::to_string(h) + " in " + names + ": choose another frequency or sampling rate");
+    }
+}
+
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = state;
@@ -160,6 +176,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.warnings.push_back("no coefficients: " + dwell.settling_reason);
     return dwell;
   }
+  warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }

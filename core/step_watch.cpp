@@ -109,7 +109,8 @@ bool StepWatch::close() noexcept {
     // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
     const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since));
     const double u_drift = std::sqrt(sigma2 / weight + std::pow(1.5 * u_phase / since, 2) + std::pow(now_.u_omega, 2));
-    const double by_amplitude = std::abs(alpha) / (std::max(kBeyond * tolerance_, kSure * u_alpha) + tolerated_);
+    const double by_amplitude =
+        std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) + tolerated_);
     const double by_drift =
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);
