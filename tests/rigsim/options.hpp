@@ -25,15 +25,6 @@ struct Faults {
   double missing = 0.0;           // probability of no answer
   double dropout = 0.0;           // probability that the device falls silent for …
   double dropout_length_s = 0.2;  // … so long
-<<<<<<< HEAD
-  double late = 0.0;         // probability that the answer comes, while the device goes on with other requests, …
-  double late_by_s = 0.5;    // … so much later
-  double short_frame = 0.0;  // probability of half a frame
-  double bad_crc = 0.0;      // probability of a wrong CRC (RTU)
-  double wrong_id = 0.0;     // probability of another transaction's id (TCP), another station's address (RTU)
-  double reset = 0.0;        // probability that the connection is reset instead of answered (TCP)
-  double babble_hz = 0.0;    // meaningless frames of the highest priority per second (CAN)
-=======
   double late = 0.0;          // probability that the answer comes, while the device goes on with other requests, …
   double late_by_s = 0.5;     // … so much later
   double short_frame = 0.0;   // probability of half a frame
@@ -42,7 +33,7 @@ struct Faults {
   double reset = 0.0;         // probability that the connection is reset instead of answered (TCP)
   double sync_missing = 0.0;  // probability, per period of the drive, of no sync pulse
   double sync_twice = 0.0;    // … of a second one a quarter of a period later
->>>>>>> gpio
+  double babble_hz = 0.0;     // meaningless frames of the highest priority per second (CAN)
 };
 
 struct FaultName {
