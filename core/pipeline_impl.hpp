@@ -125,7 +125,7 @@ struct Pipeline::Impl {
   bool counted_valid = false;
   struct Hold {
     std::int64_t t_ref_ns;
-    double phase_rad, omega, u_omega;
+    double phase_rad, omega, u_omega, drift;
   } hold{};  // the table's phasor in this dwell, as last counted anew
   int slips = 0, since_in_phase = 0, restarts = 0;
   bool sparse = false;              // the drive's channel has too few samples a period
@@ -310,7 +310,10 @@ struct Pipeline::Impl {
 
   // ω and the running sums from all data that count: at the verdict, whenever the data have grown by a sixth, and when
   // the oldest have been forgotten.
-  void count_anew();
+  void count_anew(bool follow = true);
+
+  // How the table's frequency drifts, where that shows: into the blocks' drift. Whether it has changed.
+  bool follow_drift();
 
   // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
   // that is no small part of the uncertainty they go, if they are no large part of the data.

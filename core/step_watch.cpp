@@ -31,10 +31,13 @@ void StepWatch::refer(const Reference& reference) noexcept {
   if (referred_) {
     const double shift_s = 1e-9 * static_cast<double>(reference.t_ref_ns - now_.t_ref_ns);
     const double before = std::abs(now_.X[0]), after = std::abs(reference.X[0]);
-    const double turned = std::arg(reference.X[0] * std::conj(now_.X[0] * std::polar(1.0, now_.omega * shift_s)));
+    const double advance = (now_.omega + 0.5 * now_.drift * shift_s) * shift_s;
+    const double turned = std::arg(reference.X[0] * std::conj(now_.X[0] * std::polar(1.0, advance)));
+    const double faster = reference.omega - now_.omega - now_.drift * shift_s;
+    const double more_drift = reference.drift - now_.drift;
     const auto to_reference = [&](Block& block) {
       block.t_s -= shift_s;
-      const double dphi = turned + (reference.omega - now_.omega) * block.t_s;
+      const double dphi = turned + (faster + 0.5 * more_drift * block.t_s) * block.t_s;
       const double scale = after / before;
       block.rm = (block.rm - (scale - 1) * block.mm) * scale;
       block.rq = (block.rq - dphi * block.qq) * scale;
@@ -53,7 +56,8 @@ void StepWatch::refer(const Reference& reference) noexcept {
 void StepWatch::add(std::int64_t t_ns, double value) noexcept {
   if (!referred_) return;
   const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
-  const std::complex<double> step = std::polar(1.0, std::remainder(now_.omega * t_s, 2 * M_PI));
+  const std::complex<double> step =
+      std::polar(1.0, std::remainder((now_.omega + 0.5 * now_.drift * t_s) * t_s, 2 * M_PI));
   std::complex<double> turn = step;
   double predicted = now_.mean;
   for (int h = 0; h < now_.harmonics; ++h, turn *= step)

@@ -38,7 +38,8 @@ class StepWatch {
     double mean;
     std::array<std::complex<double>, kMaxHarmonics> X;
     int harmonics;
-    double omega, sigma, u_amplitude, u_phase, u_omega;
+    double omega, drift;  // rad/s at t_ref, and its rate, rad/s²
+    double sigma, u_amplitude, u_phase, u_omega;
     double u_rounding;  // relative, of an amplitude, by rounding that repeats with the motion
   };
   // beats: whether hum may beat with the drive in this channel; then a tolerance is left to it.
