@@ -10,6 +10,7 @@ constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
 constexpr double kBeats = 0.5;                // of the drive's frequency: what is farther from it averages out
 constexpr int kStretches = 12;                // in which the drive's phase is looked at
+constexpr double kShortestDrift = 20.0;       // periods
 constexpr double kSureOfDrift = 4.0;          // standard deviations
 constexpr double kDriftMatters = 0.02;        // rad per square of the data's length
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
@@ -31,12 +32,13 @@ void Pipeline::Impl::count_anew(bool follow) {
   if (follow && follow_drift()) return count_anew(false);
   // Once more about the centroid, where turning costs least.
   const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
+  refer_drift(centroid_ns);
   blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
   counted_valid = true;
   const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
   const Complex X = fit.X[0];
   const double drift = blocks.drift().rate;
-  hold = {centroid_ns, std::arg(X), omega, u_omega, drift};
+  hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
   if (fit.usable) {
@@ -59,6 +61,7 @@ bool Pipeline::Impl::follow_drift() {
   if (rig.excitation.reference != Reference::tracked || blocks.count() < kStretches) return false;
   const std::int64_t about_ns = counted.centroid_ns(drive_channel), begin_ns = blocks.block(0).begin_ns,
                      length_ns = blocks.block(blocks.count() - 1).end_ns - begin_ns;
+  if (to_s(length_ns) < kShortestDrift * period_s()) return false;
   // The table's phase in stretches of like length against the dwell's, a parabola through it.
   Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -83,11 +86,16 @@ bool Pipeline::Impl::follow_drift() {
   // What turns the ends by less than it is uncertain, or a phasor by nothing that matters, is left alone.
   if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return false;
   const double length_s = to_s(length_ns);
-  // Brought to the new middle: about another instant the same drift is another frequency.
-  const Blocks::Drift old = blocks.drift();
-  omega += old.rate * to_s(about_ns - old.about_ns);
-  blocks.set_drift({old.rate + more / (length_s * length_s), about_ns});
+  refer_drift(about_ns);
+  blocks.set_drift({blocks.drift().rate + more / (length_s * length_s), about_ns});
   return true;
+}
+
+// About another instant the same drift goes with another frequency.
+void Pipeline::Impl::refer_drift(std::int64_t about_ns) {
+  const Blocks::Drift drift = blocks.drift();
+  omega += drift.rate * to_s(about_ns - drift.about_ns);
+  blocks.set_drift({drift.rate, about_ns});
 }
 
 bool Pipeline::Impl::drop_misjudged() {

@@ -125,7 +125,7 @@ struct Pipeline::Impl {
   bool counted_valid = false;
   struct Hold {
     std::int64_t t_ref_ns;
-    double phase_rad, omega, u_omega, drift;
+    double phase_rad, omega, u_omega;
   } hold{};  // the table's phasor in this dwell, as last counted anew
   int slips = 0, since_in_phase = 0, restarts = 0;
   bool sparse = false;              // the drive's channel has too few samples a period
@@ -314,6 +314,7 @@ struct Pipeline::Impl {
 
   // How the table's frequency drifts, where that shows: into the blocks' drift. Whether it has changed.
   bool follow_drift();
+  void refer_drift(std::int64_t about_ns);
 
   // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
   // that is no small part of the uncertainty they go, if they are no large part of the data.

@@ -78,7 +78,7 @@ class StepWatch {
       0.0;  // relative variance of one period's amplitude beyond its noise, as it is in an unchanged drive …
   double tolerated_ = 0.0;  // … and what it adds to a deviation
   double beats_ = 0.0;
-  int since_good_ = 0, in_doubt_ = 0;
+  int since_good_ = 0, in_doubt_ = 0, slipping_ = 0;
 };
 
 }  // namespace dwell

@@ -70,7 +70,7 @@ TEST(SlowChange, AShakerThatDriftsATenthOfAPercentAMinuteIsFollowed) {
     const auto& [c, r] = std::pair{dwell.elements[e].stiffness, dwell.elements[e].damping};
     EXPECT_NEAR(c.value, slow.chain.stiffness[e], 4 * c.u) << e;
     EXPECT_NEAR(r.value, slow.chain.damping[e], 4 * r.u) << e;
-    EXPECT_LT(c.u, 3e-3 * c.value) << e;
+    EXPECT_LT(c.u, 2e-2 * c.value) << e;
   }
 }
 
