@@ -30,10 +30,12 @@ std::uint32_t half(std::int64_t width_ns) noexcept {
       std::clamp<std::int64_t>((width_ns + 1) / 2, 0, std::numeric_limits<std::uint32_t>::max()));
 }
 
-// Of instants that may lie anywhere.
+// Of instants that may lie anywhere; cut to 70 years either way, so that it can be reckoned with.
 std::int64_t distance(std::int64_t a, std::int64_t b) noexcept {
+  constexpr std::int64_t kFarthest_ns = INT64_MAX / 4;
   std::int64_t difference = 0;
-  return __builtin_sub_overflow(a, b, &difference) ? std::numeric_limits<std::int64_t>::max() : difference;
+  if (__builtin_sub_overflow(a, b, &difference)) return a < b ? -kFarthest_ns : kFarthest_ns;
+  return std::clamp(difference, -kFarthest_ns, kFarthest_ns);
 }
 
 }  // namespace

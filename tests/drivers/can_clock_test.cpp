@@ -71,6 +71,20 @@ TEST(CanClockMap, ReplacesAStampThatMeansNoInstantBetweenTheReads) {
   }
 }
 
+// Found by the fuzzer: no clock shows this, but nothing may be built on that.
+TEST(CanClockMap, ReckonsWithAnyClock) {
+  constexpr std::int64_t kExtremes[] = {INT64_MIN, INT64_MIN + 1, -1, 0, 1, INT64_MAX - 1, INT64_MAX};
+  for (const std::int64_t before : kExtremes)
+    for (const std::int64_t now : kExtremes)
+      for (const std::int64_t stamp : kExtremes) {
+        ClockMap map({1 * kS, before, 100});
+        map.read_at({1 * kS + 20 * kMs, now, 100});
+        const Stamp mapped = map.map(stamp);
+        EXPECT_GE(mapped.t_ns, 1 * kS - 10 * kMs);
+        EXPECT_LE(mapped.t_ns, 1 * kS + 20 * kMs);
+      }
+}
+
 TEST(CanClockMap, NeverPutsAFrameAfterItsReading) {
   const WallClock clock;
   ClockMap map(clock.pair(1 * kS));
