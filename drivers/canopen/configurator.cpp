@@ -167,9 +167,7 @@ void Configurator::take_cob_id(const Answer& answer) {
 }
 
 void Configurator::take_transmission(const Answer& answer) {
-  if (answer.abort_code)
-    return fail("cannot read " + to_string(parameter(pdo_, kTransmission)) + ": " + abort_text(*answer.abort_code));
-  found_.back().transmission = static_cast<std::uint8_t>(number(answer));
+  if (!answer.abort_code) found_.back().transmission = static_cast<std::uint8_t>(number(answer));
   read(mapping(pdo_, 0), &Configurator::take_count);
 }
 

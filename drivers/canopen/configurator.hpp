@@ -89,7 +89,7 @@ class Configurator {
   struct Found {
     unsigned number = 0;  // from 0
     std::uint32_t cob_id = 0;
-    std::uint8_t transmission = 0;
+    std::uint8_t transmission = 0;  // 0, too, where it does not tell
     std::vector<Entry> entries;
     unsigned bits = 0;
     bool used = false;

@@ -13,10 +13,12 @@ using driver::raw_ns;
 using driver::Stop;
 using socketcan::Controller;
 using socketcan::Frame;
+using socketcan::Link;
 using socketcan::Receipt;
 
 // A bus in trouble says so thousands of times a second.
 constexpr std::int64_t kBetweenLines_ns = 1'000'000'000;
+constexpr std::int64_t kWatchLink_ns = 100'000'000;
 constexpr int kMostBatches = 64;
 constexpr std::uint64_t kMostCounted = 1'000'000;  // the host counts one by one
 
@@ -43,23 +45,41 @@ void Master::run(Stop& stop) {
     read(stop);
     if (!bus_.is_open()) continue;
     const std::int64_t now_ns = monotonic_ns();
-    if (network_.held() && bus_.controller() != Controller::bus_off && now_ns >= next_try_ns_) network_.begin(now_ns);
+    watch_link(now_ns);
     network_.tick(now_ns);
     if (send_pending() && network_.sync_due(now_ns)) send_sync(now_ns);
   }
   bus_.close();
 }
 
+// A link may come up, and a controller leave the bus, without a word.
+void Master::watch_link(std::int64_t now_ns) {
+  if (now_ns < next_link_ns_) return;
+  next_link_ns_ = now_ns + kWatchLink_ns;
+  const Link link = bus_.link();
+  if (!network_.held()) {
+    if (link == Link::no_carrier)
+      network_.hold(DWELL_FAULT_BUS_OFF, bus_.name() + ": the interface has no carrier: bus-off, unless restarted");
+  } else if (link == Link::up && bus_.controller() != Controller::bus_off &&
+             (link_ != Link::up || now_ns >= next_try_ns_)) {
+    network_.begin(now_ns);
+  }
+  link_ = link;
+}
+
 void Master::open(Stop& stop) {
+  // One that has just failed may do so again as soon.
+  if (!stop.sleep_until(next_try_ns_)) return;
   const std::string error = bus_.open();
   if (error.empty()) {
     told_controller_ = Controller::active;
+    link_ = Link::up;
     network_.begin(monotonic_ns());
     return;
   }
   host_.count(DWELL_FAULT_DISCONNECTED);
   network_.hold(DWELL_FAULT_DISCONNECTED, error);
-  stop.sleep_for(reconnect_.next_ns());
+  next_try_ns_ = monotonic_ns() + reconnect_.next_ns();
 }
 
 // Until nothing more is waiting; a bus that never ceases does not keep SYNC from being sent.

@@ -25,6 +25,7 @@ class Master {
   void take(const socketcan::Receipt& receipt, std::int64_t now_ns);
   void note_losses(std::uint32_t lost, std::int64_t now_ns);
   void note_controller(const socketcan::Receipt& receipt, std::int64_t now_ns);
+  void watch_link(std::int64_t now_ns);
   void break_off(int error);
   bool send_pending();
   void send_sync(std::int64_t now_ns);
@@ -34,8 +35,10 @@ class Master {
   socketcan::Bus bus_;
   Network network_;
   socketcan::Backoff reconnect_;
-  std::int64_t next_try_ns_ = 0;  // to set the nodes up again after the link was down
-  std::uint64_t lost_ = 0;        // since the last line about it
+  std::int64_t next_try_ns_ = 0;  // to open, or to set the nodes up again after the link was down
+  std::int64_t next_link_ns_ = 0;
+  socketcan::Link link_ = socketcan::Link::up;  // as seen last
+  std::uint64_t lost_ = 0;                      // since the last line about it
   std::int64_t next_loss_line_ns_ = 0;
   socketcan::Controller told_controller_ = socketcan::Controller::active;
   std::int64_t next_controller_line_ns_ = 0;

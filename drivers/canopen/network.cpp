@@ -48,7 +48,10 @@ void Network::begin(std::int64_t now_ns) {
 }
 
 void Network::hold(dwell_fault fault, const std::string& reason) {
+  // A link goes down before its interface is removed: the last reason counts.
+  const bool another = !held_ || reason != held_reason_;
   held_ = true;
+  held_reason_ = reason;
   running_ = window_open_ = sync_returns_ = false;
   outbox_.clear();
   for (Member& member : members_) {
@@ -58,7 +61,7 @@ void Network::hold(dwell_fault fault, const std::string& reason) {
   }
   for (Target& target : targets_) {
     target.gap = target.last_ns != INT64_MIN;
-    tell(target, fault, reason.c_str());
+    if (another) tell(target, fault, reason.c_str());
   }
 }
 
@@ -299,7 +302,6 @@ void Network::watch_silence(std::int64_t now_ns) {
     if (member.node.fault() == DWELL_FAULT_NONE) continue;
     if (target.told == member.node.fault() && member.told == member.node.reason()) continue;
     target.gap = target.last_ns != INT64_MIN;
-    target.told = DWELL_FAULT_NONE;
     tell(target, member.node.fault(), member.node.reason().c_str());
   }
   for (Member& member : members_)
@@ -307,7 +309,6 @@ void Network::watch_silence(std::int64_t now_ns) {
 }
 
 void Network::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
-  if (target.told == fault) return;
   target.told = fault;
   host_.state(target.channel.index, fault, reason);
 }

@@ -105,6 +105,7 @@ class Network {
   std::vector<Target> targets_;
   std::vector<dwell_sample> scan_;
   bool held_ = true;
+  std::string held_reason_;
   bool running_ = false;      // SYNCs are sent
   bool window_open_ = false;  // answers to sync_ are awaited
   Sync sync_;

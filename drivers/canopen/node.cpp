@@ -15,7 +15,7 @@ constexpr std::int64_t kHeartbeats = 3;
 constexpr std::int64_t kGrace_ns = 250'000'000;
 // Between attempts at a node that was silent and shows signs of life.
 constexpr std::int64_t kBetweenAttempts_ns = 500'000'000;
-// A device in trouble may say so thousands of times a second.
+// A device in trouble may restart, or say that it is in trouble, thousands of times a second.
 constexpr std::int64_t kBetweenLines_ns = 1'000'000'000;
 
 }  // namespace
@@ -84,6 +84,8 @@ void Node::start(std::int64_t now_ns) {
   phase_ = Phase::operational;
   ++starts_;
   started_ns_ = life_ns_ = now_ns;
+  if (now_ns < next_start_line_ns_) return;
+  next_start_line_ns_ = now_ns + kBetweenLines_ns;
   std::string text = name() + ": started; measured by";
   for (const Pdo& pdo : pdos())
     text += (&pdo == &pdos().front() ? " TPDO " : ", TPDO ") + std::to_string(pdo.number) + " (" + hex(pdo.id) + ")";
@@ -95,6 +97,12 @@ void Node::set_fault(dwell_fault fault, const std::string& reason) {
   host_.count(fault);
   fault_ = fault;
   reason_ = reason;
+}
+
+void Node::warn(std::int64_t now_ns) {
+  if (now_ns < next_state_line_ns_) return;
+  host_.log(DWELL_WARNING, reason_);
+  next_state_line_ns_ = now_ns + kBetweenLines_ns;
 }
 
 void Node::fail(dwell_fault fault, const std::string& what, std::int64_t now_ns) {
@@ -126,13 +134,13 @@ void Node::take_state(std::uint8_t byte, std::int64_t now_ns) {
   if (state == static_cast<std::uint8_t>(Nmt::boot_up)) {
     if (phase_ == Phase::configuring || phase_ == Phase::operational) {
       set_fault(DWELL_FAULT_DISCONNECTED, name() + ": it has restarted, and is set up again");
-      host_.log(DWELL_WARNING, reason_);
+      warn(now_ns);
     }
     configure(now_ns);
   } else if (phase_ == Phase::operational && state != static_cast<std::uint8_t>(Nmt::operational) &&
              now_ns - started_ns_ > kGrace_ns) {
     fail(DWELL_FAULT_DISCONNECTED, name() + ": it was started, and is " + state_text(state), now_ns);
-    host_.log(DWELL_WARNING, reason_);
+    warn(now_ns);
   } else if (phase_ == Phase::failed && fault_ == DWELL_FAULT_TIMEOUT) {
     // It was silent, and is not any more.
     deadline_ns_ = std::min(deadline_ns_, std::max(now_ns, failed_ns_ + kBetweenAttempts_ns));
@@ -179,7 +187,7 @@ void Node::tick(std::int64_t now_ns) {
       const std::int64_t longest_ns = kHeartbeats * 1'000'000 * configurator_.heartbeat_ms();
       if (longest_ns > 0 && now_ns - life_ns_ > longest_ns) {
         fail(DWELL_FAULT_TIMEOUT, name() + ": no heartbeat for " + seconds(longest_ns), now_ns);
-        host_.log(DWELL_WARNING, reason_);
+        warn(now_ns);
       }
       return;
     }

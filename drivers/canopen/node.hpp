@@ -52,6 +52,7 @@ class Node {
   void go_on(std::int64_t now_ns);
   void start(std::int64_t now_ns);
   void set_fault(dwell_fault fault, const std::string& reason);
+  void warn(std::int64_t now_ns);
   void take_state(std::uint8_t state, std::int64_t now_ns);
   void take_emergency(const can_frame& frame, std::int64_t now_ns);
   void flush();
@@ -69,7 +70,7 @@ class Node {
   std::int64_t deadline_ns_ = 0;  // booting: the last instant to boot; failed: of the next attempt
   std::int64_t started_ns_ = 0, failed_ns_ = 0;
   std::int64_t life_ns_ = 0;  // of its last sign of life
-  std::int64_t next_line_ns_ = 0;
+  std::int64_t next_start_line_ns_ = 0, next_state_line_ns_ = 0, next_line_ns_ = 0;
   unsigned unsaid_ = 0;  // emergencies since the last line
 };
 

@@ -62,6 +62,7 @@ std::optional<Type> profile_type(std::uint16_t index) noexcept {
 }
 
 Reading read_value(std::span<const std::uint8_t> data, unsigned first_bit, const Type& type) noexcept {
+  if (type.bits == 0 || type.bits > 64) return {Verdict::invalid, 0.0};
   if (first_bit + type.bits > 8 * data.size()) return {Verdict::short_frame, 0.0};
   std::uint64_t raw = 0;
   for (unsigned i = 0; i < type.bits; ++i) {

@@ -89,6 +89,11 @@ class FakeBus {
     babbling_ = on;
     wake();
   }
+  // What every write gives from now on; 0: it goes out.
+  void refuse_writes(int error) {
+    const std::lock_guard lock(mutex_);
+    write_error_ = error;
+  }
   std::vector<canfd_frame> written() const {
     const std::lock_guard lock(mutex_);
     return written_;
@@ -112,8 +117,8 @@ class FakeBus {
     }
     int write(const canfd_frame& frame, bool) noexcept override {
       const std::lock_guard lock(bus_.mutex_);
-      bus_.written_.push_back(frame);
-      return 0;
+      if (bus_.write_error_ == 0) bus_.written_.push_back(frame);
+      return bus_.write_error_;
     }
 
    private:
@@ -149,6 +154,7 @@ class FakeBus {
   socketcan::Link link_ = socketcan::Link::up;
   std::uint32_t dropped_ = 0;
   bool babbling_ = false;
+  int write_error_ = 0;
   std::vector<canfd_frame> written_;
 };
 

@@ -333,6 +333,17 @@ TEST_F(Canopen, EndsWithTheBusAndBeginsWithIt) {
   EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); }));
 }
 
+TEST_F(Canopen, SaysOnceASecondThatANodeRestartsAgainAndAgain) {
+  start();
+  for (int i = 0; i < 1000; ++i) {
+    bench_.inject(make_frame(kHeartbeat + 2, {0}));
+    bench_.run_for(kMs);
+  }
+  EXPECT_LT(bench_.host.logged().size(), 12U);
+  EXPECT_GT(bench_.host.counted(DWELL_FAULT_DISCONNECTED), 500);
+  EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); }));
+}
+
 // Random frames of every identifier: nothing but counts, and afterwards all is as before.
 TEST_F(Canopen, SurvivesAHostileStream) {
   start();

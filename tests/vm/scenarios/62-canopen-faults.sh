@@ -44,3 +44,17 @@ ip link set vcan0 down
 claim "canopen faults: a link that is down is named" eventually 10 stale y0 "the link is down"
 ip link set vcan0 up
 claim "canopen faults: and measured again once it is up" eventually 90 measuring
+
+rig_says silent on
+cansend vcan0 20000040#0000000000000000
+claim "canopen faults: bus-off by an error frame is named" eventually 5 stale y0 "bus-off"
+cansend vcan0 20000100#0000000000000000
+rig_says silent off
+claim "canopen faults: and measured again after the restart" eventually 90 measuring
+
+rig_says canopen off
+ip link delete vcan0
+claim "canopen faults: an interface that was removed is named" eventually 15 stale y0 "removed|there is no such interface"
+start_can vcan0
+rig_says canopen on
+claim "canopen faults: and found again once it is back" eventually 90 measuring
