@@ -28,6 +28,12 @@ const char* to_string(Fault fault) noexcept {
       return "end of data";
     case Fault::silent:
       return "silent";
+    case Fault::overflow:
+      return "overflow";
+    case Fault::bus_error:
+      return "bus error";
+    case Fault::bus_off:
+      return "bus off";
   }
   return "unknown";
 }

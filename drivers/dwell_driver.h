@@ -46,7 +46,10 @@ typedef enum dwell_fault {
   DWELL_FAULT_INVALID_VALUE = 8,
   DWELL_FAULT_MISSED_DEADLINE = 9,
   DWELL_FAULT_END_OF_DATA = 10,
-  DWELL_FAULT_SILENT = 11
+  DWELL_FAULT_SILENT = 11,
+  DWELL_FAULT_OVERFLOW = 12,  /* lost on the way in, for lack of room in the kernel or in the controller */
+  DWELL_FAULT_BUS_ERROR = 13, /* the bus controller reports errors on the line */
+  DWELL_FAULT_BUS_OFF = 14    /* the bus controller has left the bus for too many of them */
 } dwell_fault;
 
 typedef enum dwell_type { DWELL_BOOLEAN = 0, DWELL_INTEGER = 1, DWELL_REAL = 2, DWELL_STRING = 3 } dwell_type;

@@ -116,6 +116,9 @@ void print(Medians& medians) {
   table.at_least("Modbus, plugin, polls per CPU second / bare libmodbus",
                  text("%.0f /s", medians.of("modbus_polls", "plugin_polls_per_s")), medians.of("modbus_polls", "ratio"),
                  0.95);
+  table.at_least("CAN, signals per CPU second through the socket seam, millions",
+                 text("%.2f million/s", 1e-6 * medians.of("can_signals", "signals_per_s")),
+                 1e-6 * medians.of("can_signals", "signals_per_s"), 1);
   table.plain("reading a recording, CSV, samples", millions("csv_parsing"));
   table.at_least("identify, 10 min of 8 channels at 1 kHz, one instant per row", seconds("identify_shared_instants"),
                  real_time("identify_shared_instants"), 1000);

@@ -8,7 +8,6 @@
 // bare, bare, plugin: a machine that gets slower or faster meanwhile does so for both.
 #include <benchmark/benchmark.h>
 #include <modbus/modbus.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <array>
@@ -23,6 +22,7 @@
 
 #include "daemon/acquire/plugin.hpp"
 #include "daemon/clock.hpp"
+#include "tests/bench/one_processor.hpp"
 #include "tests/bench/simulated_rig.hpp"
 #include "tests/drivers/given.hpp"
 
@@ -115,30 +115,10 @@ double bare_cpu_s(int port) {
   return cpu_s;
 }
 
-// Keeps this thread, and what it starts, to the first processor it may use, for as long as this object lives.
-class OneProcessor {
- public:
-  OneProcessor() {
-    ::sched_getaffinity(0, sizeof allowed_, &allowed_);
-    int first = 0;
-    while (first < CPU_SETSIZE - 1 && !CPU_ISSET(first, &allowed_)) ++first;
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(first, &one);
-    ::sched_setaffinity(0, sizeof one, &one);
-  }
-  ~OneProcessor() { ::sched_setaffinity(0, sizeof allowed_, &allowed_); }
-  OneProcessor(const OneProcessor&) = delete;
-  OneProcessor& operator=(const OneProcessor&) = delete;
-
- private:
-  cpu_set_t allowed_{};
-};
-
 void modbus_polls(benchmark::State& state) {
   const auto table = acquire::load_plugin("modbus", {BENCH_PROGRAM_DIR});
   if (!table) return state.SkipWithError(table.error().c_str());
-  const OneProcessor processor;
+  const bench::OneProcessor processor;
   const SimulatedRig rig(BENCH_PROGRAM_DIR "/rigsim");
   if (rig.port() == 0) return state.SkipWithError("rigsim does not start");
   for (auto _ : state) {

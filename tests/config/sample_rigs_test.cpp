@@ -68,11 +68,12 @@ tl::expected<const dwell_driver_table*, std::string> built_plugin(std::string_vi
 }
 
 TEST(SampleRigs, LoadWithTheShippedPlugins) {
-  for (const char* driver : {"modbus", "replay"}) {
+  for (const char* driver : {"modbus", "replay", "can", "canopen"}) {
     const std::string file = std::string(DWELL_BUILT_PLUGINS "/dwell-driver-") + driver + ".so";
     if (!std::ifstream(file)) GTEST_SKIP() << "the plugin " << file << " is not built";
   }
-  for (const char* name : {"clamped.toml", "suspension.toml", "shaft.toml", "replay.toml"}) {
+  for (const char* name :
+       {"clamped.toml", "suspension.toml", "shaft.toml", "replay.toml", "can.toml", "canopen.toml"}) {
     const std::string path = std::string(DWELL_SAMPLE_RIGS "/") + name;
     const Result<RigFile> file = load(path, built_plugin);
     EXPECT_TRUE(file) << (file ? "" : to_string(path, file.error()));

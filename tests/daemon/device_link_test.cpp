@@ -120,7 +120,7 @@ TEST_F(DeviceLinkTest, CountsFaultsByKindUnknownOnesIncluded) {
   const dwell_host host = link.host();
   host.count(host.context, DWELL_FAULT_TIMEOUT);
   host.count(host.context, DWELL_FAULT_TIMEOUT);
-  host.count(host.context, static_cast<dwell_fault>(12));
+  host.count(host.context, static_cast<dwell_fault>(kFaultCount));
   EXPECT_EQ(link.faults(Fault::timeout), 2u);
   EXPECT_EQ(link.faults(Fault::bad_frame), 1u);
 }

@@ -9,6 +9,8 @@
 #include <ostream>
 
 #include "daemon/acquire/plugin.hpp"
+#include "tests/drivers/can_device.hpp"
+#include "tests/drivers/canopen_device.hpp"
 #include "tests/drivers/fake_host.hpp"
 #include "tests/drivers/given.hpp"
 #include "tests/drivers/modbus_device.hpp"
@@ -28,6 +30,8 @@ class Device {
   virtual void leave() = 0;
   // There, but without an answer; false: cannot be.
   virtual bool fall_silent() { return false; }
+  // What this machine lacks for it, or empty.
+  virtual std::string lacking() { return {}; }
 };
 
 class ModbusRig : public Device {
@@ -94,6 +98,93 @@ class Recording : public Device {
   std::filesystem::path file_;
 };
 
+class CanRig : public Device {
+ public:
+  explicit CanRig(std::string interface = {})
+      : device_(
+            [] {
+              return std::vector{can_frame_of(0x123, {1, 2})};
+            },
+            std::move(interface)) {}
+  Given given() override {
+    Given given("device");
+    given.set("interface", device_.interface()).set("timeout", 0.2);
+    given.channel("one").set("id", 0x123).set("start", 0).set("length", 8);
+    given.channel("two").set("id", 0x123).set("start", 8).set("length", 8);
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("interface", "far/too-long-for-an-interface").set("dbc", "/nonexistent.dbc");
+    given.channel("one").set("id", 0x800).set("extended", false).set("start", 0).set("length", 8);
+    given.channel("two").set("id", 1).set("start", 0).set("length", 33).set("type", "float");
+    return {std::move(given), 4};
+  }
+  void come() override { device_.come(); }
+  void leave() override { device_.leave(); }
+  bool fall_silent() override {
+    device_.set_silent(true);
+    return true;
+  }
+
+ private:
+  CanDevice device_;
+};
+
+class CanopenRig : public Device {
+ public:
+  // Empty: a local socket.
+  explicit CanopenRig(const std::string& interface = "") : device_(interface) {}
+  Given given() override {
+    Given given("device");
+    given.set("interface", device_.interface()).set("timeout", 0.2).set("rate", 100).set("heartbeat", 0.05);
+    given.channel("one").set("node", CanopenDevice::kNode).set("index", 0x6150).set("sub_index", 1);
+    given.set("type", "unsigned8");
+    given.channel("two").set("node", CanopenDevice::kNode).set("index", 0x9130).set("sub_index", 1);
+    return given;
+  }
+  std::pair<Given, std::size_t> given_wrong() override {
+    Given given("device");
+    given.set("interface", "far/too-long-for-an-interface").set("rate", 1).set("timeout", 0.1);
+    given.channel("one").set("node", 1).set("index", 0x2000).set("vendor_id", 1);  // of no known type
+    given.channel("two").set("node", 1).set("index", 0x9130).set("vendor_id", 2);
+    return {std::move(given), 4};
+  }
+  void come() override { device_.come(); }
+  void leave() override { device_.leave(); }
+  bool fall_silent() override {
+    device_.set_silent(true);
+    return true;
+  }
+
+ private:
+  CanopenDevice device_;
+};
+
+// The same on the kernel's own CAN: an interface that is made and removed.
+template <class OnCan>
+class VirtualRig : public Device {
+ public:
+  Given given() override { return rig_.given(); }
+  std::pair<Given, std::size_t> given_wrong() override { return rig_.given_wrong(); }
+  void come() override {
+    EXPECT_TRUE(interface_.come());
+    rig_.come();
+  }
+  void leave() override {
+    rig_.leave();
+    interface_.leave();
+  }
+  bool fall_silent() override { return rig_.fall_silent(); }
+  std::string lacking() override {
+    return VirtualCan::possible() ? "" : "a kernel with vcan, and the right to make interfaces: ./dev vm-test has both";
+  }
+
+ private:
+  VirtualCan interface_;
+  OnCan rig_{interface_.name()};
+};
+
 struct Case {
   const char* name;
   const char* plugin;
@@ -103,6 +194,10 @@ void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 
 class DriverContract : public ::testing::TestWithParam<Case> {
  protected:
+  void SetUp() override {
+    if (const std::string lacking = device_->lacking(); !lacking.empty()) GTEST_SKIP() << "this needs " << lacking;
+  }
+
   const dwell_driver_table& table_ = *acquire::load_plugin(GetParam().plugin, {TEST_PLUGIN_DIR}).value();
   std::unique_ptr<Device> device_ = GetParam().make();
   Given given_ = device_->given();
@@ -305,6 +400,10 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Case{"ModbusTcp", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::tcp)); }},
         Case{"ModbusRtu", "modbus", [] { return std::unique_ptr<Device>(new ModbusRig(ModbusDevice::Over::serial)); }},
+        Case{"Can", "can", [] { return std::unique_ptr<Device>(new CanRig); }},
+        Case{"VirtualCan", "can", [] { return std::unique_ptr<Device>(new VirtualRig<CanRig>); }},
+        Case{"Canopen", "canopen", [] { return std::unique_ptr<Device>(new CanopenRig); }},
+        Case{"VirtualCanopen", "canopen", [] { return std::unique_ptr<Device>(new VirtualRig<CanopenRig>); }},
         Case{"Replay", "replay", [] { return std::unique_ptr<Device>(new Recording); }}),
     [](const ::testing::TestParamInfo<Case>& each) { return std::string(each.param.name); });
 

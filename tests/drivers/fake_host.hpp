@@ -138,7 +138,7 @@ class FakeHost {
   std::array<std::size_t, 4096> allocations_{};
   std::map<std::uint16_t, State> states_;
   std::vector<std::string> logged_;
-  std::array<std::atomic<int>, 12> counts_{};
+  std::array<std::atomic<int>, 15> counts_{};
   std::atomic<std::size_t> room_{kCapacity};
   std::atomic<std::size_t> refused_{0};
   std::atomic<std::size_t> states_told_{0};

@@ -10,6 +10,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "tests/rigsim/can_frames.hpp"
+#include "tests/rigsim/canopen_nodes.hpp"
 #include "tests/rigsim/control.hpp"
 #include "tests/rigsim/recording.hpp"
 #include "tests/rigsim/server.hpp"
@@ -33,6 +35,7 @@ struct Arguments {
   std::string masses, tcp, unit = "m", csv;
   std::vector<std::string> harmonics, stuck;
   bool print_truth = false;
+  bool print_dbc = false;
 };
 
 int wrong(const std::string& message) {
@@ -61,6 +64,10 @@ void define(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(300, 10000000));
   app.add_option("--parity", arguments.parity, "of the simulated wire: a pseudo-terminal does not tell the client's")
       ->check(CLI::IsMember({"even", "odd", "none"}));
+  app.add_option("--can", rig.can, "send CAN frames on this interface, or on unix:PATH, a local bus made for it");
+  app.add_option("--canopen", rig.canopen, "CANopen nodes on this interface, or on unix:PATH, one for each channel");
+  app.add_option("--can-rate", rig.can_rate_hz, "frames per second and channel")->check(CLI::Range(0.1, 1e4));
+  app.add_flag("--print-dbc", arguments.print_dbc, "print the DBC file of these frames, and end");
   app.add_option("--control", rig.control_path, "unix stream socket for control lines");
   app.add_option("--clock-drift", rig.clock_drift_ppm, "of the rig's clock, ppm")->check(CLI::Range(-1e5, 1e5));
   app.add_option("--stuck", arguments.stuck, "a channel stuck from the beginning; repeatable");
@@ -119,6 +126,11 @@ std::string settle(Arguments& arguments) {
   rig.millimetres = arguments.unit == "mm";
   arguments.sync.seed = rig.seed;
   rig.rtu = !rig.rtu_link.empty();
+  if (!rig.can.empty() && rig.chain.masses.size() > rigsim::kMostCanMasses)
+    return "--can: expected at most " + std::to_string(rigsim::kMostCanMasses) + " masses";
+  if (!rig.canopen.empty() && rig.chain.masses.size() > rigsim::kMostCanopenMasses)
+    return "--canopen: expected at most " + std::to_string(rigsim::kMostCanopenMasses) + " masses";
+  if (!rig.canopen.empty() && rig.canopen == rig.can) return "--canopen: expected another interface than that of --can";
   rig.parity = arguments.parity != "none";
   rig.tcp_port.reset();
   if (!arguments.tcp.empty()) {
@@ -166,8 +178,8 @@ void attend(rigsim::Server& server, int signals) {
 }
 
 int serve(const Arguments& arguments) {
-  if (!arguments.rig.tcp_port && !arguments.rig.rtu)
-    return wrong("nothing to do: expected --tcp, --rtu, --csv or --print-truth");
+  if (!arguments.rig.tcp_port && !arguments.rig.rtu && arguments.rig.can.empty() && arguments.rig.canopen.empty())
+    return wrong("nothing to do: expected --tcp, --rtu, --can, --canopen, --csv, --print-truth or --print-dbc");
   // Blocked before the server's thread is made, so that it inherits this and the signal comes to us.
   sigset_t set;
   sigemptyset(&set);
@@ -188,6 +200,8 @@ int serve(const Arguments& arguments) {
   }
   if (arguments.rig.tcp_port) std::cout << "tcp " << arguments.rig.tcp_host << ':' << (*server)->tcp_port() << '\n';
   if (arguments.rig.rtu) std::cout << "rtu " << (*server)->rtu_path() << '\n';
+  if (!arguments.rig.can.empty()) std::cout << "can " << arguments.rig.can << '\n';
+  if (!arguments.rig.canopen.empty()) std::cout << "canopen " << arguments.rig.canopen << '\n';
   if (!arguments.rig.control_path.empty()) std::cout << "control " << arguments.rig.control_path << '\n';
   std::cout << "ready" << std::endl;
   attend(**server, signals.get());
@@ -213,6 +227,12 @@ int main(int argc, char** argv) {
   if (const std::string fault = settle(arguments); !fault.empty()) return wrong(fault);
   if (arguments.print_truth) {
     std::cout << rigsim::truth_json(arguments.rig.chain, arguments.rig.drive) << '\n';
+    return 0;
+  }
+  if (arguments.print_dbc) {
+    const rigsim::Device device(arguments.rig);
+    std::cout << rigsim::can_dbc(device.channels(), arguments.rig.chain.boundary == dwell::Boundary::clamped,
+                                 1e3 / arguments.rig.can_rate_hz);
     return 0;
   }
   return arguments.csv.empty() ? serve(arguments) : record(arguments);

@@ -21,6 +21,7 @@ const std::vector<FaultName>& fault_names() {
       {"reset", &Faults::reset, 1, "probability of a connection reset (TCP)"},
       {"sync-missing", &Faults::sync_missing, 1, "probability per period of no sync pulse"},
       {"sync-twice", &Faults::sync_twice, 1, "probability per period of two sync pulses"},
+      {"babble", &Faults::babble_hz, 1e5, "meaningless frames per second (CAN)"},
   };
   return names;
 }

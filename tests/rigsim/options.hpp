@@ -13,7 +13,8 @@
 
 namespace rigsim {
 
-// Probabilities are per request. All of these can be changed while running (control.hpp) by the names in `kFaultNames`.
+// Probabilities are per request, on a CAN bus per frame. All of these can be changed while running (control.hpp) by the
+// names in `kFaultNames`.
 struct Faults {
   double noise = 0.0;      // standard deviation, relative to each channel's steady amplitude under the first drive
   double quantize = 0.0;   // step, relative likewise
@@ -32,6 +33,7 @@ struct Faults {
   double reset = 0.0;         // probability that the connection is reset instead of answered (TCP)
   double sync_missing = 0.0;  // probability, per period of the drive, of no sync pulse
   double sync_twice = 0.0;    // … of a second one a quarter of a period later
+  double babble_hz = 0.0;     // meaningless frames of the highest priority per second (CAN)
 };
 
 struct FaultName {
@@ -59,6 +61,9 @@ struct Options {
   std::string rtu_link;  // symbolic link to make to it; empty: none
   int baud = 0;          // of the simulated wire; 0: what the client sets
   bool parity = true;    // likewise; a pseudo-terminal does not tell the client's (11 bits a character; without: 10)
+  std::string can;       // CAN interface, or unix:PATH for a local one; empty: none
+  std::string canopen;   // likewise for the CANopen nodes
+  double can_rate_hz = 200;  // frames per second and channel
   std::string control_path;  // unix stream socket for control lines; empty: none
 
   // The host's clock, ns; CLOCK_MONOTONIC_RAW unless a test brings its own. Called from the server's thread.

@@ -19,6 +19,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/rigsim/can_node.hpp"
+#include "tests/rigsim/canopen_nodes.hpp"
 #include "tests/rigsim/control.hpp"
 #include "tests/rigsim/exchange.hpp"
 #include "tests/rigsim/responder.hpp"
@@ -50,7 +52,9 @@ struct Server::Impl {
         clock(options.clock_ns ? options.clock_ns : [] { return now_ns(CLOCK_MONOTONIC_RAW); }),
         time(clock(), options.clock_drift_ppm),
         responder(options),
-        exchange(responder, clock, time) {}
+        exchange(responder, clock, time),
+        can(options, responder, clock, time),
+        canopen(options, responder, clock, time) {}
 
   // Set up before the thread starts, read-only afterwards.
   Options options;
@@ -62,6 +66,8 @@ struct Server::Impl {
   // The server's thread's own.
   Responder responder;
   Exchange exchange;
+  CanNodes can;
+  CanopenNodes canopen;
   Fd tcp_listener, control_listener;
   std::vector<Client> clients;
 
@@ -106,6 +112,8 @@ Result<void> Server::Impl::open() {
     }
     exchange.add_terminal(std::move(*made), options.parity);
   }
+  if (auto opened = can.open(); !opened) return opened;
+  if (auto opened = canopen.open(); !opened) return opened;
   if (!options.control_path.empty()) {
     auto listener = listen_unix(options.control_path);
     if (!listener) return tl::make_unexpected(listener.error());
@@ -127,7 +135,8 @@ std::string Server::Impl::status() {
          ",\"exceptions\":" + std::to_string(tally.exceptions) + ",\"unanswered\":" + std::to_string(tally.unanswered) +
          ",\"resets\":" + std::to_string(tally.resets) +
          ",\"connections\":" + std::to_string(exchange.connection_count()) +
-         ",\"silent\":" + (responder.silent ? "true" : "false") + "}";
+         ",\"silent\":" + (responder.silent ? "true" : "false") + (options.can.empty() ? "" : "," + can.status()) +
+         (options.canopen.empty() ? "" : "," + canopen.status()) + "}";
 }
 
 std::string Server::Impl::execute_line(const std::string& line) {
@@ -135,6 +144,8 @@ std::string Server::Impl::execute_line(const std::string& line) {
   const auto words = split_words(line);
   if (words.empty()) return "error: an empty line";
   if (auto answer = execute(responder.device, time.at(clock()), words)) return *answer;
+  if (auto answer = can.command(words)) return *answer;
+  if (auto answer = canopen.command(words)) return *answer;
   const std::string& verb = words[0];
   const bool alone = words.size() == 1;
   const bool on = words.size() == 2 && words[1] == "on";
@@ -164,6 +175,8 @@ std::string Server::Impl::execute_line(const std::string& line) {
     const auto ppm = number(words[1]);
     if (!ppm || std::abs(*ppm) > 1e5) return "error: expected: clock-drift PPM, at most 100000";
     time.set_drift(clock(), *ppm);
+    can.set_drift(*ppm);
+    canopen.set_drift(*ppm);
     return "ok";
   }
   return "error: cannot make out: " + line;
@@ -209,16 +222,23 @@ void Server::Impl::serve_once() {
   const std::size_t client_count = clients.size();
   const std::size_t first_link = polled.size();
   exchange.watch(polled);
+  const std::size_t link_count = polled.size() - first_link;
+  can.watch(polled);
+  canopen.watch(polled);
 
   timespec wait{};
-  const auto due_ns = exchange.next_due_ns();
+  auto due_ns = exchange.next_due_ns();
+  for (const auto bus_ns : {can.next_due_ns(), canopen.next_due_ns()})
+    if (bus_ns) due_ns = due_ns ? std::min(*due_ns, *bus_ns) : *bus_ns;
   if (due_ns) {
     const std::int64_t left = std::max<std::int64_t>(0, *due_ns - now_ns(CLOCK_MONOTONIC));
     wait = {left / 1'000'000'000, left % 1'000'000'000};
   }
   if (::ppoll(polled.data(), polled.size(), due_ns ? &wait : nullptr, nullptr) < 0) return;
 
-  exchange.serve(std::span(polled).subspan(first_link));
+  exchange.serve(std::span(polled).subspan(first_link, link_count));
+  can.serve(now_ns(CLOCK_MONOTONIC));
+  canopen.serve(now_ns(CLOCK_MONOTONIC));
   const auto ready = [&](std::size_t i) { return polled[i].fd >= 0 && polled[i].revents != 0; };
   for (std::size_t i = 0; i < client_count; ++i)
     if (ready(3 + i)) serve_client(clients[i]);

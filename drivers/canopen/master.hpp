@@ -1,0 +1,44 @@
+// The thread of one CANopen bus: takes its frames, gives the network its time, sends what it wants sent, and SYNC when
+// it is due. An interface that is gone is opened anew, after 0.1 s … 5 s, for ever; after that, after a link that was
+// down and a controller that was off the bus every node is set up again.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "drivers/canopen/network.hpp"
+#include "drivers/canopen/setup.hpp"
+#include "drivers/dwell_driver.hpp"
+#include "drivers/socketcan/backoff.hpp"
+#include "drivers/socketcan/bus.hpp"
+
+namespace dwell::canopen {
+
+class Master {
+ public:
+  Master(const Setup& setup, const driver::Host& host, socketcan::Open open);
+  void run(driver::Stop& stop);
+
+ private:
+  void open(driver::Stop& stop);
+  void read(const driver::Stop& stop);
+  void take(const socketcan::Receipt& receipt, std::int64_t now_ns);
+  void note_losses(std::uint32_t lost, std::int64_t now_ns);
+  void note_controller(const socketcan::Receipt& receipt, std::int64_t now_ns);
+  void break_off(int error);
+  bool send_pending();
+  void send_sync(std::int64_t now_ns);
+  void count(dwell_fault fault, std::uint64_t times) const noexcept;
+
+  driver::Host host_;
+  socketcan::Bus bus_;
+  Network network_;
+  socketcan::Backoff reconnect_;
+  std::int64_t next_try_ns_ = 0;  // to set the nodes up again after the link was down
+  std::uint64_t lost_ = 0;        // since the last line about it
+  std::int64_t next_loss_line_ns_ = 0;
+  socketcan::Controller told_controller_ = socketcan::Controller::active;
+  std::int64_t next_controller_line_ns_ = 0;
+};
+
+}  // namespace dwell::canopen

@@ -1,0 +1,315 @@
+#include "drivers/canopen/network.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "drivers/canopen/words.hpp"
+
+namespace dwell::canopen {
+namespace {
+
+constexpr std::int64_t kLongestWindow_ns = 50'000'000;
+constexpr std::int64_t kWatch_ns = 10'000'000;
+constexpr int kFailuresToStale = 3;
+// A node that loses its answers again and again shall not cost the others more than one SYNC in ten.
+constexpr std::int64_t kBetweenPauses = 10;
+
+can_frame classic(const canfd_frame& frame) noexcept {
+  can_frame made{};
+  made.can_id = frame.can_id;
+  made.can_dlc = std::min<std::uint8_t>(frame.len, CAN_MAX_DLEN);
+  std::memcpy(made.data, frame.data, CAN_MAX_DLEN);
+  return made;
+}
+
+}  // namespace
+
+Network::Network(Setup setup, const driver::Host& host) : setup_(std::move(setup)), host_(host) {
+  members_.reserve(setup_.nodes.size());
+  for (const Wish& wish : setup_.nodes) {
+    members_.push_back({Node(wish, host_, outbox_), {}, 0, {}});
+    by_id_[wish.node & kNodeMask] = &members_.back();
+  }
+  for (const Channel& channel : setup_.channels) targets_.push_back({channel});
+  scan_.reserve(targets_.size());
+}
+
+std::vector<can_filter> Network::filters(const Setup& setup) {
+  constexpr canid_t kKind = CAN_EFF_FLAG | CAN_RTR_FLAG;
+  std::vector<can_filter> filters{{kSync, CAN_SFF_MASK | kKind}};
+  for (const Wish& wish : setup.nodes) filters.push_back({wish.node, kNodeMask | kKind});
+  return filters;
+}
+
+void Network::begin(std::int64_t now_ns) {
+  held_ = false;
+  outbox_.clear();
+  for (Member& member : members_) member.node.reset(now_ns);
+}
+
+void Network::hold(dwell_fault fault, const std::string& reason) {
+  held_ = true;
+  running_ = window_open_ = sync_returns_ = false;
+  outbox_.clear();
+  for (Member& member : members_) {
+    member.node.rest();
+    member.streams.clear();
+    member.told.clear();
+  }
+  for (Target& target : targets_) {
+    target.gap = target.last_ns != INT64_MIN;
+    tell(target, fault, reason.c_str());
+  }
+}
+
+// ---- frames --------------------------------------------------------------------------------------------------------
+
+void Network::take(const socketcan::Frame& frame, std::int64_t now_ns) {
+  const canid_t id = frame.can.can_id;
+  if (held_ || frame.fd || id > CAN_SFF_MASK) return;
+  if (id == kSync) return take_sync(frame);
+  Member* const member = by_id_[id & kNodeMask];
+  if (member == nullptr || frame.own) return;
+  if (id >= kFirstPdo && id <= kLastPdo) return take_answer(*member, frame, now_ns);
+  member->node.take(classic(frame.can), now_ns);
+  follow(*member);
+}
+
+void Network::take_sync(const socketcan::Frame& frame) noexcept {
+  if (!frame.own) {
+    host_.count(DWELL_FAULT_BAD_FRAME);
+    if (!std::exchange(told_foreign_, true))
+      host_.log(DWELL_WARNING, setup_.interface + ": somebody else sends SYNC as well; expected it from here alone");
+    return;
+  }
+  sync_returns_ = true;
+  // One from before has been given up.
+  if (!window_open_ || sync_.returned ||
+      (!frame.stamp.replaced && frame.stamp.t_ns + frame.stamp.t_half_ns < sync_.before_ns))
+    return;
+  sync_.returned = true;
+  if (frame.stamp.replaced) return;
+  sync_.t_ns = frame.stamp.t_ns;
+  sync_.t_half_ns = frame.stamp.t_half_ns;
+}
+
+void Network::take_answer(Member& member, const socketcan::Frame& frame, std::int64_t now_ns) noexcept {
+  for (Stream& stream : member.streams) {
+    if (stream.pdo.id != frame.can.can_id) continue;
+    member.node.heard(false, now_ns);
+    const std::int64_t half_ns = frame.stamp.t_half_ns;
+    if (!window_open_ || !stream.asked || frame.stamp.t_ns + half_ns < sync_.before_ns) {
+      stream.attribution.late();
+      return;
+    }
+    if (frame.stamp.replaced && frame.stamp.t_ns - half_ns < sync_.before_ns) stream.attribution.spoil();
+    stream.attribution.answer();
+    stream.size = std::min<std::uint8_t>(frame.can.len, CAN_MAX_DLEN);
+    std::memcpy(stream.data.data(), frame.can.data, CAN_MAX_DLEN);
+    return;
+  }
+}
+
+void Network::lost() noexcept {
+  for (Target& target : targets_) target.gap = target.last_ns != INT64_MIN;
+}
+
+// A node that has been started anew has its PDOs as they are now.
+void Network::follow(Member& member) {
+  if (!member.node.operational()) {
+    member.streams.clear();
+    return;
+  }
+  if (member.starts == member.node.starts() && !member.streams.empty()) return;
+  member.starts = member.node.starts();
+  member.streams.clear();
+  for (const Pdo& pdo : member.node.pdos()) {
+    member.streams.emplace_back();
+    member.streams.back().pdo = pdo;
+  }
+}
+
+// ---- SYNC ----------------------------------------------------------------------------------------------------------
+
+bool Network::sync_due(std::int64_t now_ns) {
+  const bool wanted = !held_ && std::any_of(members_.begin(), members_.end(),
+                                            [](const Member& member) { return member.node.operational(); });
+  if (!wanted) {
+    close_window(now_ns);
+    running_ = false;
+    return false;
+  }
+  if (!running_) {
+    running_ = true;
+    next_sync_ns_ = now_ns;
+  }
+  if (now_ns < next_sync_ns_) return false;
+  close_window(now_ns);
+  pause_if_needed(now_ns);
+  if (now_ns < next_sync_ns_) return false;
+  // A deadline more than a period ago is not made up for.
+  if (now_ns - next_sync_ns_ >= setup_.period_ns) {
+    host_.count(DWELL_FAULT_MISSED_DEADLINE);
+    next_sync_ns_ = now_ns - (now_ns - next_sync_ns_) % setup_.period_ns;
+  }
+  next_sync_ns_ += setup_.period_ns;
+  if (now_ns - last_sync_ns_ >= setup_.late_ns)
+    for (Member& member : members_)
+      for (Stream& stream : member.streams) stream.attribution.forget();
+  return true;
+}
+
+void Network::sync_sent(std::int64_t before_raw_ns, std::int64_t after_raw_ns, std::int64_t now_ns) noexcept {
+  const std::int64_t width_ns = std::max<std::int64_t>(0, after_raw_ns - before_raw_ns);
+  sync_ = {before_raw_ns, before_raw_ns + width_ns / 2,
+           static_cast<std::uint32_t>(std::min<std::int64_t>(width_ns / 2 + 1, UINT32_MAX)), false};
+  last_sync_ns_ = now_ns;
+  window_open_ = true;
+  sync_failure_.clear();
+  for (Member& member : members_) {
+    for (Stream& stream : member.streams) {
+      stream.attribution.begin();
+      stream.asked = true;
+    }
+  }
+}
+
+void Network::sync_failed(const std::string& why) noexcept {
+  host_.count(DWELL_FAULT_MISSED_DEADLINE);
+  if (sync_failure_.empty()) sync_failure_ = why;
+}
+
+// Instead of the SYNC that is due: until nothing older can come any more.
+void Network::pause_if_needed(std::int64_t now_ns) noexcept {
+  if (now_ns < next_pause_ns_) return;
+  for (const Member& member : members_) {
+    for (const Stream& stream : member.streams) {
+      if (!stream.attribution.wants_pause()) continue;
+      while (next_sync_ns_ < last_sync_ns_ + setup_.late_ns) next_sync_ns_ += setup_.period_ns;
+      next_pause_ns_ = next_sync_ns_ + kBetweenPauses * std::max(setup_.late_ns, setup_.period_ns);
+      return;
+    }
+  }
+}
+
+// ---- samples -------------------------------------------------------------------------------------------------------
+
+void Network::close_window(std::int64_t now_ns) noexcept {
+  if (!std::exchange(window_open_, false)) return;
+  // It has not gone out yet: what came was asked for by nothing that is known.
+  const bool unsent = sync_returns_ && !sync_.returned;
+  scan_.clear();
+  for (Member& member : members_) {
+    for (Stream& stream : member.streams) {
+      if (!stream.asked) continue;
+      if (unsent) stream.attribution.spoil();
+      close(member, stream, now_ns);
+    }
+  }
+  if (!scan_.empty()) host_.push(scan_);
+}
+
+void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcept {
+  const Attribution::Outcome outcome = stream.attribution.close();
+  const unsigned late = stream.attribution.take_late();
+  for (unsigned i = 0; i < late; ++i) host_.count(DWELL_FAULT_LATE_ANSWER);
+  if (outcome == Attribution::Outcome::answered) {
+    stream.answered = true;
+    member.node.heard(true, now_ns);
+    deliver(stream, now_ns);
+    return;
+  }
+  // What comes before its first answer was sent before it had started.
+  if (outcome == Attribution::Outcome::missing && stream.answered) host_.count(DWELL_FAULT_TIMEOUT);
+  for (const Field& field : stream.pdo.fields) {
+    Target& target = targets_[field.channel];
+    target.gap = target.last_ns != INT64_MIN;
+    target.late = target.late || late > 0;
+  }
+}
+
+void Network::deliver(const Stream& stream, std::int64_t now_ns) noexcept {
+  for (const Field& field : stream.pdo.fields) {
+    Target& target = targets_[field.channel];
+    target.seen_ns = now_ns;
+    target.late = false;
+    const Reading reading = read_value(std::span(stream.data).first(stream.size), field.first_bit, field.type);
+    if (reading.verdict != Verdict::value) {
+      fail(target, reading.verdict);
+      continue;
+    }
+    target.failures = 0;
+    if (target.told != DWELL_FAULT_NONE) tell(target, DWELL_FAULT_NONE, nullptr);
+    std::int64_t t_ns = sync_.t_ns;
+    unsigned flags = target.gap ? DWELL_SAMPLE_GAP : 0U;
+    if (t_ns <= target.last_ns) {
+      t_ns = target.last_ns + 1;
+      flags |= DWELL_SAMPLE_STAMP_REPLACED;
+    }
+    target.last_ns = t_ns;
+    target.gap = false;
+    scan_.push_back({t_ns, reading.value, sync_.t_half_ns, target.channel.index, static_cast<std::uint16_t>(flags)});
+  }
+}
+
+void Network::fail(Target& target, Verdict verdict) noexcept {
+  const dwell_fault fault = verdict == Verdict::short_frame ? DWELL_FAULT_SHORT_FRAME : DWELL_FAULT_INVALID_VALUE;
+  host_.count(fault);
+  target.gap = target.last_ns != INT64_MIN;
+  target.failures = std::min(target.failures + 1, kFailuresToStale);
+  if (target.failures < kFailuresToStale || target.told == fault) return;
+  const std::string reason =
+      target.channel.source +
+      (fault == DWELL_FAULT_SHORT_FRAME ? ": its PDO ends before the object" : ": its PDO holds what is not a number");
+  tell(target, fault, reason.c_str());
+}
+
+// ---- time ----------------------------------------------------------------------------------------------------------
+
+std::int64_t Network::next_ns(std::int64_t now_ns) const noexcept {
+  std::int64_t next_ns = std::max(next_watch_ns_, now_ns);
+  if (running_) next_ns = std::min(next_ns, next_sync_ns_);
+  if (window_open_) next_ns = std::min(next_ns, last_sync_ns_ + kLongestWindow_ns);
+  return next_ns;
+}
+
+void Network::tick(std::int64_t now_ns) {
+  if (window_open_ && now_ns >= last_sync_ns_ + kLongestWindow_ns) close_window(now_ns);
+  if (now_ns < next_watch_ns_) return;
+  next_watch_ns_ = now_ns + kWatch_ns;
+  if (!held_) watch_silence(now_ns);
+}
+
+void Network::watch_silence(std::int64_t now_ns) {
+  for (Member& member : members_) {
+    member.node.tick(now_ns);
+    follow(member);
+  }
+  for (Target& target : targets_) {
+    Node& node = members_[target.channel.node].node;
+    if (!node.operational() || now_ns - std::max(target.seen_ns, node.started_ns()) < setup_.timeout_ns) continue;
+    std::string reason = node.name() + ": no answer to SYNC for " + seconds(setup_.timeout_ns);
+    if (target.late) reason = node.name() + ": its answers come later than the next SYNC; expected a lower `rate`";
+    if (!sync_failure_.empty()) reason = setup_.interface + ": SYNC cannot be sent: " + sync_failure_;
+    node.fail(DWELL_FAULT_TIMEOUT, reason, now_ns);
+    follow(members_[target.channel.node]);
+  }
+  for (Target& target : targets_) {
+    const Member& member = members_[target.channel.node];
+    if (member.node.fault() == DWELL_FAULT_NONE) continue;
+    if (target.told == member.node.fault() && member.told == member.node.reason()) continue;
+    target.gap = target.last_ns != INT64_MIN;
+    target.told = DWELL_FAULT_NONE;
+    tell(target, member.node.fault(), member.node.reason().c_str());
+  }
+  for (Member& member : members_)
+    if (member.told != member.node.reason()) member.told = member.node.reason();
+}
+
+void Network::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
+  if (target.told == fault) return;
+  target.told = fault;
+  host_.state(target.channel.index, fault, reason);
+}
+
+}  // namespace dwell::canopen

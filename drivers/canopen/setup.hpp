@@ -1,0 +1,43 @@
+// The canopen plugin's keys, and what they mean as plain values.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/canopen/configurator.hpp"
+#include "drivers/dwell_driver.hpp"
+
+namespace dwell::canopen {
+
+struct Channel {
+  std::uint16_t index = 0;  // dwell_sample::channel
+  std::string source;       // for people: "node 5, 9130h:01"
+  std::size_t node = 0;     // position in Setup::nodes
+};
+
+struct Setup {
+  std::string interface;
+  std::int64_t period_ns = 10'000'000;      // between SYNCs
+  std::int64_t timeout_ns = 1'000'000'000;  // a channel without a sample for so long is stale
+  std::int64_t late_ns = 50'000'000;        // an answer to a SYNC comes at most so late
+  std::vector<Channel> channels;            // Wanted::channel counts these
+  std::vector<Wish> nodes;
+};
+
+struct Mistake {
+  int channel = -1;  // position in Settings::channels(); -1: the device
+  const char* key = nullptr;
+  std::string text;
+};
+
+[[nodiscard]] std::span<const dwell_key> keys() noexcept;
+
+// Of what has a mistake nothing can be used; every mistake is told.
+[[nodiscard]] Setup read_setup(const driver::Settings& settings, std::vector<Mistake>& mistakes);
+
+// The same; throws the first mistake.
+[[nodiscard]] Setup read_setup(const driver::Settings& settings);
+
+}  // namespace dwell::canopen

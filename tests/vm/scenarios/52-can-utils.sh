@@ -1,0 +1,29 @@
+# can-utils as the foreign peer, both ways: candump takes down what rigsim sends, canplayer plays it to the service; cansend
+# sends single frames.
+one_value() {  # CHANNEL VALUE
+  channel "$1" ".status == \"ok\" and (.value - $2 | fabs) < 1e-6"
+}
+
+start_can vcan0
+can_rig vcan0 | start_service
+again() { cansend vcan0 "$1" && "${@:2}"; }  # FRAME COMMAND…
+claim "can-utils: an integer of cansend is measured, Intel" eventually 10 again 200#40420F0000000000 one_value y0 1
+claim "can-utils: a float, multiplexed, Motorola" eventually 10 again 201#003FC00000000000 one_value y1 1.5
+claim "can-utils: nothing where the multiplexor says otherwise" sh -c '! cansend vcan0 201#0140000000000000 2>&1 | grep .'
+claim "can-utils: the value before that stays" one_value y1 1.5
+claim "can-utils: a float of a group from another address" eventually 10 again 0CFF5077#0000C84200000000 one_value reaction 100
+
+start_can vcan1
+start_rig --can vcan1 --can-rate 80 --noise 0.001 --stopped
+eventually 20 sh -c 'systemctl is-active rigsim'
+candump -L vcan1 >"$work/frames.log" &
+candump=$!
+sleep 2
+rig_says start
+sleep 38
+kill "$candump"
+systemctl stop rigsim
+claim "can-utils: candump has taken down every message" \
+  test "$(cut -d' ' -f3 "$work/frames.log" | cut -d'#' -f1 | sort -u | tr '\n' ' ')" = "18FF5021 200 201 202 203 "
+canplayer -I "$work/frames.log" vcan0=vcan1 &
+claim "can-utils: a log that canplayer plays is measured, every coefficient within 4 u" every_coefficient_is_right 20 120
