@@ -6,6 +6,7 @@ namespace {
 constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
 constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
+constexpr double kBeats = 0.5;                // of the drive's frequency: what is farther from it averages out
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
 }  // namespace
@@ -31,7 +32,18 @@ void Pipeline::Impl::count_anew() {
   hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
-  if (fit.usable) watch.refer({centroid_ns, fit.mean, fit.X, H, omega, std::sqrt(fit.sigma2), u, u, u_omega});
+  if (fit.usable) {
+    // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
+    const bool told = tracked() && fit.information > 0;
+    const double table_omega = told ? omega + fit.score / fit.information : omega;
+    const double u_table_omega = told ? 1 / std::sqrt(fit.information) : u_omega;
+    watch.refer({centroid_ns, fit.mean, fit.X, H, table_omega, std::sqrt(fit.sigma2), u, u, u_table_omega,
+                 quantization_u(drive_channel, fit, counted) / std::abs(X)});
+    const SamplingRegularity& sampling = live[static_cast<std::size_t>(drive_channel)].sampling;
+    watch.expect_beats(
+        std::any_of(std::begin(kMainsFundamentals_hz), std::end(kMainsFundamentals_hz),
+                    [&](double line) { return sampling.distance_hz(line, omega / kTwoPi) < kBeats * omega / kTwoPi; }));
+  }
   const std::int64_t first = blocks.block(0).first_serial;
   refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
 }

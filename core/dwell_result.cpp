@@ -45,6 +45,16 @@ std::string Pipeline::Impl::settling_reason() const {
   return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
 }
 
+// Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
+// of the frequency: no more independent errors then than one period has samples.
+double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
+  const double step = live[static_cast<std::size_t>(c)].step;
+  if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * (0.25 + 1.0 / 12))) return 0.0;
+  const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
+  const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
+  return step / std::sqrt(12.0) * std::sqrt(2 / in_period);
+}
+
 ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   const Live& channel = live[static_cast<std::size_t>(c)];
   ChannelResult result;
@@ -71,14 +81,7 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle).toRotationMatrix();
     result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
   }
-  // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a
-  // multiple of the frequency: no more independent errors then than one period has samples.
-  if (result.fit.usable && std::isfinite(channel.step) &&
-      result.fit.sigma2 < channel.step * channel.step * (0.25 + 1.0 / 12)) {
-    const double span_s = std::sqrt(12 * moments::mean_square_u(totals.channel(c).instants, 2 * H + 1));
-    const double in_period = std::max(1.0, result.fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
-    result.quantization_u = channel.step / std::sqrt(12.0) * std::sqrt(2 / in_period);
-  }
+  result.quantization_u = quantization_u(c, result.fit, totals);
   if (channel.half_count > 0)
     result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
   return result;
@@ -100,6 +103,22 @@ void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell
     dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + " is not steady: its phasor varies " +
                              times.substr(0, times.find('.') + 2) + " times as much as its noise explains");
   }
+}
+
+// What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
+void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
+  const double f = omega / kTwoPi;
+  for (const double line : kMainsFundamentals_hz)
+    for (int h = 1; h <= H; ++h) {
+      std::string names;
+      for (int c = 0; c < channel_count; ++c)
+        if (live[static_cast<std::size_t>(c)].sampling.distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
+          names += (names.empty() ? "" : ", ") + rig.channels[static_cast<std::size_t>(c)].name;
+      if (names.empty()) continue;
+      const std::string hertz = std::to_string(static_cast<int>(line));
+      dwell.warnings.push_back("hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                               std::to_string(h) + " in " + names + ": choose another frequency or sampling rate");
+    }
 }
 
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
@@ -157,6 +176,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.warnings.push_back("no coefficients: " + dwell.settling_reason);
     return dwell;
   }
+  warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }

@@ -87,7 +87,7 @@ class ModalFit {
 
  private:
   struct PerChannel {
-    Eigen::MatrixXd normal;  // lower triangle, of all regressors
+    Eigen::MatrixXd normal;   // lower triangle, of all regressors
     Eigen::MatrixXd pending;  // regressors of the samples not yet in `normal`
     Eigen::Index pending_count = 0;
     Eigen::VectorXd moments, theta;

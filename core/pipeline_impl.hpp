@@ -17,6 +17,7 @@
 #include "core/estimate.hpp"
 #include "core/harmonic_fit.hpp"
 #include "core/identify.hpp"
+#include "core/mains.hpp"
 #include "core/modal_fit.hpp"
 #include "core/observation.hpp"
 #include "core/pipeline.hpp"
@@ -111,6 +112,7 @@ struct Pipeline::Impl {
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
     double step = INFINITY;  // smallest difference of two readings one after the other, in this hold: SI
     std::uint64_t overrange = 0;
+    SamplingRegularity sampling;
     bool referenced = false;
   };
 
@@ -325,6 +327,10 @@ struct Pipeline::Impl {
   // had.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
+  // Standard uncertainty of either component of a phasor of the reading by rounding.
+  [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
+  // Says where hum cannot be told from a harmonic.
+  void warn_of_hum(double seconds, Dwell& dwell) const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
   void widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const;
 };

@@ -14,6 +14,7 @@ constexpr double kClip = 4.0;         // standard deviations of a reading …
 constexpr double kClipPart = 0.5;     // … or what makes it half of the shortest window's say: no outlier says more
 constexpr double kForget = 1.0 / 64;  // of the excess, per period
 constexpr double kExcess = 0.6;       // of the variance by noise, from which an excess shows
+constexpr double kRounding = 3.0;     // standard deviations of what rounding does
 constexpr int kPeriod = 4;
 
 }  // namespace
@@ -108,7 +109,8 @@ bool StepWatch::close() noexcept {
     // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
     const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since));
     const double u_drift = std::sqrt(sigma2 / weight + std::pow(1.5 * u_phase / since, 2) + std::pow(now_.u_omega, 2));
-    const double by_amplitude = std::abs(alpha) / (std::max(kBeyond * tolerance_, kSure * u_alpha) + tolerated_);
+    const double by_amplitude =
+        std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) + tolerated_);
     const double by_drift =
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);
@@ -122,8 +124,16 @@ bool StepWatch::close() noexcept {
       const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
       excess_ += kForget / kPeriod * (std::min(alpha * alpha, 9 * noise + tolerance_ * tolerance_) - noise - excess_);
       const double shown = std::clamp(excess_ - kExcess * noise, 0.0, tolerance_ * tolerance_ / 2);
-      tolerated_ = kBeyond * std::sqrt(shown);
+      tolerated_ = kBeyond * std::sqrt(shown) + kRounding * now_.u_rounding;
     }
+  }
+  // A ramp explains most a little after it has begun.
+  const auto alone = [&](double r, double p) {
+    return p > 0 && std::abs(r / p) > kDoubt * now_.sigma / std::sqrt(p) + kUnsure * tolerance_ + tolerated_;
+  };
+  for (int more = 0; more < kPeriod && changed < most; ++more, ++changed) {
+    const Block& before = back(changed);
+    if (!alone(before.rm, before.mm) && !alone(before.rq, before.qq)) break;
   }
   in_doubt_ = first_doubt > 0 ? in_doubt_ + 1 : 0;
   since_good_ = worst > 1 ? changed : std::min(in_doubt_, kShortest);

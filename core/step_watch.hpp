@@ -39,7 +39,10 @@ class StepWatch {
     std::array<std::complex<double>, kMaxHarmonics> X;
     int harmonics;
     double omega, sigma, u_amplitude, u_phase, u_omega;
+    double u_rounding;  // relative, of an amplitude, by rounding that repeats with the motion
   };
+  // beats: whether hum may beat with the drive in this channel; then a tolerance is left to it.
+  void expect_beats(bool beats) noexcept { beats_ = beats ? 1.0 : 0.0; }
   void restart() noexcept;
   // Takes a better reference; what was seen before is brought to it.
   void refer(const Reference& reference) noexcept;
@@ -73,6 +76,7 @@ class StepWatch {
   double excess_ =
       0.0;  // relative variance of one period's amplitude beyond its noise, as it is in an unchanged drive …
   double tolerated_ = 0.0;  // … and what it adds to a deviation
+  double beats_ = 0.0;
   int since_good_ = 0, in_doubt_ = 0;
 };
 

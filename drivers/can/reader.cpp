@@ -179,10 +179,13 @@ void Reader::note_source(Target& target, canid_t id) {
 }
 
 void Reader::hold(dwell_fault fault, const std::string& reason) {
+  // A link goes down before its interface is removed: the last reason counts.
+  const bool another = !held_ || reason != held_reason_;
   held_ = true;
+  held_reason_ = reason;
   for (Target& target : targets_) {
     target.gap = target.last_ns != INT64_MIN;
-    tell(target, fault, reason.c_str());
+    if (another) tell(target, fault, reason.c_str());
   }
 }
 
@@ -220,7 +223,6 @@ void Reader::watch_silence(std::int64_t now_ns) {
 }
 
 void Reader::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
-  if (target.told == fault) return;
   target.told = fault;
   host_.state(target.channel.index, fault, reason);
 }

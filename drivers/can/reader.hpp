@@ -58,7 +58,8 @@ class Reader {
   std::vector<Target> targets_;
   std::vector<dwell_sample> scan_;
   socketcan::Backoff reconnect_;
-  bool held_ = false;       // all channels are stale for a reason that is not theirs
+  bool held_ = false;  // all channels are stale for a reason that is not theirs
+  std::string held_reason_;
   bool link_down_ = false;  // … which is that
   std::int64_t now_ns_ = 0;
   std::int64_t next_watch_ns_ = 0;

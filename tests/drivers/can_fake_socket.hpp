@@ -29,6 +29,7 @@ class FakeBus {
       const std::lock_guard lock(mutex_);
       ++opened_;
       if (!refusal_.empty()) return tl::unexpected(refusal_);
+      ++ends_;
       return std::make_unique<End>(*this);
     };
   }
@@ -40,6 +41,11 @@ class FakeBus {
   int opened() const {
     const std::lock_guard lock(mutex_);
     return opened_;
+  }
+
+  bool is_open() const {
+    const std::lock_guard lock(mutex_);
+    return ends_ > 0;
   }
 
   // A packet that arrives now, with the kernel's stamp.
@@ -92,6 +98,12 @@ class FakeBus {
   class End : public socketcan::Socket {
    public:
     explicit End(FakeBus& bus) : bus_(bus) {}
+    ~End() override {
+      const std::lock_guard lock(bus_.mutex_);
+      --bus_.ends_;
+    }
+    End(const End&) = delete;
+    End& operator=(const End&) = delete;
     int descriptor() const noexcept override { return bus_.event_; }
     socketcan::Batch read(std::span<socketcan::Packet> room) noexcept override { return bus_.read(room); }
     socketcan::Link link() const noexcept override {
@@ -131,7 +143,7 @@ class FakeBus {
   int event_;
   mutable std::mutex mutex_;
   std::string refusal_;
-  int opened_ = 0;
+  int opened_ = 0, ends_ = 0;
   std::deque<socketcan::Packet> packets_;
   int error_ = 0, error_always_ = 0;
   socketcan::Link link_ = socketcan::Link::up;

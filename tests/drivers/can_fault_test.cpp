@@ -122,6 +122,17 @@ TEST_F(CanFault, IsBackWithTheNextFrameAfterTheLinkWasDown) {
   EXPECT_EQ(bus_.opened(), 1) << "the same socket";
 }
 
+TEST_F(CanFault, NamesTheLastReasonOfALinkThatGoesDownAsItsInterfaceIsRemoved) {
+  start();
+  send_both();
+  ASSERT_TRUE(eventually([&] { return delivers(12); }));
+  bus_.fail(ENETDOWN);
+  ASSERT_TRUE(eventually([&] { return host_.state_of(12).reason == "can0: the link is down"; }));
+  bus_.refuse("can0: there is no such interface");
+  bus_.fail(ENODEV);
+  ASSERT_TRUE(eventually([&] { return host_.state_of(12).reason == "can0: there is no such interface"; }));
+}
+
 TEST_F(CanFault, NoLongerBlamesALinkThatIsUpForFramesThatStayAway) {
   for (Channel& channel : setup_.channels) channel.timeout_ns = 200'000'000;
   start();
@@ -168,10 +179,9 @@ TEST_F(CanFault, OpensAnInterfaceAnewThatWasRemoved) {
   bus_.fail(ENODEV);
   ASSERT_TRUE(eventually([&] { return is_stale(10, DWELL_FAULT_DISCONNECTED) && bus_.opened() >= 2; }));
   bus_.refuse("");
-  ASSERT_TRUE(eventually([&] {
-    send_both();
-    return delivers(10) && delivers(12);
-  }));
+  ASSERT_TRUE(eventually([&] { return bus_.is_open(); }));
+  send_both();
+  ASSERT_TRUE(eventually([&] { return delivers(10) && delivers(12); }));
   send(9);
   ASSERT_TRUE(eventually([&] { return host_.samples(10).back().raw == 9.0; }));
   EXPECT_EQ(host_.samples(10).back().flags, 0U);

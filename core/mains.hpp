@@ -1,0 +1,42 @@
+// Mains hum and sampling: where 50 or 60 Hz comes to lie in what a channel delivers.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace dwell {
+
+inline constexpr double kMainsFundamentals_hz[] = {50.0, 60.0};
+inline constexpr double kMainsWander_hz = 0.1;  // of a grid in normal operation, and as much again of a sampling clock
+
+// How regularly a channel is sampled, from its instants. One thread, a few operations each.
+class SamplingRegularity {
+ public:
+  void add(double step_s) noexcept {
+    if (!(step_s > 0)) return;
+    if (n_ > 8 && step_s > 1.6 * mean_s_) return;  // lost in between
+    n_ = n_ < kMost ? n_ + 1 : kMost;
+    const double off = step_s - mean_s_;
+    mean_s_ += off / n_;
+    variance_ += (off * off - variance_) / n_;
+  }
+  // Least distance of the alias of line_hz to f_hz, Hz. Jitter spreads an alias until only the line itself is left.
+  [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
+    double least = std::abs(line_hz - f_hz);
+    if (!(mean_s_ > 0)) return least;
+    const double rate_hz = 1 / mean_s_, jitter_s = std::sqrt(variance_);
+    for (int sign = -1; sign <= 1; sign += 2) {
+      const double off = line_hz + sign * f_hz, folds = std::round(off / rate_hz);
+      if (2 * std::numbers::pi * std::abs(folds) * rate_hz * jitter_s < 1.5)
+        least = std::min(least, std::abs(off - folds * rate_hz));
+    }
+    return least;
+  }
+
+ private:
+  static constexpr double kMost = 4096;
+  double n_ = 0, mean_s_ = 0, variance_ = 0;
+};
+
+}  // namespace dwell
