@@ -305,9 +305,18 @@ void Blocks::part(int c, int owner_in_block, Totals& out) const noexcept {
   shared = shared < 0 ? owner_in_block : c;
 }
 
+moments::Turn Blocks::turn_into(const Totals& out, std::size_t slot) const noexcept {
+  const Block& block = blocks_[slot];
+  moments::Turn turn = out.turn_from(block.omega, block.centre_ns);
+  const double u = seconds(block.centre_ns - drift_.about_ns);
+  turn.delta += drift_.rate * u;
+  turn.phase += 0.5 * drift_.rate * u * u;
+  return turn;
+}
+
 void Blocks::add_block(int i, Totals& out) const noexcept {
   const std::size_t slot = order_[static_cast<std::size_t>(i)];
-  const moments::Turn turn = out.turn_from(blocks_[slot].omega, blocks_[slot].centre_ns);
+  const moments::Turn turn = turn_into(out, slot);
   for (int c = 0; c < channels_; ++c) part(c, owner(slot, c), out);
   for (int c = 0; c < channels_; ++c) {
     const double* set = instants(slot, owner(slot, c));
@@ -332,7 +341,7 @@ const double* Blocks::open_instants(int c, double* scratch) const noexcept {
 
 void Blocks::add_open(Totals& out) const noexcept {
   if (!open_) return;
-  const moments::Turn turn = out.turn_from(blocks_[current_].omega, blocks_[current_].centre_ns);
+  const moments::Turn turn = turn_into(out, current_);
   double scratch[moments::size(2 * kMaxHarmonics + 1)];
   for (int c = 0; c < channels_; ++c) {
     const Member& member = members_[static_cast<std::size_t>(c)];
@@ -361,7 +370,7 @@ void Blocks::sum_channel(int channel, int from, int to, double omega, std::int64
   std::fill_n(out.readings(channel), readings_size_, 0.0);
   for (int i = from; i < to; ++i) {
     const std::size_t slot = order_[static_cast<std::size_t>(i)];
-    const moments::Turn turn = out.turn_from(blocks_[slot].omega, blocks_[slot].centre_ns);
+    const moments::Turn turn = turn_into(out, slot);
     const double* set = instants(slot, owner(slot, channel));
     moments::add_instants(set, instants_count_, turn, out.instants(channel));
     moments::add_readings(readings(slot, channel), readings_count_, turn, moments::mean_square_u(set, instants_count_),

@@ -66,6 +66,15 @@ class Blocks {
   // Drops the oldest blocks that end at or before t; whether there were any.
   bool forget_before(std::int64_t t_ns) noexcept;
 
+  // A drive whose frequency drifts: all sums from now on are of the phase ω (t - t_ref) + rate (t - about)² / 2,
+  // rate in rad/s². Within a block the drift is left alone: its ends are off by rate·length²/8.
+  struct Drift {
+    double rate = 0.0;
+    std::int64_t about_ns = 0;
+  };
+  void set_drift(const Drift& drift) noexcept { drift_ = drift; }
+  [[nodiscard]] const Drift& drift() const noexcept { return drift_; }
+
   // Adds block i to `out`, at out's (ω, t_ref). O(channels · H), no allocation.
   void add_block(int i, Totals& out) const noexcept;
   // Adds what the open block holds so far; nothing if none is open.
@@ -106,6 +115,7 @@ class Blocks {
   [[nodiscard]] int& owner(std::size_t slot, int c) noexcept;
   [[nodiscard]] int owner(std::size_t slot, int c) const noexcept;
 
+  [[nodiscard]] moments::Turn turn_into(const Totals& out, std::size_t slot) const noexcept;
   void evaluate(std::int64_t t_ns, moments::Regressors& out) const noexcept;
   void settle_members(int leader) noexcept;
   void break_away(int c) noexcept;
@@ -123,6 +133,7 @@ class Blocks {
   std::vector<Block> blocks_;
   std::vector<std::uint16_t> order_, free_;  // slot numbers: in use, oldest first; unused
   std::vector<Member> members_;
+  Drift drift_;
   bool open_ = false;
   std::size_t current_ = 0;  // slot of the open block
   std::int64_t serials_ = 0;

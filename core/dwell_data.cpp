@@ -1,3 +1,5 @@
+#include <Eigen/Cholesky>
+
 #include "core/pipeline_impl.hpp"
 
 namespace dwell {
@@ -7,11 +9,15 @@ constexpr int kTurns = 3;                     // times that data are summed anew
 constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
 constexpr double kBeats = 0.5;                // of the drive's frequency: what is farther from it averages out
+constexpr int kStretches = 12;                // in which the drive's phase is looked at
+constexpr double kShortestDrift = 20.0;       // periods
+constexpr double kSureOfDrift = 4.0;          // standard deviations
+constexpr double kDriftMatters = 0.02;        // rad per square of the data's length
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
 }  // namespace
 
-void Pipeline::Impl::count_anew() {
+void Pipeline::Impl::count_anew(bool follow) {
   counted_valid = false;
   if (blocks.count() == 0) return;
   double u_omega = 0.0;
@@ -22,13 +28,16 @@ void Pipeline::Impl::count_anew() {
     u_omega = refined.u;
     if (refined.reached) break;
   }
-  if (drop_misjudged()) return count_anew();
+  if (drop_misjudged()) return count_anew(follow);
+  if (follow && follow_drift()) return count_anew(false);
   // Once more about the centroid, where turning costs least.
   const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
+  refer_drift(centroid_ns);
   blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
   counted_valid = true;
   const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
   const Complex X = fit.X[0];
+  const double drift = blocks.drift().rate;
   hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
@@ -37,7 +46,7 @@ void Pipeline::Impl::count_anew() {
     const bool told = tracked() && fit.information > 0;
     const double table_omega = told ? omega + fit.score / fit.information : omega;
     const double u_table_omega = told ? 1 / std::sqrt(fit.information) : u_omega;
-    watch.refer({centroid_ns, fit.mean, fit.X, H, table_omega, std::sqrt(fit.sigma2), u, u, u_table_omega,
+    watch.refer({centroid_ns, fit.mean, fit.X, H, table_omega, drift, std::sqrt(fit.sigma2), u, u, u_table_omega,
                  quantization_u(drive_channel, fit, counted) / std::abs(X)});
     const SamplingRegularity& sampling = live[static_cast<std::size_t>(drive_channel)].sampling;
     watch.expect_beats(
@@ -46,6 +55,47 @@ void Pipeline::Impl::count_anew() {
   }
   const std::int64_t first = blocks.block(0).first_serial;
   refine_at_serial = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks.serials() - first)) + 1;
+}
+
+bool Pipeline::Impl::follow_drift() {
+  if (rig.excitation.reference != Reference::tracked || blocks.count() < kStretches) return false;
+  const std::int64_t about_ns = counted.centroid_ns(drive_channel), begin_ns = blocks.block(0).begin_ns,
+                     length_ns = blocks.block(blocks.count() - 1).end_ns - begin_ns;
+  if (to_s(length_ns) < kShortestDrift * period_s()) return false;
+  // The table's phase in stretches of like length against the dwell's, a parabola through it.
+  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  double before = 0.0;
+  for (int from = 0, to = 0; from < blocks.count(); from = to) {
+    const std::int64_t first_ns = blocks.block(from).begin_ns;
+    while (to < blocks.count() && (to == from || blocks.block(to).begin_ns - first_ns < length_ns / kStretches)) ++to;
+    blocks.sum_channel(drive_channel, from, to, omega, about_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, 0.0);
+    if (!fit.usable) continue;
+    const double u = to_s((blocks.block(to - 1).end_ns + first_ns) / 2 - about_ns) / to_s(length_ns);
+    const double phase = before + std::remainder(std::arg(fit.X[0]) - before, kTwoPi);
+    before = phase;
+    const double weight = std::norm(fit.X[0]) / (0.5 * fit.covariance.trace());
+    const Eigen::Vector3d x{1.0, u, 0.5 * u * u};
+    N += weight * x * x.transpose();
+    b += weight * phase * x;
+  }
+  const Eigen::LLT<Eigen::Matrix3d> llt(N);
+  if (llt.info() != Eigen::Success) return false;
+  const double more = llt.solve(b)(2), u_more = std::sqrt(llt.solve(Eigen::Vector3d::Unit(2))(2));  // rad per length²
+  // What turns the ends by less than it is uncertain, or a phasor by nothing that matters, is left alone.
+  if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return false;
+  const double length_s = to_s(length_ns);
+  refer_drift(about_ns);
+  blocks.set_drift({blocks.drift().rate + more / (length_s * length_s), about_ns});
+  return true;
+}
+
+// About another instant the same drift goes with another frequency.
+void Pipeline::Impl::refer_drift(std::int64_t about_ns) {
+  const Blocks::Drift drift = blocks.drift();
+  omega += drift.rate * to_s(about_ns - drift.about_ns);
+  blocks.set_drift({drift.rate, about_ns});
 }
 
 bool Pipeline::Impl::drop_misjudged() {

@@ -82,7 +82,9 @@ double Pipeline::Impl::fit_modes(double w, std::span<const Complex> poles) {
 
 void Pipeline::Impl::solve_modes() {
   for (int c = 0; c < channel_count; ++c)
-    if (readings[static_cast<std::size_t>(c)].usable) modal.solve(c, ranges[static_cast<std::size_t>(c)]);
+    // What is imposed has no transient.
+    if (const auto i = static_cast<std::size_t>(c); readings[i].usable)
+      modal.solve(c, shows_drive(rig.channels[i]) ? 0.0 : ranges[i], ranges[i]);
 }
 
 // The poles of the chain that the steady motion tells of, as far as known; where there are none, nothing.
@@ -120,8 +122,7 @@ bool Pipeline::Impl::refit_modes() {
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
     const auto c = static_cast<std::size_t>(s.channel);
-    // What is imposed has no transient.
-    if (!shows_drive(rig.channels[c])) ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
+    ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
   const double w = drive_omega();
   if (modal_poles.empty()) {
@@ -194,7 +195,7 @@ void Pipeline::Impl::renew_silent_poles() {
 // Whether every channel's residuals are no more than its noise.
 bool Pipeline::Impl::explained() const {
   for (int c = 0; c < channel_count; ++c)
-    if (modal.usable(c) && unexplained(c) > 0) return false;
+    if (modal.usable(c) && !shows_drive(rig.channels[static_cast<std::size_t>(c)]) && unexplained(c) > 0) return false;
   return true;
 }
 
@@ -263,7 +264,8 @@ bool Pipeline::Impl::find_extra_pole() {
   const double grid = std::numbers::pi / stretch_s;
   double strongest = 0.0, found = 0.0;
   for (int c = 0; c < channel_count; ++c) {
-    if (c == drive_channel || !modal.usable(c)) continue;
+    if (!modal.usable(c)) continue;
+    const bool imposed = shows_drive(rig.channels[static_cast<std::size_t>(c)]);
     const double rate = modal.samples(c) / std::max(1e-9, to_s(now_ns - modal.t0_ns()));
     const auto lines =
         static_cast<std::size_t>(std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega) / grid,
@@ -284,7 +286,7 @@ bool Pipeline::Impl::find_extra_pole() {
     if (count < 16) continue;
     // Of white noise each is distributed as exp(-P).
     const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
-    for (std::size_t k = 0; k < kMains + lines; ++k) {
+    for (std::size_t k = 0; k < (imposed ? kMains : kMains + lines); ++k) {
       // The mains are believed first: what they do is seen at their aliases as well.
       const double P = std::norm(spectrum[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
       if (P - sure <= strongest) continue;
@@ -354,6 +356,7 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
   for (int c = 0; c < channel_count; ++c) {
     if (!readings[static_cast<std::size_t>(c)].usable) continue;
     if (!modal.usable(c)) return INFINITY;
+    if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const double allowed = allowed_left(c);
     const ModalFit::Left left = modal.left(c, t_ns);
     double ratio = (left.envelope + kSure * left.u) / (kSafety * allowed);

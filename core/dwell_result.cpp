@@ -136,7 +136,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
   const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
-  const auto [w, u, reached] = gather(from, to, with_open);
+  const auto [fitted_w, u, reached] = gather(from, to, with_open);
+  // In the middle of the data.
+  const double w = fitted_w + blocks.drift().rate * to_s(totals.t_ref_ns() - blocks.drift().about_ns);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) {

@@ -28,7 +28,7 @@ class SamplingRegularity {
     const double rate_hz = 1 / mean_s_, jitter_s = std::sqrt(variance_);
     for (int sign = -1; sign <= 1; sign += 2) {
       const double off = line_hz + sign * f_hz, folds = std::round(off / rate_hz);
-      if (2 * std::numbers::pi * std::abs(folds) * rate_hz * jitter_s < 1.5)
+      if (2 * std::numbers::pi * std::abs(folds) * rate_hz * jitter_s < 3)
         least = std::min(least, std::abs(off - folds * rate_hz));
     }
     return least;

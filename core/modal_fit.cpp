@@ -121,19 +121,23 @@ void ModalFit::add_pending(PerChannel& to) noexcept {
   to.pending_count = 0;
 }
 
-bool ModalFit::solve(int channel, double range) noexcept {
+bool ModalFit::solve(int channel, double range, double line_range) noexcept {
   PerChannel& of = channels_[static_cast<std::size_t>(channel)];
   const Index P = linear();
   of.usable = false;
   if (of.pending_count > 0) add_pending(of);
   if (!(of.samples > static_cast<double>(P + 4))) return false;
-  const double width2 = std::max(range * range, 1e-300);
+  const double width2 = std::max(line_range * line_range, 1e-300);
+  const double tighter = width2 / std::max(range * range, 1e-300);  // of what decays
   double sigma2 = of.sigma2 > 0 ? std::min(of.sigma2, width2) : width2;
   // The weight of the prior against the data depends on the noise, and the noise on the fit: twice is enough.
   for (int pass = 0; pass < 2; ++pass) {
     auto factor = work_.topLeftCorner(P, P);
     factor = of.normal.topLeftCorner(P, P);
-    for (Index i = harmonic_; i < P; ++i) factor(i, i) += std::max(sigma2 / width2, 1e-12 * of.samples);
+    for (Index i = harmonic_; i < P; ++i) {
+      const bool decays = poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0;
+      factor(i, i) += std::max(sigma2 / width2 * (decays ? tighter : 1.0), 1e-12 * of.samples);
+    }
     for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
     if (llt.info() != Eigen::Success) return false;

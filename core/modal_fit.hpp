@@ -35,8 +35,9 @@ class ModalFit {
   // O((2H+1+4·modes)²), no allocation.
   void add(int channel, std::int64_t t_ns, double value) noexcept;
 
-  // Solves one channel. range: width of the prior of its amplitudes, in its unit. false: too few samples.
-  bool solve(int channel, double range) noexcept;
+  // Solves one channel. range, line_range: widths of the prior of the amplitudes of what decays and of steady lines, in
+  // its unit. false: too few samples.
+  bool solve(int channel, double range, double line_range) noexcept;
 
   // The sum over solved channels of N ln σ²: what a better set of poles makes smaller.
   [[nodiscard]] double misfit() const noexcept;

@@ -310,7 +310,11 @@ struct Pipeline::Impl {
 
   // ω and the running sums from all data that count: at the verdict, whenever the data have grown by a sixth, and when
   // the oldest have been forgotten.
-  void count_anew();
+  void count_anew(bool follow = true);
+
+  // How the table's frequency drifts, where that shows: into the blocks' drift. Whether it has changed.
+  bool follow_drift();
+  void refer_drift(std::int64_t about_ns);
 
   // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
   // that is no small part of the uncertainty they go, if they are no large part of the data.

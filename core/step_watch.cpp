@@ -15,6 +15,7 @@ constexpr double kClipPart = 0.5;     // … or what makes it half of the shorte
 constexpr double kForget = 1.0 / 64;  // of the excess, per period
 constexpr double kExcess = 0.6;       // of the variance by noise, from which an excess shows
 constexpr double kRounding = 3.0;     // standard deviations of what rounding does
+constexpr int kSlips = 8;             // quarters of a period
 constexpr int kPeriod = 4;
 
 }  // namespace
@@ -24,17 +25,20 @@ void StepWatch::restart() noexcept {
   referred_ = false;
   open_ = {};
   open_t_ = open_n_ = in_quarter_ = excess_ = tolerated_ = 0.0;
-  since_good_ = in_doubt_ = 0;
+  since_good_ = in_doubt_ = slipping_ = 0;
 }
 
 void StepWatch::refer(const Reference& reference) noexcept {
   if (referred_) {
     const double shift_s = 1e-9 * static_cast<double>(reference.t_ref_ns - now_.t_ref_ns);
     const double before = std::abs(now_.X[0]), after = std::abs(reference.X[0]);
-    const double turned = std::arg(reference.X[0] * std::conj(now_.X[0] * std::polar(1.0, now_.omega * shift_s)));
+    const double advance = (now_.omega + 0.5 * now_.drift * shift_s) * shift_s;
+    const double turned = std::arg(reference.X[0] * std::conj(now_.X[0] * std::polar(1.0, advance)));
+    const double faster = reference.omega - now_.omega - now_.drift * shift_s;
+    const double more_drift = reference.drift - now_.drift;
     const auto to_reference = [&](Block& block) {
       block.t_s -= shift_s;
-      const double dphi = turned + (reference.omega - now_.omega) * block.t_s;
+      const double dphi = turned + (faster + 0.5 * more_drift * block.t_s) * block.t_s;
       const double scale = after / before;
       block.rm = (block.rm - (scale - 1) * block.mm) * scale;
       block.rq = (block.rq - dphi * block.qq) * scale;
@@ -53,7 +57,8 @@ void StepWatch::refer(const Reference& reference) noexcept {
 void StepWatch::add(std::int64_t t_ns, double value) noexcept {
   if (!referred_) return;
   const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
-  const std::complex<double> step = std::polar(1.0, std::remainder(now_.omega * t_s, 2 * M_PI));
+  const std::complex<double> step =
+      std::polar(1.0, std::remainder((now_.omega + 0.5 * now_.drift * t_s) * t_s, 2 * M_PI));
   std::complex<double> turn = step;
   double predicted = now_.mean;
   for (int h = 0; h < now_.harmonics; ++h, turn *= step)
@@ -83,7 +88,8 @@ bool StepWatch::close() noexcept {
   // Sums since t_j, the moments of time about now so that they serve every j.
   double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0, most_explained = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
-  int changed = 0, first_doubt = 0;
+  int changed = 0;
+  bool by_amplitude_doubt = false, by_drift_doubt = false;
   for (int k = 0; k < most; ++k) {
     const Block& block = back(k);
     const double ago = now_s - block.t_s;
@@ -115,10 +121,9 @@ bool StepWatch::close() noexcept {
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);
     const double unsure = kUnsure * tolerance_ + tolerated_;
-    if (first_doubt == 0 &&
-        (std::abs(alpha) > kDoubt * u_alpha + unsure ||
-         std::abs(drift) > kDoubt * u_drift + kUnsure * tolerance_ * now_.omega + tolerated_ / since))
-      first_doubt = k + 1;
+    by_amplitude_doubt = by_amplitude_doubt || std::abs(alpha) > kDoubt * u_alpha + unsure;
+    by_drift_doubt =
+        by_drift_doubt || std::abs(drift) > kDoubt * u_drift + kUnsure * tolerance_ * now_.omega + tolerated_ / since;
     if (k + 1 >= kShortest) worst = std::max(worst, beyond);
     if (k + 1 == kPeriod && in_doubt_ == 0) {
       const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
@@ -135,8 +140,11 @@ bool StepWatch::close() noexcept {
     const Block& before = back(changed);
     if (!alone(before.rm, before.mm) && !alone(before.rq, before.qq)) break;
   }
-  in_doubt_ = first_doubt > 0 ? in_doubt_ + 1 : 0;
-  since_good_ = worst > 1 ? changed : std::min(in_doubt_, kShortest);
+  in_doubt_ = by_amplitude_doubt ? in_doubt_ + 1 : 0;
+  slipping_ = by_drift_doubt ? slipping_ + 1 : 0;
+  // Another frequency is seen within two periods; a phase that slips for longer is a drive that drifts.
+  const int doubtful = std::max(in_doubt_, slipping_ <= kSlips ? slipping_ : 0);
+  since_good_ = worst > 1 ? changed : std::min(doubtful, kShortest);
   return worst > 1;
 }
 

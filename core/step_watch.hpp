@@ -38,7 +38,8 @@ class StepWatch {
     double mean;
     std::array<std::complex<double>, kMaxHarmonics> X;
     int harmonics;
-    double omega, sigma, u_amplitude, u_phase, u_omega;
+    double omega, drift;  // rad/s at t_ref, and its rate, rad/s²
+    double sigma, u_amplitude, u_phase, u_omega;
     double u_rounding;  // relative, of an amplitude, by rounding that repeats with the motion
   };
   // beats: whether hum may beat with the drive in this channel; then a tolerance is left to it.
@@ -77,7 +78,7 @@ class StepWatch {
       0.0;  // relative variance of one period's amplitude beyond its noise, as it is in an unchanged drive …
   double tolerated_ = 0.0;  // … and what it adds to a deviation
   double beats_ = 0.0;
-  int since_good_ = 0, in_doubt_ = 0;
+  int since_good_ = 0, in_doubt_ = 0, slipping_ = 0;
 };
 
 }  // namespace dwell

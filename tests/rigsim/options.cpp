@@ -19,9 +19,9 @@ const std::vector<FaultName>& fault_names() {
       {"bad-crc", &Faults::bad_crc, 1, "probability of a wrong CRC (RTU)"},
       {"wrong-id", &Faults::wrong_id, 1, "probability of a wrong transaction id (TCP) or address (RTU)"},
       {"reset", &Faults::reset, 1, "probability of a connection reset (TCP)"},
-      {"babble", &Faults::babble_hz, 1e5, "meaningless frames per second (CAN)"},
       {"sync-missing", &Faults::sync_missing, 1, "probability per period of no sync pulse"},
       {"sync-twice", &Faults::sync_twice, 1, "probability per period of two sync pulses"},
+      {"babble", &Faults::babble_hz, 1e5, "meaningless frames per second (CAN)"},
   };
   return names;
 }

@@ -63,6 +63,7 @@ health() {  # a jq expression that must be true of /api/v1/health
   exec 4>&-
   jq -e "$1" <<<"$answer" || { jq -c '[.status, .reason, .stale, .gpio]' <<<"$answer"; return 1; }
 }
+last_dwell() { dwellctl dwells --json | jq -e ".dwells[-1] | $1" || { dwellctl dwells | tail -n 4; return 1; }; }
 channel() {  # NAME EXPRESSION: a jq expression that must be true of what /api/v1/channels says of it
   local said
   said=$(dwellctl channels --json | jq -c --arg name "$1" '.channels[] | select(.name == $name)')
@@ -72,8 +73,6 @@ channel() {  # NAME EXPRESSION: a jq expression that must be true of what /api/v
 faults() { health . | jq --arg kind "$1" '.devices[0].faults[$kind] // 0'; }
 faults_reach() { [ "$(faults "$1")" -ge "$2" ] || { health . | jq -c '.devices[0].faults'; return 1; }; }
 dwell_is() { dwellctl status --json | jq -e "$1" || { dwellctl status --json | jq -c '[.state, .warnings]'; return 1; }; }
-state_is() { dwellctl status --json | jq -e ".state == \"$1\"" || { dwellctl status | head -n 3; return 1; }; }
-last_dwell() { dwellctl dwells --json | jq -e ".dwells[-1] | $1" || { dwellctl dwells | tail -n 4; return 1; }; }
 log_of_service() { journalctl -u dwelld --no-pager --after-cursor="$cursor" "${@:--ocat}"; }  # OPTION…
 log_has() { log_of_service | grep -qE -- "$1" || { log_of_service | tail -n 4; return 1; }; }
 

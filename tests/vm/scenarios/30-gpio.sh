@@ -52,10 +52,10 @@ right_at_the_end() {  # the dwell as it is kept, against the rig's truth
 claim "gpio: every coefficient of it is within 4 u of the truth" right_at_the_end
 claim "gpio: the operator is told why nothing is measured" sh -c 'dwellctl status | grep -q "interlock is open"'
 claim "gpio: the ready lamp blinks while it is open" blinks 2
-claim "gpio: nothing is measured while it is open, though the table moves" state_is idle
+claim "gpio: nothing is measured while it is open, though the table moves" dwell_is '.state == "idle"'
 pull 0 up
 claim "gpio: its return is an event" eventually 5 log_has "the interlock permits"
-claim "gpio: then a new dwell is measured" eventually 60 state_is measuring
+claim "gpio: then a new dwell is measured" eventually 60 dwell_is '.state == "measuring"'
 
 pulses 50
 claim "gpio: every sync pulse is seen once" eventually 3 line_is sync 'edges == 50'

@@ -25,7 +25,7 @@ claim "gpio fault: so it is in the log" log_has "interlock does not work: line 0
 claim "gpio fault: the operator sees it" sh -c 'dwellctl status | grep -q "sync does not work: there is no"'
 claim "gpio fault: the health is degraded" health '.status == "degraded"'
 claim "gpio fault: the fault lamp is lit" eventually 10 test "$(level 3)" = 1
-claim "gpio fault: the service measures all the same" eventually 60 state_is measuring
+claim "gpio fault: the service measures all the same" eventually 60 dwell_is '.state == "measuring"'
 
 kill "$holder"
 claim "gpio fault: a line that is let go is taken" eventually 20 line_is interlock works

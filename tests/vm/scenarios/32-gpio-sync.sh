@@ -5,7 +5,6 @@ seen() { health . | jq -c '[.uptime_s, .gpio.sync.edges]'; }
 one_per_period() {  # of 4 Hz, between two looks at it
   jq -ne --argjson a "$1" --argjson b "$2" '($b[1] - $a[1] - 4 * ($b[0] - $a[0])) | if fabs <= 2 then true else "off by \(.) pulses" | halt_error end'
 }
-dwell_says() { dwellctl status --json | jq -e "$1" || { dwellctl status --json | jq -c '[.state, .frequency_hz, .warnings]'; return 1; }; }
 
 start_gpio
 start_rig --tcp 127.0.0.1:1502 --unit mm --noise 0.001 --sync "$lines/sim_gpio1/pull"
@@ -21,22 +20,22 @@ sleep 10
 claim "sync: one in each period of the drive" one_per_period "$first" "$(seen)"
 claim "sync: none is lost" line_is sync 'lost == 0'
 claim "sync: every coefficient of a dwell by them is within 4 u of the truth" every_coefficient_is_right 20 150
-claim "sync: so is the frequency" dwell_says '.frequency_hz | (.value - 4 | fabs) < 4 * .u and .u < 0.001'
+claim "sync: so is the frequency" dwell_is '.frequency_hz | (.value - 4 | fabs) < 4 * .u and .u < 0.001'
 
 rig_says sync-missing 0.1
 rig_says sync-twice 0.1
 sleep 10
-claim "sync: missed and double pulses are told" dwell_says '.warnings | any(test("of the sync pulses [1-9]"))'
+claim "sync: missed and double pulses are told" dwell_is '.warnings | any(test("of the sync pulses [1-9]"))'
 claim "sync: and the coefficients are right all the same" every_coefficient_is_right 30 60
 
 rig_says sync-missing 1
 rig_says sync-twice 0
-claim "sync: without pulses there is no number" eventually 20 state_is fault
+claim "sync: without pulses there is no number" eventually 20 dwell_is '.state == "fault"'
 claim "sync: but a reason" sh -c 'dwellctl status | grep -q "no sync pulse for"'
 claim "sync: and the fault lamp" eventually 5 test "$(level 3)" = 1
 claim "sync: the dwell is marked" last_dwell '.ended_by == "data lost"'
 rig_says sync-missing 0
-claim "sync: with them it goes on" eventually 60 state_is measuring
+claim "sync: with them it goes on" eventually 60 dwell_is '.state == "measuring"'
 
 rig_says stop
 stopped() {

@@ -1,0 +1,93 @@
+// What changes slowly is followed: the shaker's frequency, the rig as it warms up. The motion is quasi-static: at every
+// instant the steady response of the chain as it then is, at the frequency as it then is.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/forward.hpp"
+#include "tests/core/bench_rig.hpp"
+
+namespace dwell {
+namespace {
+
+struct SlowRig {
+  Chain chain;
+  Rig rig;
+  double frequency_hz = 5.0, frequency_drift = 0.0;  // relative, per s
+  double stiffness_drift = 0.0;                      // relative, per s, of the first element
+  double noise = 1e-3;
+
+  [[nodiscard]] Chain at(double t_s) const {
+    Chain now = chain;
+    now.stiffness[0] *= 1 + stiffness_drift * t_s;
+    return now;
+  }
+  [[nodiscard]] double frequency_at(double t_s) const { return frequency_hz * (1 + frequency_drift * t_s); }
+
+  // Streams the motion; returns how many dwells were completed on the way.
+  int run(Pipeline& pipeline, double seconds) const {
+    std::mt19937_64 rng(5);
+    std::normal_distribution<double> normal;
+    const double rate_hz = 200;
+    int completed = 0;
+    SteadyResponse response;
+    for (int i = 0; i < seconds * rate_hz; ++i) {
+      const double t_s = i / rate_hz;
+      if (i % 20 == 0) response = steady_response(at(t_s), 2 * M_PI * frequency_at(t_s), 0.002);
+      const double theta = 2 * M_PI * frequency_hz * (t_s + 0.5 * frequency_drift * t_s * t_s);
+      for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+        const Phasor X = c < response.Y.size() ? response.Y[c] : response.F;
+        Record record;
+        record.t_ns = std::llround(t_s * 1e9);
+        record.channel = static_cast<std::uint16_t>(c);
+        record.value = (X * std::polar(1.0, theta)).imag() + noise * std::abs(X) * normal(rng);
+        completed += (pipeline.push(record) & kCompleted) != 0;
+      }
+    }
+    return completed;
+  }
+};
+
+SlowRig slow_rig(double memory_s) {
+  SlowRig slow;
+  slow.chain = clamped_chain();
+  slow.rig = rig_of(slow.chain, slow.frequency_hz);
+  slow.rig.memory_s = memory_s;
+  return slow;
+}
+
+TEST(SlowChange, AShakerThatDriftsATenthOfAPercentAMinuteIsFollowed) {
+  SlowRig slow = slow_rig(60);
+  slow.frequency_drift = 1e-3 / 60;
+  Pipeline pipeline(slow.rig);
+  EXPECT_EQ(slow.run(pipeline, 300), 0);
+  ASSERT_EQ(pipeline.state(), State::measuring);
+  const Dwell dwell = pipeline.current();
+  const double middle_s = 0.5 * (dwell.settled_s + dwell.end_s);
+  EXPECT_NEAR(dwell.frequency_hz.value, slow.frequency_at(middle_s), 2e-5 * slow.frequency_hz);
+  for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
+    const auto& [c, r] = std::pair{dwell.elements[e].stiffness, dwell.elements[e].damping};
+    EXPECT_NEAR(c.value, slow.chain.stiffness[e], 4 * c.u) << e;
+    EXPECT_NEAR(r.value, slow.chain.damping[e], 4 * r.u) << e;
+    EXPECT_LT(c.u, 2e-2 * c.value) << e;
+  }
+}
+
+TEST(SlowChange, ARigThatWarmsUpIsFollowedAsFarAsTheMemoryResolves) {
+  SlowRig slow = slow_rig(20);
+  slow.stiffness_drift = -0.01 / 60;
+  Pipeline pipeline(slow.rig);
+  EXPECT_EQ(slow.run(pipeline, 180), 0);
+  ASSERT_EQ(pipeline.state(), State::measuring);
+  const Dwell dwell = pipeline.current();
+  const auto& c = dwell.elements[0].stiffness;
+  // The mean over the memory; within it the stiffness changes by a third of a percent.
+  const double middle_s = 0.5 * (dwell.settled_s + dwell.end_s), now_s = dwell.end_s;
+  EXPECT_NEAR(c.value, slow.at(middle_s).stiffness[0], 4 * c.u);
+  EXPECT_NEAR(c.value, slow.at(now_s).stiffness[0], 4 * c.u + 0.002 * c.value);
+  EXPECT_GT(dwell.settled_s, 155);
+}
+
+}  // namespace
+}  // namespace dwell
