@@ -42,7 +42,9 @@ std::string Pipeline::Impl::settling_reason() const {
     }
     return "too few periods seen";
   }
-  return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
+  const std::string since = std::to_string(axis_s(settled_ns)).substr(0, 8) + " s";
+  return quiet_ns != INT64_MIN ? "what may be left of the natural oscillations since " + since + " is less than allowed"
+                               : "the windows since " + since + " agree";
 }
 
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple

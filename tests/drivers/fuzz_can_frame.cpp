@@ -71,7 +71,13 @@ class Script : public socketcan::Socket {
   explicit Script(Bytes& bytes) : bytes_(bytes) {}
   int descriptor() const noexcept override { return -1; }
   socketcan::Batch read(std::span<socketcan::Packet> room) noexcept override {
-    room[0] = bytes_.take<socketcan::Packet>();
+    socketcan::Packet& packet = room[0];
+    packet.frame = bytes_.take<canfd_frame>();
+    const auto kind = bytes_.take<std::uint8_t>();
+    packet.size = (kind & 3U) == 0 ? kind >> 1U : (kind & 3U) == 1 ? CANFD_MTU : CAN_MTU;
+    packet.real_ns = bytes_.take<std::int64_t>();
+    packet.hardware_ns = bytes_.take<std::int64_t>();
+    packet.own = (bytes_.take<std::uint8_t>() & 1U) != 0;
     return {1, 0, bytes_.take<std::uint8_t>()};
   }
   int write(const canfd_frame&, bool) noexcept override { return 0; }

@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kMostPending = 10'000;
 constexpr int kBabbleAtOnce = 200;
+constexpr int kReadings = 4;
+constexpr std::int64_t kReadWithin_ns = 500'000;
 constexpr double kFarBehind_ns = 1e9;
 
 std::int64_t monotonic_ns() {
@@ -95,7 +97,12 @@ void CanNodes::sample(std::size_t channel, std::int64_t now_ns) {
     ++lost_;
     return;
   }
-  responder_.device.read(time_.at(clock_()), values_);
+  // Sampled anew where something came between: a frame's instant is that of its reading, as a real node's is.
+  for (int i = 0; i < kReadings; ++i) {
+    const std::int64_t t_ns = clock_();
+    responder_.device.read(time_.at(t_ns), values_);
+    if (clock_() - t_ns <= kReadWithin_ns) break;
+  }
   WireFrame frame = can_frame(channel, responder_.device.is_force(channel), values_[channel], counters_[channel]);
   if (happens(faults.short_frame)) frame.can.len /= 2;
   double delay_s = faults.latency_s;
