@@ -15,10 +15,11 @@ constexpr double kTrust = 0.05;      // relative change of a pole in one step, a
 constexpr int kRefinements = 2;      // steps each time, at most
 constexpr int kManyRefinements = 8;  // where the poles are far off
 constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
-constexpr double kSame = 0.3;        // rad over the fit, by which two poles must differ
-constexpr double kNear = 0.1;        // relative, of a chain's pole to one that the data show
-constexpr double kConverged = 0.1;   // of the uncertainty of a pole
-constexpr double kUnsure = 1.0;      // periods at the beginning of a hold …
+constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
+constexpr double kSame = 0.3;                       // rad over the fit, by which two poles must differ
+constexpr double kNear = 0.1;                       // relative, of a chain's pole to one that the data show
+constexpr double kConverged = 0.1;                  // of the uncertainty of a pole
+constexpr double kUnsure = 1.0;                     // periods at the beginning of a hold …
 
 }  // namespace
 
@@ -49,6 +50,7 @@ void Pipeline::Impl::feed_modes() {
 }
 
 double Pipeline::Impl::fit_modes(double w, std::span<const Complex> poles) {
+  --fits_left;
   modal.restart(w, modal_from_ns, poles);
   modal_next = history.first_at(modal_from_ns);
   feed_modes();
@@ -113,7 +115,11 @@ bool Pipeline::Impl::refit_modes() {
   kept_extras = extra_poles;
   kept_poles.clear();
   const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
-  for (int candidate = 0; candidate < 4; ++candidate) {
+  // However long the hold, going over it again has its limit: what was not tried is next time.
+  const double samples = static_cast<double>(history.end() - history.first_at(modal_from_ns));
+  const double products = 0.5 * std::pow(2.0 * H + 1 + 4 * static_cast<double>(modal_poles.size() + kExtraPoles), 2);
+  fits_left = static_cast<int>(std::clamp(kMostWork / std::max(1.0, samples * products), kFewestFits, 1000.0));
+  for (int candidate = 0; candidate < 4 && (candidate == 0 || fits_left > 0); ++candidate) {
     extra_poles.clear();
     if (candidate < 2) extra_poles = kept_extras;
     std::span<const Complex> poles = modal_poles;
@@ -139,7 +145,7 @@ bool Pipeline::Impl::refit_modes() {
   if (best_poles != kept_poles) fit_modes(w, kept_poles);
   best_poles = kept_poles;
   extra_poles = spare_poles;
-  if (find_extra_pole()) {
+  if (fits_left > 0 && find_extra_pole()) {
     std::rotate(extra_poles.begin(), extra_poles.end() - 1, extra_poles.end());
     best_poles.insert(best_poles.begin(), extra_poles.front());
     refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
@@ -181,7 +187,7 @@ double Pipeline::Impl::try_poles(double w, double best) {
 
 double Pipeline::Impl::refine_poles(double w, double misfit, int steps) {
   double best = misfit;
-  for (int i = 0; i < steps; ++i) {
+  for (int i = 0; i < steps && fits_left > 0; ++i) {
     const auto moved = modal.refined(kTrust);
     if (modal.converged() < kConverged) break;
     trial_poles.assign(moved.begin(), moved.end());

@@ -4,7 +4,6 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kExtraPoles = 2;
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
 constexpr double kSureOfLine = 9.0;                               // exp(-9): once in 8000 searches noise alone
 constexpr double kMainsFirst = 1.2;
@@ -115,7 +114,7 @@ void Pipeline::Impl::judge_extra_poles(double w) {
     bool of_mains = false;
     for (std::size_t k = 0; k < kMains; ++k)
       of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * modal.u_pole(i);
-    if (of_mains) {
+    if (of_mains && fits_left > 0) {
       kept_poles = best_poles;
       const double given = modal.misfit();
       const bool was_steady = pole.real() == 0;
@@ -128,7 +127,7 @@ void Pipeline::Impl::judge_extra_poles(double w) {
         fit_modes(w, best_poles);
         compare_halves();
       }
-    } else if (pole.real() != 0 && seen_s > kLongSeen * period_s() &&
+    } else if (!of_mains && pole.real() != 0 && seen_s > kLongSeen * period_s() &&
                (-pole.real() + 3 * modal.u_pole(i)) * seen_s < kHardlyDecayed) {
       extra_poles[i].real(0.0);
     }

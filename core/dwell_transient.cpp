@@ -146,6 +146,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
     return;
   }
   const bool last = !(hums() || transient_matters());
+  fits_left = 3;
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
   double misfit = NAN;

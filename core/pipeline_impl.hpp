@@ -36,8 +36,9 @@ inline constexpr int kQuarters = 4;          // windows of one period
 inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
-inline constexpr std::size_t kMains = 8;  // lines of hum, of 50 and 60 Hz
-inline constexpr double kStuck_s = 0.5;   // and at least kLostPeriods with one and the same reading: it is stuck
+inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
+inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
+inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 [[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -141,6 +142,7 @@ struct Pipeline::Impl {
   ModalFit modal;
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
+  int fits_left = 0;                  // of the whole hold, before now must be enough
   double modal_skipped = 0.0;         // part of the hold that the modal fit leaves out
   std::int64_t quiet_ns = INT64_MIN;  // until then the transient is taken out of what comes in
   std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
