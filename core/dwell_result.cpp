@@ -42,7 +42,9 @@ std::string Pipeline::Impl::settling_reason() const {
     }
     return "too few periods seen";
   }
-  return "the windows since " + std::to_string(axis_s(settled_ns)).substr(0, 8) + " s agree";
+  const std::string since = std::to_string(axis_s(settled_ns)).substr(0, 8) + " s";
+  return quiet_ns != INT64_MIN ? "what may be left of the natural oscillations since " + since + " is less than allowed"
+                               : "the windows since " + since + " agree";
 }
 
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
@@ -173,12 +175,11 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
   warn_of_pulses(dwell);
-  if (synced() && !std::isfinite(u)) {
-    dwell.settling_reason = "too few sync pulses among the data that count";
-    dwell.warnings.push_back("no coefficients: " + dwell.settling_reason);
+  if (const std::string reason = pulses_unfit(w, u); !reason.empty()) {
+    dwell.settling_reason = reason;
+    dwell.warnings.push_back("no coefficients: " + reason);
     return dwell;
   }
-  warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }

@@ -1,5 +1,6 @@
 // The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
-// the state machine of the dwell, dwell_settling.cpp judges whether the transient has decayed, dwell_data.cpp keeps the
+// the state machine of the dwell, dwell_settling.cpp judges by windows whether the transient has decayed,
+// dwell_modes.cpp, dwell_residuals.cpp and dwell_transient.cpp by the natural oscillations; dwell_data.cpp keeps the
 // sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
 // of all what is reported. Internal to core.
 #pragma once
@@ -209,6 +210,8 @@ struct Pipeline::Impl {
   [[nodiscard]] bool pulses_contradict() const;
   // What is wrong with the reference; empty: nothing.
   [[nodiscard]] std::string reference_reason() const;
+  // Why the data in `totals`, taken at the pulses' ω, cannot give coefficients; empty: they can.
+  [[nodiscard]] std::string pulses_unfit(double w, double u) const;
   void warn_of_pulses(Dwell& dwell) const;
   // `sums`, which are over [from, to], at the best ω for them: leaves them in `totals`.
   Refined refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const;
@@ -270,37 +273,55 @@ struct Pipeline::Impl {
     return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
+  // dwell_modes.cpp: the modal fit of the hold so far.
+  // ω that the drive's channel alone tells of, from the blocks of this hold.
   double drive_omega();
+  // Shows the fit the samples that it has not seen.
   void feed_modes();
+  // The fit anew, with other poles; its misfit.
   double fit_modes(double w, std::span<const Complex> poles);
   void solve_modes();
+  // The poles of the chain that the fit's steady motion tells of; none where that cannot be solved.
   std::span<const Complex> chain_poles();
   void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
+  void renew_silent_poles();
+  // trial_poles become best_poles if they explain the data better; the misfit of best_poles.
   double try_poles(double w, double best);
   double refine_poles(double w, double best, int steps);
+  void take_best_poles();
+  // Everything again: where the hold's data may begin, the poles, what they leave over. false: no poles are known.
+  bool refit_modes();
+  [[nodiscard]] double slowest_rate() const;
+
+  // dwell_residuals.cpp: what the fit leaves over.
+  [[nodiscard]] bool explained() const;
+  // Variance of a channel's residuals beyond its noise; not above 0: none.
+  [[nodiscard]] double unexplained(int c) const;
   void compare_halves();
-  void refit_soon();
-  bool explained() const;
-  double unexplained(int c) const;
-  void renew_silent_poles();
   bool find_extra_pole();
   void judge_extra_poles(double w);
-  void take_best_poles();
-  bool hums() const;
-  bool transient_matters() const;
-  bool same_drive(double w) const;
-  Eigen::Matrix2d transient_covariance(int c, double samples) const;
-  bool refit_modes();
-  double allowed_left(int c) const;
-  double negligible_left(int c) const;
-  void fade_modes(std::int64_t t_ns);
+  // Whether a steady line beside the drive is fitted.
+  [[nodiscard]] bool hums() const;
+
+  // dwell_transient.cpp: how much of the transient is left, and its being taken out.
+  [[nodiscard]] double allowed_left(int c) const;
+  [[nodiscard]] double negligible_left(int c) const;
+  // The largest part of what is allowed that may be left at t.
   double modal_left(std::int64_t t_ns, int* worst) const;
+  // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
-  double slowest_rate() const;
   void refit_later(double growth);
+  void refit_soon();
   void refit_measuring(std::int64_t end_ns);
+  [[nodiscard]] bool same_drive(double w) const;
+  [[nodiscard]] bool transient_matters() const;
+  [[nodiscard]] Eigen::Matrix2d transient_covariance(int c, double samples) const;
+  void fade_modes(std::int64_t t_ns);
   void take_transient_out(std::int64_t end_ns);
+  // A reading into the blocks, without what is known of the transient; what was added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
+
+  // Of the newest blocks, those that may hold another drive.
   [[nodiscard]] int doubtful_quarters() const;
   double identified_time_constant(double w);
 

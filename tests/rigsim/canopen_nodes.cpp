@@ -1,5 +1,7 @@
 #include "tests/rigsim/canopen_nodes.hpp"
 
+#include <linux/can/error.h>
+
 #include <algorithm>
 #include <ctime>
 #include <limits>
@@ -10,7 +12,8 @@
 namespace rigsim {
 namespace {
 
-constexpr canid_t kSync = 0x80;
+constexpr canid_t kSync = 0x80, kBabble = 0x001;
+constexpr int kBabbleAtOnce = 200;
 constexpr std::size_t kMostPending = 10'000;
 // A stamp older than that is none.
 constexpr std::int64_t kOldest_ns = 1'000'000'000;
@@ -66,6 +69,7 @@ std::optional<std::int64_t> CanopenNodes::next_due_ns() const {
   std::int64_t due_ns = std::numeric_limits<std::int64_t>::max();
   for (const Member& member : members_) due_ns = std::min(due_ns, member.node.next_ns());
   for (const Pending& each : pending_) due_ns = std::min(due_ns, each.due_ns);
+  if (responder_.device.faults.babble_hz > 0.0 && !bus_off_) due_ns = std::min(due_ns, babble_ns_);
   return due_ns == std::numeric_limits<std::int64_t>::max() ? std::nullopt : std::optional(due_ns);
 }
 
@@ -73,6 +77,7 @@ void CanopenNodes::serve(std::int64_t now_ns) {
   if (!wire_) return;
   received_.clear();
   wire_->receive(received_);
+  babble(now_ns);
   for (const WireFrame& frame : received_) take(frame, now_ns);
   for (Member& member : members_) {
     member.node.tick(now_ns);
@@ -115,7 +120,7 @@ void CanopenNodes::take(const WireFrame& frame, std::int64_t now_ns) {
 void CanopenNodes::collect(Member& member, std::int64_t now_ns) {
   const Faults& faults = responder_.device.faults;
   for (::can_frame& frame : out_) {
-    if (!member.on || responder_.silent) continue;
+    if (!member.on || responder_.silent || bus_off_) continue;
     if (happens(faults.dropout)) silent_until_ns_ = now_ns + static_cast<std::int64_t>(faults.dropout_length_s * 1e9);
     if (now_ns < silent_until_ns_ || happens(faults.missing)) {
       ++lost_;
@@ -149,6 +154,49 @@ void CanopenNodes::send_due(std::int64_t now_ns) {
   std::erase_if(pending_, due);
 }
 
+void CanopenNodes::send_error(canid_t what, std::uint8_t state) {
+  WireFrame error;
+  error.can.can_id = CAN_ERR_FLAG | what;
+  error.can.len = CAN_ERR_DLC;
+  error.can.data[1] = state;
+  if (wire_) wire_->send(error);
+}
+
+// Frames of a high priority that mean nothing.
+void CanopenNodes::babble(std::int64_t now_ns) {
+  const double rate_hz = responder_.device.faults.babble_hz;
+  if (rate_hz <= 0.0 || bus_off_) return;
+  if (babble_ns_ < now_ns - 100'000'000) babble_ns_ = now_ns;
+  for (int i = 0; i < kBabbleAtOnce && babble_ns_ <= now_ns; ++i) {
+    WireFrame frame;
+    frame.can.can_id = kBabble;
+    frame.can.len = 8;
+    for (int k = 0; k < 8; ++k) frame.can.data[k] = static_cast<std::uint8_t>(random_());
+    refused_ += wire_->send(frame);
+    babble_ns_ += static_cast<std::int64_t>(1e9 / rate_hz);
+  }
+}
+
+std::optional<std::string> CanopenNodes::bus_command(const std::vector<std::string>& words) {
+  if (words.size() != 1) return std::nullopt;
+  if (words[0] == "bus-off") {
+    send_error(CAN_ERR_BUSOFF, 0);
+    bus_off_ = true;
+    pending_.clear();
+    return "ok";
+  }
+  if (words[0] == "restart") {
+    if (bus_off_) send_error(CAN_ERR_RESTARTED, 0);
+    bus_off_ = false;
+    return "ok";
+  }
+  if (words[0] == "error-passive") {
+    send_error(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE);
+    return "ok";
+  }
+  return std::nullopt;
+}
+
 CanopenNodes::Member* CanopenNodes::member(const std::string& word) {
   const auto id = number(word);
   for (Member& each : members_)
@@ -158,6 +206,7 @@ CanopenNodes::Member* CanopenNodes::member(const std::string& word) {
 
 std::optional<std::string> CanopenNodes::command(const std::vector<std::string>& words) {
   if (interface_.empty()) return std::nullopt;
+  if (auto answer = bus_command(words)) return answer;
   const std::string& verb = words[0];
   if (verb == "canopen" && words.size() == 2 && (words[1] == "on" || words[1] == "off")) {
     pending_.clear();

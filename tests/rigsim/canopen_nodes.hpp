@@ -36,8 +36,8 @@ class CanopenNodes {
   // Takes what has come, sends what is due.
   void serve(std::int64_t now_ns);
 
-  // "node-reset NODE|all", "emergency NODE CODE", "mapping NODE wrong|right", "node NODE on|off", "canopen on|off".
-  // None: the verb is another's.
+  // "bus-off", "restart", "error-passive", "node-reset NODE|all", "emergency NODE CODE", "mapping NODE wrong|right",
+  // "node NODE on|off", "canopen on|off". None: the verb is another's.
   [[nodiscard]] std::optional<std::string> command(const std::vector<std::string>& words);
   // Members of a JSON object.
   [[nodiscard]] std::string status() const;
@@ -59,6 +59,9 @@ class CanopenNodes {
   void take(const WireFrame& frame, std::int64_t now_ns);
   void collect(Member& member, std::int64_t now_ns);
   void send_due(std::int64_t now_ns);
+  void send_error(canid_t what, std::uint8_t state);
+  void babble(std::int64_t now_ns);
+  [[nodiscard]] std::optional<std::string> bus_command(const std::vector<std::string>& words);
 
   std::string interface_;
   Responder& responder_;
@@ -70,7 +73,9 @@ class CanopenNodes {
   std::vector<double> values_;
   std::vector<Pending> pending_;
   std::vector<WireFrame> received_;
+  std::int64_t babble_ns_ = 0;  // when the next meaningless frame is due
   std::int64_t silent_until_ns_ = 0;
+  bool bus_off_ = false;
   std::uint64_t syncs_ = 0, sent_ = 0, lost_ = 0, late_ = 0, refused_ = 0;
   std::mt19937_64 random_;
 };

@@ -116,6 +116,26 @@ TEST_F(CanopenRig, RestartsRemapsAndSendsEmergencies) {
   EXPECT_NE(server->command("status").find("\"nodes\":5"), std::string::npos);
 }
 
+TEST_F(CanopenRig, BabblesAndLeavesTheBus) {
+  options.faults.babble_hz = 5000;
+  start();
+  next(0x001);
+  ok("babble 0");
+  ok("bus-off");
+  await([&] {
+    listen();
+    return bus_.controller() == dwell::socketcan::Controller::bus_off;
+  });
+  ok("restart");
+  send(0x605, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0});
+  next(0x585);
+  ok("error-passive");
+  await([&] {
+    listen();
+    return bus_.controller() == dwell::socketcan::Controller::passive;
+  });
+}
+
 TEST_F(CanopenRig, LosesAndDelaysWhatNodesSend) {
   start();
   send(0, {1, 0});

@@ -1,0 +1,225 @@
+// How much of the transient is left, when that is little enough, and its being taken out of the data that count.
+#include "core/pipeline_impl.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kGrowth = 1.25;                  // of the hold, before its poles are refined again
+constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most, and part of the time expected to be left
+constexpr double kGrowthMeasuring = 2.0;          // the same after the verdict
+constexpr double kMatters = 0.05;                 // of the variance
+constexpr double kTurned = 0.1;                   // standard deviations
+constexpr int kTurns = 4;                         // of the fit at a better frequency, at most
+constexpr double kSafety = 0.8;                   // of what is allowed: that is itself only estimated
+constexpr double kSure = 3.0;                     // standard deviations of what may be left of the transient
+constexpr double kMostTakenOut = 8.0;             // of what may be left, where data begin to count
+constexpr double kNegligible = 1e-3;              // of the tolerance: nothing is subtracted any more …
+constexpr double kNegligibleOfNoise = 0.2;        // … or of the uncertainty of the phasor
+constexpr double kUnsure = 1.0;                   // periods at the beginning of a hold …
+constexpr double kShortest = 2.0;                 // … and after these before anything is said
+
+}  // namespace
+
+// What may be left of the transient in a channel: the tolerance of its amplitude, or what ten periods' noise hides.
+double Pipeline::Impl::allowed_left(int c) const {
+  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
+  const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
+  const Noise& noise = noises[static_cast<std::size_t>(c)];
+  const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
+  return std::max({rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten), 1e-300});
+}
+
+// How much of the transient may be left at t, of what is allowed: the worst of all channels.
+double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
+  double largest = 0.0;
+  for (int c = 0; c < channel_count; ++c) {
+    if (!readings[static_cast<std::size_t>(c)].usable) continue;
+    if (!modal.usable(c)) return INFINITY;
+    if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
+    const double allowed = allowed_left(c);
+    const ModalFit::Left left = modal.left(c, t_ns);
+    double ratio = (left.envelope + kSure * left.u) / (kSafety * allowed);
+    // What the fit leaves over beyond the noise is not known to be no transient.
+    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / allowed);
+    if (ratio > largest) {
+      largest = ratio;
+      if (worst) *worst = c;
+    }
+  }
+  return largest;
+}
+
+// What may be left without being taken out.
+double Pipeline::Impl::negligible_left(int c) const {
+  return std::max(kNegligible * rig.tolerance * std::abs(modal.phasor(c, 1)),
+                  kNegligibleOfNoise * std::sqrt(modal.variance(c) * 2 / modal.samples(c)));
+}
+
+// What has become negligible in every channel is evaluated no more.
+void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
+  for (std::size_t m = 0; m < modal.poles().size(); ++m) {
+    if (modal.poles()[m].real() == 0) continue;
+    double fades_s = 0.0;
+    for (int c = 0; c < channel_count; ++c)
+      if (modal.usable(c)) {
+        const double most = modal.most(c, m, t_ns) / negligible_left(c);
+        if (most > 1) fades_s = std::max(fades_s, std::log(most) / -modal.poles()[m].real());
+      }
+    modal.fade(m, t_ns + to_ns(std::min(fades_s, rig.memory_s)));
+  }
+}
+
+bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
+  if (rig.mass_count() == 0) return false;
+  // Windows alone would be believed too soon.
+  if (to_s(end_ns - steady_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
+  if (modal_poles.empty() || now_ns >= modal_refit_at_ns) {
+    if (!refit_modes()) return false;
+    // Far from settled there is time.
+    const double left = modal_left(end_ns, nullptr);
+    const double ahead_s =
+        left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
+    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kGrowth, kGrowthFar));
+  } else {
+    feed_modes();
+    solve_modes();
+  }
+  verdict = {};
+  verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
+  if (verdict.worst_left <= 1) {
+    compare_halves();
+    verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
+    if (!explained()) refit_soon();
+  }
+  const bool waits = verdict.worst_left > 1;
+  verdict.settles_in_s =
+      waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
+  if (waits || out_of_search()) return true;
+  // The data count from where the same could be said of an earlier instant; further back, where that would leave too
+  // few, only as long as what is taken out is no large multiple of what may be left.
+  const auto quarter_ns = to_ns(period_s() / kQuarters);
+  const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
+  const auto back_to = [&](double allowed) {
+    std::int64_t back = 0, too_far = all + 1;
+    while (too_far - back > 1) {
+      const std::int64_t middle = back + (too_far - back) / 2;
+      (modal_left(end_ns - middle * quarter_ns, nullptr) > allowed ? too_far : back) = middle;
+    }
+    return back;
+  };
+  const std::int64_t back = std::max(back_to(1.0), std::min<std::int64_t>(2 * kQuarters, back_to(kMostTakenOut)));
+  if (back < kFewestQuarters) return true;
+  settled_ns = end_ns - back * quarter_ns;
+  verdict.settled = true;
+  verdict_ns = end_ns;
+  enter(State::measuring);
+  std::fill(transient.begin(), transient.end(), 0.0);
+  omega = modal.omega();
+  if (pending) emit(EndedBy::drive_changed);
+  refit_later(kGrowthMeasuring);
+  take_transient_out(end_ns);
+  count_anew();
+  // Again, now that the frequency is known from data taken at it.
+  for (int i = 0; i < kTurns && tracked(); ++i) {
+    const double w = drive_omega();
+    if (same_drive(w)) break;
+    fit_modes(w, modal.poles());
+    take_transient_out(end_ns);
+    count_anew();
+  }
+  return true;
+}
+
+void Pipeline::Impl::refit_later(double growth) {
+  modal_refit_at_ns = steady_ns + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - steady_ns));
+}
+
+// Not before a period has gone by.
+void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
+
+// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what
+// is not known of it is a part of the uncertainty that matters.
+void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
+  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || doubtful_quarters() > 0) return;
+  if (history[history.begin()].t_ns > modal.t0_ns()) {
+    modal_refit_at_ns = INT64_MAX;
+    return;
+  }
+  const bool last = !(hums() || transient_matters());
+  best_poles.assign(extra_poles.begin(), extra_poles.end());
+  best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
+  double misfit = NAN;
+  const double w = drive_omega();
+  if (same_drive(w)) {
+    feed_modes();
+    solve_modes();
+    misfit = modal.misfit();
+  } else {
+    misfit = fit_modes(w, best_poles);
+  }
+  refine_poles(modal.omega(), misfit, 1);
+  take_best_poles();
+  refit_later(kGrowthMeasuring);
+  take_transient_out(end_ns);
+  count_anew();
+  if (last) modal_refit_at_ns = INT64_MAX;
+}
+
+// Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows.
+bool Pipeline::Impl::same_drive(double w) const {
+  const double turned = std::abs(w - modal.omega()) * to_s(now_ns - modal.t0_ns());
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c) &&
+        turned * std::abs(modal.phasor(c, 1)) > kTurned * std::sqrt(modal.variance(c) * 2 / modal.samples(c)))
+      return false;
+  return true;
+}
+
+// Whether in any channel what is not known of the transient adds to the variance of the phasor.
+bool Pipeline::Impl::transient_matters() const {
+  for (int c = 0; c < channel_count; ++c) {
+    const HarmonicFit fit = fit_harmonics(counted, c, H, 0.0);
+    if (!fit.usable || !modal.usable(c)) continue;
+    if (transient_covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;
+  }
+  return false;
+}
+
+// Of p_1 and q_1 of N samples, referred to the modal fit's zero of time.
+Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) const {
+  return 4 / (samples * samples) * modal.spread(c, overlap[static_cast<std::size_t>(c)]);
+}
+
+// Builds the blocks anew from the history, the transient subtracted.
+void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
+  const auto quarter_ns = to_ns(period_s() / kQuarters);
+  std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
+  begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
+  quiet_ns = end_ns;
+  fade_modes(begin_ns);
+  for (std::size_t m = 0; m < modal.poles().size(); ++m)
+    if (modal.poles()[m].real() < 0) quiet_ns = std::max(quiet_ns, modal.faded_ns(m));
+  // What hums is followed as long as it is fitted anew.
+  if (hums()) quiet_ns = std::max(quiet_ns, modal_refit_at_ns + to_ns(2 * period_s()));
+  blocks.restart();
+  steady_serial = blocks.serials();
+  for (auto& B : overlap) B.setZero();
+  std::uint64_t i = history.first_at(begin_ns);
+  for (; begin_ns < end_ns; begin_ns += quarter_ns) {
+    blocks.open(begin_ns, begin_ns + quarter_ns, omega);
+    for (; i < history.end() && history[i].t_ns < begin_ns + quarter_ns; ++i)
+      add_cleaned(history[i].t_ns, history[i].channel, history[i].value);
+    blocks.close();
+  }
+}
+
+double Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
+  if (t_ns < quiet_ns && modal.usable(c)) {
+    value -= modal.disturbance(c, t_ns);
+    modal.overlap_at(t_ns, overlap[static_cast<std::size_t>(c)]);
+  }
+  blocks.add(c, t_ns, value);
+  return value;
+}
+
+}  // namespace dwell

@@ -1,0 +1,98 @@
+#include "core/modal_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace dwell {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kOmega = 2 * M_PI * 5.0, kRate_hz = 200.0;
+
+// 3 + 2 sin ωu + decaying modes + noise, as readings of channel 0.
+void show(ModalFit& fit, const std::vector<Complex>& poles, const std::vector<Complex>& amplitudes, double seconds,
+          double noise, std::uint64_t seed = 1) {
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < seconds * kRate_hz; ++i) {
+    const std::int64_t t_ns = 5'000'000LL * i;
+    const double u = 1e-9 * static_cast<double>(t_ns);
+    double value = 3 + 2 * std::sin(kOmega * u) + noise * normal(rng);
+    for (std::size_t m = 0; m < poles.size(); ++m) value += (amplitudes[m] * std::exp(poles[m] * u)).real();
+    fit.add(0, t_ns, value);
+  }
+}
+
+TEST(ModalFit, TellsTheSteadyMotionFromAModeNearItExactlyWhereThereIsNoNoise) {
+  const std::vector<Complex> poles{{-0.5, 33.0}, {-2.0, 60.0}};
+  ModalFit fit(1, 2, 4);
+  fit.restart(kOmega, 0, poles);
+  show(fit, poles, {{0.7, 0.3}, {-0.2, 0.5}}, 2.0, 0.0);
+  ASSERT_TRUE(fit.solve(0, 1e3, 1e3));
+  EXPECT_LT(std::abs(fit.phasor(0, 1) - Complex{2.0, 0.0}), 1e-6);
+  EXPECT_LT(std::abs(fit.phasor(0, 2)), 1e-6);
+  EXPECT_NEAR(fit.disturbance(0, 1'000'000'000),
+              (Complex{0.7, 0.3} * std::exp(poles[0]) + Complex{-0.2, 0.5} * std::exp(poles[1])).real(), 1e-6);
+}
+
+TEST(ModalFit, FindsPolesThatItWasToldWrong) {
+  const Complex truth{-0.5, 33.0};
+  std::vector<Complex> poles{{-0.6, 33.6}};
+  ModalFit fit(1, 1, 2);
+  for (int step = 0; step < 12; ++step) {
+    fit.restart(kOmega, 0, poles);
+    show(fit, {truth}, {{0.7, 0.3}}, 4.0, 1e-3);
+    ASSERT_TRUE(fit.solve(0, 10, 10));
+    const auto moved = fit.refined(0.05);
+    poles.assign(moved.begin(), moved.end());
+  }
+  EXPECT_LT(std::abs(poles[0] - truth), 4 * fit.u_pole(0));
+  EXPECT_LT(fit.u_pole(0), 1e-3 * std::abs(truth));
+}
+
+TEST(ModalFit, WhatMayBeLeftCoversWhatIsLeftInNineteenOfTwentyNoises) {
+  const Complex pole{-0.8, 29.0};
+  int covered = 0, false_alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    ModalFit fit(1, 1, 2);
+    const std::vector<Complex> poles{pole};
+    fit.restart(kOmega, 0, poles);
+    show(fit, poles, {{0.05, 0.0}}, 1.0, 0.02, seed);
+    ASSERT_TRUE(fit.solve(0, 1, 1));
+    const auto left = fit.left(0, 1'000'000'000);
+    covered += left.envelope + 2 * left.u > 0.05 * std::exp(-0.8);
+    // No noise, no transient: what is left is told to be no more than the noise allows to say.
+    fit.restart(kOmega, 0, poles);
+    show(fit, {}, {}, 1.0, 0.02, seed);
+    ASSERT_TRUE(fit.solve(0, 1, 1));
+    false_alarms += fit.left(0, 1'000'000'000).envelope > 0;
+  }
+  EXPECT_GE(covered, 190);
+  EXPECT_LE(false_alarms, 20);
+}
+
+TEST(ModalFit, BeforeASlowModeCanBeToldFromTheSteadyMotionItsUncertaintyIsTheWholeRange) {
+  const std::vector<Complex> poles{{-0.05, kOmega * 1.001}};
+  ModalFit fit(1, 1, 2);
+  fit.restart(kOmega, 0, poles);
+  show(fit, {}, {}, 0.6, 0.1);
+  ASSERT_TRUE(fit.solve(0, 2.0, 2.0));
+  EXPECT_GT(fit.left(0, 600'000'000).u, 0.5);
+}
+
+TEST(ModalFit, ASteadyLineIsTakenOutButIsNoTransient) {
+  const std::vector<Complex> poles{{0.0, 2 * M_PI * 50.02}};
+  ModalFit fit(1, 1, 2);
+  fit.restart(kOmega, 0, poles);
+  show(fit, poles, {{0.3, 0.4}}, 3.0, 1e-3);
+  ASSERT_TRUE(fit.solve(0, 0.0, 1.0));
+  EXPECT_EQ(fit.left(0, 0).envelope, 0.0);
+  EXPECT_NEAR(fit.disturbance(0, 0), 0.3, 1e-3);
+}
+
+}  // namespace
+}  // namespace dwell
