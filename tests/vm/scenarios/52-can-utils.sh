@@ -3,7 +3,8 @@
 one_value() { channel "$1" ".received > 0 and (.value - $2 | fabs) < 1e-6"; }  # CHANNEL VALUE
 
 start_can vcan0
-can_rig vcan0 | start_service
+# On a machine that is busy otherwise the player itself stops for a while now and then.
+can_rig vcan0 | sed 's/^timeout .*/timeout = 2/' | start_service
 again() { cansend vcan0 "$1" && "${@:2}"; }  # FRAME COMMAND…
 claim "can-utils: an integer of cansend is measured, Intel" eventually 10 again 200#40420F0000000000 one_value y0 1
 claim "can-utils: a float, multiplexed, Motorola" eventually 10 again 201#003FC00000000000 one_value y1 1.5
