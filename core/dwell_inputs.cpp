@@ -4,6 +4,8 @@ namespace dwell {
 namespace {
 
 constexpr double kContradicts = 2.0;  // tolerances between the table's frequency and that of the pulses
+constexpr double kSureOfOff = 4.0;    // standard deviations …
+constexpr double kOffMatters = 0.1;   // … and tolerances between the two in the data that count
 constexpr double kCovered = 0.5;      // part of the data that the pulses must span to tell their frequency
 
 std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
@@ -51,6 +53,18 @@ std::string Pipeline::Impl::reference_reason() const {
   if (state == State::settling && pulses_contradict())
     return "the table moves at " + hz(drive.omega()) + ", the sync pulses come at " + hz(sync.omega());
   return "";
+}
+
+std::string Pipeline::Impl::pulses_unfit(double w, double u) const {
+  if (!synced()) return "";
+  if (!std::isfinite(u)) return "too few sync pulses among the data that count";
+  const HarmonicFit table = fit_harmonics(totals, drive_channel, H, blocks.reference(drive_channel));
+  if (!(table.information > 0)) return "";
+  const double off = table.score / table.information;
+  const double explained =
+      kSureOfOff * std::hypot(u, 1 / std::sqrt(table.information)) + kOffMatters * rig.tolerance * w;
+  if (std::abs(off) <= explained) return "";
+  return "the table moves at " + hz(w + off) + ", the sync pulses come at " + hz(w);
 }
 
 void Pipeline::Impl::warn_of_pulses(Dwell& dwell) const {

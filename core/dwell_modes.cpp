@@ -7,11 +7,11 @@
 namespace dwell {
 namespace {
 
-// Of the hold, its violent beginning: what has decayed by then needs no mode; and more of it each time that the fit does
-// not explain the data.
+// Of the hold, its violent beginning: what has decayed by then needs no mode; and more of it each time that the fit
+// does not explain the data.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr double kGone = 1e-6;   // of an amplitude by then
-constexpr double kTrust = 0.05;  // relative change of a pole in one step, as far as the data leave it open
+constexpr double kGone = 1e-6;       // of an amplitude by then
+constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
 constexpr int kRefinements = 2;      // steps each time, at most
 constexpr int kManyRefinements = 8;  // where the poles are far off
 constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's

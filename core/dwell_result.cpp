@@ -175,12 +175,11 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
   warn_of_pulses(dwell);
-  if (synced() && !std::isfinite(u)) {
-    dwell.settling_reason = "too few sync pulses among the data that count";
-    dwell.warnings.push_back("no coefficients: " + dwell.settling_reason);
+  if (const std::string reason = pulses_unfit(w, u); !reason.empty()) {
+    dwell.settling_reason = reason;
+    dwell.warnings.push_back("no coefficients: " + reason);
     return dwell;
   }
-  warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
   report_elements(rig, G, results, w, u, dwell);
   return dwell;
 }

@@ -210,6 +210,8 @@ struct Pipeline::Impl {
   [[nodiscard]] bool pulses_contradict() const;
   // What is wrong with the reference; empty: nothing.
   [[nodiscard]] std::string reference_reason() const;
+  // Why the data in `totals`, taken at the pulses' ω, cannot give coefficients; empty: they can.
+  [[nodiscard]] std::string pulses_unfit(double w, double u) const;
   void warn_of_pulses(Dwell& dwell) const;
   // `sums`, which are over [from, to], at the best ω for them: leaves them in `totals`.
   Refined refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const;

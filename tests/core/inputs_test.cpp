@@ -225,6 +225,21 @@ TEST_F(Inputs, PulsesOfAnotherFrequencyThanTheTablesGiveNoNumber) {
       << bench->pipeline.current().settling_reason;
 }
 
+TEST_F(Inputs, PulsesThatAreAlmostThoseOfTheTableGiveNoWrongNumber) {
+  for (const double off : {0.0005, 0.001, 0.003, -0.006}) {
+    pulse_hz = kFrequency_hz * (1 + off);
+    k = 0;
+    start(Reference::sync);
+    for (int second = 0; second < 60; ++second) {
+      run(1);
+      const Dwell dwell = bench->pipeline.current();
+      if (!dwell.elements.empty()) expect_right(dwell);
+    }
+    for (const Dwell& dwell : bench->dwells)
+      if (!dwell.elements.empty()) expect_right(dwell);
+  }
+}
+
 TEST_F(Inputs, WhereTheMotionGivesTheFrequencyPulsesChangeNothing) {
   start();
   run(20);
