@@ -11,8 +11,8 @@ namespace {
 constexpr std::int64_t kLongestWindow_ns = 50'000'000;
 constexpr std::int64_t kWatch_ns = 10'000'000;
 constexpr int kFailuresToStale = 3;
-// A node that loses its answers again and again shall not cost the others more than one SYNC in ten.
-constexpr std::int64_t kBetweenPauses = 10;
+// A node that loses its answers again and again shall not cost the others more than a quarter of the SYNCs.
+constexpr std::int64_t kBetweenPauses = 3;
 
 can_frame classic(const canfd_frame& frame) noexcept {
   can_frame made{};
@@ -227,7 +227,7 @@ void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcep
   for (const Field& field : stream.pdo.fields) {
     Target& target = targets_[field.channel];
     target.gap = target.last_ns != INT64_MIN;
-    target.late = target.late || late > 0;
+    if (late > 0) target.late_ns = now_ns;
   }
 }
 
@@ -235,7 +235,6 @@ void Network::deliver(const Stream& stream, std::int64_t now_ns) noexcept {
   for (const Field& field : stream.pdo.fields) {
     Target& target = targets_[field.channel];
     target.seen_ns = now_ns;
-    target.late = false;
     const Reading reading = read_value(std::span(stream.data).first(stream.size), field.first_bit, field.type);
     if (reading.verdict != Verdict::value) {
       fail(target, reading.verdict);
@@ -291,8 +290,15 @@ void Network::watch_silence(std::int64_t now_ns) {
   for (Target& target : targets_) {
     Node& node = members_[target.channel.node].node;
     if (!node.operational() || now_ns - std::max(target.seen_ns, node.started_ns()) < setup_.timeout_ns) continue;
+    if (now_ns - target.late_ns < setup_.timeout_ns) {
+      // It answers, and setting it up again would not make it faster.
+      if (target.told == DWELL_FAULT_LATE_ANSWER) continue;
+      const std::string late = node.name() + ": its answers come later than the next SYNC; expected a lower `rate`";
+      target.gap = target.last_ns != INT64_MIN;
+      tell(target, DWELL_FAULT_LATE_ANSWER, late.c_str());
+      continue;
+    }
     std::string reason = node.name() + ": no answer to SYNC for " + seconds(setup_.timeout_ns);
-    if (target.late) reason = node.name() + ": its answers come later than the next SYNC; expected a lower `rate`";
     if (!sync_failure_.empty()) reason = setup_.interface + ": SYNC cannot be sent: " + sync_failure_;
     node.fail(DWELL_FAULT_TIMEOUT, reason, now_ns);
     follow(members_[target.channel.node]);

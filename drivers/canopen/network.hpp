@@ -61,8 +61,8 @@ class Network {
     dwell_fault told = DWELL_FAULT_SILENT;  // the state the host was told last; it begins with silent
     int failures = 0;                       // answers in a row that held no number
     bool gap = false;                       // something was lost since the last sample
-    bool late = false;                      // … because it came late
     std::int64_t seen_ns = 0;               // of its last sample
+    std::int64_t late_ns = INT64_MIN / 2;   // when its answer came last that was given up
     std::int64_t last_ns = INT64_MIN;       // instant of its last sample
   };
   // One TPDO.

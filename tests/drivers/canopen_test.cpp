@@ -235,12 +235,31 @@ TEST_F(Canopen, NeverGivesALateAnswerToAnotherSync) {
   EXPECT_GT(bench_.host.sample_count(), 4000U);
 }
 
+// A rig that loses and delays much is measured all the same, at a lower rate, and no node is set up again for it.
+TEST_F(Canopen, MeasuresThoughManyAnswersAreLostAndLate) {
+  bench_.setup.timeout_ns = kSecond / 2;
+  move();
+  start();
+  std::uint32_t random = 5;
+  bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
+    random = random * 1664525U + 1013904223U;
+    if (frame.can_id < kFirstPdo || frame.can_id > kLastPdo) return 0;
+    if ((random >> 24U) < 8) return std::nullopt;
+    return (random >> 24U) < 16 ? 30 * kMs : 0;
+  };
+  const std::size_t before = bench_.host.sample_count(), states = bench_.host.states_told();
+  bench_.run_for(60 * kSecond);
+  expect_samples_of_their_sync(before);
+  EXPECT_GT(bench_.host.sample_count() - before, 7200U);  // two of five
+  EXPECT_EQ(bench_.host.states_told(), states);
+}
+
 TEST_F(Canopen, SaysThatAnswersComeTooLateForTheRate) {
   start();
   bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
     return frame.can_id == 0x182 ? 15 * kMs : 0;
   };
-  ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_TIMEOUT; }));
+  ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_LATE_ANSWER; }));
   EXPECT_NE(reason(11).find("its answers come later than the next SYNC; expected a lower `rate`"), std::string::npos)
       << reason(11);
   EXPECT_TRUE(bench_.delivers(10));
