@@ -1,0 +1,41 @@
+#include "core/mains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace dwell {
+namespace {
+
+SamplingRegularity sampled(double rate_hz, double jitter_s, double lost) {
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0, 1);
+  SamplingRegularity sampling;
+  double last_s = 0.0;
+  for (int i = 1; i < 5000; ++i) {
+    if (uniform(rng) < lost) continue;
+    const double t_s = i / rate_hz + jitter_s * normal(rng);
+    sampling.add(t_s - last_s);
+    last_s = t_s;
+  }
+  return sampling;
+}
+
+TEST(SamplingRegularity, FindsWhereTheMainsComeToLie) {
+  EXPECT_NEAR(sampled(1000, 0, 0).distance_hz(50, 49), 1.0, 1e-6);
+  EXPECT_NEAR(sampled(55, 0, 0).distance_hz(50, 5.2), 0.2, 1e-3);  // 55 - 50
+  EXPECT_NEAR(sampled(45, 0, 0).distance_hz(50, 5.2), 0.2, 1e-3);  // 50 - 45
+  EXPECT_NEAR(sampled(20, 0, 0).distance_hz(50, 9.5), 0.5, 1e-3);  // 2.5 rates
+}
+
+TEST(SamplingRegularity, LostSamplesAreNoOtherRate) {
+  EXPECT_NEAR(sampled(55, 0, 0.05).distance_hz(50, 5.2), 0.2, 0.05);
+}
+
+TEST(SamplingRegularity, JitterLeavesOnlyTheLineItself) {
+  EXPECT_NEAR(sampled(55, 0.02, 0).distance_hz(50, 5.2), 44.8, 1e-6);
+}
+
+}  // namespace
+}  // namespace dwell
