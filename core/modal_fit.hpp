@@ -45,9 +45,9 @@ class ModalFit {
   // poles moved. Leaves the sums as they are: restart and add again.
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust) noexcept;
 
-  // How far the last step went, in standard deviations of the poles.
   // Standard uncertainty of a pole at the last step, rad/s, either component.
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
+  // How far the last step went, in standard deviations of the poles.
   [[nodiscard]] double converged() const noexcept { return converged_; }
 
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
@@ -82,7 +82,7 @@ class ModalFit {
   [[nodiscard]] double disturbance(int channel, std::int64_t t_ns) noexcept;
   // B += (sin ωu, cos ωu)' (regressors of the modes) at t: what an error of the amplitudes does to the steady phasor.
   void overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept;
-  // Covariance of (Re, Im) of Σ_k w_k exp(-jφ_k)-weighted transients: B Cov B^T, B 2 × modal regressors.
+  // Covariance of (Σ sin ωu e, Σ cos ωu e), e the error of what is taken out: B Cov B', B from overlap_at.
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   [[nodiscard]] int modal_regressors() const noexcept { return 2 * static_cast<int>(capacity_); }
 
