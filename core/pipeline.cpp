@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
-constexpr double kHeldUp = 3.0, kHeldUp_rad = 0.02;         // of the usual turnaround, and of the drive's phase
+constexpr double kHeldUp = 1.5;                             // of the usual turnaround
 
 }  // namespace
 
@@ -102,10 +102,9 @@ void Pipeline::Impl::sample(const Record& record) {
   }
   history.push(record.t_ns, record.channel, value);
   const double cleaned = add_cleaned(record.t_ns, record.channel, value);
-  // A reading that was held up far longer than usual tells little of the drive's phase.
-  const double usual_half_ns = channel.half_ns_sum / channel.half_count;
-  const bool held_up = record.t_half_ns > kHeldUp * usual_half_ns && omega * to_s(record.t_half_ns) > kHeldUp_rad;
-  if (record.channel == drive_channel && !held_up) watch.add(record.t_ns, cleaned);
+  // A reading that was held up longer than usual tells less of the drive's phase.
+  const double late_ns = std::max(0.0, record.t_half_ns - kHeldUp * channel.half_ns_sum / channel.half_count);
+  if (record.channel == drive_channel) watch.add(record.t_ns, cleaned, 1e-9 * late_ns);
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}

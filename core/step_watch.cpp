@@ -24,7 +24,7 @@ void StepWatch::restart() noexcept {
   seen_ = 0;
   referred_ = false;
   open_ = {};
-  open_t_ = open_n_ = in_quarter_ = excess_ = tolerated_ = 0.0;
+  open_t_ = open_n_ = in_quarter_ = excess_ = tolerated_ = late_s_ = 0.0;
   since_good_ = in_doubt_ = slipping_ = 0;
 }
 
@@ -54,7 +54,7 @@ void StepWatch::refer(const Reference& reference) noexcept {
   referred_ = true;
 }
 
-void StepWatch::add(std::int64_t t_ns, double value) noexcept {
+void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
   if (!referred_) return;
   const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
   const std::complex<double> step =
@@ -71,6 +71,8 @@ void StepWatch::add(std::int64_t t_ns, double value) noexcept {
   open_.mm += now.imag() * now.imag();
   open_.rq += r * now.real();
   open_.qq += now.real() * now.real();
+  open_.late2 += late_s * late_s;
+  open_.n += 1.0;
   open_t_ += t_s;
   open_n_ += 1.0;
 }
@@ -86,13 +88,16 @@ bool StepWatch::close() noexcept {
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
   const double quarter_s = 2 * M_PI / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
   // Sums since t_j, the moments of time about now so that they serve every j.
-  double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0, most_explained = 0;
+  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0, most_explained = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
   int changed = 0;
   bool by_amplitude_doubt = false, by_drift_doubt = false;
   for (int k = 0; k < most; ++k) {
     const Block& block = back(k);
     const double ago = now_s - block.t_s;
+    late2 += block.late2;
+    n += block.n;
+    if (k + 1 == kPeriod) late_s_ = std::sqrt(late2 / n);
     rm += block.rm;
     mm += block.mm;
     r0 += block.rq;
@@ -110,13 +115,14 @@ bool StepWatch::close() noexcept {
     }
     // Beyond some periods not every length is needed: those of like length see the same.
     if (k + 1 < kPeriod || (k > 32 && (k & (k >> 5 > 1 ? 7 : 3)) != 3)) continue;
+    const double by_lateness = now_.omega * std::sqrt(late2 / n);  // rad
     const double alpha = rm / mm, u_alpha = std::sqrt(sigma2 / mm + now_.u_amplitude * now_.u_amplitude);
     const double drift = score / weight;
     // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
-    const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since));
+    const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since), by_lateness);
     const double u_drift = std::sqrt(sigma2 / weight + std::pow(1.5 * u_phase / since, 2) + std::pow(now_.u_omega, 2));
-    const double by_amplitude =
-        std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) + tolerated_);
+    const double by_amplitude = std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) +
+                                                   tolerated_ + by_lateness * by_lateness);
     const double by_drift =
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);

@@ -47,13 +47,16 @@ class StepWatch {
   void restart() noexcept;
   // Takes a better reference; what was seen before is brought to it.
   void refer(const Reference& reference) noexcept;
-  // One reading. One sine and cosine; nothing before the first reference.
-  void add(std::int64_t t_ns, double value) noexcept;
+  // One reading; late_s: by how much its instant is less certain than usual. One sine and cosine; nothing before the
+  // first reference.
+  void add(std::int64_t t_ns, double value, double late_s = 0.0) noexcept;
   // Ends a quarter of a period. Whether the drive is another than the reference. O(kLongest).
   [[nodiscard]] bool close() noexcept;
 
   // Quarter periods since the drive was last beyond doubt as the reference says; 0: now.
   [[nodiscard]] int since_good() const noexcept { return since_good_; }
+  // How late the readings of the newest period were, beyond the usual: rms, s.
+  [[nodiscard]] double late_s() const noexcept { return late_s_; }
   // Enough is seen for a verdict.
   [[nodiscard]] bool watches() const noexcept { return seen_ >= kShortest; }
 
@@ -62,6 +65,7 @@ class StepWatch {
   struct Block {
     double t_s = 0.0;  // centre, of t_ref
     double rm = 0.0, mm = 0.0, rq = 0.0, qq = 0.0;
+    double late2 = 0.0, n = 0.0;  // sum of squares of how late, s²; readings
   };
   [[nodiscard]] const Block& back(int k) const noexcept {
     return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
@@ -77,7 +81,7 @@ class StepWatch {
   double excess_ =
       0.0;  // relative variance of one period's amplitude beyond its noise, as it is in an unchanged drive …
   double tolerated_ = 0.0;  // … and what it adds to a deviation
-  double beats_ = 0.0;
+  double beats_ = 0.0, late_s_ = 0.0;
   int since_good_ = 0, in_doubt_ = 0, slipping_ = 0;
 };
 

@@ -61,6 +61,21 @@ TEST(Pipeline, NoiseFreeRecordingsBegunInTheSteadyStateGiveTheCoefficientsExactl
   }
 }
 
+TEST(Pipeline, WarnsOfHumThatNothingCanTellFromAHarmonic) {
+  for (const double f : {10.0, 11.3}) {  // 50 Hz lies on the fifth harmonic, or between the fourth and the fifth
+    Rig rig = rig_of(free_chain(), f);
+    rig.excitation.harmonics = 5;
+    Bench bench(free_chain(), rig, steady_drive(f), DrivenChain::Start::steady, {.rate_hz = 400, .sigma = {}});
+    bench.run(5);
+    bench.finish();
+    ASSERT_EQ(bench.dwells.size(), 1u);
+    const auto& warnings = bench.dwells[0].warnings;
+    EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
+                          [](const std::string& w) { return w.find("hum of 50 Hz") != std::string::npos; }),
+              f == 10.0);
+  }
+}
+
 TEST(Pipeline, HoldsFromRestUntilTheTransientHasDecayedAndThenIsWithinItsUncertainty) {
   std::mt19937_64 rng(5);
   for (int trial = 0; trial < 40; ++trial) {

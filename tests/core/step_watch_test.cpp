@@ -61,6 +61,27 @@ TEST(StepWatch, OneReadingIsNoStepHoweverWrongItIs) {
   for (const double spike : {0.01, -0.1, 1e3}) EXPECT_EQ(quarters_until_seen(1e-3, 0, 0, 40, 100, 1, spike), 101);
 }
 
+TEST(StepWatch, ReadingsThatAreKnownToBeLateAreNoOtherFrequency) {
+  for (const double known_s : {0.0, 0.01}) {
+    StepWatch watch(kTolerance);
+    StepWatch::Reference reference{};
+    reference.X[0] = kAmplitude;
+    reference.harmonics = 1;
+    reference.omega = kOmega;
+    reference.sigma = 1e-3 * kAmplitude;
+    watch.refer(reference);
+    bool seen = false;
+    for (int i = 0, next = 1; i < 400; ++i) {
+      const double t_s = i / kRate_hz;
+      for (; t_s >= 0.05 * next; ++next) seen = watch.close() || seen;
+      const bool late = i >= 300;  // stamped 10 ms after it was taken
+      watch.add(std::llround(t_s * 1e9), kAmplitude * std::sin(kOmega * (t_s - (late ? 0.01 : 0.0))),
+                late ? known_s : 0);
+    }
+    EXPECT_EQ(seen, known_s == 0) << known_s;
+  }
+}
+
 TEST(StepWatch, WhatWasSeenBeforeIsBroughtToABetterReference) {
   // The same drive told of with another instant and a slightly other frequency, over and over: no step.
   StepWatch watch(kTolerance);

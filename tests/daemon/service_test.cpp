@@ -118,7 +118,7 @@ TEST_F(ServiceTest, ARigThatGoesAndComesBackIsAStateNotAFailure) {
   EXPECT_GT(again["index"], 1);
   const json finished = get_json(port, "/api/v1/dwells");
   ASSERT_GE(finished["dwells"].size(), 1u);
-  EXPECT_EQ(finished["dwells"][0]["ended_by"], "data lost");
+  EXPECT_EQ(finished["dwells"][0]["ended_by"], "data lost") << finished.dump(1);
 }
 
 TEST_F(ServiceTest, IsUpThoughTheRigWasNeverThere) {
