@@ -254,7 +254,7 @@ TEST_F(PanelTest, AServiceThatHangsNeitherBlinksNorIsReady) {
   for (int i = 0; i < 500; ++i) {
     now_ns += 10'000'000;
     panel->turn({now_ns + kOffset_ns, now_ns, 30});  // nobody orders anything
-    if (i * 10'000'000 <= kFresh_ns) continue;
+    if (i * std::int64_t{10'000'000} <= kFresh_ns) continue;
     EXPECT_FALSE(lines[2].level);
     EXPECT_TRUE(lines[3].level);
   }
