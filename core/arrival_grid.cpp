@@ -11,8 +11,8 @@ constexpr std::size_t kFewest = 32;
 constexpr double kUntold = 8.0;       // periods
 constexpr double kLateClip = 3.0;     // periods: a stall must not decide on the period
 constexpr double kResolution = 0.05;  // periods: deviations below are as good as none
-constexpr double kRejection = 5.0;    // mean absolute deviations beyond which an arrival does not enter the fit
-constexpr double kMostLost = 0.25;
+constexpr double kOutlier = 5.0;      // mean absolute deviations beyond which an arrival does not enter the fit
+constexpr double kMostGaps = 0.25;
 constexpr double kLossPrice = 3.0;
 
 using Numbers = std::array<double, kLongestStretch>;
@@ -122,7 +122,7 @@ std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, 
   // From the lower edge, so that a stall does not tilt the first line.
   Line line{period_ns, (earliest + index[n - 1]) * period_ns, 0.0};
   line = fit(x_ns, index, line, 2.0);
-  for (int again = 0; again < 2; ++again) line = fit(x_ns, index, line, std::max(0.02, kRejection * line.spread));
+  for (int again = 0; again < 2; ++again) line = fit(x_ns, index, line, std::max(0.02, kOutlier * line.spread));
 
   ArrivalGrid grid;
   grid.period_ns = line.period_ns;
@@ -137,7 +137,7 @@ std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, 
   // A short stretch must be plain to see; a long one may jitter by more than a period.
   const double most_spread = n < kLongestStretch ? 0.13 : 0.7;
   const bool sound = grid.period_ns > 0 && std::isfinite(grid.last_ns) && grid.spread < most_spread;
-  if (!sound || grid.lost > kMostLost) return std::nullopt;
+  if (!sound || grid.lost > kMostGaps) return std::nullopt;
   return grid;
 }
 

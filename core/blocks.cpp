@@ -42,7 +42,6 @@ static_assert(kMaxHarmonics == 8);
 
 Blocks::Blocks(int channels, int harmonics)
     : channels_(channels),
-      harmonics_(harmonics),
       instants_count_(2 * harmonics + 1),
       readings_count_(harmonics + 1),
       instants_size_(moments::size(instants_count_)),

@@ -126,7 +126,7 @@ class Blocks {
   void part(int c, int owner_in_block, Totals& out) const noexcept;
   [[nodiscard]] const double* open_instants(int c, double* scratch) const noexcept;
 
-  int channels_, harmonics_, instants_count_, readings_count_;
+  int channels_, instants_count_, readings_count_;
   std::size_t instants_size_, readings_size_;
   std::vector<double> instants_, readings_;
   std::vector<int> owners_;

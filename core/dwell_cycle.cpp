@@ -5,8 +5,8 @@ namespace {
 
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kInPhase_rad = 0.02;
-constexpr double kSlip_rad = 0.1;  // of the table's phase against the dwell's, beyond noise: another frequency
-constexpr double kShortest = 5.0;  // periods: what ended sooner without settling is not told
+constexpr double kSlip_rad = 0.1;      // of the table's phase against the dwell's, beyond noise: another frequency
+constexpr double kShortestTold = 5.0;  // periods: what ended sooner without settling is not told
 constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell is kept back to learn why it ended
 
 }  // namespace
@@ -225,7 +225,7 @@ void Pipeline::Impl::emit(EndedBy ended_by) {
   pending = false;
   // What never settled and was hardly begun was no dwell.
   if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
-      to_s(now_ns - start_ns) < kShortest * kTwoPi / finished_omega) {
+      to_s(now_ns - start_ns) < kShortestTold * kTwoPi / finished_omega) {
     --index;
     return;
   }

@@ -10,16 +10,14 @@ namespace {
 // Of the hold, its violent beginning: what has decayed by then needs no mode; and more of it each time that the fit
 // does not explain the data.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr double kGone = 1e-6;       // of an amplitude by then
-constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
-constexpr int kRefinements = 2;      // steps each time, at most
-constexpr int kManyRefinements = 8;  // where the poles are far off
-constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
+constexpr double kGone = 1e-6;     // of an amplitude by then
+constexpr double kTrust = 0.05;    // relative change of a pole in one step, as far as the data leave it open
+constexpr int kRefinements = 2;    // steps each time, at most
+constexpr double kPenalty = 50.0;  // of the misfit, for each pole beside the chain's
 constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
 constexpr double kSame = 0.3;                       // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;                       // relative, of a chain's pole to one that the data show
 constexpr double kConverged = 0.1;                  // of the uncertainty of a pole
-constexpr double kUnsure = 1.0;                     // periods at the beginning of a hold …
 
 }  // namespace
 

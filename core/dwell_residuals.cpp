@@ -9,7 +9,6 @@ constexpr double kSureOfLine = 9.0;                               // exp(-9): on
 constexpr double kMainsFirst = 1.2;
 constexpr double kBeside = 2.0;                                                 // half cycles over the search
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
-constexpr int kManyRefinements = 8;                                             // where the poles are far off
 constexpr double kSpeaksAgainst = 6.0;                                          // in N ln σ², of χ²(1)
 constexpr double kSureOfNoise = 4.0;
 

@@ -4,19 +4,18 @@
 namespace dwell {
 namespace {
 
-constexpr double kGrowth = 1.25;                  // of the hold, before its poles are refined again
+constexpr double kHoldGrowth = 1.25;              // of the hold, before its poles are refined again
 constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most, and part of the time expected to be left
 constexpr double kGrowthMeasuring = 2.0;          // the same after the verdict
 constexpr double kMatters = 0.05;                 // of the variance
 constexpr double kTurned = 0.1;                   // standard deviations
-constexpr int kTurns = 4;                         // of the fit at a better frequency, at most
+constexpr int kRefits = 4;                        // of the fit at a better frequency, at most
 constexpr double kSafety = 0.8;                   // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;                     // standard deviations of what may be left of the transient
 constexpr double kMostTakenOut = 8.0;             // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;              // of the tolerance: nothing is subtracted any more …
 constexpr double kNegligibleOfNoise = 0.2;        // … or of the uncertainty of the phasor
-constexpr double kUnsure = 1.0;                   // periods at the beginning of a hold …
-constexpr double kShortest = 2.0;                 // … and after these before anything is said
+constexpr double kShortest = 2.0;                 // after these, periods, before anything is said
 
 }  // namespace
 
@@ -79,7 +78,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     const double left = modal_left(end_ns, nullptr);
     const double ahead_s =
         left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
-    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kGrowth, kGrowthFar));
+    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kHoldGrowth, kGrowthFar));
   } else {
     feed_modes();
     solve_modes();
@@ -120,7 +119,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   take_transient_out(end_ns);
   count_anew();
   // Again, now that the frequency is known from data taken at it.
-  for (int i = 0; i < kTurns && tracked(); ++i) {
+  for (int i = 0; i < kRefits && tracked(); ++i) {
     const double w = drive_omega();
     if (same_drive(w)) break;
     fit_modes(w, modal.poles());

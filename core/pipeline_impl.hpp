@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angle.hpp"
 #include "core/blocks.hpp"
 #include "core/decay.hpp"
 #include "core/drive.hpp"
@@ -31,7 +32,6 @@
 
 namespace dwell {
 
-inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr int kQuarters = 4;          // windows of one period
 inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
@@ -39,6 +39,8 @@ inline constexpr double kLost_s = 1.0;
 inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
 inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
 inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
+inline constexpr int kManyRefinements = 8;     // of poles that are far off
+inline constexpr double kUnsure = 1.0;         // periods at the beginning of a hold, which are left out
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 [[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }

@@ -15,7 +15,7 @@ namespace {
 constexpr int kMaxPowers = 52;       // the bits of a double: a step has no more
 constexpr double kSmallNorm = 0.03;  // of A τ …
 constexpr int kTaylorTerms = 9;      // … so that 0.03^10 / 10! < 1e-21 is left off
-constexpr double kNothing = 1e-40;   // a transient shrunk by this is no longer there
+constexpr double kVanished = 1e-40;  // a transient shrunk by this is no longer there
 
 }  // namespace
 
@@ -39,7 +39,7 @@ Propagator::Propagator(const Chain& chain) {
   for (int k = 0; k < kMaxPowers; ++k) {
     powers_.push_back(power);
     power = (power * power).eval();
-    if (power.cwiseAbs().maxCoeff() < kNothing) {
+    if (power.cwiseAbs().maxCoeff() < kVanished) {
       vanishes_ = true;
       break;
     }

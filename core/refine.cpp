@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/angle.hpp"
 #include "core/harmonic_fit.hpp"
 
 namespace dwell {
 namespace {
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr int kSteps = 7;
 constexpr double kNegligible = 1e-2;  // part of the uncertainty that changes nothing anyone could see
 constexpr double kFurthest = 5e-3;    // rad at the ends of the data; its cube over six, 2e-8, is the error of turning

@@ -1,13 +1,12 @@
 #include "core/report.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.hpp"
 #include "core/transducer.hpp"
 
 namespace dwell {
 namespace {
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 std::string reason_of(const ChannelResult& channel) {
   if (!channel.withheld.empty()) return channel.withheld;

@@ -9,7 +9,7 @@ namespace {
 constexpr double kSure = 5.6;         // standard deviations: once in 5e7, and tested some times a second for days
 constexpr double kBeyond = 1.5;       // tolerances
 constexpr double kDoubt = 3.0;        // standard deviations …
-constexpr double kUnsure = 0.1;       // … and tolerances
+constexpr double kUnsureBy = 0.1;     // … and tolerances
 constexpr double kClip = 4.0;         // standard deviations of a reading …
 constexpr double kClipPart = 0.5;     // … or what makes it half of the shortest window's say: no outlier says more
 constexpr double kForget = 1.0 / 64;  // of the excess, per period
@@ -126,10 +126,10 @@ bool StepWatch::close() noexcept {
     const double by_drift =
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);
-    const double unsure = kUnsure * tolerance_ + tolerated_;
+    const double unsure = kUnsureBy * tolerance_ + tolerated_;
     by_amplitude_doubt = by_amplitude_doubt || std::abs(alpha) > kDoubt * u_alpha + unsure;
     by_drift_doubt =
-        by_drift_doubt || std::abs(drift) > kDoubt * u_drift + kUnsure * tolerance_ * now_.omega + tolerated_ / since;
+        by_drift_doubt || std::abs(drift) > kDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + tolerated_ / since;
     if (k + 1 >= kShortest) worst = std::max(worst, beyond);
     if (k + 1 == kPeriod && in_doubt_ == 0) {
       const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
@@ -140,7 +140,7 @@ bool StepWatch::close() noexcept {
   }
   // A ramp explains most a little after it has begun.
   const auto alone = [&](double r, double p) {
-    return p > 0 && std::abs(r / p) > kDoubt * now_.sigma / std::sqrt(p) + kUnsure * tolerance_ + tolerated_;
+    return p > 0 && std::abs(r / p) > kDoubt * now_.sigma / std::sqrt(p) + kUnsureBy * tolerance_ + tolerated_;
   };
   for (int more = 0; more < kPeriod && changed < most; ++more, ++changed) {
     const Block& before = back(changed);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kJitter = 0.1;  // of a period, by which intervals may differ before the edges' own jitter is known
 constexpr double kLeast = 0.02, kMost = 0.2;  // of a period, that a pulse may be off at all events, and at most
-constexpr double kSure = 8.0;                 // standard deviations within these
+constexpr double kSureOfAPulse = 8.0;         // standard deviations within these
 
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -34,7 +34,7 @@ void SyncReference::pulse(std::int64_t t_ns) noexcept {
     const double periods = (to_s(t_ns - newest_ns_) - due_s_) / T_s_;
     const double step = std::round(periods);
     // Few pulses foretell badly.
-    const double wide = recents_ < kRecent ? kJitter : std::clamp(kSure * spread_s_ / T_s_, kLeast, kMost);
+    const double wide = recents_ < kRecent ? kJitter : std::clamp(kSureOfAPulse * spread_s_ / T_s_, kLeast, kMost);
     if (step < 1 && std::abs(periods) <= wide) {  // the pulse that has been, once more
       ++counts_.extra;
       return;

@@ -15,9 +15,10 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <vector>
+
+#include "core/angle.hpp"
 
 namespace dwell {
 
@@ -64,7 +65,6 @@ class SyncReference {
   static constexpr int kFewest = 6;
 
  private:
-  static constexpr double kTwoPi = 2 * std::numbers::pi;
   static constexpr std::size_t kRecent = 16;  // pulses that foretell the next
   static constexpr std::size_t kBegin = 4;    // pulses in step that begin a train
   static constexpr double kFarthest = 16.0;   // periods that may be missing within a train: more are not counted surely

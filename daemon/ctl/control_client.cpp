@@ -7,7 +7,6 @@ namespace {
 
 tl::expected<std::string, std::string> exchange(const std::string& path, std::string_view line,
                                                 const ControlLimits& limits) {
-  using Got = StreamSocket::Got;
   const Deadline deadline = in(limits.time);
   auto socket = StreamSocket::connect_local(path, deadline);
   if (!socket) return tl::unexpected(socket.error());
@@ -21,8 +20,9 @@ tl::expected<std::string, std::string> exchange(const std::string& path, std::st
     if (received.size() >= limits.line_bytes) return tl::unexpected(std::string("the answer is too long"));
     const auto got = socket->receive(received, limits.line_bytes - received.size(), deadline);
     if (!got) return tl::unexpected(got.error());
-    if (*got == Got::timeout) return tl::unexpected(std::string("no answer in time"));
-    if (*got == Got::end) return tl::unexpected(std::string("the connection was closed before an answer"));
+    if (*got == StreamSocket::Got::timeout) return tl::unexpected(std::string("no answer in time"));
+    if (*got == StreamSocket::Got::end)
+      return tl::unexpected(std::string("the connection was closed before an answer"));
   }
 }
 

@@ -17,7 +17,7 @@ using socketcan::Link;
 using socketcan::Receipt;
 
 // A bus in trouble says so thousands of times a second.
-constexpr std::int64_t kBetweenLines_ns = 1'000'000'000;
+constexpr std::int64_t kBetweenBusLines_ns = 1'000'000'000;
 constexpr std::int64_t kWatchLink_ns = 100'000'000;
 constexpr int kMostBatches = 64;
 constexpr std::uint64_t kMostCounted = 1'000'000;  // the host counts one by one
@@ -123,7 +123,7 @@ void Master::note_losses(std::uint32_t lost, std::int64_t now_ns) {
   if (now_ns < next_loss_line_ns_) return;
   host_.log(DWELL_WARNING, bus_.name() + ": " + std::to_string(lost_) + " frames were lost for lack of room");
   lost_ = 0;
-  next_loss_line_ns_ = now_ns + kBetweenLines_ns;
+  next_loss_line_ns_ = now_ns + kBetweenBusLines_ns;
 }
 
 void Master::note_controller(const Receipt& receipt, std::int64_t now_ns) {
@@ -139,7 +139,7 @@ void Master::note_controller(const Receipt& receipt, std::int64_t now_ns) {
   host_.log(now > told_controller_ ? DWELL_WARNING : DWELL_INFO,
             bus_.name() + ": the controller is " + socketcan::to_string(now));
   told_controller_ = now;
-  next_controller_line_ns_ = now_ns + kBetweenLines_ns;
+  next_controller_line_ns_ = now_ns + kBetweenBusLines_ns;
 }
 
 // What finds no room now waits for the next turn. false: the bus is not there any more.

@@ -8,7 +8,7 @@
 namespace dwell {
 namespace {
 
-constexpr double kTolerance = 0.005, kAmplitude = 0.002, kOmega = 2 * M_PI * 5.0, kRate_hz = 100.0;
+constexpr double kTolerance = 0.005, kAmplitude = 0.002, kDrive = 2 * M_PI * 5.0, kReadings_hz = 100.0;
 
 // A table of amplitude 2 mm at 5 Hz, noise as given; quarters until the watch says that the drive is another, from the
 // step on; -1: it says so before, quarters + 1: never.
@@ -20,21 +20,21 @@ int quarters_until_seen(double noise, double amplitude_step, double frequency_st
   StepWatch::Reference reference{};
   reference.X[0] = kAmplitude;
   reference.harmonics = 1;
-  reference.omega = kOmega;
+  reference.omega = kDrive;
   reference.sigma = noise * kAmplitude;
   watch.refer(reference);
   int next = 1;
   const double step_s = steady * 0.05;
   for (int i = 0;; ++i) {
-    const double t_s = i / kRate_hz, since_s = std::max(0.0, t_s - step_s);
+    const double t_s = i / kReadings_hz, since_s = std::max(0.0, t_s - step_s);
     for (; t_s >= 0.05 * next; ++next) {
       const bool seen = watch.close();
       if (seen) return next <= steady ? -1 : next - steady;
       if (next - steady > quarters) return quarters + 1;
     }
     const double amplitude = kAmplitude * (since_s > 0 ? 1 + amplitude_step : 1);
-    double value = amplitude * std::sin(kOmega * (t_s + frequency_step * since_s));
-    if (i == static_cast<int>(step_s * kRate_hz) + 3) value += spike;
+    double value = amplitude * std::sin(kDrive * (t_s + frequency_step * since_s));
+    if (i == static_cast<int>(step_s * kReadings_hz) + 3) value += spike;
     watch.add(std::llround(t_s * 1e9), value + reference.sigma * normal(rng));
   }
 }
@@ -67,15 +67,15 @@ TEST(StepWatch, ReadingsThatAreKnownToBeLateAreNoOtherFrequency) {
     StepWatch::Reference reference{};
     reference.X[0] = kAmplitude;
     reference.harmonics = 1;
-    reference.omega = kOmega;
+    reference.omega = kDrive;
     reference.sigma = 1e-3 * kAmplitude;
     watch.refer(reference);
     bool seen = false;
     for (int i = 0, next = 1; i < 400; ++i) {
-      const double t_s = i / kRate_hz;
+      const double t_s = i / kReadings_hz;
       for (; t_s >= 0.05 * next; ++next) seen = watch.close() || seen;
       const bool late = i >= 300;  // stamped 10 ms after it was taken
-      watch.add(std::llround(t_s * 1e9), kAmplitude * std::sin(kOmega * (t_s - (late ? 0.01 : 0.0))),
+      watch.add(std::llround(t_s * 1e9), kAmplitude * std::sin(kDrive * (t_s - (late ? 0.01 : 0.0))),
                 late ? known_s : 0);
     }
     EXPECT_EQ(seen, known_s == 0) << known_s;
@@ -88,19 +88,19 @@ TEST(StepWatch, WhatWasSeenBeforeIsBroughtToABetterReference) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> normal;
   for (int i = 0, next = 1; i < 20000; ++i) {
-    const double t_s = i / kRate_hz;
+    const double t_s = i / kReadings_hz;
     for (; t_s >= 0.05 * next; ++next) {
       EXPECT_FALSE(watch.close()) << t_s;
       if (next % 16 != 1) continue;
       StepWatch::Reference reference{};
       reference.t_ref_ns = std::llround(0.5e9 * t_s);
-      reference.omega = kOmega * (1 + 1e-6 * normal(rng));
-      reference.X[0] = std::polar(kAmplitude * (1 + 1e-4 * normal(rng)), std::remainder(kOmega * 0.5 * t_s, 2 * M_PI));
+      reference.omega = kDrive * (1 + 1e-6 * normal(rng));
+      reference.X[0] = std::polar(kAmplitude * (1 + 1e-4 * normal(rng)), std::remainder(kDrive * 0.5 * t_s, 2 * M_PI));
       reference.harmonics = 1;
       reference.sigma = 1e-2 * kAmplitude;
       watch.refer(reference);
     }
-    watch.add(std::llround(t_s * 1e9), kAmplitude * (std::sin(kOmega * t_s) + 1e-2 * normal(rng)));
+    watch.add(std::llround(t_s * 1e9), kAmplitude * (std::sin(kDrive * t_s) + 1e-2 * normal(rng)));
   }
 }
 

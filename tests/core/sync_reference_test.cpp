@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/angle.hpp"
+
 namespace dwell {
 namespace {
 
@@ -33,8 +35,6 @@ struct Pulses {
   SyncReference reference;
   std::mt19937_64 rng;
 };
-
-constexpr double kTwoPi = 6.283185307179586;
 
 TEST(SyncReference, ExactPulsesGiveFrequencyAndPhaseExactly) {
   Pulses pulses(4.0123, 3.9, 4.1);

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/durations.hpp"
+
 namespace dwell {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 TEST(ChannelWatch, IsStaleUntilTheFirstSample) {
   ChannelWatch watch({500.0}, 0);

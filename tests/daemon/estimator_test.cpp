@@ -7,10 +7,11 @@
 #include <numbers>
 #include <random>
 
+#include "tests/durations.hpp"
+
 namespace dwell {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kStart_ns = 5'000 * kMs;
 
 Rig one_mass() {

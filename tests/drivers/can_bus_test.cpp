@@ -3,13 +3,12 @@
 
 #include "drivers/socketcan/bus.hpp"
 #include "tests/drivers/can_fake_socket.hpp"
+#include "tests/durations.hpp"
 
 namespace dwell::socketcan {
 namespace {
 
 using test::FakeBus;
-
-constexpr std::int64_t kMs = 1'000'000, kHour = 3600'000'000'000;
 
 // The clocks as the test sets them.
 std::int64_t the_raw_ns = 0, the_wall_less_raw_ns = 0;
@@ -19,7 +18,7 @@ class CanBus : public ::testing::Test {
  protected:
   CanBus() : bus_("can0", fake_.opener(), &the_clocks) {
     the_raw_ns = 1000 * kMs;
-    the_wall_less_raw_ns = 500 * kHour;
+    the_wall_less_raw_ns = 500 * kHour_ns;
     EXPECT_EQ(bus_.open(), "");
   }
   void arrive_at(std::int64_t raw_ns) {
@@ -34,7 +33,7 @@ class CanBus : public ::testing::Test {
 };
 
 TEST_F(CanBus, KeepsInstantsWhenTheWallClockIsSetBetweenStampAndReading) {
-  for (const std::int64_t step : {kHour, -kHour, 5 * kHour}) {
+  for (const std::int64_t step : {kHour_ns, -kHour_ns, 5 * kHour_ns}) {
     bus_.read();
     const std::int64_t came_ns = the_raw_ns + 3 * kMs;
     arrive_at(came_ns);

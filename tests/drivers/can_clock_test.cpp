@@ -7,12 +7,12 @@
 
 #include "drivers/socketcan/clock_map.hpp"
 #include "drivers/socketcan/hardware_clock.hpp"
+#include "tests/durations.hpp"
 
 namespace dwell::socketcan {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000, kS = 1'000'000'000, kHour = 3600 * kS;
-constexpr std::int64_t kReal0 = 1'790'000'000 * kS;
+constexpr std::int64_t kReal0 = 1'790'000'000 * kSecond_ns;
 
 // A wall clock that is slewed and set. Instants are in raw time.
 struct WallClock {
@@ -32,41 +32,45 @@ Stamp map(const WallClock& clock, std::int64_t empty, std::int64_t frame, std::i
 
 TEST(CanClockMap, IsExactUnderAnySlew) {
   for (const double slew : {-5e-4, 0.0, 5e-4})
-    for (const std::int64_t behind : {std::int64_t{0}, kMs, 100 * kMs, 2 * kS}) {
-      const Stamp stamp = map({slew}, 100 * kS, 100 * kS + behind, 102 * kS);
+    for (const std::int64_t behind : {std::int64_t{0}, kMs, 100 * kMs, 2 * kSecond_ns}) {
+      const Stamp stamp = map({slew}, 100 * kSecond_ns, 100 * kSecond_ns + behind, 102 * kSecond_ns);
       EXPECT_FALSE(stamp.replaced);
-      EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(100 * kS + behind), 1000.0) << slew;
+      EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(100 * kSecond_ns + behind), 1000.0) << slew;
     }
 }
 
 // ± 1 h, wherever it falls between the stamp and the reads around it.
 TEST(CanClockMap, DoesNotMoveAFrameWhenTheWallClockIsSet) {
-  for (const std::int64_t step : {-kHour, kHour, -3 * kS, 3 * kS})
-    for (const std::int64_t step_at : {1 * kS + 5 * kMs, 1 * kS + 15 * kMs}) {  // before the frame, and after it
-      const Stamp stamp = map({0.0, step_at, step}, 1 * kS, 1 * kS + 10 * kMs, 1 * kS + 20 * kMs);
+  for (const std::int64_t step : {-kHour_ns, kHour_ns, -3 * kSecond_ns, 3 * kSecond_ns})
+    for (const std::int64_t step_at :
+         {1 * kSecond_ns + 5 * kMs, 1 * kSecond_ns + 15 * kMs}) {  // before the frame, and after it
+      const Stamp stamp =
+          map({0.0, step_at, step}, 1 * kSecond_ns, 1 * kSecond_ns + 10 * kMs, 1 * kSecond_ns + 20 * kMs);
       EXPECT_FALSE(stamp.replaced) << step << " at " << step_at;
-      EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(1 * kS + 10 * kMs), 1000.0);
+      EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(1 * kSecond_ns + 10 * kMs), 1000.0);
     }
 }
 
 TEST(CanClockMap, SaysThatAStepSmallerThanTheTimeBetweenReadsLeavesTwoInstants) {
-  for (const std::int64_t step_at : {1 * kS + 5 * kMs, 1 * kS + 15 * kMs}) {
-    const Stamp stamp = map({0.0, step_at, 2 * kMs}, 1 * kS, 1 * kS + 10 * kMs, 1 * kS + 20 * kMs);
+  for (const std::int64_t step_at : {1 * kSecond_ns + 5 * kMs, 1 * kSecond_ns + 15 * kMs}) {
+    const Stamp stamp =
+        map({0.0, step_at, 2 * kMs}, 1 * kSecond_ns, 1 * kSecond_ns + 10 * kMs, 1 * kSecond_ns + 20 * kMs);
     EXPECT_TRUE(stamp.replaced);
-    EXPECT_LE(std::abs(stamp.t_ns - (1 * kS + 10 * kMs)), std::int64_t{stamp.t_half_ns});
+    EXPECT_LE(std::abs(stamp.t_ns - (1 * kSecond_ns + 10 * kMs)), std::int64_t{stamp.t_half_ns});
     EXPECT_LE(stamp.t_half_ns, 2 * kMs);
   }
 }
 
 TEST(CanClockMap, ReplacesAStampThatMeansNoInstantBetweenTheReads) {
   const WallClock clock;
-  ClockMap map(clock.pair(1 * kS));
-  map.read_at(clock.pair(1 * kS + 20 * kMs));
-  for (const std::int64_t bad : {std::int64_t{0}, std::int64_t{-5}, std::int64_t{1}, clock.at(1 * kS - 50 * kMs),
-                                 clock.at(1 * kS + 21 * kMs), INT64_MAX, INT64_MIN}) {
+  ClockMap map(clock.pair(1 * kSecond_ns));
+  map.read_at(clock.pair(1 * kSecond_ns + 20 * kMs));
+  for (const std::int64_t bad :
+       {std::int64_t{0}, std::int64_t{-5}, std::int64_t{1}, clock.at(1 * kSecond_ns - 50 * kMs),
+        clock.at(1 * kSecond_ns + 21 * kMs), INT64_MAX, INT64_MIN}) {
     const Stamp stamp = map.map(bad);
     EXPECT_TRUE(stamp.replaced) << bad;
-    EXPECT_EQ(stamp.t_ns, 1 * kS + 20 * kMs);
+    EXPECT_EQ(stamp.t_ns, 1 * kSecond_ns + 20 * kMs);
     EXPECT_GE(stamp.t_half_ns, 20 * kMs) << "what is known is that it came between the reads";
   }
 }
@@ -77,19 +81,19 @@ TEST(CanClockMap, ReckonsWithAnyClock) {
   for (const std::int64_t before : kExtremes)
     for (const std::int64_t now : kExtremes)
       for (const std::int64_t stamp : kExtremes) {
-        ClockMap map({1 * kS, before, 100});
-        map.read_at({1 * kS + 20 * kMs, now, 100});
+        ClockMap map({1 * kSecond_ns, before, 100});
+        map.read_at({1 * kSecond_ns + 20 * kMs, now, 100});
         const Stamp mapped = map.map(stamp);
-        EXPECT_GE(mapped.t_ns, 1 * kS - 10 * kMs);
-        EXPECT_LE(mapped.t_ns, 1 * kS + 20 * kMs);
+        EXPECT_GE(mapped.t_ns, 1 * kSecond_ns - 10 * kMs);
+        EXPECT_LE(mapped.t_ns, 1 * kSecond_ns + 20 * kMs);
       }
 }
 
 TEST(CanClockMap, NeverPutsAFrameAfterItsReading) {
   const WallClock clock;
-  ClockMap map(clock.pair(1 * kS));
-  map.read_at({1 * kS + kMs, clock.at(1 * kS + kMs), 3000});
-  EXPECT_LE(map.map(clock.at(1 * kS + kMs + 2000)).t_ns, 1 * kS + kMs);
+  ClockMap map(clock.pair(1 * kSecond_ns));
+  map.read_at({1 * kSecond_ns + kMs, clock.at(1 * kSecond_ns + kMs), 3000});
+  EXPECT_LE(map.map(clock.at(1 * kSecond_ns + kMs + 2000)).t_ns, 1 * kSecond_ns + kMs);
 }
 
 // A wall clock that is slewed by up to 500 ppm and set again and again by 10 ns … 1 h, read at irregular intervals: a
@@ -99,7 +103,7 @@ TEST(CanClockMap, IsRightOrSaysByHowMuchItMayNotBeWhateverTheWallClockDoes) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  std::int64_t raw = kS, real = kReal0, replaced = 0, frames = 0;
+  std::int64_t raw = kSecond_ns, real = kReal0, replaced = 0, frames = 0;
   ClockMap map({raw, real, 100});
   for (int read = 0; read < 50'000; ++read) {
     const double slew = uniform(-5e-4, 5e-4);
@@ -144,11 +148,11 @@ TEST(CanHardwareClock, TakesTheJitterOfTheWayOut) {
     HardwareClock clock;
     double worst = 0.0, sum = 0.0, worst_kernel = 0.0;
     int count = 0;
-    for (std::int64_t t = kS; t < 40 * kS; t += kMs) {
-      const std::int64_t hardware = 5 * kS + std::llround(static_cast<double>(t) * (1.0 + drift));
+    for (std::int64_t t = kSecond_ns; t < 40 * kSecond_ns; t += kMs) {
+      const std::int64_t hardware = 5 * kSecond_ns + std::llround(static_cast<double>(t) * (1.0 + drift));
       const std::int64_t kernel = t + 50'000 + static_cast<std::int64_t>(std::min(late(random), 2e6));
       const auto mapped = clock.map(hardware, kernel);
-      if (t < 10 * kS) continue;
+      if (t < 10 * kSecond_ns) continue;
       ASSERT_TRUE(mapped);
       const auto error = static_cast<double>(*mapped - t - 50'000);
       sum += error;
@@ -164,8 +168,8 @@ TEST(CanHardwareClock, TakesTheJitterOfTheWayOut) {
 
 TEST(CanHardwareClock, BeginsAnewWhenTheInterfacesClockIsSet) {
   HardwareClock clock;
-  std::int64_t t = kS;
-  for (; t < 5 * kS; t += kMs) ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
+  std::int64_t t = kSecond_ns;
+  for (; t < 5 * kSecond_ns; t += kMs) ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
   EXPECT_FALSE(clock.map(t - 500 * kMs, t));
   for (std::int64_t i = 1; i < 5; ++i) {
     const auto mapped = clock.map(t - 500 * kMs + i * kMs, t + i * kMs + 1000);
@@ -176,13 +180,14 @@ TEST(CanHardwareClock, BeginsAnewWhenTheInterfacesClockIsSet) {
 
 TEST(CanHardwareClock, CarriesOverAStampOfTheKernelThatIsOfNoUse) {
   HardwareClock clock;
-  EXPECT_FALSE(clock.map(kS, std::nullopt));
-  for (std::int64_t t = kS; t < 5 * kS; t += kMs) ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
-  const auto mapped = clock.map(5 * kS, std::nullopt);
+  EXPECT_FALSE(clock.map(kSecond_ns, std::nullopt));
+  for (std::int64_t t = kSecond_ns; t < 5 * kSecond_ns; t += kMs)
+    ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
+  const auto mapped = clock.map(5 * kSecond_ns, std::nullopt);
   ASSERT_TRUE(mapped);
-  EXPECT_NEAR(static_cast<double>(*mapped - 5 * kS), 1000.0, 100.0);
+  EXPECT_NEAR(static_cast<double>(*mapped - 5 * kSecond_ns), 1000.0, 100.0);
   EXPECT_FALSE(clock.map(INT64_MAX, std::nullopt));
-  EXPECT_FALSE(clock.map(-1, 5 * kS));
+  EXPECT_FALSE(clock.map(-1, 5 * kSecond_ns));
 }
 
 }  // namespace

@@ -9,11 +9,10 @@
 #include "drivers/socketcan/bus.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/drivers/can_fake_socket.hpp"
+#include "tests/durations.hpp"
 
 namespace dwell {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000, kS = 1'000'000'000, kHour = 3600 * kS;
 
 // The clocks of the computer in this test's time.
 std::int64_t the_raw_ns = 0, the_real_ns = 0;
@@ -47,9 +46,9 @@ Dwell measure(const std::vector<Adjustment>& adjustments, std::uint64_t* replace
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   std::uniform_int_distribution<std::int64_t> pause_ns(5 * kMs, 20 * kMs);
-  const std::int64_t begin_ns = 1000 * kS;
+  const std::int64_t begin_ns = 1000 * kSecond_ns;
   the_raw_ns = begin_ns;
-  the_real_ns = 1'790'000'000 * kS;
+  the_real_ns = 1'790'000'000 * kSecond_ns;
   test::FakeBus fake;
   socketcan::Bus bus("can0", fake.opener(), &the_clocks);
   EXPECT_EQ(bus.open(), "");
@@ -107,11 +106,11 @@ TEST(CanDwell, HasTheSameCoefficientsWhateverTheWallClockDoes) {
   const Dwell expected = measure({}, &replaced);
   ASSERT_EQ(expected.elements.size(), 4U);
   for (const std::vector<Adjustment>& adjustments : std::vector<std::vector<Adjustment>>{
-           {{15'003 * kMs, 0.0, kHour}},
-           {{15'003 * kMs, 0.0, -kHour}},
+           {{15'003 * kMs, 0.0, kHour_ns}},
+           {{15'003 * kMs, 0.0, -kHour_ns}},
            {{10'000 * kMs, 500e-6, 0}},
            {{10'000 * kMs, -500e-6, 0}},
-           {{10'001 * kMs, 500e-6, kHour}, {20'007 * kMs, -500e-6, -2 * kHour}, {30'004 * kMs, 0.0, kHour}}}) {
+           {{10'001 * kMs, 500e-6, kHour_ns}, {20'007 * kMs, -500e-6, -2 * kHour_ns}, {30'004 * kMs, 0.0, kHour_ns}}}) {
     const Dwell found = measure(adjustments, &replaced);
     ASSERT_EQ(found.elements.size(), 4U);
     for (std::size_t e = 0; e < 4; ++e) {

@@ -11,11 +11,12 @@
 
 #include "drivers/canopen/network.hpp"
 #include "tests/drivers/fake_host.hpp"
+#include "tests/durations.hpp"
 #include "tests/rigsim/canopen_node.hpp"
 
 namespace dwell::test {
 
-inline constexpr std::int64_t kMs = 1'000'000, kSecond = 1'000'000'000, kRawOffset_ns = 777 * kSecond;
+inline constexpr std::int64_t kRawOffset_ns = 777 * kSecond_ns;
 
 class CanopenBench {
  public:
@@ -70,7 +71,7 @@ class CanopenBench {
   }
   // false: not within 20 s.
   bool run_until(const std::function<bool()>& condition) {
-    const std::int64_t end_ns = now_ns_ + 20 * kSecond;
+    const std::int64_t end_ns = now_ns_ + 20 * kSecond_ns;
     while (!condition() && now_ns_ < end_ns) step(end_ns);
     return condition();
   }
@@ -149,7 +150,7 @@ class CanopenBench {
   std::multimap<std::int64_t, can_frame> on_the_way_;
   std::map<canid_t, std::int64_t> last_ns_;
   std::unique_ptr<canopen::Network> network_;
-  std::int64_t now_ns_ = 1'000 * kSecond;
+  std::int64_t now_ns_ = 1'000 * kSecond_ns;
 };
 
 }  // namespace dwell::test

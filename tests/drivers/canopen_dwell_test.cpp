@@ -15,14 +15,12 @@ namespace {
 
 using rigsim::Transducer;
 using test::CanopenBench;
-using test::kMs;
-using test::kSecond;
 
 const Chain kChain{Boundary::clamped, {12, 8, 5}, {24000, 8000, 6000, 8000}, {60, 45, 30, 40}};
 constexpr double kFrequency_hz = 4.0, kOmega = 2.0 * std::numbers::pi * kFrequency_hz;
 
 double seconds_of(std::int64_t raw_ns) {
-  return 1e-9 * static_cast<double>(raw_ns - test::kRawOffset_ns - 1'000 * kSecond);
+  return 1e-9 * static_cast<double>(raw_ns - test::kRawOffset_ns - 1'000 * kSecond_ns);
 }
 
 // Least squares of offset and harmonic, each sample at its own instant: Im(Y exp(jωt)).
@@ -58,9 +56,9 @@ TEST(CanopenDwell, GivesTheChainsCoefficientsThoughAnswersAreLostAndLateAndANode
     return (random >> 24U) < 4 ? (random >> 8U) % 40 * kMs : (random >> 8U) % 2 * kMs;
   };
   bench.start();
-  bench.run_for(15 * kSecond);
+  bench.run_for(15 * kSecond_ns);
   bench.node(3).reset(bench.now_ns());
-  bench.run_for(15 * kSecond);
+  bench.run_for(15 * kSecond_ns);
 
   EXPECT_GT(bench.host.counted(DWELL_FAULT_LATE_ANSWER), 10);
   EXPECT_GT(bench.host.counted(DWELL_FAULT_TIMEOUT), 10);

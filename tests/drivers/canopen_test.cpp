@@ -12,9 +12,7 @@ namespace {
 
 using rigsim::Transducer;
 using test::CanopenBench;
-using test::kMs;
 using test::kRawOffset_ns;
-using test::kSecond;
 
 // Channels 10, 11, 12: nodes 1 (encoder), 2 (input), 5 (load cell).
 class Canopen : public ::testing::Test {
@@ -48,7 +46,8 @@ class Canopen : public ::testing::Test {
   }
   void move() {
     bench_.quantity = [](std::uint8_t node, std::int64_t raw_ns) {
-      return 1e-3 * node * std::sin(2e-9 * M_PI * 4.0 * static_cast<double>(raw_ns - kRawOffset_ns - 1'000 * kSecond));
+      return 1e-3 * node *
+             std::sin(2e-9 * M_PI * 4.0 * static_cast<double>(raw_ns - kRawOffset_ns - 1'000 * kSecond_ns));
     };
   }
 
@@ -59,7 +58,7 @@ TEST_F(Canopen, SetsNodesUpAndSamplesThemAtTheInstantOfTheSync) {
   move();
   start();
   const std::size_t before = bench_.host.sample_count();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   EXPECT_NEAR(static_cast<double>(bench_.host.sample_count() - before), 300.0, 6.0);
   expect_samples_of_their_sync();
   for (const std::size_t scan : bench_.host.scans()) EXPECT_LE(scan, 3U);
@@ -88,7 +87,7 @@ TEST_F(Canopen, KnowsTheSyncByTheInstantOfSendingWhereItDoesNotComeBack) {
   bench_.sync_returns = false;
   move();
   start();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   expect_samples_of_their_sync();
   EXPECT_EQ(bench_.host.samples().back().t_half_ns, 5'001U);
 }
@@ -96,7 +95,7 @@ TEST_F(Canopen, KnowsTheSyncByTheInstantOfSendingWhereItDoesNotComeBack) {
 TEST_F(Canopen, KeepsThePeriodOfTheMonotonicClock) {
   start();
   const std::size_t first = bench_.syncs.size() - 1;
-  bench_.run_for(10 * kSecond);
+  bench_.run_for(10 * kSecond_ns);
   const std::int64_t span_ns = bench_.syncs.back() - bench_.syncs[first];
   EXPECT_NEAR(static_cast<double>(span_ns) / static_cast<double>(bench_.syncs.size() - 1 - first), 1e7, 100.0);
 }
@@ -146,20 +145,20 @@ TEST_F(Canopen, RefusesAnotherDeviceThanTheRigFileNames) {
 
 TEST_F(Canopen, SetsANodeUpAgainThatRestarts) {
   start();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   bench_.node(2).reset(bench_.now_ns());
   ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_DISCONNECTED; }));
   EXPECT_NE(reason(11).find("it has restarted"), std::string::npos);
   ASSERT_TRUE(bench_.run_until([&] { return all_deliver(); }));
   const std::size_t from = bench_.host.sample_count();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   expect_samples_of_their_sync(from);
   EXPECT_EQ(fault(10), DWELL_FAULT_NONE);
 }
 
 TEST_F(Canopen, SetsANodeUpAgainThatLeavesOperation) {
   start();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   bench_.node(1).take(nmt_frame(Command::pre_operational, 1), bench_.now_ns());  // by somebody else
   ASSERT_TRUE(bench_.run_until([&] { return fault(10) == DWELL_FAULT_DISCONNECTED; }));
   EXPECT_EQ(reason(10), "node 1 (CiA 406, rigsim encoder): it was started, and is pre-operational");
@@ -168,20 +167,20 @@ TEST_F(Canopen, SetsANodeUpAgainThatLeavesOperation) {
 
 TEST_F(Canopen, IsStaleWhileANodeIsSilentAndSaysWhich) {
   start();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   bench_.fate = [](const can_frame& frame) -> std::optional<std::int64_t> {
     if ((frame.can_id & kNodeMask) == 2) return std::nullopt;
     return 0;
   };
   ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_TIMEOUT; }));
   EXPECT_EQ(reason(11), "node 2 (CiA 404, rigsim input): no heartbeat for 0.3 s");
-  bench_.run_for(8 * kSecond);
+  bench_.run_for(8 * kSecond_ns);
   EXPECT_EQ(fault(11), DWELL_FAULT_TIMEOUT);
   EXPECT_NE(reason(11).find("node 2: no answer when asked for 1000h:00"), std::string::npos) << reason(11);
   // The others are measured all the while, without a pause.
   EXPECT_TRUE(bench_.delivers(10) && bench_.delivers(12));
   const auto samples = bench_.host.samples(10);
-  EXPECT_EQ(samples.back().t_ns - samples[samples.size() - 101].t_ns, kSecond);
+  EXPECT_EQ(samples.back().t_ns - samples[samples.size() - 101].t_ns, kSecond_ns);
   bench_.fate = [](const can_frame&) { return 0; };
   EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); }));
 }
@@ -199,7 +198,7 @@ TEST_F(Canopen, IsStaleWhenANodeLivesButDoesNotAnswerSync) {
 TEST_F(Canopen, LosesNothingButTheAnswerThatIsLostAndTheDoubtfulOneAfterIt) {
   move();
   start();
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   const std::size_t from = bench_.host.sample_count(), lost = bench_.host.samples(11).size();
   int pdos = 0;
   bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
@@ -207,7 +206,7 @@ TEST_F(Canopen, LosesNothingButTheAnswerThatIsLostAndTheDoubtfulOneAfterIt) {
     return 0;
   };
   const std::size_t syncs = bench_.syncs.size();
-  bench_.run_for(2 * kSecond);
+  bench_.run_for(2 * kSecond_ns);
   expect_samples_of_their_sync(from);
   EXPECT_EQ(bench_.host.counted(DWELL_FAULT_TIMEOUT), 1);
   EXPECT_EQ(bench_.host.counted(DWELL_FAULT_LATE_ANSWER), 1);
@@ -229,7 +228,7 @@ TEST_F(Canopen, NeverGivesALateAnswerToAnotherSync) {
     if ((random >> 24U) < 8) return std::nullopt;
     return (random >> 24U) < 24 ? (random >> 8U) % 40 * kMs : 0;
   };
-  bench_.run_for(60 * kSecond);
+  bench_.run_for(60 * kSecond_ns);
   expect_samples_of_their_sync();
   EXPECT_GT(bench_.host.counted(DWELL_FAULT_LATE_ANSWER), 100);
   EXPECT_GT(bench_.host.sample_count(), 4000U);
@@ -237,7 +236,7 @@ TEST_F(Canopen, NeverGivesALateAnswerToAnotherSync) {
 
 // A rig that loses and delays much is measured all the same, at a lower rate, and no node is set up again for it.
 TEST_F(Canopen, MeasuresThoughManyAnswersAreLostAndLate) {
-  bench_.setup.timeout_ns = kSecond / 2;
+  bench_.setup.timeout_ns = kSecond_ns / 2;
   move();
   start();
   std::uint32_t random = 5;
@@ -248,7 +247,7 @@ TEST_F(Canopen, MeasuresThoughManyAnswersAreLostAndLate) {
     return (random >> 24U) < 16 ? 30 * kMs : 0;
   };
   const std::size_t before = bench_.host.sample_count(), states = bench_.host.states_told();
-  bench_.run_for(60 * kSecond);
+  bench_.run_for(60 * kSecond_ns);
   expect_samples_of_their_sync(before);
   EXPECT_GT(bench_.host.sample_count() - before, 7200U);  // two of five
   EXPECT_EQ(bench_.host.states_told(), states);
@@ -274,7 +273,7 @@ TEST_F(Canopen, TellsEmergenciesInWords) {
              "(generic, temperature)"));
   EXPECT_EQ(bench_.host.counted(DWELL_FAULT_EXCEPTION), 1);
   for (int i = 0; i < 1000; ++i) bench_.node(5).emergency(0x2310, 0x03);
-  bench_.run_for(2 * kSecond);
+  bench_.run_for(2 * kSecond_ns);
   bench_.node(5).emergency(0, 0);
   bench_.run_for(10 * kMs);
   EXPECT_EQ(bench_.host.counted(DWELL_FAULT_EXCEPTION), 1001);
@@ -300,7 +299,7 @@ TEST_F(Canopen, DoesWithoutAHeartbeatOfTheNode) {
   boot();
   bench_.node(1).remove_entry(0x1017, 0);
   ASSERT_TRUE(bench_.run_until([&] { return all_deliver(); }));
-  bench_.run_for(3 * kSecond);
+  bench_.run_for(3 * kSecond_ns);
   EXPECT_TRUE(all_deliver());
   EXPECT_TRUE(logged("it sends no heartbeat"));
 }
@@ -346,7 +345,7 @@ TEST_F(Canopen, EndsWithTheBusAndBeginsWithIt) {
   start();
   bench_.network().hold(DWELL_FAULT_DISCONNECTED, "can0: the link is down");
   EXPECT_EQ(fault(11), DWELL_FAULT_DISCONNECTED);
-  bench_.run_for(kSecond);
+  bench_.run_for(kSecond_ns);
   EXPECT_EQ(fault(11), DWELL_FAULT_DISCONNECTED);
   bench_.network().begin(bench_.now_ns());
   EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); }));

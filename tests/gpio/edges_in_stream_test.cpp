@@ -5,11 +5,10 @@
 #include <numbers>
 
 #include "daemon/estimate/estimator.hpp"
+#include "tests/durations.hpp"
 
 namespace dwell {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 struct EdgesInStream : testing::Test {
   EdgesInStream() {

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/durations.hpp"
 #include "tests/gpio/fake_lines.hpp"
 
 namespace dwell::gpio {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kOffset_ns = 700 * kSecond_ns;  // RAW over MONOTONIC
 
 config::GpioLine line(unsigned number, double debounce_s = 0.0) {

@@ -10,17 +10,9 @@
 namespace rigsim {
 namespace {
 
-constexpr std::size_t kMostPending = 10'000;
-constexpr int kBabbleAtOnce = 200;
 constexpr int kReadings = 4;
 constexpr std::int64_t kReadWithin_ns = 500'000;
 constexpr double kFarBehind_ns = 1e9;
-
-std::int64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
 
 }  // namespace
 
@@ -114,7 +106,7 @@ void CanNodes::sample(std::size_t channel, std::int64_t now_ns) {
   }
   if (delay_s <= 0.0)
     send(frame);
-  else if (pending_.size() < kMostPending)
+  else if (pending_.size() < kMostFrames)
     pending_.push_back({now_ns + static_cast<std::int64_t>(delay_s * 1e9), frame});
 }
 

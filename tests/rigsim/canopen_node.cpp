@@ -8,7 +8,7 @@
 namespace rigsim {
 namespace {
 
-constexpr double kMetresPerCount = 1e-9;
+constexpr double kMetresPerUnit = 1e-9;
 constexpr std::uint32_t kNotValid = 1U << 31U;
 constexpr unsigned kPdos = 2;
 
@@ -91,7 +91,7 @@ void CanopenNode::encode(double si) {
     case Transducer::input: {
       constexpr double kLowest = -2147483648.0;
       const double counts =
-          std::isnan(si) ? kLowest : std::clamp(std::nearbyint(si / kMetresPerCount), kLowest, -kLowest - 1.0);
+          std::isnan(si) ? kLowest : std::clamp(std::nearbyint(si / kMetresPerUnit), kLowest, -kLowest - 1.0);
       const auto value = static_cast<std::uint32_t>(static_cast<std::int32_t>(counts));
       if (what_ == Transducer::encoder)
         set_entry(0x6004, 0, value, 4, false);

@@ -13,16 +13,8 @@ namespace rigsim {
 namespace {
 
 constexpr canid_t kSync = 0x80, kBabble = 0x001;
-constexpr int kBabbleAtOnce = 200;
-constexpr std::size_t kMostPending = 10'000;
 // A stamp older than that is none.
 constexpr std::int64_t kOldest_ns = 1'000'000'000;
-
-std::int64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
 
 }  // namespace
 
@@ -135,7 +127,7 @@ void CanopenNodes::collect(Member& member, std::int64_t now_ns) {
       ++late_;
     }
     member.last_due_ns = std::max(member.last_due_ns, now_ns + static_cast<std::int64_t>(delay_s * 1e9));
-    if (pending_.size() < kMostPending) pending_.push_back({member.last_due_ns, frame});
+    if (pending_.size() < kMostFrames) pending_.push_back({member.last_due_ns, frame});
   }
   out_.clear();
 }

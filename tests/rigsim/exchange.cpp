@@ -17,12 +17,6 @@ constexpr std::size_t kMostUnread = 2048;             // bytes of requests kept 
 constexpr std::int64_t kFrameSilenceNs = 50'000'000;  // after which half an RTU frame is forgotten
 constexpr std::uint64_t kRtu = 0;                     // link id; TCP connections count from 1
 
-std::int64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
-
 std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 
 }  // namespace

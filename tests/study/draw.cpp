@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.hpp"
 #include "core/forward.hpp"
 #include "tests/study/case.hpp"
 #include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {
 namespace {
-
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 // Any state within a few times what the steady motion amounts to.
 MassState draw_state(Draws& draws, const Chain& chain, const TableMotion& table) {

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.hpp"
 #include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
 // Samples of a dwell, roughly: for the study to take no hours, slow rigs with many channels are sampled less often, but
 // for one in eight, so that every rig meets every rate.
 constexpr double kUsualSamples = 6e4, kMostSamples = 3e5, kDense = 0.125;

@@ -1,14 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.hpp"
 #include "core/forward.hpp"
 #include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kLightest = 0.003, kHeaviest = 0.2;  // damping ratios
 
 double ratio_of(Complex lambda) { return -lambda.real() / std::abs(lambda); }

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
+#include "core/angle.hpp"
 #include "core/forward.hpp"
 #include "tests/study/bound.hpp"
 #include "tests/study/case.hpp"
@@ -14,8 +14,6 @@
 
 namespace dwell::study {
 namespace {
-
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 TEST(StudyBound, IsTheScatterOfWhatNoisyPhasorsGive) {
   for (const int index : {1, 4, 7}) {

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/angle.hpp"
 #include "core/forward.hpp"
 
 namespace dwell::study {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr Complex kJ{0.0, 1.0};
 
 Complex lowpass_response(const Filter& filter, double f_hz) {

@@ -1,8 +1,8 @@
 #include "tests/study/script.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.hpp"
 #include "tests/study/bound.hpp"
 #include "tests/study/recording.hpp"
 
@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kWait_s = 10.0;
 constexpr double kBlock = 1024;  // samples of the first channel
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 }  // namespace
 
