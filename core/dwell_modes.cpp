@@ -174,12 +174,14 @@ void Pipeline::Impl::renew_silent_poles() {
 
 // Takes trial_poles if they explain the data better; the fit is that of best_poles afterwards.
 double Pipeline::Impl::try_poles(double w, double best) {
+  std::swap(modal, spare);
+  for (int c = 0; c < channel_count; ++c) modal.expect(c, spare.variance(c));
   const double misfit = fit_modes(w, trial_poles);
   if (misfit < best || !std::isfinite(best)) {
     best_poles = trial_poles;
     return misfit;
   }
-  fit_modes(w, best_poles);
+  std::swap(modal, spare);
   return best;
 }
 

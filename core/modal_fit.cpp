@@ -12,6 +12,7 @@ using Eigen::Index;
 
 constexpr double kSecond = 1e-9;
 constexpr double kGone = 1e-13;     // of an amplitude: as good as nothing
+constexpr int kSteps = 256;         // from turn to turn: their rounding stays below 1e-13
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 
 }  // namespace
@@ -47,6 +48,7 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
   omega_ = omega;
   t0_ns_ = t0_ns;
   evaluated_ns_ = INT64_MIN;
+  for (Step& step : steps_) step.dt_ns = 0;
   count_ = std::min(poles.size(), capacity_);
   if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
   modal_ = 2 * static_cast<Index>(count_);
@@ -61,16 +63,51 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
   }
 }
 
+void ModalFit::turn_to(std::int64_t t_ns) noexcept {
+  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  drive_turn_ = std::polar(1.0, omega_ * u);
+  for (std::size_t m = 0; m < count_; ++m) {
+    const double envelope = std::exp(poles_[m].real() * u);
+    turns_[m] = envelope < kGone ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
+  }
+  steps_taken_ = 0;
+}
+
+void ModalFit::turn_by(std::int64_t dt_ns) noexcept {
+  auto step = std::find_if(steps_.begin(), steps_.end(), [&](const Step& each) { return each.dt_ns == dt_ns; });
+  if (step == steps_.end()) {
+    step = steps_.begin() + static_cast<std::ptrdiff_t>(next_step_++ % steps_.size());
+    const double dt_s = kSecond * static_cast<double>(dt_ns);
+    step->dt_ns = dt_ns;
+    step->drive = std::polar(1.0, omega_ * dt_s);
+    for (std::size_t m = 0; m < count_; ++m)
+      step->modes[m] = std::polar(std::exp(poles_[m].real() * dt_s), poles_[m].imag() * dt_s);
+  }
+  // By hand: std::complex multiplies with care for infinities.
+  const auto times = [](Complex a, Complex b) {
+    return Complex{a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+  };
+  drive_turn_ = times(drive_turn_, step->drive);
+  for (std::size_t m = 0; m < count_; ++m) {
+    turns_[m] = times(turns_[m], step->modes[m]);
+    if (std::norm(turns_[m]) < kGone * kGone) turns_[m] = {};
+  }
+  ++steps_taken_;
+}
+
 // The regressors at t: 1, sin, cos, then of each mode those of the real and the imaginary part of its amplitude, then
 // the same of the relative change of its pole.
 void ModalFit::evaluate(std::int64_t t_ns) noexcept {
   if (t_ns == evaluated_ns_) return;
+  if (t_ns > evaluated_ns_ && evaluated_ns_ >= t0_ns_ && steps_taken_ < kSteps)
+    turn_by(t_ns - evaluated_ns_);
+  else
+    turn_to(t_ns);
   evaluated_ns_ = t_ns;
   const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
-  const Complex step = std::polar(1.0, omega_ * u);
-  Complex turn = step;
+  Complex turn = drive_turn_;
   x_(0) = 1.0;
-  for (int h = 1; h <= harmonics_; ++h, turn *= step) {
+  for (int h = 1; h <= harmonics_; ++h, turn *= drive_turn_) {
     x_(h) = turn.imag();
     x_(harmonics_ + h) = turn.real();
   }
@@ -81,11 +118,9 @@ void ModalFit::evaluate(std::int64_t t_ns) noexcept {
       x_.segment<2>(modal_ + i).setZero();
       continue;
     }
-    const double envelope = std::exp(poles_[m].real() * u);
     const double slope = sizes_[m] * u;
-    const Complex e = envelope < kGone ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
-    x_(i) = e.real();
-    x_(i + 1) = -e.imag();
+    x_(i) = turns_[m].real();
+    x_(i + 1) = -turns_[m].imag();
     x_(modal_ + i) = slope * x_(i);
     x_(modal_ + i + 1) = slope * x_(i + 1);
   }

@@ -35,6 +35,8 @@ class ModalFit {
   // O((2H+1+4·modes)²), no allocation.
   void add(int channel, std::int64_t t_ns, double value) noexcept;
 
+  // The variance of the noise that the next solution of a channel starts from, its unit squared.
+  void expect(int channel, double sigma2) noexcept { channels_[static_cast<std::size_t>(channel)].sigma2 = sigma2; }
   // Solves one channel. range, line_range: widths of the prior of the amplitudes of what decays and of steady lines, in
   // its unit. false: too few samples.
   bool solve(int channel, double range, double line_range) noexcept;
@@ -100,7 +102,15 @@ class ModalFit {
     return channels_[static_cast<std::size_t>(channel)];
   }
   static constexpr Eigen::Index kTogether = 4;
+  // What the drive's and the modes' turns are multiplied by when dt_ns go by: most samples follow in a few distances.
+  struct Step {
+    std::int64_t dt_ns = 0;  // 0: none
+    std::complex<double> drive;
+    std::array<std::complex<double>, kMaxModes> modes;
+  };
   void evaluate(std::int64_t t_ns) noexcept;
+  void turn_by(std::int64_t dt_ns) noexcept;
+  void turn_to(std::int64_t t_ns) noexcept;
   void add_pending(PerChannel& to) noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
 
@@ -114,6 +124,11 @@ class ModalFit {
   std::vector<std::int64_t> faded_ns_;
   double omega_ = 0.0;
   std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
+  std::complex<double> drive_turn_;
+  std::array<std::complex<double>, kMaxModes> turns_{};  // exp(λ_m u)
+  std::array<Step, 4> steps_;
+  std::size_t next_step_ = 0;
+  int steps_taken_ = 0;  // since the turns were computed anew
   Eigen::VectorXd x_;
   std::vector<PerChannel> channels_;
   Eigen::MatrixXd work_, columns_, slopes_, hessian_;

@@ -72,6 +72,7 @@ struct Pipeline::Impl {
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
+        spare(modal),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
@@ -141,7 +142,7 @@ struct Pipeline::Impl {
   SyncReference::Counts pulses_before;  // this hold
   bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
-  ModalFit modal;
+  ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
   int fits_left = 0;                  // of the whole hold, before now must be enough

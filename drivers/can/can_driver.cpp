@@ -28,12 +28,7 @@ class CanDriver {
   static void check(const driver::Settings& settings, driver::Report& report) {
     std::vector<Mistake> mistakes;
     static_cast<void>(read_setup(settings, mistakes));
-    for (const Mistake& each : mistakes) {
-      if (each.channel < 0)
-        report.device(each.key, each.text);
-      else
-        report.channel(static_cast<std::size_t>(each.channel), each.key, each.text);
-    }
+    socketcan::tell(mistakes, report);
   }
 
   // Listens for a second until each channel's frame has come.

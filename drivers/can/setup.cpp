@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <optional>
-#include <stdexcept>
 
 #include "drivers/can/dbc.hpp"
 #include "drivers/socketcan/socket.hpp"
@@ -289,7 +288,7 @@ Setup read_setup(const driver::Settings& settings, std::vector<Mistake>& mistake
 Setup read_setup(const driver::Settings& settings) {
   std::vector<Mistake> mistakes;
   Setup setup = read_setup(settings, mistakes);
-  if (!mistakes.empty()) throw std::runtime_error(mistakes.front().text);
+  socketcan::refuse(mistakes);
   return setup;
 }
 

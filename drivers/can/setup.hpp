@@ -8,6 +8,7 @@
 
 #include "drivers/can/decoder.hpp"
 #include "drivers/dwell_driver.hpp"
+#include "drivers/socketcan/mistake.hpp"
 
 namespace dwell::can {
 
@@ -25,11 +26,7 @@ struct Setup {
   std::vector<Wanted> wanted;  // of each channel, in the same order
 };
 
-struct Mistake {
-  int channel = -1;  // position in Settings::channels(); -1: the device
-  const char* key = nullptr;
-  std::string text;
-};
+using socketcan::Mistake;
 
 [[nodiscard]] std::span<const dwell_key> keys() noexcept;
 

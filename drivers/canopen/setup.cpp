@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "drivers/canopen/words.hpp"
 #include "drivers/socketcan/socket.hpp"
@@ -136,7 +135,7 @@ Setup read_setup(const driver::Settings& settings, std::vector<Mistake>& mistake
 Setup read_setup(const driver::Settings& settings) {
   std::vector<Mistake> mistakes;
   Setup setup = read_setup(settings, mistakes);
-  if (!mistakes.empty()) throw std::runtime_error(mistakes.front().text);
+  socketcan::refuse(mistakes);
   return setup;
 }
 

@@ -8,6 +8,7 @@
 
 #include "drivers/canopen/configurator.hpp"
 #include "drivers/dwell_driver.hpp"
+#include "drivers/socketcan/mistake.hpp"
 
 namespace dwell::canopen {
 
@@ -26,11 +27,7 @@ struct Setup {
   std::vector<Wish> nodes;
 };
 
-struct Mistake {
-  int channel = -1;  // position in Settings::channels(); -1: the device
-  const char* key = nullptr;
-  std::string text;
-};
+using socketcan::Mistake;
 
 [[nodiscard]] std::span<const dwell_key> keys() noexcept;
 

@@ -115,6 +115,28 @@ void pipeline(benchmark::State& state) {
 }
 BENCHMARK(pipeline)->Unit(benchmark::kMillisecond);
 
+// The same where nothing is left of the transient: the minutes after the first.
+void pipeline_later(benchmark::State& state) {
+  SteadyRig source;
+  const std::vector<Record> records = minute_of(source);
+  Pipeline pipeline(source.rig());
+  Merger merger(2, 100'000'000, 4096);
+  std::int64_t minute_ns = 0;
+  const auto play = [&] {
+    for (Record record : records) {
+      record.t_ns += minute_ns;
+      merger.push(record.channel & 1, record);
+      for (Record out; merger.pop(out);) pipeline.push(out);
+    }
+    minute_ns += 60'000'000'000;
+  };
+  play();
+  for (auto _ : state) play();
+  if (pipeline.state() != State::measuring) state.SkipWithError("the rig is not measured");
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * records.size()));
+}
+BENCHMARK(pipeline_later)->Unit(benchmark::kMillisecond);
+
 // The result with all its uncertainties, after a minute of data.
 void publish(benchmark::State& state) {
   SteadyRig source;

@@ -82,10 +82,10 @@ class FakeHost {
     const std::int64_t since_ns = driver::monotonic_ns() - last_turn_ns_;
     return static_cast<double>(std::max<std::int64_t>(longest_pause_ns_, since_ns)) * 1e-9;
   }
-  // Allocations of the driver's thread when it pushed scan number `scan`.
-  std::size_t allocations_at(std::size_t scan) const {
+  // The longest row of scans between which the driver's thread allocated nothing.
+  std::size_t scans_without_allocation() const {
     const std::lock_guard lock(mutex_);
-    return allocations_.at(scan);
+    return longest_row_;
   }
 
   // How many more samples are taken until more room is given; room() tells it when `tells_room`.
@@ -96,6 +96,7 @@ class FakeHost {
   static FakeHost& self(void* context) { return *static_cast<FakeHost*>(context); }
 
   static std::int32_t push(void* context, const dwell_sample* samples, std::size_t count) {
+    const std::size_t allocations = allocations_of_this_thread();
     FakeHost& me = self(context);
     const std::lock_guard lock(me.mutex_);
     if (count > me.room_ || me.samples_.size() + count > kCapacity) {
@@ -104,8 +105,10 @@ class FakeHost {
     }
     me.room_ -= count;
     me.samples_.insert(me.samples_.end(), samples, samples + count);
-    if (me.scans_.size() < me.allocations_.size()) me.allocations_[me.scans_.size()] = allocations_of_this_thread();
+    me.row_ = allocations == me.allocations_ ? me.row_ + 1 : 0;
+    me.longest_row_ = std::max(me.longest_row_, me.row_);
     me.scans_.push_back(count);
+    me.allocations_ = allocations_of_this_thread();  // the host's own are none of the driver's
     return 1;
   }
   static void state(void* context, std::int32_t channel, dwell_fault fault, const char* reason) {
@@ -135,7 +138,7 @@ class FakeHost {
   mutable std::mutex mutex_;
   std::vector<dwell_sample> samples_;
   std::vector<std::size_t> scans_;
-  std::array<std::size_t, 4096> allocations_{};
+  std::size_t allocations_ = 0, row_ = 0, longest_row_ = 0;
   std::map<std::uint16_t, State> states_;
   std::vector<std::string> logged_;
   std::array<std::atomic<int>, 15> counts_{};

@@ -3,38 +3,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
 
 #include "drivers/can/decoder.hpp"
 #include "drivers/socketcan/bus.hpp"
+#include "tests/drivers/fuzz_bytes.hpp"
 
 namespace {
 
 using namespace dwell;
-
-void hold(bool promise) {
-  if (!promise) std::abort();
-}
-
-class Bytes {
- public:
-  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-  template <class T>
-  T take() {
-    T value{};
-    const std::size_t count = std::min(sizeof value, size_);
-    std::memcpy(&value, data_, count);
-    data_ += count;
-    size_ -= count;
-    return value;
-  }
-  [[nodiscard]] bool empty() const { return size_ == 0; }
-
- private:
-  const std::uint8_t* data_;
-  std::size_t size_;
-};
+using test::Bytes, test::hold;
 
 can::Field some_field(Bytes& bytes) {
   can::Field field;

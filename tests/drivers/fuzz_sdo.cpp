@@ -3,45 +3,15 @@
 // answers and the time between them.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
 
 #include "drivers/canopen/configurator.hpp"
 #include "drivers/canopen/sdo_client.hpp"
+#include "tests/drivers/fuzz_bytes.hpp"
 
 namespace {
 
 using namespace dwell::canopen;
-
-void hold(bool promise) {
-  if (!promise) std::abort();
-}
-
-class Bytes {
- public:
-  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-  template <class T>
-  T take() {
-    T value{};
-    const std::size_t count = std::min(sizeof value, size_);
-    std::memcpy(&value, data_, count);
-    data_ += count;
-    size_ -= count;
-    return value;
-  }
-  std::span<const std::uint8_t> take_some(std::size_t most) {
-    const std::size_t count = std::min(most, size_);
-    const std::span<const std::uint8_t> some(data_, count);
-    data_ += count;
-    size_ -= count;
-    return some;
-  }
-  [[nodiscard]] bool empty() const { return size_ == 0; }
-
- private:
-  const std::uint8_t* data_;
-  std::size_t size_;
-};
+using dwell::test::Bytes, dwell::test::hold;
 
 void ask(Bytes& bytes) {
   SdoClient client(1);
