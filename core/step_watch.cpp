@@ -6,17 +6,17 @@
 namespace dwell {
 namespace {
 
-constexpr double kSure = 5.6;         // standard deviations: once in 5e7, and tested some times a second for days
-constexpr double kBeyond = 1.5;       // tolerances
-constexpr double kDoubt = 3.0;        // standard deviations …
-constexpr double kUnsureBy = 0.1;     // … and tolerances
-constexpr double kClip = 4.0;         // standard deviations of a reading …
-constexpr double kClipPart = 0.5;     // … or what makes it half of the shortest window's say: no outlier says more
-constexpr double kForget = 1.0 / 64;  // of the excess, per period
-constexpr double kExcess = 0.6;       // of the variance by noise, from which an excess shows
-constexpr double kRounding = 3.0;     // standard deviations of what rounding does
-constexpr int kSlips = 8;             // quarters of a period
-constexpr int kPeriod = 4;
+constexpr double kSure = 5.6;           // standard deviations: once in 5e7, and tested some times a second for days
+constexpr double kBeyond = 1.5;         // tolerances
+constexpr double kDoubt = 3.0;          // standard deviations …
+constexpr double kUnsureBy = 0.1;       // … and tolerances
+constexpr double kClip = 4.0;           // standard deviations of a reading …
+constexpr double kClipPart = 0.5;       // … or what makes it half of the shortest window's say: no outlier says more
+constexpr double kForget = 1.0 / 64;    // of the excess, per period
+constexpr double kExcess = 0.6;         // of the variance by noise, from which an excess shows
+constexpr double kRounding = 3.0;       // standard deviations of what rounding does
+constexpr int kSlips = 8;               // quarters of a period
+constexpr int kPeriod = 4, kNear = 32;  // quarters
 
 }  // namespace
 
@@ -26,6 +26,7 @@ void StepWatch::restart() noexcept {
   open_ = {};
   open_t_ = open_n_ = in_quarter_ = excess_ = tolerated_ = late_s_ = 0.0;
   since_good_ = in_doubt_ = slipping_ = 0;
+  far_amplitude_doubt_ = far_drift_doubt_ = false;
 }
 
 void StepWatch::refer(const Reference& reference) noexcept {
@@ -88,11 +89,13 @@ bool StepWatch::close() noexcept {
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
   const double quarter_s = 2 * M_PI / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
   // Sums since t_j, the moments of time about now so that they serve every j.
-  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0, most_explained = 0;
+  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
-  int changed = 0;
   bool by_amplitude_doubt = false, by_drift_doubt = false;
-  for (int k = 0; k < most; ++k) {
+  // What takes long to show may be looked for once a period.
+  const bool far = seen_ % kPeriod == 0;
+  if (far) far_amplitude_doubt_ = far_drift_doubt_ = false;
+  for (int k = 0; k < (far ? most : std::min(most, kNear)); ++k) {
     const Block& block = back(k);
     const double ago = now_s - block.t_s;
     late2 += block.late2;
@@ -105,17 +108,11 @@ bool StepWatch::close() noexcept {
     q0 += block.qq;
     q1 += block.qq * ago;
     q2 += block.qq * ago * ago;
-    if (!(mm > 0 && q0 > 0)) continue;
+    // Beyond some periods not every length is needed: those of like length see the same.
+    if (k + 1 < kPeriod || (k > kNear && (k & (k >> 5 > 1 ? 7 : 3)) != 3) || !(mm > 0 && q0 > 0)) continue;
     const double since = ago + quarter_s / 2;                                                 // of t_j
     const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;  // τ = since - ago
-    // When it was: where a change explains most.
-    if (const double explains = rm * rm / mm + score * score / weight; explains > most_explained) {
-      most_explained = explains;
-      changed = k + 1;
-    }
-    // Beyond some periods not every length is needed: those of like length see the same.
-    if (k + 1 < kPeriod || (k > 32 && (k & (k >> 5 > 1 ? 7 : 3)) != 3)) continue;
-    const double by_lateness = now_.omega * std::sqrt(late2 / n);  // rad
+    const double by_lateness = now_.omega * std::sqrt(late2 / n);                             // rad
     const double alpha = rm / mm, u_alpha = std::sqrt(sigma2 / mm + now_.u_amplitude * now_.u_amplitude);
     const double drift = score / weight;
     // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
@@ -127,9 +124,14 @@ bool StepWatch::close() noexcept {
         std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
     const double beyond = std::max(by_amplitude, by_drift);
     const double unsure = kUnsureBy * tolerance_ + tolerated_;
-    by_amplitude_doubt = by_amplitude_doubt || std::abs(alpha) > kDoubt * u_alpha + unsure;
-    by_drift_doubt =
-        by_drift_doubt || std::abs(drift) > kDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + tolerated_ / since;
+    const bool amplitude = std::abs(alpha) > kDoubt * u_alpha + unsure,
+               phase = std::abs(drift) > kDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + tolerated_ / since;
+    by_amplitude_doubt = by_amplitude_doubt || amplitude;
+    by_drift_doubt = by_drift_doubt || phase;
+    if (k >= kNear) {
+      far_amplitude_doubt_ = far_amplitude_doubt_ || amplitude;
+      far_drift_doubt_ = far_drift_doubt_ || phase;
+    }
     if (k + 1 >= kShortest) worst = std::max(worst, beyond);
     if (k + 1 == kPeriod && in_doubt_ == 0) {
       const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
@@ -137,6 +139,40 @@ bool StepWatch::close() noexcept {
       const double shown = std::clamp(excess_ - kExcess * noise, 0.0, tolerance_ * tolerance_ / 2);
       tolerated_ = kBeyond * std::sqrt(shown) + kRounding * now_.u_rounding;
     }
+  }
+  if (!far) {
+    by_amplitude_doubt = by_amplitude_doubt || far_amplitude_doubt_;
+    by_drift_doubt = by_drift_doubt || far_drift_doubt_;
+  }
+  in_doubt_ = by_amplitude_doubt ? in_doubt_ + 1 : 0;
+  slipping_ = by_drift_doubt ? slipping_ + 1 : 0;
+  // Another frequency is seen within two periods; a phase that slips for longer is a drive that drifts.
+  const int doubtful = std::max(in_doubt_, slipping_ <= kSlips ? slipping_ : 0);
+  since_good_ = worst > 1 ? changed() : std::min(doubtful, kShortest);
+  return worst > 1;
+}
+
+// How many quarter periods ago the drive changed: where a change explains most.
+int StepWatch::changed() const noexcept {
+  const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
+  const double quarter_s = 2 * M_PI / now_.omega / kPeriod, now_s = back(0).t_s + quarter_s / 2;
+  double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, most_explained = 0;
+  int changed = 0;
+  for (int k = 0; k < most; ++k) {
+    const Block& block = back(k);
+    const double ago = now_s - block.t_s, since = ago + quarter_s / 2;
+    rm += block.rm;
+    mm += block.mm;
+    r0 += block.rq;
+    r1 += block.rq * ago;
+    q0 += block.qq;
+    q1 += block.qq * ago;
+    q2 += block.qq * ago * ago;
+    const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;
+    const double explains = rm * rm / mm + score * score / weight;  // NaN where there is nothing
+    if (!(explains > most_explained)) continue;
+    most_explained = explains;
+    changed = k + 1;
   }
   // A ramp explains most a little after it has begun.
   const auto alone = [&](double r, double p) {
@@ -146,12 +182,7 @@ bool StepWatch::close() noexcept {
     const Block& before = back(changed);
     if (!alone(before.rm, before.mm) && !alone(before.rq, before.qq)) break;
   }
-  in_doubt_ = by_amplitude_doubt ? in_doubt_ + 1 : 0;
-  slipping_ = by_drift_doubt ? slipping_ + 1 : 0;
-  // Another frequency is seen within two periods; a phase that slips for longer is a drive that drifts.
-  const int doubtful = std::max(in_doubt_, slipping_ <= kSlips ? slipping_ : 0);
-  since_good_ = worst > 1 ? changed : std::min(doubtful, kShortest);
-  return worst > 1;
+  return changed;
 }
 
 }  // namespace dwell

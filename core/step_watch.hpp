@@ -71,6 +71,8 @@ class StepWatch {
     return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
   }
 
+  [[nodiscard]] int changed() const noexcept;
+
   double tolerance_;
   std::vector<Block> blocks_;
   Block open_;
@@ -83,6 +85,7 @@ class StepWatch {
   double tolerated_ = 0.0;  // … and what it adds to a deviation
   double beats_ = 0.0, late_s_ = 0.0;
   int since_good_ = 0, in_doubt_ = 0, slipping_ = 0;
+  bool far_amplitude_doubt_ = false, far_drift_doubt_ = false;  // at the last look further back
 };
 
 }  // namespace dwell
