@@ -122,6 +122,7 @@ void Pipeline::Impl::begin_hold(int from) {
   extra_poles.clear();
   for (Noise& noise : noises) noise = {};
   modal_refit_at_ns = 0;
+  believe_at_ns = INT64_MIN;
   quiet_ns = INT64_MIN;
   settling.restart();
   history_omega = omega;

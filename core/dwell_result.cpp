@@ -31,6 +31,8 @@ std::string Pipeline::Impl::settling_reason() const {
       return "the drive is not steady, or not at a frequency between " +
              std::to_string(rig.excitation.search_low_hz).substr(0, 6) + " and " +
              std::to_string(rig.excitation.search_high_hz).substr(0, 6) + " Hz";
+    if (believe_at_ns != INT64_MIN)
+      return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
       return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
@@ -51,7 +53,7 @@ std::string Pipeline::Impl::settling_reason() const {
 // of the frequency: no more independent errors then than one period has samples.
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
   const double step = live[static_cast<std::size_t>(c)].step;
-  if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * (0.25 + 1.0 / 12))) return 0.0;
+  if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
   const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
   const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
   return step / std::sqrt(12.0) * std::sqrt(2 / in_period);

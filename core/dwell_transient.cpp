@@ -1,21 +1,25 @@
 // How much of the transient is left, when that is little enough, and its being taken out of the data that count.
+#include <utility>
+
 #include "core/pipeline_impl.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kHoldGrowth = 1.25;              // of the hold, before its poles are refined again
-constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most, and part of the time expected to be left
-constexpr double kGrowthMeasuring = 2.0;          // the same after the verdict
-constexpr double kMatters = 0.05;                 // of the variance
-constexpr double kTurned = 0.1;                   // standard deviations
-constexpr int kRefits = 4;                        // of the fit at a better frequency, at most
-constexpr double kSafety = 0.8;                   // of what is allowed: that is itself only estimated
-constexpr double kSure = 3.0;                     // standard deviations of what may be left of the transient
-constexpr double kMostTakenOut = 8.0;             // of what may be left, where data begin to count
-constexpr double kNegligible = 1e-3;              // of the tolerance: nothing is subtracted any more …
-constexpr double kNegligibleOfNoise = 0.2;        // … or of the uncertainty of the phasor
-constexpr double kShortest = 2.0;                 // after these, periods, before anything is said
+constexpr double kHoldGrowth = 1.25;                  // of the hold, before its poles are refined again
+constexpr double kGrowthFar = 2.0, kAhead = 0.5;      // … at most, and part of the time expected to be left
+constexpr double kGrowthMeasuring = 2.0;              // the same after the verdict
+constexpr double kMatters = 0.05;                     // of the variance
+constexpr double kTurned = 0.1;                       // standard deviations
+constexpr int kRefits = 4;                            // of the fit at a better frequency, at most
+constexpr double kSafety = 0.8;                       // of what is allowed: that is itself only estimated
+constexpr double kSure = 3.0;                         // standard deviations of what may be left of the transient
+constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
+constexpr double kNegligible = 1e-3;                  // of the tolerance: nothing is subtracted any more …
+constexpr double kNegligibleOfNoise = 0.2;            // … or of the uncertainty of the phasor
+constexpr double kSudden = 1.2;                       // times what is allowed, a moment ago
+constexpr double kAgain = 0.05, kAgainPeriods = 2.0;  // of the hold, periods: later, that is asked again
+constexpr double kShortest = 2.0;                     // after these, periods, before anything is said
 
 }  // namespace
 
@@ -83,16 +87,17 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     feed_modes();
     solve_modes();
   }
-  verdict = {};
+  const double left_before = std::exchange(verdict, {}).worst_left;
   verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
   if (verdict.worst_left <= 1) {
     compare_halves();
     verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
     if (!explained()) refit_soon();
   }
-  const bool waits = verdict.worst_left > 1;
-  verdict.settles_in_s =
-      waits && std::isfinite(verdict.worst_left) ? std::log(verdict.worst_left) / slowest_rate() : kNaN;
+  const bool waits = verdict.worst_left > 1 || !believed(left_before);
+  verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
+                         : verdict.worst_left > 1                     ? std::log(verdict.worst_left) / slowest_rate()
+                                                  : to_s(std::max<std::int64_t>(0, believe_at_ns - now_ns));
   if (waits || out_of_search()) return true;
   // The data count from where the same could be said of an earlier instant; further back, where that would leave too
   // few, only as long as what is taken out is no large multiple of what may be left.
@@ -127,6 +132,28 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     count_anew();
   }
   return true;
+}
+
+// Rounding is no noise: it may lead a fit astray, and another with some more data again elsewhere. What is said of a
+// sudden where readings are rounded is asked of a second fit.
+bool Pipeline::Impl::believed(double left_before) {
+  const auto rounds = [&](int c) {
+    const double step = live[static_cast<std::size_t>(c)].step;
+    return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
+  };
+  if (verdict.worst_left > 1) {
+    believe_at_ns = INT64_MIN;
+    return false;
+  }
+  if (believe_at_ns == INT64_MIN) {
+    bool rounded = false;
+    for (int c = 0; c < channel_count; ++c) rounded = rounded || rounds(c);
+    if (!rounded || !(left_before > kSudden)) return true;
+    believe_at_ns = now_ns + std::max(to_ns(kAgainPeriods * period_s()),
+                                      static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - steady_ns)));
+    modal_refit_at_ns = believe_at_ns;
+  }
+  return now_ns >= believe_at_ns;
 }
 
 void Pipeline::Impl::refit_later(double growth) {

@@ -17,9 +17,9 @@ class SamplingRegularity {
     if (!(step_s > 0)) return;
     if (n_ > 8 && step_s > 1.6 * mean_s_) return;  // lost in between
     n_ = n_ < kMost ? n_ + 1 : kMost;
-    const double off = step_s - mean_s_;
-    mean_s_ += off / n_;
-    variance_ += (off * off - variance_) / n_;
+    const double off = step_s - mean_s_, weight = 1 / n_;
+    mean_s_ += off * weight;
+    variance_ += (off * off - variance_) * weight;
   }
   // Least distance of the alias of line_hz to f_hz, Hz. Jitter spreads an alias until only the line itself is left.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {

@@ -39,8 +39,9 @@ inline constexpr double kLost_s = 1.0;
 inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
 inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
 inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
-inline constexpr int kManyRefinements = 8;     // of poles that are far off
-inline constexpr double kUnsure = 1.0;         // periods at the beginning of a hold, which are left out
+inline constexpr double kRounded = 0.25 + 1.0 / 12;  // steps²: readings of less noise than half a step, and rounding
+inline constexpr int kManyRefinements = 8;           // of poles that are far off
+inline constexpr double kUnsure = 1.0;               // periods at the beginning of a hold, which are left out
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 [[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -145,9 +146,10 @@ struct Pipeline::Impl {
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
-  int fits_left = 0;                  // of the whole hold, before now must be enough
-  double modal_skipped = 0.0;         // part of the hold that the modal fit leaves out
-  std::int64_t quiet_ns = INT64_MIN;  // until then the transient is taken out of what comes in
+  std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
+  int fits_left = 0;                       // of the whole hold, before now must be enough
+  double modal_skipped = 0.0;              // part of the hold that the modal fit leaves out
+  std::int64_t quiet_ns = INT64_MIN;       // until then the transient is taken out of what comes in
   std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
       spectrum;
   struct Noise {
@@ -315,6 +317,7 @@ struct Pipeline::Impl {
   double modal_left(std::int64_t t_ns, int* worst) const;
   // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
+  bool believed(double left_before);
   void refit_later(double growth);
   void refit_soon();
   void refit_measuring(std::int64_t end_ns);
