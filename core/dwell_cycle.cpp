@@ -134,6 +134,7 @@ void Pipeline::Impl::begin_hold(int from) {
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
     channel.step = INFINITY;
+    channel.steps_seen = 0;
     channel.overrange = 0;
   }
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;

@@ -10,10 +10,11 @@ namespace {
 // Of the hold, its violent beginning: what has decayed by then needs no mode; and more of it each time that the fit
 // does not explain the data.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr double kGone = 1e-6;     // of an amplitude by then
-constexpr double kTrust = 0.05;    // relative change of a pole in one step, as far as the data leave it open
-constexpr int kRefinements = 2;    // steps each time, at most
-constexpr double kPenalty = 50.0;  // of the misfit, for each pole beside the chain's
+constexpr double kGone = 1e-6;         // of an amplitude by then
+constexpr double kTrust = 0.05;        // relative change of a pole in one step, as far as the data leave it open
+constexpr double kTrustOmega = 0.005;  // of the drive's frequency likewise
+constexpr int kRefinements = 2;        // steps each time, at most
+constexpr double kPenalty = 50.0;      // of the misfit, for each pole beside the chain's
 constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
 constexpr double kSame = 0.3;                       // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;                       // relative, of a chain's pole to one that the data show
@@ -100,7 +101,9 @@ bool Pipeline::Impl::refit_modes() {
     const auto c = static_cast<std::size_t>(s.channel);
     ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
-  const double w = drive_omega();
+  // At first by the table alone, then by all channels.
+  const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
+  const double w = drive_omega(), first_w = fitted && refined() ? modal.omega() : w;
   if (modal_poles.empty()) {
     // From the windows' mean, the first time.
     if (decay.poles().empty()) return false;
@@ -112,7 +115,6 @@ bool Pipeline::Impl::refit_modes() {
   double best = INFINITY;
   kept_extras = extra_poles;
   kept_poles.clear();
-  const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
   // However long the hold, going over it again has its limit: what was not tried is next time.
   const double samples = static_cast<double>(history.end() - history.first_at(modal_from_ns));
   const double products = 0.5 * std::pow(2.0 * H + 1 + 4 * static_cast<double>(modal_poles.size() + kExtraPoles), 2);
@@ -130,26 +132,28 @@ bool Pipeline::Impl::refit_modes() {
     if (candidate > 0) poles = chain_poles();
     if (poles.empty()) continue;
     keep_alive(poles, best_poles);
-    const double misfit = refine_poles(w, fit_modes(w, best_poles), candidate == 0 ? kRefinements : kManyRefinements);
+    const double misfit = refine_poles(fit_modes(candidate == 0 ? first_w : w, best_poles),
+                                       candidate == 0 ? kRefinements : kManyRefinements);
     const double penalized = misfit + kPenalty * static_cast<double>(extra_poles.size());
     if (penalized < best) {
       best = penalized;
       kept_poles = best_poles;
+      kept_w = modal.omega();
       spare_poles = extra_poles;
       if (explained()) break;
     }
   }
   if (kept_poles.empty()) return false;
-  if (best_poles != kept_poles) fit_modes(w, kept_poles);
+  if (best_poles != kept_poles) fit_modes(kept_w, kept_poles);
   best_poles = kept_poles;
   extra_poles = spare_poles;
   if (fits_left > 0 && find_extra_pole()) {
     std::rotate(extra_poles.begin(), extra_poles.end() - 1, extra_poles.end());
     best_poles.insert(best_poles.begin(), extra_poles.front());
-    refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
+    refine_poles(fit_modes(kept_w, best_poles), kManyRefinements);
   }
   take_best_poles();
-  judge_extra_poles(w);
+  judge_extra_poles();
   // What cannot be explained is shed: the next fit begins later, where less of it is left.
   modal_skipped = explained() ? kSkipped : std::min(modal_skipped + kSkippedMore, kSkippedMost);
   return true;
@@ -172,7 +176,7 @@ void Pipeline::Impl::renew_silent_poles() {
   if (!chain.empty()) modal_poles = trial_poles;
 }
 
-// Takes trial_poles if they explain the data better; the fit is that of best_poles afterwards.
+// Takes trial_poles and w if they explain the data better; the fit is that of best_poles afterwards.
 double Pipeline::Impl::try_poles(double w, double best) {
   std::swap(modal, spare);
   for (int c = 0; c < channel_count; ++c) modal.expect(c, spare.variance(c));
@@ -185,13 +189,13 @@ double Pipeline::Impl::try_poles(double w, double best) {
   return best;
 }
 
-double Pipeline::Impl::refine_poles(double w, double misfit, int steps) {
+double Pipeline::Impl::refine_poles(double misfit, int steps) {
   double best = misfit;
   for (int i = 0; i < steps && fits_left > 0; ++i) {
-    const auto moved = modal.refined(kTrust);
+    const auto moved = modal.refined(kTrust, refined() ? kTrustOmega : 0.0);
     if (modal.converged() < kConverged) break;
     trial_poles.assign(moved.begin(), moved.end());
-    const double better = try_poles(w, best);
+    const double better = try_poles(refined() ? within_search(rig, modal.refined_omega()) : modal.omega(), best);
     if (!(better < best)) break;
     best = better;
   }

@@ -106,7 +106,7 @@ bool Pipeline::Impl::find_extra_pole() {
 
 // An oscillation that does not decay is no transient. At the mains' frequencies that is believed unless the data speak
 // against it; at others after a long time.
-void Pipeline::Impl::judge_extra_poles(double w) {
+void Pipeline::Impl::judge_extra_poles() {
   const double seen_s = to_s(now_ns - modal.t0_ns());
   for (std::size_t i = 0; i < extra_poles.size(); ++i) {
     const Complex pole = extra_poles[i];
@@ -115,10 +115,10 @@ void Pipeline::Impl::judge_extra_poles(double w) {
       of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * modal.u_pole(i);
     if (of_mains && fits_left > 0) {
       kept_poles = best_poles;
-      const double given = modal.misfit();
+      const double given = modal.misfit(), w = modal.omega();
       const bool was_steady = pole.real() == 0;
       best_poles[i].real(was_steady ? -1 / seen_s : 0.0);
-      const double other = refine_poles(w, fit_modes(w, best_poles), kManyRefinements);
+      const double other = refine_poles(fit_modes(w, best_poles), kManyRefinements);
       if (was_steady ? other + kSpeaksAgainst < given : other < given + kSpeaksAgainst) {
         take_best_poles();
       } else {

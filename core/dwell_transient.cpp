@@ -138,7 +138,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
 // sudden where readings are rounded is asked of a second fit.
 bool Pipeline::Impl::believed(double left_before) {
   const auto rounds = [&](int c) {
-    const double step = live[static_cast<std::size_t>(c)].step;
+    const double step = live[static_cast<std::size_t>(c)].rounding();
     return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
   };
   if (verdict.worst_left > 1) {
@@ -184,7 +184,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   } else {
     misfit = fit_modes(w, best_poles);
   }
-  refine_poles(modal.omega(), misfit, 1);
+  refine_poles(misfit, 1);
   take_best_poles();
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);

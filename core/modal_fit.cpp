@@ -13,6 +13,7 @@ using Eigen::Index;
 constexpr double kSecond = 1e-9;
 constexpr double kGone = 1e-13;     // of an amplitude: as good as nothing
 constexpr int kSteps = 256;         // from turn to turn: their rounding stays below 1e-13
+constexpr double kKnown = 1e-12;    // relative, of a frequency that is given
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 
 }  // namespace
@@ -21,7 +22,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
     : harmonics_(harmonics),
       capacity_(static_cast<std::size_t>(std::min(modes, kMaxModes))),
       harmonic_(2 * harmonics + 1) {
-  const Index most = 2 * static_cast<Index>(capacity_), all = harmonic_ + 2 * most;
+  const Index most = 2 * static_cast<Index>(capacity_), all = harmonic_ + 2 * most + 2;
   poles_.resize(capacity_);
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
@@ -29,10 +30,10 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   faded_ns_.resize(capacity_, INT64_MAX);
   x_.resize(all);
   work_.resize(harmonic_ + most, harmonic_ + most);
-  columns_.resize(harmonic_ + most, most);
-  slopes_.resize(most, most);
-  hessian_.resize(most, most);
-  gradient_.resize(most);
+  columns_.resize(harmonic_ + most, most + 2);
+  slopes_.resize(most + 2, most + 2);
+  hessian_.resize(most + 1, most + 1);
+  gradient_.resize(most + 1);
   product_.resize(harmonic_ + most);
   channels_.resize(static_cast<std::size_t>(channels));
   for (PerChannel& channel : channels_) {
@@ -96,7 +97,7 @@ void ModalFit::turn_by(std::int64_t dt_ns) noexcept {
 }
 
 // The regressors at t: 1, sin, cos, then of each mode those of the real and the imaginary part of its amplitude, then
-// the same of the relative change of its pole.
+// the same of the relative change of its pole, and of that of ω (of the fundamental, which tells most of it).
 void ModalFit::evaluate(std::int64_t t_ns) noexcept {
   if (t_ns == evaluated_ns_) return;
   if (t_ns > evaluated_ns_ && evaluated_ns_ >= t0_ns_ && steps_taken_ < kSteps)
@@ -124,6 +125,9 @@ void ModalFit::evaluate(std::int64_t t_ns) noexcept {
     x_(modal_ + i) = slope * x_(i);
     x_(modal_ + i + 1) = slope * x_(i + 1);
   }
+  const Index w = linear() + modal_;
+  x_(w) = omega_ * u * x_(1);
+  x_(w + 1) = omega_ * u * x_(harmonics_ + 1);
 }
 
 void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
@@ -134,7 +138,7 @@ void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
     to.referenced = true;
   }
   const double s = value - to.reference;
-  const Index all = linear() + modal_;
+  const Index all = linear() + slopes();
   to.moments.head(all) += s * x_.head(all);
   to.squares += s * s;
   to.samples += 1.0;
@@ -145,7 +149,7 @@ void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
 
 void ModalFit::add_pending(PerChannel& to) noexcept {
   static_assert(kTogether == 4);
-  const Index all = linear() + modal_;
+  const Index all = linear() + slopes();
   for (Index i = to.pending_count; i < kTogether; ++i) to.pending.col(i).setZero();
   const double *x0 = &to.pending(0, 0), *x1 = &to.pending(0, 1), *x2 = &to.pending(0, 2), *x3 = &to.pending(0, 3);
   for (Index j = 0; j < all; ++j) {
@@ -202,10 +206,10 @@ double ModalFit::misfit() const noexcept {
   return sum;
 }
 
-std::span<const Complex> ModalFit::refined(double trust) noexcept {
-  const Index P = linear();
-  auto H = hessian_.topLeftCorner(modal_, modal_);
-  auto g = gradient_.head(modal_);
+std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noexcept {
+  const Index P = linear(), D = slopes();
+  auto H = hessian_.topLeftCorner(modal_ + 1, modal_ + 1);
+  auto g = gradient_.head(modal_ + 1);
   H.setZero();
   g.setZero();
   for (PerChannel& channel : channels_) {
@@ -217,11 +221,11 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
     for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
     if (llt.info() != Eigen::Success) continue;
-    auto columns = columns_.topLeftCorner(P, modal_);
-    columns = channel.normal.block(P, 0, modal_, P).transpose();
+    auto columns = columns_.topLeftCorner(P, D);
+    columns = channel.normal.block(P, 0, D, P).transpose();
     llt.matrixL().solveInPlace(columns);
-    auto S = slopes_.topLeftCorner(modal_, modal_);
-    S = channel.normal.block(P, P, modal_, modal_).selfadjointView<Eigen::Lower>();
+    auto S = slopes_.topLeftCorner(D, D);
+    S = channel.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
     S.noalias() -= columns.transpose().lazyProduct(columns);
     // b_m = a_m ρ_m, ρ the pole's relative change.
     const auto amplitude = [&](Index m) {
@@ -235,20 +239,33 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
       jacobian << decays * a.real(), -a.imag(), decays * a.imag(), a.real();
       return jacobian;
     };
-    for (Index m = 0; m < modal_ / 2; ++m) {
-      Eigen::Vector2d score = channel.moments.segment<2>(P + 2 * m);
-      for (Index i = 0; i < P; ++i) score -= channel.theta(i) * channel.normal.block<2, 1>(P + 2 * m, i);
-      g.segment<2>(2 * m) += J(m).transpose() * score / channel.sigma2;
-      for (Index l = 0; l < modal_ / 2; ++l)
+    const auto score = [&](Index m) {
+      Eigen::Vector2d sum = channel.moments.segment<2>(P + 2 * m);
+      for (Index i = 0; i < P; ++i) sum -= channel.theta(i) * channel.normal.block<2, 1>(P + 2 * m, i);
+      return sum;
+    };
+    const Index modes = modal_ / 2;
+    for (Index m = 0; m < modes; ++m) {
+      g.segment<2>(2 * m) += J(m).transpose() * score(m) / channel.sigma2;
+      for (Index l = 0; l < modes; ++l)
         H.block<2, 2>(2 * m, 2 * l) += J(m).transpose() * S.block<2, 2>(2 * m, 2 * l) * J(l) / channel.sigma2;
     }
+    // p sin ωu + q cos ωu, by a relative change of ω: ωu (p cos ωu - q sin ωu).
+    const Eigen::Vector2d turned{-channel.theta(harmonics_ + 1), channel.theta(1)};
+    g(modal_) += turned.dot(score(modes)) / channel.sigma2;
+    for (Index m = 0; m < modes; ++m)
+      H.block<2, 1>(2 * m, modal_) += J(m).transpose() * S.block<2, 2>(2 * m, modal_) * turned / channel.sigma2;
+    H(modal_, modal_) += turned.dot(S.block<2, 2>(modal_, modal_) * turned) / channel.sigma2;
   }
-  H.diagonal().array() += 1 / (trust * trust);
+  H.row(modal_).head(modal_) = H.col(modal_).head(modal_).transpose();
+  H.diagonal().head(modal_).array() += 1 / (trust * trust);
+  H(modal_, modal_) += 1 / std::max(trust_omega * trust_omega, kKnown * kKnown);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
   std::copy_n(poles_.begin(), count_, moved_.begin());
+  moved_omega_ = omega_;
   if (llt.info() != Eigen::Success) return {moved_.data(), count_};
   llt.solveInPlace(g);
-  auto unit = slopes_.topLeftCorner(modal_, modal_);
+  auto unit = slopes_.topLeftCorner(modal_ + 1, modal_ + 1);
   unit.setIdentity();
   llt.solveInPlace(unit);
   converged_ = 0.0;
@@ -265,6 +282,10 @@ std::span<const Complex> ModalFit::refined(double trust) noexcept {
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
     u_poles_[m] = size * std::sqrt(std::max(0.0, 0.5 * (unit(i, i) + unit(i + 1, i + 1))));
     converged_ = std::max(converged_, std::abs(rho) / std::sqrt(std::max(1e-300, unit(i, i) + unit(i + 1, i + 1))));
+  }
+  if (trust_omega > 0 && std::isfinite(g(modal_))) {
+    moved_omega_ = omega_ * (1 + std::clamp(g(modal_), -trust_omega, trust_omega));
+    converged_ = std::max(converged_, std::abs(g(modal_)) / std::sqrt(std::max(1e-300, unit(modal_, modal_))));
   }
   return {moved_.data(), count_};
 }

@@ -3,9 +3,9 @@
 //   s_i = b + Σ_h [ p_h sin hωu_i + q_h cos hωu_i ] + Σ_m Re( a_m exp(λ_m u_i) ) + e_i ,    u_i = t_i - t_0
 //
 // per channel, with the poles λ_m shared by all: those of the identified chain, then refined on the data themselves
-// (Gauss-Newton on λ with all linear parameters eliminated, Golub and Pereyra's variable projection as simplified by
-// Kaufman). An amplitude is not believed to be larger than what the channel has shown: a Gaussian prior of that width
-// makes the fit solvable at any time, and makes its uncertainty tell when a slow mode cannot be told yet from the
+// (Gauss-Newton on λ and ω with all linear parameters eliminated, Golub and Pereyra's variable projection as simplified
+// by Kaufman). An amplitude is not believed to be larger than what the channel has shown: a Gaussian prior of that
+// width makes the fit solvable at any time, and makes its uncertainty tell when a slow mode cannot be told yet from the
 // steady motion. What is asked of it: how much of the transient is left, and what to subtract.
 #pragma once
 
@@ -25,7 +25,7 @@ class ModalFit {
  public:
   static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
 
-  // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+1+4·modes)² bytes a channel.
+  // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+3+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
 
   // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is
@@ -43,13 +43,16 @@ class ModalFit {
 
   // The sum over solved channels of N ln σ²: what a better set of poles makes smaller.
   [[nodiscard]] double misfit() const noexcept;
-  // One Gauss-Newton step on the poles from all solved channels, within `trust` of each pole's magnitude; returns the
-  // poles moved. Leaves the sums as they are: restart and add again.
-  [[nodiscard]] std::span<const std::complex<double>> refined(double trust) noexcept;
+  // One Gauss-Newton step on the poles, and on ω within `trust_omega` of it (0: it is known), from all solved channels,
+  // within `trust` of each pole's magnitude; returns the poles moved. Leaves the sums as they are: restart and add
+  // again.
+  [[nodiscard]] std::span<const std::complex<double>> refined(double trust, double trust_omega) noexcept;
+  // ω after that step, rad/s.
+  [[nodiscard]] double refined_omega() const noexcept { return moved_omega_; }
 
   // Standard uncertainty of a pole at the last step, rad/s, either component.
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
-  // How far the last step went, in standard deviations of the poles.
+  // How far the last step went, in standard deviations of the poles and of ω.
   [[nodiscard]] double converged() const noexcept { return converged_; }
 
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
@@ -113,6 +116,8 @@ class ModalFit {
   void turn_to(std::int64_t t_ns) noexcept;
   void add_pending(PerChannel& to) noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
+  // Beside these the derivatives: two for each mode, two for ω.
+  [[nodiscard]] Eigen::Index slopes() const noexcept { return modal_ + 2; }
 
   int harmonics_;
   std::size_t capacity_, count_ = 0;
@@ -122,7 +127,7 @@ class ModalFit {
   double converged_ = 0.0;
   std::vector<double> u_poles_;
   std::vector<std::int64_t> faded_ns_;
-  double omega_ = 0.0;
+  double omega_ = 0.0, moved_omega_ = 0.0;
   std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
   std::complex<double> drive_turn_;
   std::array<std::complex<double>, kMaxModes> turns_{};  // exp(λ_m u)

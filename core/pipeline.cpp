@@ -9,6 +9,7 @@ namespace {
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
 constexpr double kHeldUp = 1.5;                             // of the usual turnaround
+constexpr double kSameStep = 1e-6;                          // relative
 
 }  // namespace
 
@@ -77,7 +78,12 @@ void Pipeline::Impl::sample(const Record& record) {
   channel.last_ns = record.t_ns;
   if (const double step = std::abs(value - channel.now.value); step != 0) {
     channel.changed_ns = record.t_ns;
-    if (step < channel.step) channel.step = step;
+    if (step < channel.step * (1 - kSameStep)) {
+      channel.step = step;
+      channel.steps_seen = 1;
+    } else if (step < channel.step * (1 + kSameStep)) {
+      ++channel.steps_seen;
+    }
   }
   channel.now.value = value;
   channel.now.t_ns = record.t_ns;

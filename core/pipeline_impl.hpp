@@ -117,6 +117,9 @@ struct Pipeline::Impl {
     std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
     double step = INFINITY;  // smallest difference of two readings one after the other, in this hold: SI
+    int steps_seen = 0;      // how often
+    // The device's rounding, SI. Readings of any value never differ by the same twice. INFINITY: none is seen.
+    [[nodiscard]] double rounding() const { return steps_seen > 1 ? step : INFINITY; }
     std::uint64_t overrange = 0;
     SamplingRegularity sampling;
     bool referenced = false;
@@ -147,6 +150,7 @@ struct Pipeline::Impl {
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
   std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
+  double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
   int fits_left = 0;                       // of the whole hold, before now must be enough
   double modal_skipped = 0.0;              // part of the hold that the modal fit leaves out
   std::int64_t quiet_ns = INT64_MIN;       // until then the transient is taken out of what comes in
@@ -189,6 +193,8 @@ struct Pipeline::Impl {
 
   // While settling the motion itself shows the frequency, though pulses may give it in the end.
   [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
+  // Whether only the motion tells the frequency.
+  [[nodiscard]] bool refined() const { return rig.excitation.reference == Reference::tracked; }
   [[nodiscard]] bool synced() const { return rig.excitation.reference == Reference::sync; }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
@@ -294,7 +300,7 @@ struct Pipeline::Impl {
   void renew_silent_poles();
   // trial_poles become best_poles if they explain the data better; the misfit of best_poles.
   double try_poles(double w, double best);
-  double refine_poles(double w, double best, int steps);
+  double refine_poles(double best, int steps);
   void take_best_poles();
   // Everything again: where the hold's data may begin, the poles, what they leave over. false: no poles are known.
   bool refit_modes();
@@ -306,7 +312,7 @@ struct Pipeline::Impl {
   [[nodiscard]] double unexplained(int c) const;
   void compare_halves();
   bool find_extra_pole();
-  void judge_extra_poles(double w);
+  void judge_extra_poles();
   // Whether a steady line beside the drive is fitted.
   [[nodiscard]] bool hums() const;
 

@@ -47,7 +47,7 @@ TEST(ModalFit, FindsPolesThatItWasToldWrong) {
     fit.restart(kOmega, 0, poles);
     show(fit, {truth}, {{0.7, 0.3}}, 4.0, 1e-3);
     ASSERT_TRUE(fit.solve(0, 10, 10));
-    const auto moved = fit.refined(0.05);
+    const auto moved = fit.refined(0.05, 0.0);
     poles.assign(moved.begin(), moved.end());
   }
   EXPECT_LT(std::abs(poles[0] - truth), 4 * fit.u_pole(0));

@@ -22,15 +22,21 @@ StepOutcome play_step(const Case& about, const Trace& trace) {
   Pipeline pipeline(about.rig);
   Player player(about);
   const double period_s = about.period_s();
-  double since_s = NAN, step_s = INFINITY;
+  double since_s = NAN, step_s = INFINITY, told_s = 0.0;
   for (;;) {
     const bool completed = (pipeline.push(player.next()) & kCompleted) != 0;
     const double t_s = player.now_s();
     if (t_s < step_s) {
       const bool measuring = pipeline.state() == State::measuring;
       if (!measuring) {
+        if (trace && std::isfinite(since_s))
+          trace(text("measuring from %.2f periods on, left at %.2f", since_s / period_s, t_s / period_s));
         outcome.disturbed = outcome.disturbed || std::isfinite(since_s);
         since_s = NAN;
+        if (trace && t_s > told_s) {
+          trace(text("%8.2f periods: ", t_s / period_s) + pipeline.current().settling_reason);
+          told_s = t_s + period_s;
+        }
         if (t_s > patience_s(about) || std::isfinite(step_s)) return outcome;
       } else if (std::isnan(since_s)) {
         since_s = t_s;
