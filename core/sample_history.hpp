@@ -20,14 +20,16 @@ class SampleHistory {
   explicit SampleHistory(std::size_t capacity) : samples_(capacity) {}
 
   void push(std::int64_t t_ns, int channel, double value) noexcept {
-    samples_[static_cast<std::size_t>(end_ % samples_.size())] = {t_ns, value, channel};
+    samples_[next_] = {t_ns, value, channel};
+    if (++next_ == samples_.size()) next_ = 0;
     ++end_;
   }
   // Numbers of the samples held: [begin, end).
   [[nodiscard]] std::uint64_t begin() const noexcept { return end_ - std::min<std::uint64_t>(end_, samples_.size()); }
   [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
   [[nodiscard]] const Sample& operator[](std::uint64_t number) const noexcept {
-    return samples_[static_cast<std::size_t>(number % samples_.size())];
+    const auto ago = static_cast<std::size_t>(end_ - number);
+    return samples_[ago <= next_ ? next_ - ago : next_ + samples_.size() - ago];
   }
   // Number of the first sample held at or after t. O(log n).
   [[nodiscard]] std::uint64_t first_at(std::int64_t t_ns) const noexcept {
@@ -45,6 +47,7 @@ class SampleHistory {
  private:
   std::vector<Sample> samples_;
   std::uint64_t end_ = 0;
+  std::size_t next_ = 0;  // where the next goes
 };
 
 }  // namespace dwell

@@ -1,5 +1,7 @@
 #include "drivers/can/dbc_lexer.hpp"
 
+#include <algorithm>
+
 namespace dwell::can {
 namespace {
 
@@ -54,6 +56,15 @@ void Lexer::take_text() noexcept {
   token_.kind = at_ < text_.size() ? Token::Kind::text : Token::Kind::open;
   token_.text = text_.substr(begin, at_ - begin);
   if (at_ < text_.size()) ++at_;
+}
+
+void Lexer::next_line() noexcept {
+  if (token_.kind == Token::Kind::end) return;
+  const auto begin = static_cast<std::size_t>(token_.text.data() - text_.data());
+  line_ = token_.line;
+  at_ = std::min(text_.find('\n', begin), text_.size());
+  first_ = true;  // the blank that ends the line is skipped, and counted, as any other
+  next();
 }
 
 void Lexer::next() noexcept {

@@ -35,6 +35,9 @@ class Lexer {
   [[nodiscard]] const Token& now() const noexcept { return token_; }
   // Goes on to the next one; at the end it stays there.
   void next() noexcept;
+  // Goes on at the line behind the one on which the present token begins: what followed was no part of a text after
+  // all.
+  void next_line() noexcept;
 
  private:
   void skip_blanks() noexcept;

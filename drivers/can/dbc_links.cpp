@@ -17,7 +17,10 @@ void DbcParser::link() {
   for (const SelectorStatement& each : selectors_) link_selector(each);
   for (const Multiplexed& each : multiplexed_) link_multiplexed(each);
   if (mistakes_.empty())
-    for (const Multiplexed& each : multiplexed_) check_nesting(each);
+    for (const Multiplexed& each : multiplexed_) {
+      check_nesting(each);
+      check_values(each);
+    }
   link_formats();
   for (Message& message : dbc_.messages)
     for (Signal& signal : message.signals)
@@ -73,7 +76,13 @@ void DbcParser::link_selector(const SelectorStatement& each) {
     mistake(each.selector, "signal " + each.selector.shown() + " is no multiplexor; expected M in its SG_");
     return;
   }
-  multiplexed_[multiplexed->second].linked = true;
+  Multiplexed& about = multiplexed_[multiplexed->second];
+  if (about.linked && signals[*signal].selector != *selector) {
+    mistake(each.selector, "signal " + each.signal.shown() + " is selected by `" +
+                               signals[signals[*signal].selector].name + "` already; expected one multiplexor");
+    return;
+  }
+  about.linked = true;
   signals[*signal].selector = *selector;
   signals[*signal].selected_by.insert(signals[*signal].selected_by.end(), each.ranges.begin(), each.ranges.end());
 }
@@ -97,6 +106,27 @@ void DbcParser::link_multiplexed(const Multiplexed& each) {
     signals[each.signal].selector = others[0];
     signals[each.signal].selected_by = {{each.value, each.value}};
   }
+}
+
+// The values that select it must fit its multiplexor.
+void DbcParser::check_values(const Multiplexed& each) {
+  const std::vector<Signal>& signals = dbc_.messages[each.message].signals;
+  const Signal& signal = signals[each.signal];
+  const Signal& selector = signals[signal.selector];
+  if (!selector.unreadable.empty()) {
+    mistake(each.at,
+            "signal " + each.at.shown() + " is multiplexed by `" + selector.name + "`, which " + selector.unreadable);
+    return;
+  }
+  const unsigned bits = selector.field.length;
+  const std::uint64_t most = bits < 64 ? (std::uint64_t{1} << bits) - 1 : UINT64_MAX;
+  for (const auto& [low, high] : signal.selected_by)
+    if (low > most) {
+      mistake(each.at, "signal " + each.at.shown() + " is selected by " + std::to_string(low) + ", but `" +
+                           selector.name + "` has " + std::to_string(bits) + " bits; expected at most " +
+                           std::to_string(most));
+      return;
+    }
 }
 
 void DbcParser::check_nesting(const Multiplexed& each) {

@@ -90,7 +90,12 @@ bool DbcParser::take_word(Token& word, std::string_view what) {
 bool DbcParser::finish(std::string_view statement) { return take(';', "at the end of " + std::string(statement)); }
 
 void DbcParser::skip_line() {
-  while (lexer_.now().kind != Kind::end && !lexer_.now().first) lexer_.next();
+  while (lexer_.now().kind != Kind::end && !lexer_.now().first) {
+    const Token& token = lexer_.now();
+    if (token.kind == Kind::open || (token.kind == Kind::text && token.text.find('\n') != std::string_view::npos))
+      return lexer_.next_line();
+    lexer_.next();
+  }
 }
 
 // Reads over everything up to the semicolon, texts of many lines included. The next section before that: it is missing.
@@ -275,15 +280,27 @@ bool DbcParser::layout(Signal& made) {
   return true;
 }
 
+bool DbcParser::factor(double& factor) {
+  const Token at = lexer_.now();
+  if (!take(factor, "the signal's factor")) return false;
+  return factor != 0.0 || mistake(at, "a factor of 0 makes every reading the same; expected another");
+}
+
 bool DbcParser::scaling(Signal& made) {
   double minimum = 0.0, maximum = 0.0;
-  if (!take('(', "before the signal's factor") || !take(made.factor, "the signal's factor") ||
-      !take(',', "after the signal's factor") || !take(made.offset, "the signal's offset") ||
-      !take(')', "after the signal's offset") || !take('[', "before the signal's minimum") ||
-      !take(minimum, "the signal's minimum") || !take('|', "after the signal's minimum") ||
-      !take(maximum, "the signal's maximum") || !take(']', "after the signal's maximum"))
+  if (!take('(', "before the signal's factor") || !factor(made.factor) || !take(',', "after the signal's factor") ||
+      !take(made.offset, "the signal's offset") || !take(')', "after the signal's offset") ||
+      !take('[', "before the signal's minimum") || !take(minimum, "the signal's minimum") ||
+      !take('|', "after the signal's minimum") || !take(maximum, "the signal's maximum") ||
+      !take(']', "after the signal's maximum"))
     return false;
-  if (lexer_.now().kind != Kind::text) return expected("the signal's unit, a text in quotes");
+  // A quote that is missing must not swallow what comes after.
+  const Token unit = lexer_.now();
+  if (unit.kind == Kind::open || (unit.kind == Kind::text && unit.text.find('\n') != std::string_view::npos)) {
+    lexer_.next_line();
+    return mistake(unit, "the text that begins here has no end on its line; expected a quote");
+  }
+  if (unit.kind != Kind::text) return expected("the signal's unit, a text in quotes");
   lexer_.next();
   return true;
 }

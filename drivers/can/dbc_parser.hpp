@@ -46,6 +46,7 @@ class DbcParser {
   bool signal();
   bool multiplexing(Signal& made, std::optional<Multiplexed>& multiplexed);
   bool layout(Signal& made);
+  bool factor(double& factor);
   bool scaling(Signal& made);
   bool value_type();
   bool selector();
@@ -70,6 +71,7 @@ class DbcParser {
   void link_selector(const SelectorStatement& each);
   void link_multiplexed(const Multiplexed& each);
   void check_nesting(const Multiplexed& each);
+  void check_values(const Multiplexed& each);
   void link_formats();
   [[nodiscard]] bool is_j1939(const Token& value) const;
   // Of a message as statements name it; none: told.

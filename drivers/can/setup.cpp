@@ -17,7 +17,7 @@ using driver::real_key;
 using driver::required;
 using driver::text_key;
 
-constexpr double kTimeout_s = 1.0;
+constexpr double kTimeout_s = 1.0, kMostTimeout_s = 60.0;
 constexpr double kCyclesToTimeout = 3.5;
 
 constexpr dwell_key kKeys[] = {
@@ -28,7 +28,7 @@ constexpr dwell_key kKeys[] = {
     text_key(DWELL_DEVICE, "stamps", "hardware|kernel",
              "whose stamps frames are given: the interface's own if it has them (default), or the kernel's"),
     real_key(
-        DWELL_DEVICE, "timeout", 0.01, 60.0, "s",
+        DWELL_DEVICE, "timeout", 0.01, kMostTimeout_s, "s",
         "after which a channel without a frame is stale; default 1, or 3.5 cycles if the DBC file says a longer one"),
     text_key(DWELL_CHANNEL, "message", nullptr, "the message, by the DBC file's name"),
     text_key(DWELL_CHANNEL, "signal", nullptr, "the signal, by the DBC file's name"),
@@ -90,8 +90,8 @@ class SetupReader {
       Wanted wanted;
       const bool by_hand = given(channel, kByHand) != nullptr;
       if (by_hand ? read_by_hand(channel, made, wanted) : read_by_dbc(channel, made, wanted)) {
-        made.timeout_ns =
-            driver::to_ns(settings_.get<double>("timeout", std::max(kTimeout_s, kCyclesToTimeout * cycle_s_)));
+        made.timeout_ns = driver::to_ns(
+            settings_.get<double>("timeout", std::clamp(kCyclesToTimeout * cycle_s_, kTimeout_s, kMostTimeout_s)));
         setup.channels.push_back(std::move(made));
         setup.wanted.push_back(std::move(wanted));
       }
@@ -160,17 +160,38 @@ class SetupReader {
     cycle_s_ = message->cycle_s;
     for (const Signal* at = signal; at->multiplexed; at = &message->signals[at->selector])
       wanted.conditions.push_back({message->signals[at->selector].field, at->selected_by});
-    if (!read_source(channel, wanted.match)) return false;
+    if (!read_source(channel, wanted.match) || !is_one(*message, wanted.match)) return false;
     made.source = message->name + "." + signal->name + " (" + shown(wanted.match) + ")";
+    return true;
+  }
+
+  // Where the file has the group from several addresses, the name alone would read whichever device sends.
+  bool is_one(const Message& message, const Match& match) {
+    if (!message.j1939 || match.source >= 0) return true;
+    for (const Message& other : dbc_->messages)
+      if (&other != &message && other.j1939 && group_of(other.id) == group_of(message.id)) {
+        wrong("message", "message `" + message.name + "` of " + file_ + " has the parameter group of `" + other.name +
+                             "`; expected `source` to say whose it is: " + std::to_string(message.id & 0xFFU) +
+                             " in the file");
+        return false;
+      }
     return true;
   }
 
   const Message* find_message(std::string_view name) {
     std::vector<std::string_view> names;
+    const Message* found = nullptr;
     for (const Message& message : dbc_->messages) {
-      if (message.name == name) return &message;
-      names.push_back(message.name);
+      if (message.name != name) {
+        names.push_back(message.name);
+      } else if (found == nullptr) {
+        found = &message;
+      } else {
+        wrong("message", file_ + " has several messages `" + std::string(name) + "`; expected a name of its own");
+        return nullptr;
+      }
     }
+    if (found != nullptr) return found;
     wrong("message", file_ + " has no message `" + std::string(name) + "`" + suggestion(name, names));
     return nullptr;
   }

@@ -101,6 +101,28 @@ TEST(Pipeline, HoldsFromRestUntilTheTransientHasDecayedAndThenIsWithinItsUncerta
   }
 }
 
+// The frequency is then better told by the masses, and a natural oscillation beside it must not take its place.
+TEST(Pipeline, ATableFarNoisierThanTheMassesHoldsNoVerdictUp) {
+  std::mt19937_64 rng(11);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double f = 4;
+    const Chain chain = random_chain(rng, 1 + trial % 3, trial % 2 ? Boundary::clamped : Boundary::free, f);
+    const auto steady = steady_response(chain, 2 * M_PI * f, 0.002);
+    Sampling sampling{.rate_hz = 50, .sigma = {}};
+    for (const auto& y : steady.Y) sampling.sigma.push_back((sampling.sigma.empty() ? 2e-2 : 2e-4) * std::abs(y));
+    if (chain.boundary == Boundary::clamped) sampling.sigma.push_back(2e-4 * std::abs(steady.F));
+    Bench bench(chain, rig_of(chain, 1.01 * f), steady_drive(f), DrivenChain::Start::rest, sampling,
+                static_cast<std::uint64_t>(trial));
+    bench.run(30 + 10 / slowest_decay_rate(chain), [&] { return bench.pipeline.state() == State::measuring; });
+    ASSERT_EQ(bench.pipeline.state(), State::measuring)
+        << "trial " << trial << ": " << bench.pipeline.current().settling_reason;
+    bench.run(bench.now_s() + 30);
+    bench.finish();
+    ASSERT_EQ(bench.dwells.size(), 1u) << "trial " << trial;
+    expect_within(bench.dwells[0], chain, 4.5, "trial " + std::to_string(trial));
+  }
+}
+
 TEST(Pipeline, SkewedAndJitteredChannelsGiveTheSameWithinTheirUncertainty) {
   const Chain chain = clamped_chain();
   const double f = 4;

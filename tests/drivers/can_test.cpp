@@ -152,6 +152,24 @@ TEST_F(Can, AnswersANameTheDbcFileLacksWithTheNearest) {
             "channel 0, message: rig.dbc has no message `Qqqqqqqq`; expected one of LoadCell, Motion, Identity, Wide");
 }
 
+TEST_F(Can, AnswersANameThatMayBeSeveralMessages) {
+  const std::string signal = ": 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n";
+  const std::string format =
+      "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\";\n"
+      "BA_DEF_DEF_ \"VFrameFormat\" \"J1939PG\";\n";
+  write("rig.dbc",
+        "BO_ 1 A" + signal + "BO_ 2 A" + signal + "BO_ 2566869025 B" + signal + "BO_ 2566869026 C" + signal + format);
+  EXPECT_EQ(mistake_of(with_dbc("A", "S")),
+            "channel 0, message: rig.dbc has several messages `A`; expected a name of its own");
+  EXPECT_EQ(
+      mistake_of(with_dbc("C", "S")),
+      "channel 0, message: message `C` of rig.dbc has the parameter group of `B`; expected `source` to say whose it "
+      "is: 34 in the file");
+  Given said = with_dbc("C", "S");
+  said.set("source", 34);
+  EXPECT_TRUE(mistakes_of(table_, *said.settings()).empty());
+}
+
 TEST_F(Can, AnswersASignalItCannotReadWithItsPlace) {
   EXPECT_EQ(mistake_of(with_dbc("LoadCell", "Serial")),
             "channel 0, signal: rig.dbc:7:6: signal `Serial` is of 96 bits; expected at most 64");

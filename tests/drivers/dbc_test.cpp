@@ -158,6 +158,26 @@ TEST(Dbc, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(mistake("SIG_VALTYPE_ 1 T : 1;\n"), "f:1:14: no message has the identifier 1; expected one of BO_");
 }
 
+TEST(Dbc, AMissingQuoteSwallowsNothing) {
+  const auto all = mistakes(
+      "BO_ 1 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"mm N\n SG_ T : 8|8@1+ (1,0) [0|0] \" N\n\n"
+      "BO_ 2 B: 4 N\n SG_ U : 0|32@1- (0,0) [0|0] \"mm\" N\nSIG_VALTYPE_ 2 U : 1;\n");
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0], "f:2:32: the text that begins here has no end on its line; expected a quote");
+  EXPECT_EQ(all[1].substr(0, 7), "f:3:32:");
+  EXPECT_EQ(all[2], "f:6:19: a factor of 0 makes every reading the same; expected another");
+}
+
+TEST(Dbc, RefusesASelectionThatNeverComesOrIsTwo) {
+  const std::string two = "BO_ 1 X: 8 N\n SG_ M M : 0|4@1+ (1,0) [0|0] \"\" N\n SG_ L M : 4|4@1+ (1,0) [0|0] \"\" N\n";
+  EXPECT_EQ(mistake("BO_ 1 X: 8 N\n SG_ M M : 0|4@1+ (1,0) [0|0] \"\" N\n SG_ A m16 : 8|8@1+ (1,0) [0|0] \"\" N\n"),
+            "f:3:6: signal `A` is selected by 16, but `M` has 4 bits; expected at most 15");
+  EXPECT_EQ(mistake(two + " SG_ A m1 : 8|8@1+ (1,0) [0|0] \"\" N\nSG_MUL_VAL_ 1 A M 1-1;\nSG_MUL_VAL_ 1 A L 1-1;\n"),
+            "f:6:17: signal `A` is selected by `M` already; expected one multiplexor");
+  EXPECT_EQ(mistake("BO_ 1 X: 16 N\n SG_ M M : 0|65@1+ (1,0) [0|0] \"\" N\n SG_ A m1 : 72|8@1+ (1,0) [0|0] \"\" N\n"),
+            "f:3:6: signal `A` is multiplexed by `M`, which is of 65 bits; expected at most 64");
+}
+
 TEST(Dbc, TellsEveryMistakeAtOnceInOrder) {
   const auto all = mistakes(
       "BO_ 1 A: 8 N\n SG_ S : 0|8@1* (1,0) [0|0] \"\" N\n SG_ T : 0|8@1+ (1,0) [0|0] \"\" N\n"
