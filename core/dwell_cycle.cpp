@@ -6,6 +6,7 @@ namespace {
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr double kInPhase_rad = 0.02;
 constexpr double kSlip_rad = 0.1;      // of the table's phase against the dwell's, beyond noise: another frequency
+constexpr double kStopped = 0.25;      // of the amplitude so far
 constexpr double kShortestTold = 5.0;  // periods: what ended sooner without settling is not told
 constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell is kept back to learn why it ended
 
@@ -41,7 +42,10 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
   const double u0 = few * std::sqrt(0.5 * table.covariance.trace()) * per_reading;
 
-  if (std::abs(Y0) < rig.excitation.minimum || std::abs(Y0) < 3 * u0) {
+  // One bad reading makes a window uncertain, but no drive small.
+  const bool uncertain =
+      std::abs(Y0) < 3 * u0 && (state != State::measuring || std::abs(Y0) < kStopped * drive.amplitude());
+  if (std::abs(Y0) < rig.excitation.minimum || uncertain) {
     if (++low_windows >= 2) {
       stop();
     } else if (pending && blocks.serials() >= pending_until_serial) {
@@ -122,6 +126,7 @@ void Pipeline::Impl::begin_hold(int from) {
   extra_poles.clear();
   for (Noise& noise : noises) noise = {};
   modal_refit_at_ns = 0;
+  modal_fitted = false;
   believe_at_ns = INT64_MIN;
   quiet_ns = INT64_MIN;
   settling.restart();
@@ -134,7 +139,6 @@ void Pipeline::Impl::begin_hold(int from) {
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
     channel.step = INFINITY;
-    channel.steps_seen = 0;
     channel.overrange = 0;
   }
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
@@ -218,6 +222,7 @@ void Pipeline::Impl::refresh_reference() {
 void Pipeline::Impl::conclude(int to, bool with_open) {
   finished = evaluate(to, with_open, false);
   finished_omega = omega;
+  finished_start_ns = start_ns;
   finished.state = State::complete;
   finished.settles_in_s = kNaN;
   pending = true;
@@ -227,7 +232,7 @@ void Pipeline::Impl::emit(EndedBy ended_by) {
   pending = false;
   // What never settled and was hardly begun was no dwell.
   if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
-      to_s(now_ns - start_ns) < kShortestTold * kTwoPi / finished_omega) {
+      to_s(now_ns - finished_start_ns) < kShortestTold * kTwoPi / finished_omega) {
     --index;
     return;
   }

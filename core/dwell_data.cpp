@@ -38,6 +38,8 @@ void Pipeline::Impl::count_anew(bool follow) {
   const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
   const Complex X = fit.X[0];
   const double drift = blocks.drift().rate;
+  // Of a frequency that is given, how far it may be off on the axis that the stamps are of.
+  if (!tracked()) u_omega = std::hypot(u_omega, rig.excitation.clock_u * omega);
   hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);

@@ -122,14 +122,13 @@ bool Pipeline::Impl::refit_modes() {
   for (int candidate = 0; candidate < 4 && (candidate == 0 || fits_left > 0); ++candidate) {
     extra_poles.clear();
     if (candidate < 2) extra_poles = kept_extras;
-    std::span<const Complex> poles = modal_poles;
     if (candidate == 3) {
       const std::int64_t from_ns = std::exchange(modal_from_ns, std::max(modal_from_ns, now_ns - held_ns / 3));
       fit_modes(w, {});
       modal_from_ns = from_ns;
     }
     if (candidate == 0 && fitted) renew_silent_poles();
-    if (candidate > 0) poles = chain_poles();
+    const std::span<const Complex> poles = candidate == 0 ? std::span<const Complex>(modal_poles) : chain_poles();
     if (poles.empty()) continue;
     keep_alive(poles, best_poles);
     const double misfit = refine_poles(fit_modes(candidate == 0 ? first_w : w, best_poles),

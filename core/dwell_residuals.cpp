@@ -9,7 +9,9 @@ constexpr double kSureOfLine = 9.0;                               // exp(-9): on
 constexpr double kMainsFirst = 1.2;
 constexpr double kBeside = 2.0;                                                 // half cycles over the search
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
-constexpr double kSpeaksAgainst = 6.0;                                          // in N ln σ², of χ²(1)
+constexpr double kTrustPole = 0.05;
+constexpr double kSpeaksAgainst = 6.0;  // in N ln σ², of χ²(1)
+constexpr double kHarmonicOff = 1e-4, kHarmonicUnsure = 0.02;
 constexpr double kSureOfNoise = 4.0;
 
 // Angular frequencies of mains hum and its first harmonics, of either kind.
@@ -108,14 +110,21 @@ bool Pipeline::Impl::find_extra_pole() {
 // against it; at others after a long time.
 void Pipeline::Impl::judge_extra_poles() {
   const double seen_s = to_s(now_ns - modal.t0_ns());
+  if (extra_poles.empty()) return;
+  static_cast<void>(modal.refined(kTrustPole, 0.0));  // for the poles' uncertainties, of this fit
   for (std::size_t i = 0; i < extra_poles.size(); ++i) {
     const Complex pole = extra_poles[i];
+    const double w = modal.omega();
     bool of_mains = false;
     for (std::size_t k = 0; k < kMains; ++k)
       of_mains = of_mains || std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * modal.u_pole(i);
-    if (of_mains && fits_left > 0) {
+    // Nor is a harmonic of the drive above those that are fitted.
+    const double times = std::round(pole.imag() / w), wide = 3 * modal.u_pole(i);
+    const bool of_drive = times > H && std::abs(pole.imag() - times * w) < wide + kHarmonicOff * pole.imag() &&
+                          wide < kHarmonicUnsure * w;
+    if ((of_mains || of_drive) && fits_left > 0) {
       kept_poles = best_poles;
-      const double given = modal.misfit(), w = modal.omega();
+      const double given = modal.misfit();
       const bool was_steady = pole.real() == 0;
       best_poles[i].real(was_steady ? -1 / seen_s : 0.0);
       const double other = refine_poles(fit_modes(w, best_poles), kManyRefinements);
@@ -126,7 +135,7 @@ void Pipeline::Impl::judge_extra_poles() {
         fit_modes(w, best_poles);
         compare_halves();
       }
-    } else if (!of_mains && pole.real() != 0 && seen_s > kLongSeen * period_s() &&
+    } else if (!of_mains && !of_drive && pole.real() != 0 && seen_s > kLongSeen * period_s() &&
                (-pole.real() + 3 * modal.u_pole(i)) * seen_s < kHardlyDecayed) {
       extra_poles[i].real(0.0);
     }

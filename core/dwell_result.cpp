@@ -52,7 +52,7 @@ std::string Pipeline::Impl::settling_reason() const {
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
 // of the frequency: no more independent errors then than one period has samples.
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
-  const double step = live[static_cast<std::size_t>(c)].rounding();
+  const double step = live[static_cast<std::size_t>(c)].step;
   if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
   const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
   const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
@@ -172,7 +172,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
-  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s))
+  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s) && quiet_ns == INT64_MIN)
     dwell.warnings.push_back(
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");

@@ -10,6 +10,7 @@ constexpr double kHoldGrowth = 1.25;                  // of the hold, before its
 constexpr double kGrowthFar = 2.0, kAhead = 0.5;      // … at most, and part of the time expected to be left
 constexpr double kGrowthMeasuring = 2.0;              // the same after the verdict
 constexpr double kMatters = 0.05;                     // of the variance
+constexpr double kOwnOmega = 2.5;                     // standard deviations
 constexpr double kTurned = 0.1;                       // standard deviations
 constexpr int kRefits = 4;                            // of the fit at a better frequency, at most
 constexpr double kSafety = 0.8;                       // of what is allowed: that is itself only estimated
@@ -76,16 +77,22 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
   // Windows alone would be believed too soon.
   if (to_s(end_ns - steady_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
-  if (modal_poles.empty() || now_ns >= modal_refit_at_ns) {
-    if (!refit_modes()) return false;
+  if (now_ns >= modal_refit_at_ns) {
+    modal_fitted = refit_modes();
+    if (!modal_fitted) {
+      if (!decay.poles().empty()) refit_later(kHoldGrowth);
+      return false;
+    }
     // Far from settled there is time.
     const double left = modal_left(end_ns, nullptr);
     const double ahead_s =
         left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
     refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kHoldGrowth, kGrowthFar));
-  } else {
+  } else if (modal_fitted) {
     feed_modes();
     solve_modes();
+  } else {
+    return false;
   }
   const double left_before = std::exchange(verdict, {}).worst_left;
   verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
@@ -123,11 +130,9 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   refit_later(kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
-  // Again, now that the frequency is known from data taken at it.
-  for (int i = 0; i < kRefits && tracked(); ++i) {
-    const double w = drive_omega();
-    if (same_drive(w)) break;
-    fit_modes(w, modal.poles());
+  // Again, where the data that count contradict the frequency at which the transient was taken out of them.
+  for (int i = 0; i < kRefits && tracked() && !same_drive(omega); ++i) {
+    fit_modes(omega, modal.poles());
     take_transient_out(end_ns);
     count_anew();
   }
@@ -138,7 +143,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
 // sudden where readings are rounded is asked of a second fit.
 bool Pipeline::Impl::believed(double left_before) {
   const auto rounds = [&](int c) {
-    const double step = live[static_cast<std::size_t>(c)].rounding();
+    const double step = live[static_cast<std::size_t>(c)].step;
     return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
   };
   if (verdict.worst_left > 1) {
@@ -176,13 +181,12 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
   double misfit = NAN;
-  const double w = drive_omega();
-  if (same_drive(w)) {
+  if (same_drive(omega)) {
     feed_modes();
     solve_modes();
     misfit = modal.misfit();
   } else {
-    misfit = fit_modes(w, best_poles);
+    misfit = fit_modes(omega, best_poles);
   }
   refine_poles(misfit, 1);
   take_best_poles();
@@ -192,8 +196,10 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (last) modal_refit_at_ns = INT64_MAX;
 }
 
-// Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows.
+// Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows, or
+// is no more than the data that count leave open; the modal fit has seen more than these.
 bool Pipeline::Impl::same_drive(double w) const {
+  if (refined() && std::abs(w - modal.omega()) < kOwnOmega * hold.u_omega) return true;
   const double turned = std::abs(w - modal.omega()) * to_s(now_ns - modal.t0_ns());
   for (int c = 0; c < channel_count; ++c)
     if (modal.usable(c) &&
@@ -221,7 +227,7 @@ Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) cons
 void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
-  begin_ns = end_ns - (end_ns - begin_ns) / quarter_ns * quarter_ns;
+  begin_ns = end_ns - (end_ns - begin_ns + quarter_ns / 2) / quarter_ns * quarter_ns;
   quiet_ns = end_ns;
   fade_modes(begin_ns);
   for (std::size_t m = 0; m < modal.poles().size(); ++m)

@@ -11,10 +11,11 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kSecond = 1e-9;
-constexpr double kGone = 1e-13;     // of an amplitude: as good as nothing
-constexpr int kSteps = 256;         // from turn to turn: their rounding stays below 1e-13
-constexpr double kKnown = 1e-12;    // relative, of a frequency that is given
-constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
+constexpr double kGone = 1e-13;         // of an amplitude: as good as nothing
+constexpr int kSteps = 256;             // from turn to turn: their rounding stays below 1e-13
+constexpr double kKnown = 1e-12;        // relative, of a frequency that is given
+constexpr double kLeastDamping = 1e-5;  // of critical: what decays less is steady, as far as anyone sees
+constexpr double kStandsOut = 2.5;      // standard deviations of either component from which an amplitude is believed
 
 }  // namespace
 
@@ -277,7 +278,7 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     const double size = std::abs(poles_[m]);
     Complex moved = poles_[m] + size * rho;
     // A transient decays, however slowly; a pole that oscillates goes on doing so.
-    moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * poles_[m].real(), -1e-4 * size}));
+    moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * poles_[m].real(), -kLeastDamping * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
     u_poles_[m] = size * std::sqrt(std::max(0.0, 0.5 * (unit(i, i) + unit(i + 1, i + 1))));

@@ -9,7 +9,17 @@ namespace {
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
 constexpr double kHeldUp = 1.5;                             // of the usual turnaround
-constexpr double kSameStep = 1e-6;                          // relative
+constexpr double kOnGrid = 0.01, kNoGrid = 1e9;             // steps: off a multiple; a difference of so many
+
+// One step of Euclid's algorithm on two differences of readings: where they are of any value it ends at 0 within some
+// twenty of them.
+double common_step(double step, double difference) {
+  if (!std::isfinite(step)) return difference;
+  const double times = difference / step;
+  if (!(times < kNoGrid)) return 0.0;
+  const double off = std::abs(difference - step * static_cast<double>(std::llround(times)));
+  return off > kOnGrid * step ? off : step;
+}
 
 }  // namespace
 
@@ -78,12 +88,7 @@ void Pipeline::Impl::sample(const Record& record) {
   channel.last_ns = record.t_ns;
   if (const double step = std::abs(value - channel.now.value); step != 0) {
     channel.changed_ns = record.t_ns;
-    if (step < channel.step * (1 - kSameStep)) {
-      channel.step = step;
-      channel.steps_seen = 1;
-    } else if (step < channel.step * (1 + kSameStep)) {
-      ++channel.steps_seen;
-    }
+    if (channel.step > 0) channel.step = common_step(channel.step, step);
   }
   channel.now.value = value;
   channel.now.t_ns = record.t_ns;

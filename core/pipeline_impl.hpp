@@ -116,10 +116,9 @@ struct Pipeline::Impl {
     ChannelNow now;
     std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
-    double step = INFINITY;  // smallest difference of two readings one after the other, in this hold: SI
-    int steps_seen = 0;      // how often
-    // The device's rounding, SI. Readings of any value never differ by the same twice. INFINITY: none is seen.
-    [[nodiscard]] double rounding() const { return steps_seen > 1 ? step : INFINITY; }
+    // The device's rounding, SI: what all differences of two readings one after the other in this hold are multiples
+    // of. INFINITY: no two have differed; 0: there is none.
+    double step = INFINITY;
     std::uint64_t overrange = 0;
     SamplingRegularity sampling;
     bool referenced = false;
@@ -149,6 +148,7 @@ struct Pipeline::Impl {
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
+  bool modal_fitted = false;               // in this hold
   std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
   double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
   int fits_left = 0;                       // of the whole hold, before now must be enough
@@ -186,6 +186,7 @@ struct Pipeline::Impl {
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   Dwell finished;
+  std::int64_t finished_start_ns = 0;
   double finished_omega = 1.0;
   bool pending = false;  // `finished` awaits its reason
   std::int64_t pending_until_serial = 0;

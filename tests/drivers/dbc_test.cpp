@@ -163,8 +163,8 @@ TEST(Dbc, AMissingQuoteSwallowsNothing) {
       "BO_ 1 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"mm N\n SG_ T : 8|8@1+ (1,0) [0|0] \" N\n\n"
       "BO_ 2 B: 4 N\n SG_ U : 0|32@1- (0,0) [0|0] \"mm\" N\nSIG_VALTYPE_ 2 U : 1;\n");
   ASSERT_EQ(all.size(), 3U);
-  EXPECT_EQ(all[0], "f:2:32: the text that begins here has no end on its line; expected a quote");
-  EXPECT_EQ(all[1].substr(0, 7), "f:3:32:");
+  EXPECT_EQ(all[0], "f:2:29: the text that begins here has no end on its line; expected a quote");
+  EXPECT_EQ(all[1].substr(0, 7), "f:3:29:");
   EXPECT_EQ(all[2], "f:6:19: a factor of 0 makes every reading the same; expected another");
 }
 
