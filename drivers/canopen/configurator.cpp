@@ -22,7 +22,10 @@ constexpr std::size_t kLongestName = 32, kMostNamed = 6;
 constexpr std::uint32_t kNotValid = 1U << 31U, kNoRemote = 1U << 30U, kExtended = 1U << 29U;
 constexpr std::uint32_t kProducesSync = 1U << 30U;
 
-std::uint32_t number(const Answer& answer) { return static_cast<std::uint32_t>(get_le(answer.data)); }
+// An answer need not say how many of its four bytes count: the object's own width does.
+std::uint32_t number(const Answer& answer, std::size_t bytes = 4) {
+  return static_cast<std::uint32_t>(get_le(answer.data.first(std::min(bytes, answer.data.size()))));
+}
 
 Object parameter(unsigned pdo, std::uint8_t sub_index) {
   return {static_cast<std::uint16_t>(kPdoParameters + pdo), sub_index};
@@ -125,7 +128,7 @@ void Configurator::take_heartbeat_set(const Answer& answer) {
 }
 
 void Configurator::take_heartbeat(const Answer& answer) {
-  heartbeat_ms_ = answer.abort_code ? std::uint16_t{0} : static_cast<std::uint16_t>(number(answer));
+  heartbeat_ms_ = answer.abort_code ? std::uint16_t{0} : static_cast<std::uint16_t>(number(answer, 2));
   ask_sync();
 }
 
@@ -167,13 +170,13 @@ void Configurator::take_cob_id(const Answer& answer) {
 }
 
 void Configurator::take_transmission(const Answer& answer) {
-  if (!answer.abort_code) found_.back().transmission = static_cast<std::uint8_t>(number(answer));
+  if (!answer.abort_code) found_.back().transmission = static_cast<std::uint8_t>(number(answer, 1));
   read(mapping(pdo_, 0), &Configurator::take_count);
 }
 
 void Configurator::take_count(const Answer& answer) {
   entry_ = 0;
-  entries_ = answer.abort_code ? 0 : number(answer);
+  entries_ = answer.abort_code ? 0 : number(answer, 1);
   if (entries_ > kMostEntries) entries_ = 0;  // a multiplexed PDO; nothing in it has a place of its own
   ask_entry();
 }
@@ -309,9 +312,9 @@ void Configurator::take_transmission_set(const Answer& answer) {
 
 void Configurator::take_transmission_check(const Answer& answer) {
   Found& pdo = found_[setting_];
-  if (answer.abort_code || number(answer) != kAtEverySync)
+  if (answer.abort_code || number(answer, 1) != kAtEverySync)
     return fail("TPDO " + std::to_string(pdo.number + 1) + " was set to be sent at every SYNC, and says type " +
-                (answer.abort_code ? std::string("nothing") : std::to_string(number(answer))));
+                (answer.abort_code ? std::string("nothing") : std::to_string(number(answer, 1))));
   pdo.transmission = kAtEverySync;
   if (fixed_) {
     ++setting_;
