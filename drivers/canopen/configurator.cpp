@@ -285,21 +285,26 @@ void Configurator::set_next() {
     if (pdo.valid() && (pdo.cob_id & CAN_SFF_MASK) == id_ && (pdo.cob_id & kExtended) == 0 &&
         pdo.transmission == kAtEverySync)
       continue;
-    return write(parameter(pdo.number, kCobId), kNotValid | (pdo.cob_id & kNoRemote) | id_, 4,
-                 &Configurator::take_disabled);
+    fixed_ = again_ = false;
+    // While it is valid, its identifier must not be changed (CiA 301): it is disabled under the one it has.
+    if (pdo.valid())
+      return write(parameter(pdo.number, kCobId), pdo.cob_id | kNotValid, 4, &Configurator::take_disabled);
+    return set_transmission();
   }
   finish();
 }
 
 void Configurator::take_disabled(const Answer& answer) {
-  Found& pdo = found_[setting_];
+  const Found& pdo = found_[setting_];
   // One whose identifier is fixed may still let its transmission type be set.
-  const bool must = !pdo.valid() || !is_own(pdo.cob_id, wish_.node) || (pdo.cob_id & CAN_SFF_MASK) != id_;
-  if (answer.abort_code && must)
-    return fail("cannot set the identifier of TPDO " + std::to_string(pdo.number + 1) + ", " +
-                to_string(parameter(pdo.number, kCobId)) + ": " + abort_text(*answer.abort_code));
+  const bool must = !is_own(pdo.cob_id, wish_.node) || (pdo.cob_id & CAN_SFF_MASK) != id_;
+  if (answer.abort_code && must) return fail_identifier(*answer.abort_code);
   fixed_ = answer.abort_code.has_value();
-  write(parameter(pdo.number, kTransmission), kAtEverySync, 1, &Configurator::take_transmission_set);
+  set_transmission();
+}
+
+void Configurator::set_transmission() {
+  write(parameter(found_[setting_].number, kTransmission), kAtEverySync, 1, &Configurator::take_transmission_set);
 }
 
 void Configurator::take_transmission_set(const Answer& answer) {
@@ -321,16 +326,34 @@ void Configurator::take_transmission_check(const Answer& answer) {
     return set_next();
   }
   pdo.cob_id = (pdo.cob_id & kNoRemote) | id_;
+  enable();
+}
+
+void Configurator::enable() {
+  const Found& pdo = found_[setting_];
   write(parameter(pdo.number, kCobId), pdo.cob_id, 4, &Configurator::take_enabled);
 }
 
 void Configurator::take_enabled(const Answer& answer) {
   const Found& pdo = found_[setting_];
-  if (answer.abort_code)
-    return fail("cannot set the identifier of TPDO " + std::to_string(pdo.number + 1) + ", " +
-                to_string(parameter(pdo.number, kCobId)) + ": " + abort_text(*answer.abort_code));
+  if (answer.abort_code) {
+    if (std::exchange(again_, true)) return fail_identifier(*answer.abort_code);
+    // Some take a new identifier only while they stay disabled, and are enabled after that.
+    return write(parameter(pdo.number, kCobId), pdo.cob_id | kNotValid, 4, &Configurator::take_moved);
+  }
   ++setting_;
   set_next();
+}
+
+void Configurator::take_moved(const Answer& answer) {
+  if (answer.abort_code) return fail_identifier(*answer.abort_code);
+  enable();
+}
+
+void Configurator::fail_identifier(std::uint32_t code) {
+  const unsigned number = found_[setting_].number;
+  fail("cannot set the identifier of TPDO " + std::to_string(number + 1) + ", " + to_string(parameter(number, kCobId)) +
+       ": " + abort_text(code));
 }
 
 void Configurator::finish() {

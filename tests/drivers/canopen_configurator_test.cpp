@@ -86,5 +86,47 @@ TEST_F(Dictionary, IsReadByTheWidthOfItsObjectsWhereAnswersDoNotTellTheirLength)
   EXPECT_EQ(configurator_.heartbeat_ms(), 100);
 }
 
+using Lines = std::vector<std::string>;
+
+TEST_F(Dictionary, HasItsIdentifierChangedOnlyWhileItIsDisabled) {
+  entries_[{0x1800, 1}].value = 0x40000666;
+  entries_[{0x1800, 2}].value = 254;
+  refusal_ = [](std::uint32_t before, std::uint32_t value) {
+    const bool changed = ((before ^ value) & ~(3U << 30U)) != 0;
+    return (before & kNotValid) == 0 && changed ? kWrongValue : 0U;
+  };
+  run();
+  EXPECT_EQ(configurator_.failure(), "");
+  EXPECT_EQ(written_, (Lines{"1: 0xC0000666", "2: 0x1", "1: 0x40000185"}));
+}
+
+TEST_F(Dictionary, IsGivenItsIdentifierBeforeItIsEnabledWhereBothAtOnceIsRefused) {
+  entries_[{0x1800, 1}].value = 0x666;
+  refusal_ = [](std::uint32_t before, std::uint32_t value) {
+    const bool changed = ((before ^ value) & ~kNotValid) != 0;
+    return changed && ((before & kNotValid) == 0 || (value & kNotValid) == 0) ? kWrongValue : 0U;
+  };
+  run();
+  EXPECT_EQ(configurator_.failure(), "");
+  EXPECT_EQ(written_, (Lines{"1: 0x80000666", "2: 0x1", "1: 0x185 refused", "1: 0x80000185", "1: 0x185"}));
+}
+
+TEST_F(Dictionary, IsGivenUpWhereItsIdentifierIsRefusedAgain) {
+  entries_[{0x1800, 1}].value = 0x80000666;
+  refusal_ = [](std::uint32_t, std::uint32_t value) { return (value & kNotValid) == 0 ? kWrongValue : 0U; };
+  run();
+  EXPECT_NE(configurator_.failure().find("cannot set the identifier of TPDO 1, 1800h:01: "), std::string::npos)
+      << configurator_.failure();
+  EXPECT_EQ(written_, (Lines{"2: 0x1", "1: 0x185 refused", "1: 0x80000185", "1: 0x185 refused"}));
+}
+
+TEST_F(Dictionary, KeepsAnIdentifierThatCannotBeWritten) {
+  entries_[{0x1800, 2}].value = 254;
+  refusal_ = [](auto, auto) { return kWrongValue; };
+  run();
+  EXPECT_EQ(configurator_.failure(), "");
+  EXPECT_EQ(written_, (Lines{"1: 0x80000185 refused", "2: 0x1"}));
+}
+
 }  // namespace
 }  // namespace dwell::canopen
