@@ -59,7 +59,8 @@ class Asker {
     }
     const std::string what = "node " + std::to_string(node) + ", " + to_string(wanted.object) + ": ";
     if (client.state() != SdoClient::State::done) return what + abort_text(client.abort_code());
-    if (8 * client.data().size() != wanted.type.bits)
+    const std::size_t bits = 8 * client.data().size();
+    if (client.sized() ? bits != wanted.type.bits : bits < wanted.type.bits)
       return what + std::to_string(client.data().size()) + " bytes, but " + to_string(wanted.type) + " has " +
              std::to_string(wanted.type.bits / 8);
     const Reading reading = read_value(client.data(), 0, wanted.type);

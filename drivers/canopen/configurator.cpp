@@ -22,7 +22,10 @@ constexpr std::size_t kLongestName = 32, kMostNamed = 6;
 constexpr std::uint32_t kNotValid = 1U << 31U, kNoRemote = 1U << 30U, kExtended = 1U << 29U;
 constexpr std::uint32_t kProducesSync = 1U << 30U;
 
-std::uint32_t number(const Answer& answer) { return static_cast<std::uint32_t>(get_le(answer.data)); }
+// An answer need not say how many of its four bytes count: the object's own width does.
+std::uint32_t number(const Answer& answer, std::size_t bytes = 4) {
+  return static_cast<std::uint32_t>(get_le(answer.data.first(std::min(bytes, answer.data.size()))));
+}
 
 Object parameter(unsigned pdo, std::uint8_t sub_index) {
   return {static_cast<std::uint16_t>(kPdoParameters + pdo), sub_index};
@@ -125,7 +128,7 @@ void Configurator::take_heartbeat_set(const Answer& answer) {
 }
 
 void Configurator::take_heartbeat(const Answer& answer) {
-  heartbeat_ms_ = answer.abort_code ? std::uint16_t{0} : static_cast<std::uint16_t>(number(answer));
+  heartbeat_ms_ = answer.abort_code ? std::uint16_t{0} : static_cast<std::uint16_t>(number(answer, 2));
   ask_sync();
 }
 
@@ -167,13 +170,13 @@ void Configurator::take_cob_id(const Answer& answer) {
 }
 
 void Configurator::take_transmission(const Answer& answer) {
-  if (!answer.abort_code) found_.back().transmission = static_cast<std::uint8_t>(number(answer));
+  if (!answer.abort_code) found_.back().transmission = static_cast<std::uint8_t>(number(answer, 1));
   read(mapping(pdo_, 0), &Configurator::take_count);
 }
 
 void Configurator::take_count(const Answer& answer) {
   entry_ = 0;
-  entries_ = answer.abort_code ? 0 : number(answer);
+  entries_ = answer.abort_code ? 0 : number(answer, 1);
   if (entries_ > kMostEntries) entries_ = 0;  // a multiplexed PDO; nothing in it has a place of its own
   ask_entry();
 }
@@ -282,21 +285,26 @@ void Configurator::set_next() {
     if (pdo.valid() && (pdo.cob_id & CAN_SFF_MASK) == id_ && (pdo.cob_id & kExtended) == 0 &&
         pdo.transmission == kAtEverySync)
       continue;
-    return write(parameter(pdo.number, kCobId), kNotValid | (pdo.cob_id & kNoRemote) | id_, 4,
-                 &Configurator::take_disabled);
+    fixed_ = again_ = false;
+    // While it is valid, its identifier must not be changed (CiA 301): it is disabled under the one it has.
+    if (pdo.valid())
+      return write(parameter(pdo.number, kCobId), pdo.cob_id | kNotValid, 4, &Configurator::take_disabled);
+    return set_transmission();
   }
   finish();
 }
 
 void Configurator::take_disabled(const Answer& answer) {
-  Found& pdo = found_[setting_];
+  const Found& pdo = found_[setting_];
   // One whose identifier is fixed may still let its transmission type be set.
-  const bool must = !pdo.valid() || !is_own(pdo.cob_id, wish_.node) || (pdo.cob_id & CAN_SFF_MASK) != id_;
-  if (answer.abort_code && must)
-    return fail("cannot set the identifier of TPDO " + std::to_string(pdo.number + 1) + ", " +
-                to_string(parameter(pdo.number, kCobId)) + ": " + abort_text(*answer.abort_code));
+  const bool must = !is_own(pdo.cob_id, wish_.node) || (pdo.cob_id & CAN_SFF_MASK) != id_;
+  if (answer.abort_code && must) return fail_identifier(*answer.abort_code);
   fixed_ = answer.abort_code.has_value();
-  write(parameter(pdo.number, kTransmission), kAtEverySync, 1, &Configurator::take_transmission_set);
+  set_transmission();
+}
+
+void Configurator::set_transmission() {
+  write(parameter(found_[setting_].number, kTransmission), kAtEverySync, 1, &Configurator::take_transmission_set);
 }
 
 void Configurator::take_transmission_set(const Answer& answer) {
@@ -309,25 +317,43 @@ void Configurator::take_transmission_set(const Answer& answer) {
 
 void Configurator::take_transmission_check(const Answer& answer) {
   Found& pdo = found_[setting_];
-  if (answer.abort_code || number(answer) != kAtEverySync)
+  if (answer.abort_code || number(answer, 1) != kAtEverySync)
     return fail("TPDO " + std::to_string(pdo.number + 1) + " was set to be sent at every SYNC, and says type " +
-                (answer.abort_code ? std::string("nothing") : std::to_string(number(answer))));
+                (answer.abort_code ? std::string("nothing") : std::to_string(number(answer, 1))));
   pdo.transmission = kAtEverySync;
   if (fixed_) {
     ++setting_;
     return set_next();
   }
   pdo.cob_id = (pdo.cob_id & kNoRemote) | id_;
+  enable();
+}
+
+void Configurator::enable() {
+  const Found& pdo = found_[setting_];
   write(parameter(pdo.number, kCobId), pdo.cob_id, 4, &Configurator::take_enabled);
 }
 
 void Configurator::take_enabled(const Answer& answer) {
   const Found& pdo = found_[setting_];
-  if (answer.abort_code)
-    return fail("cannot set the identifier of TPDO " + std::to_string(pdo.number + 1) + ", " +
-                to_string(parameter(pdo.number, kCobId)) + ": " + abort_text(*answer.abort_code));
+  if (answer.abort_code) {
+    if (std::exchange(again_, true)) return fail_identifier(*answer.abort_code);
+    // Some take a new identifier only while they stay disabled, and are enabled after that.
+    return write(parameter(pdo.number, kCobId), pdo.cob_id | kNotValid, 4, &Configurator::take_moved);
+  }
   ++setting_;
   set_next();
+}
+
+void Configurator::take_moved(const Answer& answer) {
+  if (answer.abort_code) return fail_identifier(*answer.abort_code);
+  enable();
+}
+
+void Configurator::fail_identifier(std::uint32_t code) {
+  const unsigned number = found_[setting_].number;
+  fail("cannot set the identifier of TPDO " + std::to_string(number + 1) + ", " + to_string(parameter(number, kCobId)) +
+       ": " + abort_text(code));
 }
 
 void Configurator::finish() {

@@ -126,9 +126,13 @@ class Configurator {
   [[nodiscard]] std::optional<canid_t> free_id(unsigned number) const;
   void set_next();
   void take_disabled(const Answer& answer);
+  void set_transmission();
   void take_transmission_set(const Answer& answer);
   void take_transmission_check(const Answer& answer);
+  void enable();
   void take_enabled(const Answer& answer);
+  void take_moved(const Answer& answer);
+  void fail_identifier(std::uint32_t code);
   void finish();
 
   Wish wish_;
@@ -146,6 +150,7 @@ class Configurator {
   std::size_t setting_ = 0;  // of found_, that is being set
   canid_t id_ = 0;           // that it shall have
   bool fixed_ = false;       // its identifier cannot be written
+  bool again_ = false;       // enabling it has been refused once
   std::vector<Pdo> pdos_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace dwell::canopen {
 namespace {
@@ -144,6 +145,8 @@ void Master::note_controller(const Receipt& receipt, std::int64_t now_ns) {
 
 // What finds no room now waits for the next turn. false: the bus is not there any more.
 bool Master::send_pending() {
+  const std::uint64_t dropped = network_.outbox().dropped();
+  count(DWELL_FAULT_OVERFLOW, dropped - std::exchange(dropped_, dropped));
   while (const can_frame* const frame = network_.outbox().front()) {
     const int error = bus_.write(wide(*frame));
     if (error == ENOBUFS || error == EAGAIN || error == EINTR) break;

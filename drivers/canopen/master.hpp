@@ -40,6 +40,7 @@ class Master {
   socketcan::Link link_ = socketcan::Link::up;  // as seen last
   std::uint64_t lost_ = 0;                      // since the last line about it
   std::int64_t next_loss_line_ns_ = 0;
+  std::uint64_t dropped_ = 0;  // of what was to be sent, counted so far
   socketcan::Controller told_controller_ = socketcan::Controller::active;
   std::int64_t next_controller_line_ns_ = 0;
 };

@@ -99,7 +99,7 @@ void Network::take_sync(const socketcan::Frame& frame) noexcept {
 void Network::take_answer(Member& member, const socketcan::Frame& frame, std::int64_t now_ns) noexcept {
   for (Stream& stream : member.streams) {
     if (stream.pdo.id != frame.can.can_id) continue;
-    member.node.heard(false, now_ns);
+    member.node.heard(now_ns);
     const std::int64_t half_ns = frame.stamp.t_half_ns;
     if (!window_open_ || !stream.asked || frame.stamp.t_ns + half_ns < sync_.before_ns) {
       stream.attribution.late();
@@ -129,6 +129,7 @@ void Network::follow(Member& member) {
   for (const Pdo& pdo : member.node.pdos()) {
     member.streams.emplace_back();
     member.streams.back().pdo = pdo;
+    member.streams.back().seen_ns = member.node.started_ns();
   }
 }
 
@@ -218,23 +219,25 @@ void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcep
   for (unsigned i = 0; i < late; ++i) host_.count(DWELL_FAULT_LATE_ANSWER);
   if (outcome == Attribution::Outcome::answered) {
     stream.answered = true;
-    member.node.heard(true, now_ns);
-    deliver(stream, now_ns);
+    stream.seen_ns = now_ns;
+    stream.told = DWELL_FAULT_NONE;
+    member.node.answers(std::all_of(member.streams.begin(), member.streams.end(),
+                                    [](const Stream& each) { return each.answered && each.told == DWELL_FAULT_NONE; }));
+    deliver(stream);
     return;
   }
+  if (late > 0) stream.late_ns = now_ns;
   // What comes before its first answer was sent before it had started.
   if (outcome == Attribution::Outcome::missing && stream.answered) host_.count(DWELL_FAULT_TIMEOUT);
   for (const Field& field : stream.pdo.fields) {
     Target& target = targets_[field.channel];
     target.gap = target.last_ns != INT64_MIN;
-    if (late > 0) target.late_ns = now_ns;
   }
 }
 
-void Network::deliver(const Stream& stream, std::int64_t now_ns) noexcept {
+void Network::deliver(const Stream& stream) noexcept {
   for (const Field& field : stream.pdo.fields) {
     Target& target = targets_[field.channel];
-    target.seen_ns = now_ns;
     const Reading reading = read_value(std::span(stream.data).first(stream.size), field.first_bit, field.type);
     if (reading.verdict != Verdict::value) {
       fail(target, reading.verdict);
@@ -287,35 +290,62 @@ void Network::watch_silence(std::int64_t now_ns) {
     member.node.tick(now_ns);
     follow(member);
   }
-  for (Target& target : targets_) {
-    Node& node = members_[target.channel.node].node;
-    if (!node.operational() || now_ns - std::max(target.seen_ns, node.started_ns()) < setup_.timeout_ns) continue;
-    if (now_ns - target.late_ns < setup_.timeout_ns) {
-      // It answers, and setting it up again would not make it faster.
-      if (target.told == DWELL_FAULT_LATE_ANSWER) continue;
-      const std::string late = node.name() + ": its answers come later than the next SYNC; expected a lower `rate`";
-      target.gap = target.last_ns != INT64_MIN;
-      tell(target, DWELL_FAULT_LATE_ANSWER, late.c_str());
-      continue;
-    }
-    std::string reason = node.name() + ": no answer to SYNC for " + seconds(setup_.timeout_ns);
-    if (!sync_failure_.empty()) reason = setup_.interface + ": SYNC cannot be sent: " + sync_failure_;
-    node.fail(DWELL_FAULT_TIMEOUT, reason, now_ns);
-    follow(members_[target.channel.node]);
-  }
+  for (Member& member : members_)
+    if (!member.streams.empty()) watch_streams(member, now_ns);
   for (Target& target : targets_) {
     const Member& member = members_[target.channel.node];
     if (member.node.fault() == DWELL_FAULT_NONE) continue;
-    if (target.told == member.node.fault() && member.told == member.node.reason()) continue;
+    if (target.told_of_node && target.told == member.node.fault() && member.told == member.node.reason()) continue;
     target.gap = target.last_ns != INT64_MIN;
     tell(target, member.node.fault(), member.node.reason().c_str());
+    target.told_of_node = true;
   }
   for (Member& member : members_)
     if (member.told != member.node.reason()) member.told = member.node.reason();
 }
 
+// A node is set up again only where none of its TPDOs answers: doing it for one would stop the others each time.
+void Network::watch_streams(Member& member, std::int64_t now_ns) {
+  const auto is_late = [&](const Stream& stream) { return now_ns - stream.late_ns < setup_.timeout_ns; };
+  const auto is_overdue = [&](const Stream& stream) { return now_ns - stream.seen_ns >= setup_.timeout_ns; };
+  const auto is_silent = [&](const Stream& stream) { return is_overdue(stream) && !is_late(stream); };
+  const auto why = [&](const std::string& who) {
+    return sync_failure_.empty() ? who + ": no answer to SYNC for " + seconds(setup_.timeout_ns)
+                                 : setup_.interface + ": SYNC cannot be sent: " + sync_failure_;
+  };
+  if (std::all_of(member.streams.begin(), member.streams.end(), is_silent)) {
+    member.node.fail(DWELL_FAULT_TIMEOUT, why(member.node.name()), now_ns);
+    follow(member);
+    return;
+  }
+  for (Stream& stream : member.streams) {
+    if (!is_overdue(stream)) continue;
+    const dwell_fault fault = is_late(stream) ? DWELL_FAULT_LATE_ANSWER : DWELL_FAULT_TIMEOUT;
+    if (stream.told == fault) continue;
+    if (fault == DWELL_FAULT_LATE_ANSWER) {
+      // It answers, and setting it up again would not make it faster.
+      member.node.answers(false);
+      tell(stream, fault, member.node.name() + ": its answers come later than the next SYNC; expected a lower `rate`");
+      continue;
+    }
+    host_.count(fault);
+    tell(stream, fault,
+         why(member.node.name() + ": TPDO " + std::to_string(stream.pdo.number) + " (" + hex(stream.pdo.id) + ")"));
+  }
+}
+
+void Network::tell(Stream& stream, dwell_fault fault, const std::string& reason) noexcept {
+  stream.told = fault;
+  for (const Field& field : stream.pdo.fields) {
+    Target& target = targets_[field.channel];
+    target.gap = target.last_ns != INT64_MIN;
+    tell(target, fault, reason.c_str());
+  }
+}
+
 void Network::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
   target.told = fault;
+  target.told_of_node = false;
   host_.state(target.channel.index, fault, reason);
 }
 

@@ -59,10 +59,9 @@ class Network {
   struct Target {
     Channel channel;
     dwell_fault told = DWELL_FAULT_SILENT;  // the state the host was told last; it begins with silent
+    bool told_of_node = false;              // that state is its whole node's
     int failures = 0;                       // answers in a row that held no number
     bool gap = false;                       // something was lost since the last sample
-    std::int64_t seen_ns = 0;               // of its last sample
-    std::int64_t late_ns = INT64_MIN / 2;   // when its answer came last that was given up
     std::int64_t last_ns = INT64_MIN;       // instant of its last sample
   };
   // One TPDO.
@@ -71,8 +70,11 @@ class Network {
     Attribution attribution;
     std::array<std::uint8_t, CAN_MAX_DLEN> data{};  // of the last answer
     std::uint8_t size = 0;
-    bool asked = false;     // it was there when the last SYNC went out
-    bool answered = false;  // once at least
+    bool asked = false;                    // it was there when the last SYNC went out
+    bool answered = false;                 // once at least
+    std::int64_t seen_ns = 0;              // of its last answer; before the first: of the node's start
+    std::int64_t late_ns = INT64_MIN / 2;  // when an answer came last that was given up
+    dwell_fault told = DWELL_FAULT_NONE;   // of this TPDO alone: too late, or silent while others answer
   };
   struct Member {
     Node node;
@@ -91,10 +93,12 @@ class Network {
   void follow(Member& member);
   void close_window(std::int64_t now_ns) noexcept;
   void close(Member& member, Stream& stream, std::int64_t now_ns) noexcept;
-  void deliver(const Stream& stream, std::int64_t now_ns) noexcept;
+  void deliver(const Stream& stream) noexcept;
   void fail(Target& target, Verdict verdict) noexcept;
   void pause_if_needed(std::int64_t now_ns) noexcept;
   void watch_silence(std::int64_t now_ns);
+  void watch_streams(Member& member, std::int64_t now_ns);
+  void tell(Stream& stream, dwell_fault fault, const std::string& reason) noexcept;
   void tell(Target& target, dwell_fault fault, const char* reason) noexcept;
 
   Setup setup_;

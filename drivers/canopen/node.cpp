@@ -164,11 +164,9 @@ void Node::take_emergency(const can_frame& frame, std::int64_t now_ns) {
   next_line_ns_ = now_ns + kBetweenLines_ns;
 }
 
-void Node::heard(bool sampled, std::int64_t now_ns) noexcept {
-  life_ns_ = now_ns;
-  if (!sampled) return;
+void Node::answers(bool all) noexcept {
   fault_ = DWELL_FAULT_NONE;
-  backoff_.reset();
+  if (all) backoff_.reset();
 }
 
 void Node::tick(std::int64_t now_ns) {

@@ -29,8 +29,10 @@ class Node {
   // A frame of one of its identifiers; its PDOs are the caller's.
   void take(const can_frame& frame, std::int64_t now_ns);
   void tick(std::int64_t now_ns);
-  // A PDO of it came: it lives. With `sampled` it also does what it is there for.
-  void heard(bool sampled, std::int64_t now_ns) noexcept;
+  // A PDO of it came: it lives.
+  void heard(std::int64_t now_ns) noexcept { life_ns_ = now_ns; }
+  // One of its PDOs answers SYNC; with `all`, none of them is silent, and the next fault is a first one again.
+  void answers(bool all) noexcept;
   // It does not do what it was started for: is set up again.
   void fail(dwell_fault fault, const std::string& what, std::int64_t now_ns);
 

@@ -41,6 +41,7 @@ void SdoClient::cancel() noexcept {
 void SdoClient::ask(std::int64_t now_ns) noexcept {
   ++attempts_;
   size_ = 0;
+  sized_ = true;
   const auto command = writes_ ? static_cast<std::uint8_t>(kAskDownload | (4 - value_size_) << 2) : kAskUpload;
   to_send_ = make_frame(kSdoRequest + node_, {command, static_cast<std::uint8_t>(object_.index),
                                               static_cast<std::uint8_t>(object_.index >> 8U), object_.sub_index,
@@ -119,6 +120,7 @@ void SdoClient::take_initiated(const can_frame& answer, std::int64_t now_ns) noe
   }
   const bool expedited = (answer.data[0] & 2U) != 0, sized = (answer.data[0] & 1U) != 0;
   if (expedited) {
+    sized_ = sized;
     size_ = sized ? 4 - (answer.data[0] >> 2U & 3U) : 4;
     std::copy_n(answer.data + 4, size_, data_.begin());
     finish(State::done);

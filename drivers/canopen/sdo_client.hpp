@@ -54,6 +54,8 @@ class SdoClient {
   [[nodiscard]] const Object& object() const noexcept { return object_; }
   // When done: what was read.
   [[nodiscard]] std::span<const std::uint8_t> data() const noexcept { return {data_.data(), size_}; }
+  // Whether the node said how long that is; if not, it is four bytes, of which the object's width counts.
+  [[nodiscard]] bool sized() const noexcept { return sized_; }
   [[nodiscard]] std::uint32_t abort_code() const noexcept { return abort_code_; }
   // Answers that belonged to nothing that was asked, since the last call.
   [[nodiscard]] unsigned take_late() noexcept;
@@ -82,6 +84,7 @@ class SdoClient {
   std::size_t announced_ = 0;  // bytes; 0: the node did not say
   std::array<std::uint8_t, kMostBytes> data_{};
   std::size_t size_ = 0;
+  bool sized_ = true;
   std::uint32_t abort_code_ = 0;
   unsigned late_ = 0;
   std::int64_t deadline_ns_ = 0;

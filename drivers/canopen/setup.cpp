@@ -19,6 +19,8 @@ constexpr double kRate_hz = 100.0, kTimeout_s = 1.0, kLate_s = 0.05, kHeartbeat_
 // The part of a period within which a node shall answer; the rest is for what waits on the bus and in the kernel.
 constexpr double kWindow = 0.8;
 constexpr double kLongestWindow_s = 0.05;
+// Below it, what a node may miss of its heartbeat is less than how often that is looked at.
+constexpr double kShortestHeartbeat_s = 0.01;
 constexpr double kMostNumber = 4294967295.0;
 
 constexpr dwell_key kKeys[] = {
@@ -54,10 +56,11 @@ class SetupReader {
     setup_.period_ns = std::llround(1e9 * period_s);
     setup_.timeout_ns = driver::to_ns(settings_.get<double>("timeout", kTimeout_s));
     setup_.late_ns = driver::to_ns(settings_.get<double>("late", kLate_s));
-    if (setup_.timeout_ns < 3 * setup_.period_ns)
-      wrong("timeout",
-            "is shorter than three SYNCs at this `rate`; expected at least " + seconds(3 * setup_.period_ns));
-    heartbeat_ms_ = static_cast<std::uint16_t>(std::llround(1e3 * settings_.get<double>("heartbeat", kHeartbeat_s)));
+    check_timeout();
+    const double heartbeat_s = settings_.get<double>("heartbeat", kHeartbeat_s);
+    if (heartbeat_s != 0.0 && heartbeat_s < kShortestHeartbeat_s)
+      wrong("heartbeat", "is too short to be watched; expected 0, or at least 0.01 s");
+    heartbeat_ms_ = static_cast<std::uint16_t>(std::llround(1e3 * heartbeat_s));
     window_us_ = static_cast<std::uint32_t>(std::llround(1e6 * std::min(kWindow * period_s, kLongestWindow_s)));
     const auto& channels = settings_.channels();
     for (position_ = 0; position_ < static_cast<int>(channels.size()); ++position_)
@@ -67,6 +70,17 @@ class SetupReader {
 
  private:
   void wrong(const char* key, std::string text) { mistakes_.push_back({position_, key, std::move(text)}); }
+
+  void check_timeout() {
+    // After an answer that is missing, the next SYNC may go out `late` later, and is answered a period after that.
+    const std::int64_t pause_ns = setup_.late_ns + 2 * setup_.period_ns;
+    if (setup_.timeout_ns < 3 * setup_.period_ns)
+      wrong("timeout",
+            "is shorter than three SYNCs at this `rate`; expected at least " + seconds(3 * setup_.period_ns));
+    else if (setup_.timeout_ns <= pause_ns)
+      wrong("timeout", "is no longer than `late` and two SYNCs at this `rate`; expected more than " +
+                           seconds(pause_ns) + ", or a shorter `late`");
+  }
 
   std::size_t node_of(std::uint8_t id) {
     const auto place =

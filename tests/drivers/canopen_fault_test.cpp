@@ -143,6 +143,16 @@ TEST_F(CanopenFault, CountsWhatTheKernelDroppedAndWhatIsNoFrame) {
   EXPECT_EQ(host_.logged().front(), "can0: 5 frames were lost for lack of room");
 }
 
+// A node that boots again and again is given two frames each time, and none of them can be sent.
+TEST_F(CanopenFault, CountsWhatItCouldNotKeepForLater) {
+  constexpr int kBoots = 400, kRoom = 512;
+  bus_.refuse_writes(ENOBUFS);
+  start();
+  ASSERT_TRUE(eventually([&] { return bus_.is_open(); }));
+  for (int i = 0; i < kBoots; ++i) bus_.arrive(kHeartbeat + 7, {0});
+  EXPECT_TRUE(eventually([&] { return host_.counted(DWELL_FAULT_OVERFLOW) >= 2 * kBoots - kRoom; }));
+}
+
 // Nodes are silent, and frames of no meaning come faster than they can be read.
 TEST_F(CanopenFault, SeesThatANodeIsSilentOnABusThatNeverCeases) {
   start();

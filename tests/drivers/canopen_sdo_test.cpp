@@ -45,6 +45,17 @@ TEST_F(Sdo, ReadsUpToFourBytesAtOnce) {
   EXPECT_EQ(get_le(client_.data()), 0x1234U);
 }
 
+TEST_F(Sdo, TellsWhetherTheNodeSaidHowLongAValueIs) {
+  client_.upload(kObject, now_ns_);
+  client_.take(answer({0x42, 0x18, 0x10, 1, 0x34, 0x12, 0xA5, 0xA5}), now_ns_);
+  ASSERT_EQ(client_.state(), SdoClient::State::done);
+  EXPECT_FALSE(client_.sized());
+  EXPECT_EQ(client_.data().size(), 4U);
+  client_.upload(kObject, now_ns_);
+  client_.take(answer({0x4B, 0x18, 0x10, 1, 0x34, 0x12, 0xFF, 0xFF}), now_ns_);
+  EXPECT_TRUE(client_.sized());
+}
+
 TEST_F(Sdo, ReadsLongerValuesInSegments) {
   client_.upload({0x1008, 0}, now_ns_);
   static_cast<void>(sent());

@@ -1,6 +1,7 @@
 // The master against simulated nodes, in virtual time: set up, measured, and everything that befalls a bus.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -27,6 +28,24 @@ class Canopen : public ::testing::Test {
   bool all_deliver() const { return bench_.delivers(10) && bench_.delivers(11) && bench_.delivers(12); }
   std::string reason(std::uint16_t channel) const { return bench_.host.state_of(channel).reason; }
   dwell_fault fault(std::uint16_t channel) const { return bench_.host.state_of(channel).fault; }
+  // Channel 13: another object of node 2, alone in its TPDO 2. Until node 2 boots again.
+  void start_with_two_tpdos() {
+    const Object object{0x7130, 1};
+    bench_.setup.channels.push_back({13, "channel", 1});
+    bench_.setup.nodes[1].wanted.push_back({object, *profile_type(object.index), 3});
+    bench_.start();
+    boot();
+    bench_.node(2).set_entry(0x7130, 1, 7, 2, false);
+    bench_.node(2).set_entry(0x1A01, 0, 1, 1, false);
+    bench_.node(2).set_entry(0x1A01, 1, 0x71300110, 4, false);
+    ASSERT_TRUE(bench_.run_until([&] { return all_deliver() && bench_.delivers(13); })) << reason(13);
+  }
+  // How often node 2 was told to reset its communication.
+  std::ptrdiff_t resets() const {
+    return std::count_if(bench_.sent.begin(), bench_.sent.end(), [](const can_frame& frame) {
+      return frame.can_id == kNmt && frame.data[0] == 0x82 && frame.data[1] == 2;
+    });
+  }
   bool logged(const std::string& text) const {
     for (const std::string& line : bench_.host.logged())
       if (line.find(text) != std::string::npos) return true;
@@ -193,6 +212,63 @@ TEST_F(Canopen, IsStaleWhenANodeLivesButDoesNotAnswerSync) {
   bench_.start();
   ASSERT_TRUE(bench_.run_until([&] { return fault(12) == DWELL_FAULT_TIMEOUT; }));
   EXPECT_EQ(reason(12), "node 5 (CiA 404, rigsim load cell): no answer to SYNC for 1 s");
+}
+
+TEST_F(Canopen, IsStaleInOneTpdoAloneWhileAnotherOfItsNodeAnswers) {
+  bench_.setup.timeout_ns = kSecond_ns / 2;
+  start_with_two_tpdos();
+  bench_.fate = [](const can_frame& frame) -> std::optional<std::int64_t> {
+    if (frame.can_id == 0x282) return std::nullopt;
+    return 0;
+  };
+  ASSERT_TRUE(bench_.run_until([&] { return fault(13) == DWELL_FAULT_TIMEOUT; }));
+  EXPECT_EQ(reason(13), "node 2 (CiA 404, rigsim input): TPDO 2 (0x282): no answer to SYNC for 0.5 s");
+  const std::size_t told = bench_.host.states_told(), samples = bench_.host.samples(11).size();
+  bench_.run_for(10 * kSecond_ns);
+  EXPECT_EQ(resets(), 1);
+  EXPECT_EQ(bench_.host.states_told(), told);
+  EXPECT_NEAR(static_cast<double>(bench_.host.samples(11).size() - samples), 1000.0, 2.0);
+  bench_.fate = [](const can_frame&) { return 0; };
+  EXPECT_TRUE(bench_.run_until([&] { return all_deliver() && bench_.delivers(13); }));
+  EXPECT_EQ(resets(), 1);
+}
+
+TEST_F(Canopen, SetsANodeUpAgainOnceAllOfItsTpdosAreSilent) {
+  bench_.setup.timeout_ns = kSecond_ns / 2;
+  start_with_two_tpdos();
+  bool both = false;
+  bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
+    if (frame.can_id == 0x282 || (both && frame.can_id == 0x182)) return std::nullopt;
+    return 0;
+  };
+  ASSERT_TRUE(bench_.run_until([&] { return fault(13) == DWELL_FAULT_TIMEOUT; }));
+  both = true;
+  ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_TIMEOUT; }));
+  for (const std::uint16_t channel : {std::uint16_t{11}, std::uint16_t{13}})
+    EXPECT_EQ(reason(channel), "node 2 (CiA 404, rigsim input): no answer to SYNC for 0.5 s");
+  EXPECT_TRUE(bench_.run_until([&] { return resets() == 2; }));
+}
+
+// The one that answers must not undo the back-off that the silent one has earned.
+TEST(CanopenNode, IsTriedAtOnceAgainOnlyAfterAllOfItsTpdosHaveAnswered) {
+  test::FakeHost host;
+  Outbox outbox;
+  Wish wish;
+  wish.node = 2;
+  const auto pause_ns = [&](Node& node) {
+    outbox.clear();
+    node.fail(DWELL_FAULT_TIMEOUT, "silent", 0);
+    std::int64_t now_ns = 0;
+    for (; outbox.front() == nullptr && now_ns < 20 * kSecond_ns; now_ns += kMs) node.tick(now_ns);
+    return now_ns - kMs;
+  };
+  Node node(wish, driver::Host(*host.host()), outbox);
+  EXPECT_EQ(pause_ns(node), 100 * kMs);
+  node.answers(false);
+  EXPECT_EQ(node.fault(), DWELL_FAULT_NONE);
+  EXPECT_EQ(pause_ns(node), 200 * kMs);
+  node.answers(true);
+  EXPECT_EQ(pause_ns(node), 100 * kMs);
 }
 
 TEST_F(Canopen, LosesNothingButTheAnswerThatIsLostAndTheDoubtfulOneAfterIt) {

@@ -9,7 +9,7 @@ namespace rigsim {
 namespace {
 
 constexpr double kMetresPerUnit = 1e-9;
-constexpr std::uint32_t kNotValid = 1U << 31U;
+constexpr std::uint32_t kNotValid = 1U << 31U, kFrameBits = (1U << 30U) - 1;
 constexpr unsigned kPdos = 2;
 
 constexpr std::uint32_t kReadOnly = 0x06010002, kNoObject = 0x06020000, kWrongLength = 0x06070010,
@@ -263,7 +263,7 @@ std::uint32_t CanopenNode::refusal(std::uint16_t index, std::uint8_t sub_index, 
   if (state_ == State::operational) return kNotNow;
   const std::uint32_t cob_id = entry(index, 1);
   const bool valid = (cob_id & kNotValid) == 0;
-  if (sub_index == 1 && valid && (value & kNotValid) == 0 && value != cob_id) return kWrongValue;
+  if (sub_index == 1 && valid && ((value ^ cob_id) & kFrameBits) != 0) return kWrongValue;
   if (sub_index == 2 && valid) return kNotNow;
   return 0;
 }

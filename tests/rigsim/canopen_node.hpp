@@ -1,6 +1,7 @@
 // One simulated CANopen transducer (CiA 301; CiA 404 or 406): an object dictionary, an SDO server, NMT states, a
 // heartbeat, emergencies, and TPDOs that a SYNC triggers. It is strict where devices are: the identifier of a TPDO that
-// is valid cannot be changed, nor a transmission type, and neither while operational. Virtual time only.
+// is valid cannot be changed, not even by what disables it, nor a transmission type, and neither while operational.
+// Virtual time only.
 #pragma once
 
 #include <linux/can.h>
