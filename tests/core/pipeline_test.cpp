@@ -342,6 +342,52 @@ TEST(Pipeline, CoarseRoundingAtAMultipleOfTheDriveStaysWithinTheUncertainty) {
   }
 }
 
+// However rarely the smallest step itself is seen: here after a transient, with little noise.
+TEST(Pipeline, RoundingIsKnownWhateverTheStepsThatAreSeen) {
+  const double f = 4;
+  for (const int per_period : {10, 13, 16})
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      Bench bench(clamped_chain(), rig_of(clamped_chain(), f), steady_drive(f), DrivenChain::Start::rest,
+                  {.rate_hz = f * per_period, .sigma = {3e-8, 3e-8, 3e-8, 3e-4}}, seed);
+      bench.alter = [](Record& record, double) {
+        const double step = record.channel == 3 ? 5e-3 : 5e-7;
+        record.value = step * std::round(record.value / step);
+      };
+      bench.run(40);
+      bench.finish();
+      ASSERT_EQ(bench.dwells.size(), 1u);
+      expect_within(bench.dwells[0], clamped_chain(), 4.5, std::to_string(per_period) + " readings a period");
+    }
+}
+
+TEST(Pipeline, OneBadReadingOfTheTableStopsNoDrive) {
+  for (const double size : {0.004, 0.006}) {
+    Bench bench(clamped_chain(), rig_of(clamped_chain(), 4), steady_drive(4), DrivenChain::Start::steady,
+                {.rate_hz = 60, .sigma = {2e-6, 2e-6, 2e-6, 1e-2}});
+    bool bad = false;
+    bench.alter = [&](Record& record, double t) {
+      if (record.channel != 0 || t < 20 || bad) return;
+      record.value += size;
+      bad = true;
+    };
+    bench.run(30);
+    EXPECT_EQ(bench.pipeline.state(), State::measuring);
+    bench.finish();
+    ASSERT_EQ(bench.dwells.size(), 1u) << size << ", ended by " << to_string(bench.dwells[0].ended_by) << " at "
+                                       << bench.dwells[0].end_s;
+    expect_within(bench.dwells[0], clamped_chain(), 4.5, std::to_string(size));
+  }
+}
+
+TEST(Pipeline, HarmonicsOfTheDriveThatAreNotFittedAreNoTransient) {
+  Drive drive = steady_drive(4);
+  drive.harmonics = {{5, 1e-5, 0.0}};
+  Bench bench(clamped_chain(), rig_of(clamped_chain(), 4), drive, DrivenChain::Start::rest,
+              {.rate_hz = 200, .sigma = {2e-7, 2e-7, 2e-7, 2e-3}});
+  bench.run(20, [&] { return bench.pipeline.state() == State::measuring; });
+  EXPECT_EQ(bench.pipeline.state(), State::measuring) << bench.pipeline.current().settling_reason;
+}
+
 TEST(Pipeline, HeldReadingsOfASlowDeviceStayWithinTheUncertainty) {
   const Chain chain = clamped_chain();
   Bench bench(chain, rig_of(chain, 4), steady_drive(4), DrivenChain::Start::steady,
