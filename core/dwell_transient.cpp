@@ -18,6 +18,7 @@ constexpr double kSure = 3.0;                         // standard deviations of 
 constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;                  // of the tolerance: nothing is subtracted any more …
 constexpr double kNegligibleOfNoise = 0.2;            // … or of the uncertainty of the phasor
+constexpr double kPerParameter = 4.0;                 // readings
 constexpr double kSudden = 1.2;                       // times what is allowed, a moment ago
 constexpr double kAgain = 0.05, kAgainPeriods = 2.0;  // of the hold, periods: later, that is asked again
 constexpr double kShortest = 2.0;                     // after these, periods, before anything is said
@@ -101,7 +102,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
     if (!explained()) refit_soon();
   }
-  const bool waits = verdict.worst_left > 1 || !believed(left_before);
+  const bool waits = verdict.worst_left > 1 || !believed(left_before) || !determined();
   verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
                          : verdict.worst_left > 1                     ? std::log(verdict.worst_left) / slowest_rate()
                                                   : to_s(std::max<std::int64_t>(0, believe_at_ns - now_ns));
@@ -136,6 +137,13 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     take_transient_out(end_ns);
     count_anew();
   }
+  return true;
+}
+
+// Few readings more than regressors are explained by any poles.
+bool Pipeline::Impl::determined() const {
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c) && modal.samples(c) < kPerParameter * modal.parameters()) return false;
   return true;
 }
 

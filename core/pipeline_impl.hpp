@@ -325,6 +325,7 @@ struct Pipeline::Impl {
   // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
   bool believed(double left_before);
+  [[nodiscard]] bool determined() const;
   void refit_later(double growth);
   void refit_soon();
   void refit_measuring(std::int64_t end_ns);
