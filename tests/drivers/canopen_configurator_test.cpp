@@ -13,7 +13,7 @@
 namespace dwell::canopen {
 namespace {
 
-constexpr std::uint8_t kNode = 5;
+constexpr std::uint8_t kNodeSetUp = 5;
 constexpr std::uint32_t kNotValid = 1U << 31U, kNoObject = 0x06020000, kWrongValue = 0x06090030;
 
 // Node 5 of CiA 404: 9130h:01 as INTEGER32 in TPDO 1.
@@ -27,7 +27,7 @@ class Dictionary : public ::testing::Test {
 
   static Wish wish() {
     Wish wish;
-    wish.node = kNode;
+    wish.node = kNodeSetUp;
     wish.wanted.push_back({{0x9130, 1}, {Kind::signed_integer, 32}, 0});
     return wish;
   }
