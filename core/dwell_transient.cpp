@@ -105,7 +105,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   const bool waits = verdict.worst_left > 1 || !believed(left_before) || !determined();
   verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
                          : verdict.worst_left > 1                     ? std::log(verdict.worst_left) / slowest_rate()
-                                                  : to_s(std::max<std::int64_t>(0, believe_at_ns - now_ns));
+                                                                      : to_s(std::max(now_ns, believe_at_ns) - now_ns);
   if (waits || out_of_search()) return true;
   // The data count from where the same could be said of an earlier instant; further back, where that would leave too
   // few, only as long as what is taken out is no large multiple of what may be left.
