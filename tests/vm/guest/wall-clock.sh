@@ -2,6 +2,7 @@
 # and slewed by 500 ppm during a dwell. What a slew would do to the data shows in the frequency first: c goes with its
 # square, so a frequency that is right to 50 ppm says that less than 100 ppm of any c, less than 0.1 u here, is the wall
 # clock's.
+# The rig needs a noise well above that of the guest's scheduling, so that it is the same throughout.
 # $of: what the claims begin with
 coefficients() { dwellctl status --json | jq -c '[.elements[] | .stiffness, .damping | [.value, .u]]'; }
 counted() {  # SECONDS
@@ -10,10 +11,9 @@ counted() {  # SECONDS
 frequency_is_right() {
   dwellctl status --json | jq -e '(.frequency_hz.value / 4 - 1) * 1e6 | if fabs < 50 then true else "off by \(.) ppm" | halt_error end'
 }
-# The same dwell with more data: of the same noise or, where the machine was busy meanwhile, of more. It may move by what
-# both uncertainties leave open, and 0.1 u.
+# More data make the same dwell's estimate better; it may move by what that explains, and 0.1 u.
 same_but_better() {
-  jq -se 'def off($a; $b): (($a[0] - $b[0]) | fabs) / (0.1 * $a[1] + 3 * (($a[1] * $a[1] + $b[1] * $b[1]) | sqrt));
+  jq -se 'def off($a; $b): (($a[0] - $b[0]) | fabs) / (0.1 * $a[1] + 3 * ((($a[1] * $a[1] - $b[1] * $b[1]) | fabs) | sqrt));
     . as [$a, $b] | [range($a | length) | off($a[.]; $b[.])] | max
     | if . <= 1 then true else "off by \(.) of what is allowed: \($a), then \($b)" | halt_error end' "$work/before" "$work/after"
 }
