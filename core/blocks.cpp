@@ -260,15 +260,14 @@ void Blocks::join(std::size_t position) noexcept {
          b.omega,    a.first_serial, a.quarters + b.quarters};
   std::fill_n(instants(into, 0), instants_size_ * static_cast<std::size_t>(channels_), 0.0);
   std::fill_n(readings(into, 0), readings_size_ * static_cast<std::size_t>(channels_), 0.0);
-  for (int c = 0; c < channels_; ++c) {
-    const int shared = owner(older, c) == owner(newer, c) ? owner(older, c) : c;
-    owner(into, c) = shared;
-    for (const std::size_t slot : {older, newer}) {
-      const Block& part = blocks_[slot];
-      const double shift = seconds(part.centre_ns - sum.centre_ns);
-      const moments::Turn turn{sum.omega - part.omega, sum.omega * shift, shift};
+  for (int c = 0; c < channels_; ++c) owner(into, c) = owner(older, c) == owner(newer, c) ? owner(older, c) : c;
+  for (const std::size_t slot : {older, newer}) {
+    const Block& part = blocks_[slot];
+    const double shift = seconds(part.centre_ns - sum.centre_ns);
+    const moments::Turn turn{sum.omega - part.omega, sum.omega * shift, shift, instants_count_};
+    for (int c = 0; c < channels_; ++c) {
       const double* set = instants(slot, owner(slot, c));
-      if (shared == c) moments::add_instants(set, instants_count_, turn, instants(into, c));
+      if (owner(into, c) == c) moments::add_instants(set, instants_count_, turn, instants(into, c));
       moments::add_readings(readings(slot, c), readings_count_, turn, moments::mean_square_u(set, instants_count_),
                             readings(into, c));
     }
@@ -306,11 +305,8 @@ void Blocks::part(int c, int owner_in_block, Totals& out) const noexcept {
 
 moments::Turn Blocks::turn_into(const Totals& out, std::size_t slot) const noexcept {
   const Block& block = blocks_[slot];
-  moments::Turn turn = out.turn_from(block.omega, block.centre_ns);
   const double u = seconds(block.centre_ns - drift_.about_ns);
-  turn.delta += drift_.rate * u;
-  turn.phase += 0.5 * drift_.rate * u * u;
-  return turn;
+  return out.turn_from(block.omega, block.centre_ns, drift_.rate * u, 0.5 * drift_.rate * u * u);
 }
 
 void Blocks::add_block(int i, Totals& out) const noexcept {

@@ -16,10 +16,10 @@ class SamplingRegularity {
   void add(double step_s) noexcept {
     if (!(step_s > 0)) return;
     if (n_ > 8 && step_s > 1.6 * mean_s_) return;  // lost in between
-    n_ = n_ < kMost ? n_ + 1 : kMost;
-    const double off = step_s - mean_s_, weight = 1 / n_;
-    mean_s_ += off * weight;
-    variance_ += (off * off - variance_) * weight;
+    if (n_ < kMost) weight_ = 1 / ++n_;
+    const double off = step_s - mean_s_;
+    mean_s_ += off * weight_;
+    variance_ += (off * off - variance_) * weight_;
   }
   // Least distance of the alias of line_hz to f_hz, Hz. Jitter spreads an alias until only the line itself is left.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
@@ -36,7 +36,7 @@ class SamplingRegularity {
 
  private:
   static constexpr double kMost = 4096;
-  double n_ = 0, mean_s_ = 0, variance_ = 0;
+  double n_ = 0, weight_ = 1, mean_s_ = 0, variance_ = 0;
 };
 
 }  // namespace dwell

@@ -5,10 +5,10 @@
 namespace dwell::moments {
 namespace {
 
-void turn_angles(const double* in, int count, const Turn& turn, double mean_square, double* out) noexcept {
-  const double turn_c = std::cos(turn.phase), turn_s = std::sin(turn.phase);
-  double c = 1.0, s = 0.0;  // exp(jk·phase)
+void turn_angles(const double* __restrict in, int count, const Turn& turn, double mean_square,
+                 double* __restrict out) noexcept {
   for (int k = 0; k < count; ++k) {
+    const double c = turn.c[static_cast<std::size_t>(k)], s = turn.s[static_cast<std::size_t>(k)];
     const double a = k * turn.delta, left = 1 - 0.5 * a * a * mean_square;
     const double c0 = in[cosine(count, 0, k)], s0 = in[sine(count, 0, k)];
     const double c1 = in[cosine(count, 1, k)], s1 = in[sine(count, 1, k)];
@@ -20,13 +20,19 @@ void turn_angles(const double* in, int count, const Turn& turn, double mean_squa
     out[sine(count, 0, k)] += q0;
     out[cosine(count, 1, k)] += p1 + turn.shift * p0;
     out[sine(count, 1, k)] += q1 + turn.shift * q0;
-    const double next = c * turn_c - s * turn_s;
-    s = c * turn_s + s * turn_c;
-    c = next;
   }
 }
 
 }  // namespace
+
+Turn::Turn(double delta_, double phase, double shift_, int count) noexcept : delta(delta_), shift(shift_) {
+  c[0] = 1.0, s[0] = 0.0;
+  const double one_c = std::cos(phase), one_s = std::sin(phase);
+  for (std::size_t k = 1; k < static_cast<std::size_t>(count); ++k) {
+    c[k] = c[k - 1] * one_c - s[k - 1] * one_s;
+    s[k] = c[k - 1] * one_s + s[k - 1] * one_c;
+  }
+}
 
 void add_instants(const double* in, int count, const Turn& turn, double* out) noexcept {
   turn_angles(in, count, turn, mean_square_u(in, count), out);

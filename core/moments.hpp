@@ -91,11 +91,12 @@ inline void add(const Regressors& x, double weight, double square, double* __res
   set[4 * kStride] += square;
 }
 
-// How a set changes from (ω_b, t_b) to (ω, t_ref).
+// How sets change from (ω_b, t_b) to (ω, t_ref).
 struct Turn {
-  double delta;  // ω - ω_b, rad/s
-  double phase;  // ω (t_b - t_ref), rad
-  double shift;  // t_b - t_ref, s
+  // delta: ω - ω_b, rad/s; phase: ω (t_b - t_ref), rad; shift: t_b - t_ref, s; for sets of at most `count` angles.
+  Turn(double delta, double phase, double shift, int count) noexcept;
+  double delta, shift;
+  std::array<double, 18> c, s;  // exp(jk·phase)
 };
 
 // Turns a set and adds it to `out`. The mean of u² over the set's instants: for instants from the set itself, for

@@ -20,6 +20,25 @@ constexpr int kPeriod = 4, kNear = 32;  // quarters
 
 }  // namespace
 
+// Sums over the blocks since t_j, the moments of time about now so that they serve every j.
+struct StepWatch::Since {
+  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0;
+  void take(const Block& block, double ago_s) noexcept {
+    late2 += block.late2;
+    n += block.n;
+    rm += block.rm;
+    mm += block.mm;
+    r0 += block.rq;
+    r1 += block.rq * ago_s;
+    q0 += block.qq;
+    q1 += block.qq * ago_s;
+    q2 += block.qq * ago_s * ago_s;
+  }
+  // Σ r q τ and Σ q² τ², τ the time since t_j, which was since_s ago.
+  [[nodiscard]] double score(double since_s) const noexcept { return since_s * r0 - r1; }
+  [[nodiscard]] double weight(double since_s) const noexcept { return since_s * since_s * q0 - 2 * since_s * q1 + q2; }
+};
+
 void StepWatch::restart() noexcept {
   seen_ = 0;
   referred_ = false;
@@ -88,55 +107,48 @@ bool StepWatch::close() noexcept {
   open_t_ = open_n_ = 0.0;
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
   const double quarter_s = 2 * M_PI / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
-  // Sums since t_j, the moments of time about now so that they serve every j.
-  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, worst = 0;
+  Since sums;
+  double worst = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
   bool by_amplitude_doubt = false, by_drift_doubt = false;
   // What takes long to show may be looked for once a period.
   const bool far = seen_ % kPeriod == 0;
   if (far) far_amplitude_doubt_ = far_drift_doubt_ = false;
   for (int k = 0; k < (far ? most : std::min(most, kNear)); ++k) {
-    const Block& block = back(k);
-    const double ago = now_s - block.t_s;
-    late2 += block.late2;
-    n += block.n;
-    if (k + 1 == kPeriod) late_s_ = std::sqrt(late2 / n);
-    rm += block.rm;
-    mm += block.mm;
-    r0 += block.rq;
-    r1 += block.rq * ago;
-    q0 += block.qq;
-    q1 += block.qq * ago;
-    q2 += block.qq * ago * ago;
+    const double ago = now_s - back(k).t_s;
+    sums.take(back(k), ago);
+    if (k + 1 == kPeriod) late_s_ = std::sqrt(sums.late2 / sums.n);
     // Beyond some periods not every length is needed: those of like length see the same.
-    if (k + 1 < kPeriod || (k > kNear && (k & (k >> 5 > 1 ? 7 : 3)) != 3) || !(mm > 0 && q0 > 0)) continue;
-    const double since = ago + quarter_s / 2;                                                 // of t_j
-    const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;  // τ = since - ago
-    const double by_lateness = now_.omega * std::sqrt(late2 / n);                             // rad
-    const double alpha = rm / mm, u_alpha = std::sqrt(sigma2 / mm + now_.u_amplitude * now_.u_amplitude);
-    const double drift = score / weight;
+    if (k + 1 < kPeriod || (k > kNear && (k & (k >> 5 > 1 ? 7 : 3)) != 3) || !(sums.mm > 0 && sums.q0 > 0)) continue;
+    const double since = ago + quarter_s / 2, weight = sums.weight(since);
+    const double alpha = sums.rm / sums.mm, drift = sums.score(since) / weight;
+    const double late2 = now_.omega * now_.omega * sums.late2 / sums.n;  // rad²
+    const double u2_alpha = sigma2 / sums.mm + now_.u_amplitude * now_.u_amplitude;
     // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
-    const double u_phase = std::hypot(now_.u_phase, now_.u_omega * (now_s - since), by_lateness);
-    const double u_drift = std::sqrt(sigma2 / weight + std::pow(1.5 * u_phase / since, 2) + std::pow(now_.u_omega, 2));
-    const double by_amplitude = std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) +
-                                                   tolerated_ + by_lateness * by_lateness);
-    const double by_drift =
-        std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + tolerated_ / since);
-    const double beyond = std::max(by_amplitude, by_drift);
-    const double unsure = kUnsureBy * tolerance_ + tolerated_;
-    const bool amplitude = std::abs(alpha) > kDoubt * u_alpha + unsure,
-               phase = std::abs(drift) > kDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + tolerated_ / since;
-    by_amplitude_doubt = by_amplitude_doubt || amplitude;
-    by_drift_doubt = by_drift_doubt || phase;
-    if (k >= kNear) {
-      far_amplitude_doubt_ = far_amplitude_doubt_ || amplitude;
-      far_drift_doubt_ = far_drift_doubt_ || phase;
+    const double u_then = now_.u_omega * (now_s - since),
+                 u2_phase = now_.u_phase * now_.u_phase + u_then * u_then + late2;
+    const double u2_drift = sigma2 / weight + 2.25 * u2_phase / (since * since) + now_.u_omega * now_.u_omega;
+    // Most often neither is in doubt, let alone beyond.
+    if (alpha * alpha > kDoubt * kDoubt * u2_alpha || drift * drift > kDoubt * kDoubt * u2_drift) {
+      const double u_alpha = std::sqrt(u2_alpha), u_drift = std::sqrt(u2_drift), by_phase = tolerated_ / since;
+      const bool amplitude = std::abs(alpha) > kDoubt * u_alpha + kUnsureBy * tolerance_ + tolerated_,
+                 phase = std::abs(drift) > kDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + by_phase;
+      by_amplitude_doubt = by_amplitude_doubt || amplitude;
+      by_drift_doubt = by_drift_doubt || phase;
+      if (k >= kNear) {
+        far_amplitude_doubt_ = far_amplitude_doubt_ || amplitude;
+        far_drift_doubt_ = far_drift_doubt_ || phase;
+      }
+      const double by_amplitude =
+          std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) + tolerated_ + late2);
+      const double by_drift =
+          std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + by_phase);
+      if (k + 1 >= kShortest) worst = std::max({worst, by_amplitude, by_drift});
     }
-    if (k + 1 >= kShortest) worst = std::max(worst, beyond);
     if (k + 1 == kPeriod && in_doubt_ == 0) {
-      const double noise = sigma2 / mm + now_.u_amplitude * now_.u_amplitude;
-      excess_ += kForget / kPeriod * (std::min(alpha * alpha, 9 * noise + tolerance_ * tolerance_) - noise - excess_);
-      const double shown = std::clamp(excess_ - kExcess * noise, 0.0, tolerance_ * tolerance_ / 2);
+      excess_ +=
+          kForget / kPeriod * (std::min(alpha * alpha, 9 * u2_alpha + tolerance_ * tolerance_) - u2_alpha - excess_);
+      const double shown = std::clamp(excess_ - kExcess * u2_alpha, 0.0, tolerance_ * tolerance_ / 2);
       tolerated_ = kBeyond * std::sqrt(shown) + kRounding * now_.u_rounding;
     }
   }
@@ -156,20 +168,14 @@ bool StepWatch::close() noexcept {
 int StepWatch::changed() const noexcept {
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
   const double quarter_s = 2 * M_PI / now_.omega / kPeriod, now_s = back(0).t_s + quarter_s / 2;
-  double rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0, most_explained = 0;
+  Since sums;
+  double most_explained = 0;
   int changed = 0;
   for (int k = 0; k < most; ++k) {
-    const Block& block = back(k);
-    const double ago = now_s - block.t_s, since = ago + quarter_s / 2;
-    rm += block.rm;
-    mm += block.mm;
-    r0 += block.rq;
-    r1 += block.rq * ago;
-    q0 += block.qq;
-    q1 += block.qq * ago;
-    q2 += block.qq * ago * ago;
-    const double score = since * r0 - r1, weight = since * since * q0 - 2 * since * q1 + q2;
-    const double explains = rm * rm / mm + score * score / weight;  // NaN where there is nothing
+    const double ago = now_s - back(k).t_s, since = ago + quarter_s / 2;
+    sums.take(back(k), ago);
+    const double score = sums.score(since);
+    const double explains = sums.rm * sums.rm / sums.mm + score * score / sums.weight(since);  // NaN: there is nothing
     if (!(explains > most_explained)) continue;
     most_explained = explains;
     changed = k + 1;

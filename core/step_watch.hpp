@@ -71,6 +71,7 @@ class StepWatch {
     return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
   }
 
+  struct Since;
   [[nodiscard]] int changed() const noexcept;
 
   double tolerance_;

@@ -41,9 +41,9 @@ std::int64_t Totals::centroid_ns(int c) const noexcept {
          static_cast<std::int64_t>(std::llround(1e9 * set[moments::cosine(instants_count_, 1, 0)] / set[0]));
 }
 
-moments::Turn Totals::turn_from(double omega, std::int64_t centre_ns) const noexcept {
+moments::Turn Totals::turn_from(double omega, std::int64_t centre_ns, double faster, double ahead) const noexcept {
   const double shift = 1e-9 * static_cast<double>(centre_ns - t_ref_ns_);
-  return {omega_ - omega, omega_ * shift, shift};
+  return {omega_ - omega + faster, omega_ * shift + ahead, shift, instants_count_};
 }
 
 void Totals::turned(double omega, std::int64_t t_ref_ns, Totals& out) const noexcept {

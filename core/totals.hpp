@@ -37,7 +37,9 @@ class Totals {
   friend class Blocks;
   [[nodiscard]] double* instants(int c) noexcept;
   [[nodiscard]] double* readings(int c) noexcept;
-  [[nodiscard]] moments::Turn turn_from(double omega, std::int64_t centre_ns) const noexcept;
+  // Of sets about centre at omega, of a drive that was there `faster` (rad/s) and `ahead` (rad) of this ω.
+  [[nodiscard]] moments::Turn turn_from(double omega, std::int64_t centre_ns, double faster = 0.0,
+                                        double ahead = 0.0) const noexcept;
 
   int channels_, instants_count_, readings_count_;
   double omega_ = 0.0;
