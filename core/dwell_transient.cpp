@@ -128,7 +128,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   std::fill(transient.begin(), transient.end(), 0.0);
   omega = modal.omega();
   if (pending) emit(EndedBy::drive_changed);
-  refit_later(kGrowthMeasuring);
+  refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
   // Again, where the data that count contradict the frequency at which the transient was taken out of them.
@@ -198,7 +198,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   }
   refine_poles(misfit, 1);
   take_best_poles();
-  refit_later(kGrowthMeasuring);
+  refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
   if (last) modal_refit_at_ns = INT64_MAX;
