@@ -13,6 +13,8 @@ constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell
 }  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
+  if (blocks.serials() % kQuarters == 0)
+    for (Live& channel : live) channel.gate.next_period();
   if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
   if (counted_valid) blocks.add_block(blocks.count() - 1, counted);
   const int quarters = kQuarters * window_periods;
@@ -139,7 +141,7 @@ void Pipeline::Impl::begin_hold(int from) {
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
     channel.step = INFINITY;
-    channel.overrange = 0;
+    channel.overrange = channel.spikes = 0;
   }
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
 }

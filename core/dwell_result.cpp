@@ -12,6 +12,16 @@ constexpr int kManyRestarts = 6;        // of a hold, one after the other, that 
 
 }  // namespace
 
+// What the fit found to swing beside the drive and the chain.
+std::string Pipeline::Impl::foreign_oscillations() const {
+  std::string lines;
+  for (const Complex pole : extra_poles)
+    if (pole.imag() > 0)
+      lines += (lines.empty() ? "; beside the chain something swings at " : " and at ") +
+               std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
+  return lines;
+}
+
 std::string Pipeline::Impl::settling_reason() const {
   if (sparse)
     return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
@@ -40,7 +50,8 @@ std::string Pipeline::Impl::settling_reason() const {
              (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
                       blocks.serials() - steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
-                  : "");
+                  : "") +
+             foreign_oscillations();
     }
     return "too few periods seen";
   }
@@ -147,16 +158,21 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) {
     results.push_back(result_of(c, up_to_now));
+    if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
     if (settled) widen(results.back(), c, from, to, dwell);
   }
   report_phasors(rig, results, w, u, dwell);
-  if (!active) dwell.frequency_hz = {};
+  if (!active || out_of_search()) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
   for (int c = 0; c < channel_count; ++c) {
     const Live& channel = live[static_cast<std::size_t>(c)];
     if (channel.overrange > 0)
       dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " +
                                std::to_string(channel.overrange) + " readings beyond its range were left out");
+    if (channel.spikes > 0)
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + std::to_string(channel.spikes) +
+                               (channel.spikes == 1 ? " reading far from all others was left out"
+                                                    : " readings far from all others were left out"));
   }
   if (!settled) {
     if (state == State::measuring) {

@@ -59,6 +59,7 @@ void Pipeline::Impl::advance() {
     open_block(now_ns);
     return;
   }
+  if (now_ns < blocks.open_end_ns()) return;
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   if (now_ns - blocks.open_end_ns() > kEmptyBlocks * quarter_ns) {
     blocks.close();
@@ -97,6 +98,11 @@ void Pipeline::Impl::sample(const Record& record) {
   if (channel.now.overrange) {
     ++channel.now.rejected;
     ++channel.overrange;
+    return;
+  }
+  if (channel.gate.spike(value)) {
+    ++channel.now.rejected;
+    ++channel.spikes;
     return;
   }
   if (stuck(channel) && (state == State::settling || state == State::measuring)) {

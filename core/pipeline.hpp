@@ -26,7 +26,7 @@ struct ChannelNow {
   Fault fault = Fault::silent;  // none: it delivers
   bool overrange = false;       // the newest reading is beyond its range
   std::uint64_t used = 0;       // samples taken into account
-  std::uint64_t rejected = 0;   // samples that were not: not finite, overrange, not after the one before
+  std::uint64_t rejected = 0;   // samples that were not: not finite, overrange, spikes, not after the one before
   std::uint64_t gaps = 0;       // times that samples were lost
 };
 

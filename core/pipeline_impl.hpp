@@ -27,6 +27,7 @@
 #include "core/report.hpp"
 #include "core/sample_history.hpp"
 #include "core/settling.hpp"
+#include "core/spike_gate.hpp"
 #include "core/step_watch.hpp"
 #include "core/sync_reference.hpp"
 
@@ -119,7 +120,8 @@ struct Pipeline::Impl {
     // The device's rounding, SI: what all differences of two readings one after the other in this hold are multiples
     // of. INFINITY: no two have differed; 0: there is none.
     double step = INFINITY;
-    std::uint64_t overrange = 0;
+    std::uint64_t overrange = 0, spikes = 0;
+    SpikeGate gate;
     SamplingRegularity sampling;
     bool referenced = false;
   };
@@ -368,6 +370,7 @@ struct Pipeline::Impl {
   // had.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
+  [[nodiscard]] std::string foreign_oscillations() const;
   // Standard uncertainty of either component of a phasor of the reading by rounding.
   [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
   // Says where hum cannot be told from a harmonic.

@@ -36,6 +36,10 @@ const std::vector<Measure>& measures() {
          return over_elements(o,
                               [](const ElementOutcome& e) { return std::max(std::abs(e.c_U95), std::abs(e.r_U95)); });
        }},
+      {"elements reported although |d| is below its standard deviation", 0.5,
+       [](const Outcome& o) {
+         return over_elements(o, [](const ElementOutcome& e) { return e.reported && e.snr_d < 1 ? 1.0 : 0.0; });
+       }},
       {"left measuring in a steady drive", 0.5, [](const Outcome& o) { return o.rearmed ? 1.0 : 0.0; }},
       {"processor seconds", 1.0, [](const Outcome& o) { return o.cpu_s; }}};
   return all;

@@ -1,0 +1,45 @@
+// Readings that stand alone, far from all others of their channel: a spike of a load cell, a register read while it was
+// written. One such among ten thousand outweighs the noise of all, and no sum of squares forgets it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace dwell {
+
+// Of one channel. One thread; a few comparisons a reading.
+class SpikeGate {
+ public:
+  // Whether this reading, of any unit, lies further outside what this period and the last have shown than 1.5 times
+  // their range, as no harmonic motion does, unless the two before it did as well: what lasts is another motion.
+  bool spike(double value) noexcept {
+    const double low = std::min(before_.low, now_.low), high = std::max(before_.high, now_.high);
+    const double room = kRoom * (high - low);
+    if (before_.count >= kFewest && room > 0 && (value < low - room || value > high + room) && in_row_ < kMostInRow) {
+      ++in_row_;
+      return true;
+    }
+    in_row_ = 0;
+    now_.low = std::min(now_.low, value);
+    now_.high = std::max(now_.high, value);
+    ++now_.count;
+    return false;
+  }
+  // A period is over.
+  void next_period() noexcept {
+    before_ = now_;
+    now_ = {};
+  }
+
+ private:
+  static constexpr double kRoom = 1.5;
+  static constexpr int kFewest = 4, kMostInRow = 2;
+  struct Seen {
+    double low = INFINITY, high = -INFINITY;
+    long count = 0;
+  };
+  Seen now_, before_;
+  int in_row_ = 0;
+};
+
+}  // namespace dwell
