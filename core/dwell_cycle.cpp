@@ -71,7 +71,11 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     arm(from);
   }
   if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
-  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0, u0, omega), stepped = watch.close();
+  // A drift that is known is out of the window's phase.
+  const double since_s = to_s(centre_ns - blocks.drift().about_ns), faster = blocks.drift().rate * since_s;
+  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, 0.5 * faster * since_s), u0,
+                                  omega + faster),
+             stepped = watch.close();
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
@@ -97,7 +101,7 @@ void Pipeline::Impl::acquire(int from, int to, std::int64_t centre_ns) {
 
 bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
   if (state != State::measuring || !counted_valid) return false;
-  const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
+  const double since_s = to_s(centre_ns - hold.t_ref_ns);
   const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
   const double u = std::hypot(std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]), hold.u_omega * since_s,
                               hold.omega * watch.late_s());

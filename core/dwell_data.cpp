@@ -60,18 +60,26 @@ void Pipeline::Impl::count_anew(bool follow) {
 }
 
 bool Pipeline::Impl::follow_drift() {
-  if (rig.excitation.reference != Reference::tracked || blocks.count() < kStretches) return false;
-  const std::int64_t about_ns = counted.centroid_ns(drive_channel), begin_ns = blocks.block(0).begin_ns,
-                     length_ns = blocks.block(blocks.count() - 1).end_ns - begin_ns;
-  if (to_s(length_ns) < kShortestDrift * period_s()) return false;
+  const std::int64_t about_ns = counted.centroid_ns(drive_channel);
+  const double more = seen_drift(0, omega, about_ns);
+  if (more == 0) return false;
+  refer_drift(about_ns);
+  blocks.set_drift({blocks.drift().rate + more, about_ns});
+  return true;
+}
+
+double Pipeline::Impl::seen_drift(int first, double w, std::int64_t about_ns) const {
+  if (!refined() || blocks.count() - first < kStretches) return 0.0;
+  const std::int64_t length_ns = blocks.block(blocks.count() - 1).end_ns - blocks.block(first).begin_ns;
+  if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
   // The table's phase in stretches of like length against the dwell's, a parabola through it.
   Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   double before = 0.0;
-  for (int from = 0, to = 0; from < blocks.count(); from = to) {
+  for (int from = first, to = first; from < blocks.count(); from = to) {
     const std::int64_t first_ns = blocks.block(from).begin_ns;
     while (to < blocks.count() && (to == from || blocks.block(to).begin_ns - first_ns < length_ns / kStretches)) ++to;
-    blocks.sum_channel(drive_channel, from, to, omega, about_ns, window);
+    blocks.sum_channel(drive_channel, from, to, w, about_ns, window);
     const HarmonicFit fit = fit_harmonics(window, drive_channel, H, 0.0);
     if (!fit.usable) continue;
     const double u = to_s((blocks.block(to - 1).end_ns + first_ns) / 2 - about_ns) / to_s(length_ns);
@@ -83,21 +91,17 @@ bool Pipeline::Impl::follow_drift() {
     b += weight * phase * x;
   }
   const Eigen::LLT<Eigen::Matrix3d> llt(N);
-  if (llt.info() != Eigen::Success) return false;
+  if (llt.info() != Eigen::Success) return 0.0;
   const double more = llt.solve(b)(2), u_more = std::sqrt(llt.solve(Eigen::Vector3d::Unit(2))(2));  // rad per length²
   // What turns the ends by less than it is uncertain, or a phasor by nothing that matters, is left alone.
-  if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return false;
-  const double length_s = to_s(length_ns);
-  refer_drift(about_ns);
-  blocks.set_drift({blocks.drift().rate + more / (length_s * length_s), about_ns});
-  return true;
+  if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return 0.0;
+  return more / (to_s(length_ns) * to_s(length_ns));
 }
 
 // About another instant the same drift goes with another frequency.
 void Pipeline::Impl::refer_drift(std::int64_t about_ns) {
-  const Blocks::Drift drift = blocks.drift();
-  omega += drift.rate * to_s(about_ns - drift.about_ns);
-  blocks.set_drift({drift.rate, about_ns});
+  omega = omega_at(about_ns, omega);
+  blocks.set_drift({blocks.drift().rate, about_ns});
 }
 
 bool Pipeline::Impl::drop_misjudged() {

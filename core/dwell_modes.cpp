@@ -23,6 +23,7 @@ constexpr double kConverged = 0.1;                  // of the uncertainty of a p
 }  // namespace
 
 double Pipeline::Impl::drive_omega() {
+  modal_rate = 0.0;
   if (!tracked()) return omega;
   const int from = blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to = blocks.count();
   double w = omega;
@@ -37,7 +38,8 @@ double Pipeline::Impl::drive_omega() {
     w = within_search(rig, w + delta);
     if (std::abs(delta) * std::sqrt(fit.information) < 0.1) break;
   }
-  return w;
+  modal_rate = seen_drift(from, w, middle_ns);
+  return w + modal_rate * to_s(modal_from_ns - middle_ns);
 }
 
 // Shows the modal fit the samples that it has not seen.
@@ -50,7 +52,7 @@ void Pipeline::Impl::feed_modes() {
 
 double Pipeline::Impl::fit_modes(double w, std::span<const Complex> poles) {
   --fits_left;
-  modal.restart(w, modal_from_ns, poles);
+  modal.restart(w, modal_rate, modal_from_ns, poles);
   modal_next = history.first_at(modal_from_ns);
   feed_modes();
   solve_modes();
@@ -103,7 +105,9 @@ bool Pipeline::Impl::refit_modes() {
   }
   // At first by the table alone, then by all channels.
   const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
-  const double w = drive_omega(), first_w = fitted && refined() ? modal.omega() : w;
+  const double w = drive_omega();
+  const bool drifts = modal_rate != 0 || modal.rate() != 0;
+  const double first_w = fitted && refined() && !drifts ? modal.omega() : w;
   if (modal_poles.empty()) {
     // From the windows' mean, the first time.
     if (decay.poles().empty()) return false;
@@ -124,7 +128,7 @@ bool Pipeline::Impl::refit_modes() {
     if (candidate < 2) extra_poles = kept_extras;
     if (candidate == 3) {
       const std::int64_t from_ns = std::exchange(modal_from_ns, std::max(modal_from_ns, now_ns - held_ns / 3));
-      fit_modes(w, {});
+      fit_modes(w + modal_rate * to_s(modal_from_ns - from_ns), {});
       modal_from_ns = from_ns;
     }
     if (candidate == 0 && fitted) renew_silent_poles();

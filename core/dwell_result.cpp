@@ -92,8 +92,7 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   }
   if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
-    const double angle = modal.omega() * to_s(totals.t_ref_ns() - modal.t0_ns());
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle).toRotationMatrix();
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(totals.t_ref_ns())).toRotationMatrix();
     result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
   }
   result.quantization_u = quantization_u(c, result.fit, totals);
@@ -153,7 +152,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   const auto [fitted_w, u, reached] = gather(from, to, with_open);
   // In the middle of the data.
-  const double w = fitted_w + blocks.drift().rate * to_s(totals.t_ref_ns() - blocks.drift().about_ns);
+  const double w = omega_at(totals.t_ref_ns(), fitted_w);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) {

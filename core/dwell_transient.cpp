@@ -127,13 +127,14 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   enter(State::measuring);
   std::fill(transient.begin(), transient.end(), 0.0);
   omega = modal.omega();
+  blocks.set_drift({modal.rate(), modal.t0_ns()});
   if (pending) emit(EndedBy::drive_changed);
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
   // Again, where the data that count contradict the frequency at which the transient was taken out of them.
-  for (int i = 0; i < kRefits && tracked() && !same_drive(omega); ++i) {
-    fit_modes(omega, modal.poles());
+  for (int i = 0; i < kRefits && tracked() && !same_drive(); ++i) {
+    follow_drive(modal.poles());
     take_transient_out(end_ns);
     count_anew();
   }
@@ -189,12 +190,12 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
   double misfit = NAN;
-  if (same_drive(omega)) {
+  if (same_drive()) {
     feed_modes();
     solve_modes();
     misfit = modal.misfit();
   } else {
-    misfit = fit_modes(omega, best_poles);
+    misfit = follow_drive(best_poles);
   }
   refine_poles(misfit, 1);
   take_best_poles();
@@ -204,11 +205,19 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (last) modal_refit_at_ns = INT64_MAX;
 }
 
+// The modal fit anew, at the frequency and drift of the data that count.
+double Pipeline::Impl::follow_drive(std::span<const Complex> poles) {
+  modal_rate = blocks.drift().rate;
+  return fit_modes(omega_at(modal_from_ns, omega), poles);
+}
+
 // Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows, or
 // is no more than the data that count leave open; the modal fit has seen more than these.
-bool Pipeline::Impl::same_drive(double w) const {
-  if (refined() && std::abs(w - modal.omega()) < kOwnOmega * hold.u_omega) return true;
-  const double turned = std::abs(w - modal.omega()) * to_s(now_ns - modal.t0_ns());
+bool Pipeline::Impl::same_drive() const {
+  const double off = std::abs(omega_at(modal.t0_ns(), omega) - modal.omega()), seen_s = to_s(now_ns - modal.t0_ns());
+  const double faster = std::abs(blocks.drift().rate - modal.rate());
+  if (refined() && faster == 0 && off < kOwnOmega * hold.u_omega) return true;
+  const double turned = (off + 0.5 * faster * seen_s) * seen_s;
   for (int c = 0; c < channel_count; ++c)
     if (modal.usable(c) &&
         turned * std::abs(modal.phasor(c, 1)) > kTurned * std::sqrt(modal.variance(c) * 2 / modal.samples(c)))

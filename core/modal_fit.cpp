@@ -46,8 +46,9 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   }
 }
 
-void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex> poles) noexcept {
+void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<const Complex> poles) noexcept {
   omega_ = omega;
+  rate_ = rate;
   t0_ns_ = t0_ns;
   evaluated_ns_ = INT64_MIN;
   for (Step& step : steps_) step.dt_ns = 0;
@@ -63,6 +64,11 @@ void ModalFit::restart(double omega, std::int64_t t0_ns, std::span<const Complex
     channel.pending_count = 0;
     channel.usable = channel.referenced = false;
   }
+}
+
+double ModalFit::angle(std::int64_t t_ns) const noexcept {
+  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  return (omega_ + 0.5 * rate_ * u) * u;
 }
 
 void ModalFit::turn_to(std::int64_t t_ns) noexcept {
@@ -105,6 +111,7 @@ void ModalFit::evaluate(std::int64_t t_ns) noexcept {
     turn_by(t_ns - evaluated_ns_);
   else
     turn_to(t_ns);
+  if (rate_ != 0) drive_turn_ = std::polar(1.0, angle(t_ns));
   evaluated_ns_ = t_ns;
   const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
   Complex turn = drive_turn_;

@@ -29,10 +29,10 @@ class ModalFit {
   ModalFit(int channels, int harmonics, int modes);
 
   // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is
-  // fitted beside but is no transient; those beyond the capacity are left out.
-  void restart(double omega, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
-  // One sample, at t >= t_0. reference: what to subtract so that a large mean costs no digits, the same throughout.
-  // O((2H+1+4·modes)²), no allocation.
+  // fitted beside but is no transient; those beyond the capacity are left out. omega: of the drive at t0, rad/s; rate:
+  // by which it drifts, rad/s², so that hωu above is hθ with θ = ωu + rate u²/2.
+  void restart(double omega, double rate, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
+  // One sample, at t >= t_0. O((2H+1+4·modes)²), no allocation.
   void add(int channel, std::int64_t t_ns, double value) noexcept;
 
   // The variance of the noise that the next solution of a channel starts from, its unit squared.
@@ -57,6 +57,9 @@ class ModalFit {
 
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
   [[nodiscard]] double omega() const noexcept { return omega_; }
+  [[nodiscard]] double rate() const noexcept { return rate_; }
+  // θ at t, rad.
+  [[nodiscard]] double angle(std::int64_t t_ns) const noexcept;
   [[nodiscard]] std::int64_t t0_ns() const noexcept { return t0_ns_; }
   [[nodiscard]] bool usable(int channel) const noexcept { return at(channel).usable; }
   // Phasor of harmonic h at t_0, of the reading.
@@ -127,7 +130,7 @@ class ModalFit {
   double converged_ = 0.0;
   std::vector<double> u_poles_;
   std::vector<std::int64_t> faded_ns_;
-  double omega_ = 0.0, moved_omega_ = 0.0;
+  double omega_ = 0.0, rate_ = 0.0, moved_omega_ = 0.0;
   std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
   std::complex<double> drive_turn_;
   std::array<std::complex<double>, kMaxModes> turns_{};  // exp(λ_m u)

@@ -154,6 +154,7 @@ struct Pipeline::Impl {
   std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
   double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
   int fits_left = 0;                       // of the whole hold, before now must be enough
+  double modal_rate = 0.0;                 // rad/s², of the drive as it is fitted
   double modal_skipped = 0.0;              // part of the hold that the modal fit leaves out
   std::int64_t quiet_ns = INT64_MIN;       // until then the transient is taken out of what comes in
   std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
@@ -290,11 +291,11 @@ struct Pipeline::Impl {
   }
 
   // dwell_modes.cpp: the modal fit of the hold so far.
-  // ω that the drive's channel alone tells of, from the blocks of this hold.
+  // ω at modal_from_ns and modal_rate that the drive's channel alone tells of, from the blocks of this hold.
   double drive_omega();
   // Shows the fit the samples that it has not seen.
   void feed_modes();
-  // The fit anew, with other poles; its misfit.
+  // The fit anew, with other poles and ω at modal_from_ns; its misfit.
   double fit_modes(double w, std::span<const Complex> poles);
   void solve_modes();
   // The poles of the chain that the fit's steady motion tells of; none where that cannot be solved.
@@ -331,7 +332,8 @@ struct Pipeline::Impl {
   void refit_later(double growth);
   void refit_soon();
   void refit_measuring(std::int64_t end_ns);
-  [[nodiscard]] bool same_drive(double w) const;
+  double follow_drive(std::span<const Complex> poles);
+  [[nodiscard]] bool same_drive() const;
   [[nodiscard]] bool transient_matters() const;
   [[nodiscard]] Eigen::Matrix2d transient_covariance(int c, double samples) const;
   void fade_modes(std::int64_t t_ns);
@@ -353,6 +355,13 @@ struct Pipeline::Impl {
 
   // How the table's frequency drifts, where that shows: into the blocks' drift. Whether it has changed.
   bool follow_drift();
+  // The rate, rad/s² beyond the blocks' own, by which the table's frequency drifts over the blocks from `first` on; 0:
+  // it does not show, or turns nothing by what matters. w: its frequency at `about`.
+  [[nodiscard]] double seen_drift(int first, double w, std::int64_t about_ns) const;
+  // ω at t of a drive of which it is w where the blocks' drift is about.
+  [[nodiscard]] double omega_at(std::int64_t t_ns, double w) const {
+    return w + blocks.drift().rate * to_s(t_ns - blocks.drift().about_ns);
+  }
   void refer_drift(std::int64_t about_ns);
 
   // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where

@@ -30,7 +30,7 @@ void show(ModalFit& fit, const std::vector<Complex>& poles, const std::vector<Co
 TEST(ModalFit, TellsTheSteadyMotionFromAModeNearItExactlyWhereThereIsNoNoise) {
   const std::vector<Complex> poles{{-0.5, 33.0}, {-2.0, 60.0}};
   ModalFit fit(1, 2, 4);
-  fit.restart(kOmega, 0, poles);
+  fit.restart(kOmega, 0.0, 0, poles);
   show(fit, poles, {{0.7, 0.3}, {-0.2, 0.5}}, 2.0, 0.0);
   ASSERT_TRUE(fit.solve(0, 1e3, 1e3));
   EXPECT_LT(std::abs(fit.phasor(0, 1) - Complex{2.0, 0.0}), 1e-6);
@@ -44,7 +44,7 @@ TEST(ModalFit, FindsPolesThatItWasToldWrong) {
   std::vector<Complex> poles{{-0.6, 33.6}};
   ModalFit fit(1, 1, 2);
   for (int step = 0; step < 12; ++step) {
-    fit.restart(kOmega, 0, poles);
+    fit.restart(kOmega, 0.0, 0, poles);
     show(fit, {truth}, {{0.7, 0.3}}, 4.0, 1e-3);
     ASSERT_TRUE(fit.solve(0, 10, 10));
     const auto moved = fit.refined(0.05, 0.0);
@@ -60,13 +60,13 @@ TEST(ModalFit, WhatMayBeLeftCoversWhatIsLeftInNineteenOfTwentyNoises) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     ModalFit fit(1, 1, 2);
     const std::vector<Complex> poles{pole};
-    fit.restart(kOmega, 0, poles);
+    fit.restart(kOmega, 0.0, 0, poles);
     show(fit, poles, {{0.05, 0.0}}, 1.0, 0.02, seed);
     ASSERT_TRUE(fit.solve(0, 1, 1));
     const auto left = fit.left(0, 1'000'000'000);
     covered += left.envelope + 2 * left.u > 0.05 * std::exp(-0.8);
     // No noise, no transient: what is left is told to be no more than the noise allows to say.
-    fit.restart(kOmega, 0, poles);
+    fit.restart(kOmega, 0.0, 0, poles);
     show(fit, {}, {}, 1.0, 0.02, seed);
     ASSERT_TRUE(fit.solve(0, 1, 1));
     false_alarms += fit.left(0, 1'000'000'000).envelope > 0;
@@ -78,7 +78,7 @@ TEST(ModalFit, WhatMayBeLeftCoversWhatIsLeftInNineteenOfTwentyNoises) {
 TEST(ModalFit, BeforeASlowModeCanBeToldFromTheSteadyMotionItsUncertaintyIsTheWholeRange) {
   const std::vector<Complex> poles{{-0.05, kOmega * 1.001}};
   ModalFit fit(1, 1, 2);
-  fit.restart(kOmega, 0, poles);
+  fit.restart(kOmega, 0.0, 0, poles);
   show(fit, {}, {}, 0.6, 0.1);
   ASSERT_TRUE(fit.solve(0, 2.0, 2.0));
   EXPECT_GT(fit.left(0, 600'000'000).u, 0.5);
@@ -87,7 +87,7 @@ TEST(ModalFit, BeforeASlowModeCanBeToldFromTheSteadyMotionItsUncertaintyIsTheWho
 TEST(ModalFit, ASteadyLineIsTakenOutButIsNoTransient) {
   const std::vector<Complex> poles{{0.0, 2 * M_PI * 50.02}};
   ModalFit fit(1, 1, 2);
-  fit.restart(kOmega, 0, poles);
+  fit.restart(kOmega, 0.0, 0, poles);
   show(fit, poles, {{0.3, 0.4}}, 3.0, 1e-3);
   ASSERT_TRUE(fit.solve(0, 0.0, 1.0));
   EXPECT_EQ(fit.left(0, 0).envelope, 0.0);

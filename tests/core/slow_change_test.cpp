@@ -74,6 +74,44 @@ TEST(SlowChange, AShakerThatDriftsATenthOfAPercentAMinuteIsFollowed) {
   }
 }
 
+// A rig of a long memory, from rest: the drift is in the fit of its transient, which would else take it for another
+// mode.
+TEST(SlowChange, ADriftHoldsNoVerdictUp) {
+  Chain chain = clamped_chain();
+  for (double& r : chain.damping) r *= 0.1;
+  const double f = 5;
+  const Rig rig = rig_of(chain, f);
+  const auto steady = steady_response(chain, 2 * M_PI * f, 0.002);
+  Sampling sampling{.rate_hz = 200, .sigma = {}};
+  for (const Phasor& Y : steady.Y) sampling.sigma.push_back(1e-3 * std::abs(Y));
+  sampling.sigma.push_back(1e-3 * std::abs(steady.F));
+  double verdict_s[2] = {};
+  for (const bool drifts : {false, true}) {
+    Drive drive;
+    drive.frequency_hz = f;
+    drive.amplitude = 0.002;
+    Bench bench(chain, rig, drive, DrivenChain::Start::rest, sampling);
+    const auto shake = [&] {
+      drive.frequency_hz = f * (1 + (drifts ? 1e-3 / 60 : 0.0) * bench.now_s());
+      bench.set_drive(drive);
+      return bench.pipeline.state() == State::measuring;
+    };
+    bench.run(100, shake);
+    verdict_s[drifts] = bench.now_s();
+    bench.run(verdict_s[drifts] + 30, [&] { return shake() && false; });
+    const Dwell dwell = bench.pipeline.current();
+    EXPECT_EQ(dwell.index, 1);
+    for (std::size_t e = 0; e < chain.stiffness.size(); ++e) {
+      ASSERT_TRUE(dwell.elements[e].identifiable) << dwell.elements[e].reason;
+      EXPECT_NEAR(dwell.elements[e].stiffness.value, chain.stiffness[e], 4 * dwell.elements[e].stiffness.u) << e;
+      EXPECT_NEAR(dwell.elements[e].damping.value, chain.damping[e], 4 * dwell.elements[e].damping.u) << e;
+      EXPECT_LT(dwell.elements[e].stiffness.u, 1e-2 * chain.stiffness[e]) << e;
+    }
+  }
+  EXPECT_GT(verdict_s[0], 5 / slowest_decay_rate(chain));  // there is a transient to wait for
+  EXPECT_LT(verdict_s[1], 1.25 * verdict_s[0]);
+}
+
 TEST(SlowChange, ARigThatWarmsUpIsFollowedAsFarAsTheMemoryResolves) {
   SlowRig slow = slow_rig(20);
   slow.stiffness_drift = -0.01 / 60;
