@@ -382,15 +382,15 @@ TEST_P(DriverContract, ReportsItsThreadAliveInEveryState) {
   device_->fall_silent();
   const std::size_t silent = host_.turns();
   ASSERT_TRUE(eventually([&] { return host_.turns() >= silent + 5; }));
-  EXPECT_LT(host_.longest_pause_s(), 1.0 + 2 * stalls.longest_s());
+  EXPECT_LT(host_.longest_pause_s(), 1.0 + stalls.longest_s());
 }
 
 TEST_P(DriverContract, AllocatesNothingPerSample) {
   device_->come();
   Instance instance(table_, *given_.settings(), host_);
   ASSERT_TRUE(instance.start());
-  // What is told of a lost scan may allocate, so some of them may.
-  EXPECT_TRUE(eventually([&] { return host_.scans_without_allocation() >= 100; }));
+  ASSERT_TRUE(eventually([&] { return host_.scans().size() > 120; }));
+  EXPECT_EQ(host_.allocating_scans(), 0U);
 }
 
 TEST_P(DriverContract, ChecksEveryMistakeAndNothingThatIsRight) {

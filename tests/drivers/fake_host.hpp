@@ -82,10 +82,10 @@ class FakeHost {
     const std::int64_t since_ns = driver::monotonic_ns() - last_turn_ns_;
     return static_cast<double>(std::max<std::int64_t>(longest_pause_ns_, since_ns)) * 1e-9;
   }
-  // The longest row of scans between which the driver's thread allocated nothing.
-  std::size_t scans_without_allocation() const {
+  // Scans before which the driver's thread allocated although it had nothing to tell, but for the first 20.
+  std::size_t allocating_scans() const {
     const std::lock_guard lock(mutex_);
-    return longest_row_;
+    return allocating_scans_;
   }
 
   // How many more samples are taken until more room is given; room() tells it when `tells_room`.
@@ -105,25 +105,30 @@ class FakeHost {
     }
     me.room_ -= count;
     me.samples_.insert(me.samples_.end(), samples, samples + count);
-    me.row_ = allocations == me.allocations_ ? me.row_ + 1 : 0;
-    me.longest_row_ = std::max(me.longest_row_, me.row_);
     me.scans_.push_back(count);
+    if (allocations != me.allocations_ && !me.told_ && me.scans_.size() > 20) ++me.allocating_scans_;
+    me.told_ = false;
     me.allocations_ = allocations_of_this_thread();  // the host's own are none of the driver's
     return 1;
   }
   static void state(void* context, std::int32_t channel, dwell_fault fault, const char* reason) {
     FakeHost& me = self(context);
     const std::lock_guard lock(me.mutex_);
+    me.told_ = true;
     ++me.states_told_;
     for (int i = 0; i < 16; ++i) {
       const auto index = static_cast<std::uint16_t>(10 + i);
       if (channel < 0 || channel == index) me.states_[index] = {fault, reason == nullptr ? "" : reason};
     }
   }
-  static void count(void* context, dwell_fault fault) { ++self(context).counts_.at(static_cast<std::size_t>(fault)); }
+  static void count(void* context, dwell_fault fault) {
+    self(context).told_ = true;
+    ++self(context).counts_.at(static_cast<std::size_t>(fault));
+  }
   static void log(void* context, dwell_level, const char* message) {
     FakeHost& me = self(context);
     const std::lock_guard lock(me.mutex_);
+    me.told_ = true;
     me.logged_.emplace_back(message);
   }
   static void turn(void* context) {
@@ -138,7 +143,8 @@ class FakeHost {
   mutable std::mutex mutex_;
   std::vector<dwell_sample> samples_;
   std::vector<std::size_t> scans_;
-  std::size_t allocations_ = 0, row_ = 0, longest_row_ = 0;
+  std::size_t allocations_ = 0, allocating_scans_ = 0;
+  std::atomic<bool> told_ = false;  // a state, a fault or a line of the log since the last scan
   std::map<std::uint16_t, State> states_;
   std::vector<std::string> logged_;
   std::array<std::atomic<int>, 15> counts_{};

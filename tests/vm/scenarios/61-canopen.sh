@@ -4,7 +4,7 @@ seen() { grep -qE "$1" "$work/frames.log" || { head -n 4 "$work/frames.log"; ret
 period_is() {  # SECONDS
   grep -E ' 080#' "$work/frames.log" | sed -E 's/^\(([0-9.]+)\).*/\1/' | awk 'NR > 1 {print $1 - last} {last = $1}' | sort -n |
     awk -v period="$1" '{distance[NR] = $1} END {median = distance[int((NR + 1) / 2)]; print NR, median;
-      exit !(NR > 100 && median > 0.9 * period && median < 1.1 * period)}'
+      exit !(NR > 100 && median > 0.99 * period && median < 1.01 * period)}'
 }
 
 start_can vcan0
