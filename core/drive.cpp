@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "core/angle.hpp"
 
 namespace dwell {
 
@@ -38,7 +39,7 @@ bool DriveMonitor::update(double centre_s, std::complex<double> Y, double u, dou
   double measured = std::numeric_limits<double>::quiet_NaN();
   if (seen_ >= kLag && before.centre_s < centre_s) {
     const double step = centre_s - before.centre_s;
-    const double turn = std::remainder(std::arg(Y * std::conj(before.Y)) - omega * step, 2 * std::numbers::pi);
+    const double turn = std::remainder(std::arg(Y * std::conj(before.Y)) - omega * step, kTwoPi);
     measured = omega + turn / step;
     const double noise = kSure * std::hypot(u, before.u) / std::max(amplitude, 1e-300) / step;
     if (frequencies_ > 0) {

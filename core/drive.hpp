@@ -15,6 +15,7 @@ class DriveMonitor {
   void restart() noexcept;
   // … until the dwell's own fit is: amplitude (m, rad) and omega (rad/s).
   void refer(double amplitude, double omega) noexcept;
+  // Of the reference so far, m (rad); 0 before the first window.
   [[nodiscard]] double amplitude() const noexcept { return amplitude_; }
 
   // One window a quarter of a period after the last: its centre, the table's phasor at that centre (m, rad), the

@@ -3,7 +3,7 @@
 namespace dwell {
 namespace {
 
-constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
+constexpr int kIdleBlocks = 64;  // that are kept while no dwell is on
 constexpr double kInPhase_rad = 0.02;
 constexpr double kSlip_rad = 0.1;      // of the table's phase against the dwell's, beyond noise: another frequency
 constexpr double kStopped = 0.25;      // of the amplitude so far
@@ -71,10 +71,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     arm(from);
   }
   if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
-  // A drift that is known is out of the window's phase.
-  const double since_s = to_s(centre_ns - blocks.drift().about_ns), faster = blocks.drift().rate * since_s;
-  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, 0.5 * faster * since_s), u0,
-                                  omega + faster),
+  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
+                                  omega_at(centre_ns, omega)),
              stepped = watch.close();
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
@@ -217,7 +215,7 @@ void Pipeline::Impl::rearm() {
 }
 
 void Pipeline::Impl::refresh_reference() {
-  if (blocks.count() < kEmptyBlocks) return;
+  if (blocks.count() < kIdleBlocks) return;
   blocks.clear();
   for (int c = 0; c < channel_count; ++c)
     blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value)

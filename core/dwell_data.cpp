@@ -69,7 +69,7 @@ bool Pipeline::Impl::follow_drift() {
 }
 
 double Pipeline::Impl::seen_drift(int first, double w, std::int64_t about_ns) const {
-  if (!refined() || blocks.count() - first < kStretches) return 0.0;
+  if (!from_motion() || blocks.count() - first < kStretches) return 0.0;
   const std::int64_t length_ns = blocks.block(blocks.count() - 1).end_ns - blocks.block(first).begin_ns;
   if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
   // The table's phase in stretches of like length against the dwell's, a parabola through it.

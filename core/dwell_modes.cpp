@@ -10,11 +10,10 @@ namespace {
 // Of the hold, its violent beginning: what has decayed by then needs no mode; and more of it each time that the fit
 // does not explain the data.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr double kGone = 1e-6;         // of an amplitude by then
-constexpr double kTrust = 0.05;        // relative change of a pole in one step, as far as the data leave it open
-constexpr double kTrustOmega = 0.005;  // of the drive's frequency likewise
-constexpr int kRefinements = 2;        // steps each time, at most
-constexpr double kPenalty = 50.0;      // of the misfit, for each pole beside the chain's
+constexpr double kGone = 1e-6;                      // of an amplitude by then
+constexpr double kTrustOmega = 0.005;               // of the drive's frequency likewise
+constexpr int kRefinements = 2;                     // steps each time, at most
+constexpr double kPenalty = 50.0;                   // of the misfit, for each pole beside the chain's
 constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
 constexpr double kSame = 0.3;                       // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;                       // relative, of a chain's pole to one that the data show
@@ -44,6 +43,7 @@ double Pipeline::Impl::drive_omega() {
 
 // Shows the modal fit the samples that it has not seen.
 void Pipeline::Impl::feed_modes() {
+  modal_next = std::max(modal_next, history.begin());
   for (; modal_next < history.end(); ++modal_next) {
     const SampleHistory::Sample& s = history[modal_next];
     if (readings[static_cast<std::size_t>(s.channel)].usable) modal.add(s.channel, s.t_ns, s.value);
@@ -92,6 +92,7 @@ void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Comp
 }
 
 bool Pipeline::Impl::refit_modes() {
+  if (modal_poles.empty() && decay.poles().empty()) return false;
   const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
   // The first period may hold the end of what was before.
   const std::int64_t skipped_ns =
@@ -107,10 +108,9 @@ bool Pipeline::Impl::refit_modes() {
   const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
   const double w = drive_omega();
   const bool drifts = modal_rate != 0 || modal.rate() != 0;
-  const double first_w = fitted && refined() && !drifts ? modal.omega() : w;
+  const double first_w = fitted && from_motion() && !drifts ? modal.omega() : w;
   if (modal_poles.empty()) {
     // From the windows' mean, the first time.
-    if (decay.poles().empty()) return false;
     modal_poles.assign(decay.poles().begin(), decay.poles().end());
   }
   // Where poles may come from, until some explain the data: those so far, of which the ones that show nowhere are the
@@ -121,7 +121,7 @@ bool Pipeline::Impl::refit_modes() {
   kept_poles.clear();
   // However long the hold, going over it again has its limit: what was not tried is next time.
   const double samples = static_cast<double>(history.end() - history.first_at(modal_from_ns));
-  const double products = 0.5 * std::pow(2.0 * H + 1 + 4 * static_cast<double>(modal_poles.size() + kExtraPoles), 2);
+  const double products = 0.5 * std::pow(2.0 * H + 3 + 4 * static_cast<double>(modal_poles.size() + kExtraPoles), 2);
   fits_left = static_cast<int>(std::clamp(kMostWork / std::max(1.0, samples * products), kFewestFits, 1000.0));
   for (int candidate = 0; candidate < 4 && (candidate == 0 || fits_left > 0); ++candidate) {
     extra_poles.clear();
@@ -146,8 +146,11 @@ bool Pipeline::Impl::refit_modes() {
       if (explained()) break;
     }
   }
-  if (kept_poles.empty()) return false;
-  if (best_poles != kept_poles) fit_modes(kept_w, kept_poles);
+  if (!(best < INFINITY)) return false;
+  if (best_poles != kept_poles || modal.omega() != kept_w) {
+    fit_modes(kept_w, kept_poles);
+    compare_halves();
+  }
   best_poles = kept_poles;
   extra_poles = spare_poles;
   if (fits_left > 0 && find_extra_pole()) {
@@ -195,10 +198,10 @@ double Pipeline::Impl::try_poles(double w, double best) {
 double Pipeline::Impl::refine_poles(double misfit, int steps) {
   double best = misfit;
   for (int i = 0; i < steps && fits_left > 0; ++i) {
-    const auto moved = modal.refined(kTrust, refined() ? kTrustOmega : 0.0);
+    const auto moved = modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0);
     if (modal.converged() < kConverged) break;
     trial_poles.assign(moved.begin(), moved.end());
-    const double better = try_poles(refined() ? within_search(rig, modal.refined_omega()) : modal.omega(), best);
+    const double better = try_poles(from_motion() ? within_search(rig, modal.refined_omega()) : modal.omega(), best);
     if (!(better < best)) break;
     best = better;
   }

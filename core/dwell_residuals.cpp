@@ -6,17 +6,17 @@ namespace {
 
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
 constexpr double kSureOfLine = 9.0;                               // exp(-9): once in 8000 searches noise alone
-constexpr double kMainsFirst = 1.2;
-constexpr double kBeside = 2.0;                                                 // half cycles over the search
+constexpr double kMainsFirst = 1.2;                               // of the power of any other line
+constexpr double kBeside = 2.0;                                   // half cycles over the search
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
-constexpr double kTrustPole = 0.05;
-constexpr double kSpeaksAgainst = 6.0;  // in N ln σ², of χ²(1)
-constexpr double kHarmonicOff = 1e-4, kHarmonicUnsure = 0.02;
+constexpr double kSpeaksAgainst = 6.0;                                          // in N ln σ², of χ²(1)
+constexpr double kHarmonicOff = 1e-4;     // relative, of a line to a harmonic of the drive …
+constexpr double kHarmonicUnsure = 0.02;  // … known to so much of the drive's frequency
 constexpr double kSureOfNoise = 4.0;
 
 // Angular frequencies of mains hum and its first harmonics, of either kind.
 double mains(std::size_t k) {
-  return kTwoPi * (k < kMains / 2 ? 50.0 * static_cast<double>(k + 1) : 60.0 * static_cast<double>(k - kMains / 2 + 1));
+  return kTwoPi * kMainsFundamentals_hz[k / (kMains / 2)] * static_cast<double>(k % (kMains / 2) + 1);
 }
 
 }  // namespace
@@ -33,7 +33,8 @@ double Pipeline::Impl::unexplained(int c) const {
   const double by_noise =
       modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
   const double by_decay =
-      noise.earlier - noise.later * (1 + kSureOfNoise * std::sqrt(2 * 2 / std::max(1.0, noise.in_half)));
+      noise.earlier - noise.later * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.in_earlier) +
+                                                                  2 / std::max(1.0, noise.in_later)));
   return std::max(by_noise, by_decay);
 }
 
@@ -41,21 +42,20 @@ double Pipeline::Impl::unexplained(int c) const {
 // later.
 void Pipeline::Impl::compare_halves() {
   const std::int64_t middle_ns = modal.t0_ns() + (now_ns - modal.t0_ns()) / 2;
-  for (Noise& noise : noises) noise.earlier = noise.later = noise.in_half = 0.0;
+  for (Noise& noise : noises) noise.earlier = noise.later = noise.in_earlier = noise.in_later = 0.0;
   for (auto i = history.first_at(modal.t0_ns()); i < modal_next; ++i) {
     const SampleHistory::Sample& s = history[i];
     if (!modal.usable(s.channel)) continue;
     const double r = modal.residual(s.channel, s.t_ns, s.value);
     Noise& noise = noises[static_cast<std::size_t>(s.channel)];
     (s.t_ns < middle_ns ? noise.earlier : noise.later) += r * r;
-    noise.in_half += 0.5;
+    (s.t_ns < middle_ns ? noise.in_earlier : noise.in_later) += 1.0;
   }
+  // Each half has half of the fit's parameters.
+  const double half = 0.5 * static_cast<double>(modal.parameters());
   for (Noise& noise : noises) {
-    if (!(noise.in_half > 0)) continue;
-    // Each half has half of the fit's parameters.
-    const double freedom = std::max(1.0, noise.in_half - 0.5 * static_cast<double>(modal.parameters()));
-    noise.earlier /= freedom;
-    noise.later /= freedom;
+    noise.earlier /= std::max(1.0, noise.in_earlier - half);
+    noise.later /= std::max(1.0, noise.in_later - half);
   }
 }
 
@@ -87,7 +87,7 @@ bool Pipeline::Impl::find_extra_pole() {
       squares += r * r;
       count += 1.0;
     }
-    if (count < 16) continue;
+    if (count < 16 || !(squares > 0)) continue;
     // Of white noise each is distributed as exp(-P).
     const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
     for (std::size_t k = 0; k < (imposed ? kMains : kMains + lines); ++k) {
@@ -111,8 +111,8 @@ bool Pipeline::Impl::find_extra_pole() {
 void Pipeline::Impl::judge_extra_poles() {
   const double seen_s = to_s(now_ns - modal.t0_ns());
   if (extra_poles.empty()) return;
-  static_cast<void>(modal.refined(kTrustPole, 0.0));  // for the poles' uncertainties, of this fit
   for (std::size_t i = 0; i < extra_poles.size(); ++i) {
+    static_cast<void>(modal.refined(kTrust, 0.0));  // for the poles' uncertainties, of this fit
     const Complex pole = extra_poles[i];
     const double w = modal.omega();
     bool of_mains = false;

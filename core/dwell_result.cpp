@@ -159,6 +159,8 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     results.push_back(result_of(c, up_to_now));
     if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
     if (settled) widen(results.back(), c, from, to, dwell);
+    for (int h = 1; h <= H; ++h)
+      results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * bend(totals.t_ref_ns()));
   }
   report_phasors(rig, results, w, u, dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};

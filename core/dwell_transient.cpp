@@ -21,7 +21,7 @@ constexpr double kNegligibleOfNoise = 0.2;            // … or of the uncertain
 constexpr double kPerParameter = 4.0;                 // readings
 constexpr double kSudden = 1.2;                       // times what is allowed, a moment ago
 constexpr double kAgain = 0.05, kAgainPeriods = 2.0;  // of the hold, periods: later, that is asked again
-constexpr double kShortest = 2.0;                     // after these, periods, before anything is said
+constexpr double kShortest = 2.0;                     // and kUnsure, periods, before anything is said
 
 }  // namespace
 
@@ -30,7 +30,7 @@ double Pipeline::Impl::allowed_left(int c) const {
   const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
   const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
   const Noise& noise = noises[static_cast<std::size_t>(c)];
-  const double floor = std::min({modal.variance(c), noise.variance, noise.in_half > 0 ? noise.later : INFINITY});
+  const double floor = std::min({modal.variance(c), noise.variance, noise.in_later > 0 ? noise.later : INFINITY});
   return std::max({rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten), 1e-300});
 }
 
@@ -102,10 +102,11 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
     if (!explained()) refit_soon();
   }
-  const bool waits = verdict.worst_left > 1 || !believed(left_before) || !determined();
+  const bool believes = believed(left_before), waits = !believes || !determined();
   verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
                          : verdict.worst_left > 1                     ? std::log(verdict.worst_left) / slowest_rate()
-                                                                      : to_s(std::max(now_ns, believe_at_ns) - now_ns);
+                         : !believes                                  ? to_s(believe_at_ns - now_ns)
+                                                                      : kNaN;
   if (waits || out_of_search()) return true;
   // The data count from where the same could be said of an earlier instant; further back, where that would leave too
   // few, only as long as what is taken out is no large multiple of what may be left.
@@ -216,7 +217,7 @@ double Pipeline::Impl::follow_drive(std::span<const Complex> poles) {
 bool Pipeline::Impl::same_drive() const {
   const double off = std::abs(omega_at(modal.t0_ns(), omega) - modal.omega()), seen_s = to_s(now_ns - modal.t0_ns());
   const double faster = std::abs(blocks.drift().rate - modal.rate());
-  if (refined() && faster == 0 && off < kOwnOmega * hold.u_omega) return true;
+  if (from_motion() && faster == 0 && off < kOwnOmega * hold.u_omega) return true;
   const double turned = (off + 0.5 * faster * seen_s) * seen_s;
   for (int c = 0; c < channel_count; ++c)
     if (modal.usable(c) &&

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <tuple>
 
+#include "core/angle.hpp"
 #include "core/identify.hpp"
 #include "core/student.hpp"
 #include "core/transducer.hpp"
@@ -29,7 +29,7 @@ double device_delay(const Rig& rig, const Channel& channel) {
 
 // reading X = T · (displacement or force on the ground)
 Complex transfer(const Rig& rig, const Channel& channel, double omega) {
-  const Complex H = response(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
+  const Complex H = response(channel, device_delay(rig, channel), omega / (kTwoPi));
   return std::pow(Complex{0.0, omega}, derivative_order(channel.measures)) * H * (channel.force_on_mass ? -1.0 : 1.0);
 }
 
@@ -181,7 +181,7 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
       }
     }
     const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
-    const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (2 * std::numbers::pi));
+    const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (kTwoPi));
     if (channel.scale_u > 0)
       out.push_back({"scale of " + channel.name, kInfinity, through_channel(c, o(c) * channel.scale_u), nothing, 0.0});
     if (channel.delay_u_s > 0)
@@ -201,8 +201,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
         turnaround_x.try_emplace(channel.device, zero).first->second +=
             through_channel(c, delayed * seen.turnaround_u_s);
     }
-    relative_omega += through_channel(c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega +
-                                                  slopes.frequency / (2 * std::numbers::pi)));
+    relative_omega += through_channel(
+        c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega + slopes.frequency / (kTwoPi)));
   }
   for (auto& [device, on_x] : device_delay_x)
     out.push_back({"delay of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});

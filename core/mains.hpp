@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/angle.hpp"
 
 namespace dwell {
 
@@ -15,11 +16,13 @@ class SamplingRegularity {
  public:
   void add(double step_s) noexcept {
     if (!(step_s > 0)) return;
-    if (n_ > 8 && step_s > 1.6 * mean_s_) return;  // lost in between
+    if (n_ > 8 && step_s > 1.6 * mean_s_ && ++lost_ < kNotLost) return;
+    if (lost_ == kNotLost) n_ = 0;  // so many in a row are the rule: those before came in a burst
+    lost_ = 0;
     if (n_ < kMost) weight_ = 1 / ++n_;
     const double off = step_s - mean_s_;
     mean_s_ += off * weight_;
-    variance_ += (off * off - variance_) * weight_;
+    variance_ += (off * off * (1 - weight_) - variance_) * weight_;
   }
   // Least distance of the alias of line_hz to f_hz, Hz. Jitter spreads an alias until only the line itself is left.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
@@ -28,14 +31,15 @@ class SamplingRegularity {
     const double rate_hz = 1 / mean_s_, jitter_s = std::sqrt(variance_);
     for (int sign = -1; sign <= 1; sign += 2) {
       const double off = line_hz + sign * f_hz, folds = std::round(off / rate_hz);
-      if (2 * std::numbers::pi * std::abs(folds) * rate_hz * jitter_s < 3)
-        least = std::min(least, std::abs(off - folds * rate_hz));
+      if (kTwoPi * std::abs(folds) * rate_hz * jitter_s < 3) least = std::min(least, std::abs(off - folds * rate_hz));
     }
     return least;
   }
 
  private:
   static constexpr double kMost = 4096;
+  static constexpr int kNotLost = 16;
+  int lost_ = 0;  // in a row
   double n_ = 0, weight_ = 1, mean_s_ = 0, variance_ = 0;
 };
 

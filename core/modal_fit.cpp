@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace dwell {
@@ -271,12 +272,13 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
   std::copy_n(poles_.begin(), count_, moved_.begin());
   moved_omega_ = omega_;
+  converged_ = 0.0;
+  std::fill(u_poles_.begin(), u_poles_.end(), 0.0);
   if (llt.info() != Eigen::Success) return {moved_.data(), count_};
   llt.solveInPlace(g);
   auto unit = slopes_.topLeftCorner(modal_ + 1, modal_ + 1);
   unit.setIdentity();
   llt.solveInPlace(unit);
-  converged_ = 0.0;
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
     const bool steady = !(poles_[m].real() < 0);
@@ -288,8 +290,9 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * poles_[m].real(), -kLeastDamping * size}));
     moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
     if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
-    u_poles_[m] = size * std::sqrt(std::max(0.0, 0.5 * (unit(i, i) + unit(i + 1, i + 1))));
-    converged_ = std::max(converged_, std::abs(rho) / std::sqrt(std::max(1e-300, unit(i, i) + unit(i + 1, i + 1))));
+    const double variance = std::max(1e-300, unit(i + 1, i + 1) + (steady ? 0.0 : unit(i, i)));
+    u_poles_[m] = size * std::sqrt(steady ? variance : variance / 2);
+    converged_ = std::max(converged_, std::abs(rho) / std::sqrt(variance));
   }
   if (trust_omega > 0 && std::isfinite(g(modal_))) {
     moved_omega_ = omega_ * (1 + std::clamp(g(modal_), -trust_omega, trust_omega));
@@ -316,7 +319,6 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   const PerChannel& of = at(channel);
   const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
   Left left{0.0, 0.0};
-  // The uncertainty at its largest over half a cycle of each of the modes, seen at eight angles.
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
     if (!(poles_[m].real() < 0)) continue;
@@ -325,8 +327,9 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
     const double own = std::sqrt(0.5 * std::max(0.0, of.covariance(i, i) + of.covariance(i + 1, i + 1)));
     if (a.norm() > kStandsOut * own) left.envelope += decayed * a.norm();
   }
+  // The uncertainty at its largest over half a cycle of the drive.
   for (int angle = 0; angle < 8; ++angle) {
-    const double later = u + angle * M_PI / 8 / omega_;
+    const double later = u + angle * std::numbers::pi / 8 / omega_;
     std::array<double, 2 * kMaxModes> x;
     for (std::size_t m = 0; m < count_; ++m) {
       const Complex e = poles_[m].real() < 0 ? std::exp(poles_[m] * later) : Complex{};

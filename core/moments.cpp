@@ -25,7 +25,7 @@ void turn_angles(const double* __restrict in, int count, const Turn& turn, doubl
 
 }  // namespace
 
-Turn::Turn(double delta_, double phase, double shift_, int count) noexcept : delta(delta_), shift(shift_) {
+Turn::Turn(double faster, double phase, double later, int count) noexcept : delta(faster), shift(later) {
   c[0] = 1.0, s[0] = 0.0;
   const double one_c = std::cos(phase), one_s = std::sin(phase);
   for (std::size_t k = 1; k < static_cast<std::size_t>(count); ++k) {

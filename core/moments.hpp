@@ -93,8 +93,8 @@ inline void add(const Regressors& x, double weight, double square, double* __res
 
 // How sets change from (ω_b, t_b) to (ω, t_ref).
 struct Turn {
-  // delta: ω - ω_b, rad/s; phase: ω (t_b - t_ref), rad; shift: t_b - t_ref, s; for sets of at most `count` angles.
-  Turn(double delta, double phase, double shift, int count) noexcept;
+  // faster: ω - ω_b, rad/s; phase: ω (t_b - t_ref), rad; later: t_b - t_ref, s; for sets of at most `count` angles.
+  Turn(double faster, double phase, double later, int count) noexcept;
   double delta, shift;
   std::array<double, 18> c, s;  // exp(jk·phase)
 };

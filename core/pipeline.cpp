@@ -119,9 +119,10 @@ void Pipeline::Impl::sample(const Record& record) {
   }
   history.push(record.t_ns, record.channel, value);
   const double cleaned = add_cleaned(record.t_ns, record.channel, value);
+  if (record.channel != drive_channel) return;
   // A reading that was held up longer than usual tells less of the drive's phase.
   const double late_ns = std::max(0.0, record.t_half_ns - kHeldUp * channel.half_ns_sum / channel.half_count);
-  if (record.channel == drive_channel) watch.add(record.t_ns, cleaned, 1e-9 * late_ns);
+  watch.add(record.t_ns, cleaned, 1e-9 * late_ns);
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
@@ -154,7 +155,8 @@ std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const HarmonicFit fit = fit_harmonics(p.window, channel, p.H, 0.0);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;
-  return fit.usable ? fit.X[0] / response(about, delay, p.omega / kTwoPi) : std::complex<double>{kNaN, kNaN};
+  if (!fit.usable) return {kNaN, kNaN};
+  return fit.X[0] * std::polar(1.0, p.bend(p.now_ns)) / response(about, delay, p.omega_at(p.now_ns, p.omega) / kTwoPi);
 }
 
 ChannelNow Pipeline::channel(int channel) const noexcept { return impl_->live[static_cast<std::size_t>(channel)].now; }

@@ -41,8 +41,9 @@ inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
 inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
 inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
 inline constexpr double kRounded = 0.25 + 1.0 / 12;  // steps²: readings of less noise than half a step, and rounding
-inline constexpr int kManyRefinements = 8;           // of poles that are far off
-inline constexpr double kUnsure = 1.0;               // periods at the beginning of a hold, which are left out
+inline constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
+inline constexpr int kManyRefinements = 8;  // of poles that are far off
+inline constexpr double kUnsure = 1.0;      // periods at the beginning of a hold, which are left out
 
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 [[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -161,10 +162,11 @@ struct Pipeline::Impl {
       spectrum;
   struct Noise {
     double variance = INFINITY, freedom = 0.0;
-    double earlier = 0.0, later = 0.0, in_half = 0.0;  // of the modal fit's residuals in either half of it
+    // Of the modal fit's residuals in either half of it, and their numbers.
+    double earlier = 0.0, later = 0.0, in_earlier = 0.0, in_later = 0.0;
   };
   std::vector<Noise> noises;   // per channel, of the readings: from what no smooth motion explains
-  std::vector<double> ranges;  // per channel, largest distance from the first reading of the hold
+  std::vector<double> ranges;  // per channel, largest distance from the reference over the modal fit
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   DecayRate decay;
@@ -198,7 +200,7 @@ struct Pipeline::Impl {
   // While settling the motion itself shows the frequency, though pulses may give it in the end.
   [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
   // Whether only the motion tells the frequency.
-  [[nodiscard]] bool refined() const { return rig.excitation.reference == Reference::tracked; }
+  [[nodiscard]] bool from_motion() const { return rig.excitation.reference == Reference::tracked; }
   [[nodiscard]] bool synced() const { return rig.excitation.reference == Reference::sync; }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
@@ -361,6 +363,11 @@ struct Pipeline::Impl {
   // ω at t of a drive of which it is w where the blocks' drift is about.
   [[nodiscard]] double omega_at(std::int64_t t_ns, double w) const {
     return w + blocks.drift().rate * to_s(t_ns - blocks.drift().about_ns);
+  }
+  // By what the drift has turned the drive at t beyond the phase that sums are of, rad.
+  [[nodiscard]] double bend(std::int64_t t_ns) const {
+    const double since_s = to_s(t_ns - blocks.drift().about_ns);
+    return 0.5 * blocks.drift().rate * since_s * since_s;
   }
   void refer_drift(std::int64_t about_ns);
 

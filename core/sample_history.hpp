@@ -27,6 +27,7 @@ class SampleHistory {
   // Numbers of the samples held: [begin, end).
   [[nodiscard]] std::uint64_t begin() const noexcept { return end_ - std::min<std::uint64_t>(end_, samples_.size()); }
   [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
+  // begin() <= number < end().
   [[nodiscard]] const Sample& operator[](std::uint64_t number) const noexcept {
     const auto ago = static_cast<std::size_t>(end_ - number);
     return samples_[ago <= next_ ? next_ - ago : next_ + samples_.size() - ago];

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angle.hpp"
+
 namespace dwell {
 namespace {
 
@@ -43,7 +45,7 @@ void StepWatch::restart() noexcept {
   seen_ = 0;
   referred_ = false;
   open_ = {};
-  open_t_ = open_n_ = in_quarter_ = excess_ = tolerated_ = late_s_ = 0.0;
+  open_t_ = in_quarter_ = excess_ = tolerated_ = late_s_ = 0.0;
   since_good_ = in_doubt_ = slipping_ = 0;
   far_amplitude_doubt_ = far_drift_doubt_ = false;
 }
@@ -68,7 +70,7 @@ void StepWatch::refer(const Reference& reference) noexcept {
     const std::int64_t held = std::min<std::int64_t>(seen_, kLongest);
     for (std::int64_t i = seen_ - held; i < seen_; ++i) to_reference(blocks_[static_cast<std::size_t>(i % kLongest)]);
     open_ = {};
-    open_t_ = open_n_ = 0.0;
+    open_t_ = 0.0;
   }
   now_ = reference;
   referred_ = true;
@@ -78,7 +80,7 @@ void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
   if (!referred_) return;
   const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
   const std::complex<double> step =
-      std::polar(1.0, std::remainder((now_.omega + 0.5 * now_.drift * t_s) * t_s, 2 * M_PI));
+      std::polar(1.0, std::remainder((now_.omega + 0.5 * now_.drift * t_s) * t_s, kTwoPi));
   std::complex<double> turn = step;
   double predicted = now_.mean;
   for (int h = 0; h < now_.harmonics; ++h, turn *= step)
@@ -94,19 +96,18 @@ void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
   open_.late2 += late_s * late_s;
   open_.n += 1.0;
   open_t_ += t_s;
-  open_n_ += 1.0;
 }
 
 bool StepWatch::close() noexcept {
-  if (!referred_ || open_n_ == 0) return false;
-  open_.t_s = open_t_ / open_n_;
-  in_quarter_ += ((seen_ == 0 ? open_n_ : std::min(open_n_, 2 * in_quarter_)) - in_quarter_) / (seen_ < 8 ? 2 : 8);
+  if (!referred_ || open_.n == 0) return false;
+  open_.t_s = open_t_ / open_.n;
+  in_quarter_ += ((seen_ == 0 ? open_.n : std::min(open_.n, 2 * in_quarter_)) - in_quarter_) / (seen_ < 8 ? 2 : 8);
   blocks_[static_cast<std::size_t>(seen_ % kLongest)] = open_;
   ++seen_;
   open_ = {};
-  open_t_ = open_n_ = 0.0;
+  open_t_ = 0.0;
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
-  const double quarter_s = 2 * M_PI / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
+  const double quarter_s = kTwoPi / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
   Since sums;
   double worst = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
@@ -167,7 +168,7 @@ bool StepWatch::close() noexcept {
 // How many quarter periods ago the drive changed: where a change explains most.
 int StepWatch::changed() const noexcept {
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
-  const double quarter_s = 2 * M_PI / now_.omega / kPeriod, now_s = back(0).t_s + quarter_s / 2;
+  const double quarter_s = kTwoPi / now_.omega / kPeriod, now_s = back(0).t_s + quarter_s / 2;
   Since sums;
   double most_explained = 0;
   int changed = 0;

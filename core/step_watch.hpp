@@ -77,7 +77,7 @@ class StepWatch {
   double tolerance_;
   std::vector<Block> blocks_;
   Block open_;
-  double open_t_ = 0.0, open_n_ = 0.0, in_quarter_ = 0.0;
+  double open_t_ = 0.0, in_quarter_ = 0.0;
   std::int64_t seen_ = 0;
   bool referred_ = false;
   Reference now_{};

@@ -15,7 +15,7 @@ double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 }  // namespace
 
 std::int64_t PulseLine::nearest_ns(std::int64_t t_ns) const noexcept {
-  const double T_s = 2 * std::numbers::pi / omega;
+  const double T_s = kTwoPi / omega;
   return pulse_ns + std::llround(std::round(to_s(t_ns - pulse_ns) / T_s) * T_s * 1e9);
 }
 
