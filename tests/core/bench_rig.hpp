@@ -58,14 +58,13 @@ inline double exact_reading(const Rig& rig, const ChainMotion& motion, int c) {
 
 struct Sampling {
   double rate_hz = 200.0;
-  double skew_s = 0.0;  // channel c is read c·skew_s after channel 0 …
-  double jitter = 0.0;  // … and each instant moves by ± this part of the interval, uniformly
-  double noise = 0.0;   // standard deviation relative to each channel's rms so far unknown: absolute per channel below
+  double skew_s = 0.0;                  // channel c is read c·skew_s after channel 0 …
+  double jitter = 0.0;                  // … and each instant moves by ± this part of the interval, uniformly
   std::vector<double> sigma;            // absolute, SI, per channel; empty: none
   bool stamps_as_simultaneous = false;  // every sample of a scan carries the scan's instant
 };
 
-// Streams `seconds` of the chain's motion into the pipeline; on_dwell is called at each completed dwell.
+// Streams the chain's motion into the pipeline and keeps the dwells that it completes.
 class Bench {
  public:
   Bench(const Chain& chain, const Rig& rig, const Drive& drive, DrivenChain::Start start, Sampling sampling,

@@ -5,6 +5,7 @@
 
 #include "core/pipeline.hpp"
 #include "tests/core/bench_rig.hpp"
+#include "tests/core/expect.hpp"
 
 namespace dwell {
 namespace {
@@ -16,10 +17,7 @@ struct Inputs : testing::Test {
   void start(Reference reference = Reference::tracked, double noise = 1e-6) {
     rig = rig_of(chain, 4.0);
     rig.excitation.reference = reference;
-    Drive drive;
-    drive.frequency_hz = kFrequency_hz;
-    drive.amplitude = 0.002;
-    bench.emplace(chain, rig, drive, DrivenChain::Start::rest,
+    bench.emplace(chain, rig, steady_drive(kFrequency_hz), DrivenChain::Start::rest,
                   Sampling{.rate_hz = 160, .sigma = {noise, noise, noise, 1e4 * noise}});
     bench->alter = [this](Record& record, double) { pulses_until(record.t_ns); };
   }
@@ -47,16 +45,7 @@ struct Inputs : testing::Test {
   [[nodiscard]] std::int64_t last_ns() const { return std::llround((bench->now_s() - 1.0 / 160) * 1e9); }
   [[nodiscard]] bool measuring() const { return bench->pipeline.state() == State::measuring; }
   void run(double for_s) { bench->run(bench->now_s() + for_s); }
-  void expect_right(const Dwell& dwell) {
-    ASSERT_EQ(dwell.elements.size(), 3u);
-    for (std::size_t e = 0; e < 3; ++e) {
-      ASSERT_TRUE(dwell.elements[e].identifiable);
-      const Coefficient& c = dwell.elements[e].stiffness;
-      const Coefficient& r = dwell.elements[e].damping;
-      EXPECT_LT(std::abs(c.value - chain.stiffness[e]), 4 * c.u);
-      EXPECT_LT(std::abs(r.value - chain.damping[e]), 4 * r.u);
-    }
-  }
+  void expect_right(const Dwell& dwell) { expect_within(dwell, chain, 4, "inputs"); }
 
   Chain chain = clamped_chain();
   Rig rig;
@@ -160,7 +149,9 @@ TEST_F(Inputs, PulsesGiveTheFrequencyAndItsUncertaintyAndThePhase) {
   EXPECT_NE(dwell.warnings.back().find("did not come"), std::string::npos);
 }
 
-TEST_F(Inputs, TheUncertaintyOfThePulsesEntersTheCoefficients) {
+// By the frequency itself, and by what the residuals at a frequency a little off no longer are: white. The motion tells
+// its frequency so well that the second is always the larger.
+TEST_F(Inputs, PulsesThatJitterMakeTheCoefficientsLessCertain) {
   start(Reference::sync);
   run(20);
   const double sure = bench->pipeline.current().elements.at(0).stiffness.u;
@@ -173,7 +164,7 @@ TEST_F(Inputs, TheUncertaintyOfThePulsesEntersTheCoefficients) {
   EXPECT_GT(dwell.elements[0].stiffness.u, 2 * sure);
   const auto& budget = dwell.elements[0].budget;
   EXPECT_TRUE(std::any_of(budget.begin(), budget.end(), [](const BudgetShare& share) {
-    return share.source == "frequency" && share.stiffness_share > 1e-5;
+    return share.source == "frequency" && share.stiffness_share > 1e-4;
   }));
   expect_right(dwell);
 }
@@ -237,6 +228,10 @@ TEST_F(Inputs, PulsesThatAreAlmostThoseOfTheTableGiveNoWrongNumber) {
     }
     for (const Dwell& dwell : bench->dwells)
       if (!dwell.elements.empty()) expect_right(dwell);
+    const Dwell dwell = bench->pipeline.current();
+    if (std::abs(off) < 0.003) continue;
+    EXPECT_TRUE(dwell.elements.empty()) << off;
+    EXPECT_NE(dwell.settling_reason.find("sync pulses"), std::string::npos) << dwell.settling_reason;
   }
 }
 

@@ -33,6 +33,13 @@ TEST(SamplingRegularity, LostSamplesAreNoOtherRate) {
   EXPECT_NEAR(sampled(55, 0, 0.05).distance_hz(50, 5.2), 0.2, 0.05);
 }
 
+TEST(SamplingRegularity, ABurstAtTheBeginningIsNotTheRate) {
+  SamplingRegularity sampling;
+  for (int i = 0; i < 20; ++i) sampling.add(1e-4);
+  for (int i = 0; i < 500; ++i) sampling.add(1.0 / 55);
+  EXPECT_NEAR(sampling.distance_hz(50, 5.2), 0.2, 1e-3);
+}
+
 TEST(SamplingRegularity, JitterLeavesOnlyTheLineItself) {
   EXPECT_NEAR(sampled(55, 0.02, 0).distance_hz(50, 5.2), 44.8, 1e-6);
 }

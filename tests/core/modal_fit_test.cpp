@@ -54,6 +54,25 @@ TEST(ModalFit, FindsPolesThatItWasToldWrong) {
   EXPECT_LT(fit.u_pole(0), 1e-3 * std::abs(truth));
 }
 
+TEST(ModalFit, FindsASteadyLineThatItWasToldALittleWrong) {
+  const Complex truth{0.0, 45.0};
+  std::vector<Complex> poles{{0.0, 45.0 * 1.0005}};
+  ModalFit fit(1, 1, 2);
+  for (int step = 0; step < 6; ++step) {
+    fit.restart(kOmega, 0.0, 0, poles);
+    show(fit, {truth}, {{0.1, 0.05}}, 4.0, 1e-3);
+    ASSERT_TRUE(fit.solve(0, 10, 10));
+    const auto moved = fit.refined(0.05, 0.0);
+    if (step == 0) {
+      EXPECT_GT(fit.converged(), 0.1);
+    }
+    poles.assign(moved.begin(), moved.end());
+  }
+  EXPECT_LT(fit.converged(), 0.1);
+  EXPECT_LT(std::abs(poles[0] - truth), 4 * fit.u_pole(0));
+  EXPECT_LT(fit.u_pole(0), 1e-4 * std::abs(truth));
+}
+
 TEST(ModalFit, WhatMayBeLeftCoversWhatIsLeftInNineteenOfTwentyNoises) {
   const Complex pole{-0.8, 29.0};
   int covered = 0, false_alarms = 0;
