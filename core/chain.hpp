@@ -1,5 +1,5 @@
-// The chain of masses as the method writes it (method, section 1): element k joins mass k-1 to mass k, mass 0 being the
-// table, whose motion is imposed. Plain data; the forward model reads it, identification fills it.
+// The chain of masses as the method writes it (docs/method.md, Symbols): element k joins mass k-1 to mass k, mass 0
+// being the table, whose motion is imposed. Plain data; the forward model reads it, identification fills it.
 #pragma once
 
 #include <string>

@@ -11,8 +11,8 @@
 
 namespace dwell {
 
-// The eigenvalues of the chain with the table held are what its transients are made of (method section 6). The same as
-// slowest_decay_rate() of core/forward.hpp, on memory that is there from construction.
+// The eigenvalues of the chain with the table held are what its transients are made of (docs/method.md, Settling). The
+// same as slowest_decay_rate() of core/forward.hpp, on memory that is there from construction.
 class DecayRate {
  public:
   DecayRate(Boundary boundary, std::span<const double> masses);

@@ -32,7 +32,7 @@ struct Coefficient {
   double dof = kNaN;
   double U95 = kNaN;
   bool significant =
-      false;  // |value| >= u; otherwise the value is shown, but nothing may rest on it (method section 7)
+      false;  // |value| >= u; otherwise the value is shown, but nothing may rest on it (docs/method.md, Uncertainty)
 };
 
 // y(t) = amplitude · sin(2πf (t - t_ref) + phase) + mean, as the motion (the transducer's own response divided out).

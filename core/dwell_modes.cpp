@@ -1,5 +1,5 @@
 // Which natural oscillations are in the motion: the poles of the modal fit of one hold, from the chain as identified so
-// far and from the data themselves (method section 6).
+// far and from the data themselves (docs/method.md, Settling).
 #include <utility>
 
 #include "core/pipeline_impl.hpp"

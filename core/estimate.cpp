@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 using Index = Eigen::Index;
 
 // A harmonic of an element's force or deformation above this part of its fundamental makes c and r equivalent
-// coefficients of that one amplitude (harmonic linearization, method section 9).
+// coefficients of that one amplitude (harmonic linearization; docs/method.md, Uncertainty).
 constexpr double kFarFromLinear = 0.1;
 
 double device_delay(const Rig& rig, const Channel& channel) {

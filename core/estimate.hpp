@@ -1,8 +1,8 @@
 // From the phasors of all channels to the elements, with uncertainty by the GUM's law of propagation.
 //
-// Every source of error is a small vector: what one standard deviation of it does to all coefficients at once (method
-// section 7, first order; errors are assumed value minus true value). The covariance is the sum of the outer products,
-// so correlations stay, and the budget is read off source by source.
+// Every source of error is a small vector: what one standard deviation of it does to all coefficients at once
+// (docs/method.md, Uncertainty; first order, errors are assumed value minus true value). The covariance is the sum of
+// the outer products, so correlations stay, and the budget is read off source by source.
 //
 //   δZ_k = [ ω² Σ_{i>=k} (m_i δY_i + Y_i δm_i) + 2ω Σ_{i>=k} m_i Y_i δω - δF - Z_k δd_k ] / d_k
 //   δZ_{n+1} = (δF - Z_{n+1} δY_n) / Y_n

@@ -1,7 +1,7 @@
 // The forward model in the frequency domain: what a chain of known coefficients does under a steady drive, and how fast
 // it forgets. The time domain is core/driven_chain.hpp.
 //
-// Phasors as in the method, section 2: y = Im(Y exp(jωt)). With s = jω the equations of motion (1), (14), (24) are
+// Phasors as in docs/method.md, Symbols: y = Im(Y exp(jωt)). With s = jω the equations of motion (1), (14), (24) are
 // (s² M + s C + K) Y = (c_1 + s r_1) Y_0 e_1, a complex symmetric tridiagonal system.
 // Every function needs a chain without a fault(); all are pure and may be called from any thread.
 #pragma once

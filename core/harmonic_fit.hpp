@@ -2,8 +2,8 @@
 //
 //   s_i = b + Σ_{h=1..H} [ p_h sin(hω(t_i - t_ref)) + q_h cos(hω(t_i - t_ref)) ] + e_i ,     X_h = p_h + j q_h
 //
-// Ordinary least squares on each sample's own instant (method section 5). White residuals of variance σ² give
-// Cov(θ) = σ² R⁻¹, the Cramér-Rao bound for Gaussian noise.
+// Ordinary least squares on each sample's own instant (docs/method.md, From samples to moments). White residuals of
+// variance σ² give Cov(θ) = σ² R⁻¹, the Cramér-Rao bound for Gaussian noise.
 #pragma once
 
 #include <Eigen/Core>

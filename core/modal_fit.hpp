@@ -1,4 +1,5 @@
-// Steady harmonics and decaying natural oscillations fitted together to the samples of one hold (method section 6).
+// Steady harmonics and decaying natural oscillations fitted together to the samples of one hold (docs/method.md,
+// Settling).
 //
 //   s_i = b + Σ_h [ p_h sin hωu_i + q_h cos hωu_i ] + Σ_m Re( a_m exp(λ_m u_i) ) + e_i ,    u_i = t_i - t_0
 //
@@ -32,7 +33,7 @@ class ModalFit {
   // fitted beside but is no transient; those beyond the capacity are left out. omega: of the drive at t0, rad/s; rate:
   // by which it drifts, rad/s², so that hωu above is hθ with θ = ωu + rate u²/2.
   void restart(double omega, double rate, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
-  // One sample, at t >= t_0. O((2H+1+4·modes)²), no allocation.
+  // One sample, at t >= t_0. O((2H+3+4·modes)²), no allocation.
   void add(int channel, std::int64_t t_ns, double value) noexcept;
 
   // The variance of the noise that the next solution of a channel starts from, its unit squared.

@@ -6,7 +6,7 @@
 // transducer at k has ones at Y_0, d_1 … d_k; one measuring y_at - y_relative_to has ones at the deformations between;
 // a load cell has a one at F. Taking the deformations as the unknowns keeps every digit of a transducer mounted across
 // an element. With as many channels as unknowns G is square and nothing is fitted; with more, weighted least squares
-// gives the best x from all (method section 3).
+// gives the best x from all (docs/method.md, Identification).
 #pragma once
 
 #include <Eigen/Core>

@@ -11,8 +11,8 @@
 // left at the later one. D is taken with three standard deviations of its noise on top, so that what cannot be told yet
 // is not believed to be gone: a mode that looks constant over one window (Δ « T) holds until Δ is long enough to tell,
 // and so does noise. Of all earlier windows the one with the lowest bound decides. T is the slowest of the identified
-// chain's eigenvalues (method section 6); where there is none, a sixth of the time that the detector has been looking,
-// and all windows within the rest of it must agree.
+// chain's eigenvalues (docs/method.md, Settling); where there is none, a sixth of the time that the detector has been
+// looking, and all windows within the rest of it must agree.
 #pragma once
 
 #include <array>
