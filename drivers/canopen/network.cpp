@@ -11,8 +11,6 @@ namespace {
 constexpr std::int64_t kLongestWindow_ns = 50'000'000;
 constexpr std::int64_t kWatch_ns = 10'000'000;
 constexpr int kFailuresToStale = 3;
-// A node that loses its answers again and again shall not cost the others more than a quarter of the SYNCs.
-constexpr std::int64_t kBetweenPauses = 3;
 
 can_frame classic(const canfd_frame& frame) noexcept {
   can_frame made{};
@@ -325,7 +323,8 @@ void Network::watch_streams(Member& member, std::int64_t now_ns) {
     if (fault == DWELL_FAULT_LATE_ANSWER) {
       // It answers, and setting it up again would not make it faster.
       member.node.answers(false);
-      tell(stream, fault, member.node.name() + ": its answers come later than the next SYNC; expected a lower `rate`");
+      tell(stream, fault,
+           member.node.name() + ": its answers are lost, or come later than the next SYNC; expected a lower `rate`");
       continue;
     }
     host_.count(fault);

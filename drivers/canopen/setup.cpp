@@ -72,14 +72,12 @@ class SetupReader {
   void wrong(const char* key, std::string text) { mistakes_.push_back({position_, key, std::move(text)}); }
 
   void check_timeout() {
-    // After an answer that is missing, the next SYNC may go out `late` later, and is answered a period after that.
-    const std::int64_t pause_ns = setup_.late_ns + 2 * setup_.period_ns;
-    if (setup_.timeout_ns < 3 * setup_.period_ns)
-      wrong("timeout",
-            "is shorter than three SYNCs at this `rate`; expected at least " + seconds(3 * setup_.period_ns));
-    else if (setup_.timeout_ns <= pause_ns)
-      wrong("timeout", "is no longer than `late` and two SYNCs at this `rate`; expected more than " +
-                           seconds(pause_ns) + ", or a shorter `late`");
+    const std::int64_t gap_ns = longest_gap_ns(setup_);
+    if (setup_.timeout_ns > gap_ns) return;
+    const char* const remedy = setup_.late_ns > setup_.period_ns ? ", or a shorter `late`" : ", or a higher `rate`";
+    wrong("timeout",
+          "is no longer than one answer that is lost may leave its channel without a sample; expected more than " +
+              seconds(gap_ns) + remedy);
   }
 
   std::size_t node_of(std::uint8_t id) {
@@ -141,6 +139,11 @@ class SetupReader {
 }  // namespace
 
 std::span<const dwell_key> keys() noexcept { return kKeys; }
+
+std::int64_t longest_gap_ns(const Setup& setup) noexcept {
+  const std::int64_t pause_ns = std::max(setup.late_ns, setup.period_ns);
+  return (kBetweenPauses + 2) * pause_ns + 3 * setup.period_ns;
+}
 
 Setup read_setup(const driver::Settings& settings, std::vector<Mistake>& mistakes) {
   return SetupReader(settings, mistakes).read();

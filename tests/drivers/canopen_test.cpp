@@ -329,13 +329,36 @@ TEST_F(Canopen, MeasuresThoughManyAnswersAreLostAndLate) {
   EXPECT_EQ(bench_.host.states_told(), states);
 }
 
+// After node 1 has lost its answer, and all have paused for it, node 2 loses the one to each of the next SYNCs in turn.
+TEST_F(Canopen, IsNotStaleForOneAnswerThatIsLostWhileNoPauseIsDue) {
+  bench_.setup.late_ns = 41 * kMs;
+  bench_.setup.timeout_ns = longest_gap_ns(bench_.setup) + 1;
+  start();
+  const std::size_t from = bench_.host.samples(11).size(), told = bench_.host.states_told();
+  for (int lost = 1; lost < 20; ++lost) {
+    int first = 0, second = 0;
+    bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
+      if ((frame.can_id == 0x181 && ++first == 3) || (frame.can_id == 0x182 && ++second == lost)) return std::nullopt;
+      return 0;
+    };
+    bench_.run_for(kSecond_ns);
+    ASSERT_EQ(bench_.host.states_told(), told) << lost << ": " << reason(11);
+  }
+  std::int64_t longest_ns = 0;
+  const auto samples = bench_.host.samples(11);
+  for (std::size_t i = from; i < samples.size(); ++i)
+    longest_ns = std::max(longest_ns, samples[i].t_ns - samples[i - 1].t_ns);
+  EXPECT_GE(longest_ns, bench_.setup.timeout_ns - 2 * bench_.setup.period_ns) << "so long it does take";
+}
+
 TEST_F(Canopen, SaysThatAnswersComeTooLateForTheRate) {
   start();
   bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
     return frame.can_id == 0x182 ? 15 * kMs : 0;
   };
   ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_LATE_ANSWER; }));
-  EXPECT_NE(reason(11).find("its answers come later than the next SYNC; expected a lower `rate`"), std::string::npos)
+  EXPECT_NE(reason(11).find("its answers are lost, or come later than the next SYNC; expected a lower `rate`"),
+            std::string::npos)
       << reason(11);
   EXPECT_TRUE(bench_.delivers(10));
 }
