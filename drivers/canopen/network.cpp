@@ -8,8 +8,6 @@
 namespace dwell::canopen {
 namespace {
 
-constexpr std::int64_t kLongestWindow_ns = 50'000'000;
-constexpr std::int64_t kWatch_ns = 10'000'000;
 constexpr int kFailuresToStale = 3;
 
 can_frame classic(const canfd_frame& frame) noexcept {

@@ -12,6 +12,10 @@
 
 namespace dwell::canopen {
 
+// How often it is looked who has fallen silent.
+inline constexpr std::int64_t kWatch_ns = 10'000'000;
+// Answers to a SYNC are awaited no longer, however far away the next one is.
+inline constexpr std::int64_t kLongestWindow_ns = 50'000'000;
 // A node that loses its answers again and again shall not cost the others more than a quarter of the SYNCs: after a
 // pause they are sent for so many times its length.
 inline constexpr std::int64_t kBetweenPauses = 3;
