@@ -179,14 +179,17 @@ void Network::sync_failed(const std::string& why) noexcept {
   if (sync_failure_.empty()) sync_failure_ = why;
 }
 
-// Instead of the SYNC that is due: until nothing older can come any more.
+// Instead of the SYNC that is due: until nothing older can come any more. What is too slow for the rate has none of it:
+// a pause only shows whether it still is.
 void Network::pause_if_needed(std::int64_t now_ns) noexcept {
   if (now_ns < next_pause_ns_) return;
   for (const Member& member : members_) {
     for (const Stream& stream : member.streams) {
       if (!stream.attribution.wants_pause()) continue;
+      if (stream.told == DWELL_FAULT_LATE_ANSWER && now_ns < next_trial_ns_) continue;
       while (next_sync_ns_ < last_sync_ns_ + setup_.late_ns) next_sync_ns_ += setup_.period_ns;
       next_pause_ns_ = next_sync_ns_ + kBetweenPauses * std::max(setup_.late_ns, setup_.period_ns);
+      next_trial_ns_ = next_sync_ns_ + setup_.timeout_ns;
       return;
     }
   }

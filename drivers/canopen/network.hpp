@@ -115,6 +115,7 @@ class Network {
   Sync sync_;
   bool sync_returns_ = false;  // our own frames come back
   std::int64_t last_sync_ns_ = 0, next_sync_ns_ = 0, next_pause_ns_ = 0;
+  std::int64_t next_trial_ns_ = 0;  // of the next pause for TPDOs that were too slow alone
   std::string sync_failure_;
   bool told_foreign_ = false;
   std::int64_t next_watch_ns_ = 0;

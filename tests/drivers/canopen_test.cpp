@@ -361,6 +361,31 @@ TEST_F(Canopen, SaysThatAnswersComeTooLateForTheRate) {
             std::string::npos)
       << reason(11);
   EXPECT_TRUE(bench_.delivers(10));
+  // The others lose a pause of 50 ms per timeout of 1 s to it, that is four SYNCs of a hundred.
+  const std::size_t before = bench_.host.samples(10).size();
+  bench_.run_for(10 * kSecond_ns);
+  EXPECT_EQ(fault(11), DWELL_FAULT_LATE_ANSWER);
+  EXPECT_GE(bench_.host.samples(10).size() - before, 1000U - 10U * 4U);
+}
+
+TEST_F(Canopen, NoticesWithinATimeoutThatATpdoHasBecomeFastEnough) {
+  start();
+  bool slow = true;
+  int lost = 0;
+  bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
+    if (frame.can_id != 0x182) return 0;
+    if (slow) return 15 * kMs;
+    if (++lost == 1) return std::nullopt;  // else as many answers would have come as SYNCs gone out
+    return 0;
+  };
+  ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_LATE_ANSWER; }));
+  bench_.run_for(kSecond_ns / 4);
+  slow = false;
+  const std::int64_t from_ns = bench_.now_ns();
+  EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); })) << reason(11);
+  const std::int64_t trial_ns = bench_.setup.timeout_ns + bench_.setup.late_ns + 3 * bench_.setup.period_ns;
+  EXPECT_LE(bench_.now_ns() - from_ns, trial_ns);
+  EXPECT_GE(bench_.now_ns() - from_ns, bench_.setup.timeout_ns / 4) << "a pause it was that showed it";
 }
 
 TEST_F(Canopen, TellsEmergenciesInWords) {
