@@ -199,6 +199,9 @@ TEST(Dbc, RefusesASelectionThatNeverComesOrIsTwo) {
             "f:6:17: signal `A` is selected by `M` already; expected one multiplexor");
   EXPECT_EQ(mistake("BO_ 1 X: 16 N\n SG_ M M : 0|65@1+ (1,0) [0|0] \"\" N\n SG_ A m1 : 72|8@1+ (1,0) [0|0] \"\" N\n"),
             "f:3:6: signal `A` is multiplexed by `M`, which is of 65 bits; expected at most 64");
+  EXPECT_EQ(mistake("BO_ 2147483649 X: 100 N\n SG_ M M : 600|8@1+ (1,0) [0|0] \"\" N\n"
+                    " SG_ A m1 : 0|8@1+ (1,0) [0|0] \"\" N\n"),
+            "f:3:6: signal `A` is multiplexed by `M`, which lies beyond the 64 bytes that one frame has");
 }
 
 TEST(Dbc, TellsEveryMistakeAtOnceInOrder) {
