@@ -3,12 +3,14 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
-#include <ctime>
 
+#include "drivers/dwell_driver.hpp"
 #include "tests/rigsim/can_frames.hpp"
 
 namespace rigsim {
 namespace {
+
+using dwell::driver::monotonic_ns;
 
 constexpr int kReadings = 4;
 constexpr std::int64_t kReadWithin_ns = 500'000;

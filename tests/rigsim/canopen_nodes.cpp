@@ -3,14 +3,16 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
-#include <ctime>
 #include <limits>
 
+#include "drivers/dwell_driver.hpp"
 #include "drivers/socketcan/clock_map.hpp"
 #include "tests/rigsim/device.hpp"
 
 namespace rigsim {
 namespace {
+
+using dwell::driver::monotonic_ns;
 
 constexpr canid_t kSync = 0x80, kBabble = 0x001;
 // A stamp older than that is none.
