@@ -225,7 +225,7 @@ void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcep
     deliver(stream);
     return;
   }
-  if (late > 0) stream.late_ns = now_ns;
+  if (late > 0) stream.gave_up_ns = now_ns;
   // What comes before its first answer was sent before it had started.
   if (outcome == Attribution::Outcome::missing && stream.answered) host_.count(DWELL_FAULT_TIMEOUT);
   for (const Field& field : stream.pdo.fields) {
@@ -305,7 +305,7 @@ void Network::watch_silence(std::int64_t now_ns) {
 
 // A node is set up again only where none of its TPDOs answers: doing it for one would stop the others each time.
 void Network::watch_streams(Member& member, std::int64_t now_ns) {
-  const auto is_late = [&](const Stream& stream) { return now_ns - stream.late_ns < setup_.timeout_ns; };
+  const auto is_late = [&](const Stream& stream) { return now_ns - stream.gave_up_ns < setup_.timeout_ns; };
   const auto is_overdue = [&](const Stream& stream) { return now_ns - stream.seen_ns >= setup_.timeout_ns; };
   const auto is_silent = [&](const Stream& stream) { return is_overdue(stream) && !is_late(stream); };
   const auto why = [&](const std::string& who) {
