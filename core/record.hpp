@@ -42,7 +42,7 @@ enum class Fault : std::uint8_t {
   missed_deadline = 9,  // a poll began too late and was skipped
   end_of_data = 10,     // a finite source has been played to its end
   silent = 11,          // nothing arrived although nothing failed
-  overflow = 12,        // lost on the way in, for lack of room in the kernel or in the controller
+  overflow = 12,        // lost for lack of room: on the way in (kernel, controller), or waiting to be sent
   bus_error = 13,       // the bus controller reports errors on the line
   bus_off = 14,         // the bus controller has left the bus for too many of them
 };

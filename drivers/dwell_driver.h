@@ -47,7 +47,7 @@ typedef enum dwell_fault {
   DWELL_FAULT_MISSED_DEADLINE = 9,
   DWELL_FAULT_END_OF_DATA = 10,
   DWELL_FAULT_SILENT = 11,
-  DWELL_FAULT_OVERFLOW = 12,  /* lost on the way in, for lack of room in the kernel or in the controller */
+  DWELL_FAULT_OVERFLOW = 12,  /* lost for lack of room: on the way in (kernel, controller), or waiting to be sent */
   DWELL_FAULT_BUS_ERROR = 13, /* the bus controller reports errors on the line */
   DWELL_FAULT_BUS_OFF = 14    /* the bus controller has left the bus for too many of them */
 } dwell_fault;

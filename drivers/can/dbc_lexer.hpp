@@ -24,6 +24,10 @@ struct Token {
 
   [[nodiscard]] bool is(char sign) const noexcept { return kind == Kind::sign && text[0] == sign; }
   [[nodiscard]] bool is(std::string_view word) const noexcept { return kind == Kind::word && text == word; }
+  // A text that does not end on its line.
+  [[nodiscard]] bool spans_lines() const noexcept {
+    return kind == Kind::open || (kind == Kind::text && text.find('\n') != std::string_view::npos);
+  }
   // For people: the token in back quotes, shortened, what is not ASCII as `?`.
   [[nodiscard]] std::string shown() const;
 };

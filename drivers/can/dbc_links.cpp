@@ -16,16 +16,16 @@ void DbcParser::link() {
   for (const FloatStatement& each : floats_) link_float(each);
   for (const SelectorStatement& each : selectors_) link_selector(each);
   for (const Multiplexed& each : multiplexed_) link_multiplexed(each);
+  for (Message& message : dbc_.messages)
+    for (Signal& signal : message.signals)
+      if (signal.unreadable.empty() && bytes_of(signal.field) > kMostBytes)
+        signal.unreadable = "lies beyond the 64 bytes that one frame has";
   if (mistakes_.empty())
     for (const Multiplexed& each : multiplexed_) {
       check_nesting(each);
       check_values(each);
     }
   link_formats();
-  for (Message& message : dbc_.messages)
-    for (Signal& signal : message.signals)
-      if (signal.unreadable.empty() && bytes_of(signal.field) > kMostBytes)
-        signal.unreadable = "lies beyond the 64 bytes that one frame has";
 }
 
 std::optional<std::size_t> DbcParser::find_message(const Token& id) {

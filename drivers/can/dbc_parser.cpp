@@ -87,14 +87,26 @@ bool DbcParser::take_word(Token& word, std::string_view what) {
   return true;
 }
 
+// A quote that is missing must not swallow what comes after.
+bool DbcParser::take_text(std::string_view what) {
+  const Token& found = lexer_.now();
+  if (found.spans_lines()) return mistake(found, "the text that begins here has no end on its line; expected a quote");
+  if (found.kind != Kind::text) return expected(what);
+  lexer_.next();
+  return true;
+}
+
 bool DbcParser::finish(std::string_view statement) { return take(';', "at the end of " + std::string(statement)); }
 
+// Going back to the end of a line costs as much as the text is long, so each time is a mistake told, of which there are
+// only so many; one a line.
 void DbcParser::skip_line() {
-  while (lexer_.now().kind != Kind::end && !lexer_.now().first) {
-    const Token& token = lexer_.now();
-    if (token.kind == Kind::open || (token.kind == Kind::text && token.text.find('\n') != std::string_view::npos))
+  for (; lexer_.now().kind != Kind::end; lexer_.next()) {
+    if (lexer_.now().spans_lines()) {
+      if (mistakes_.empty() || mistakes_.back().line != lexer_.now().line) take_text("");
       return lexer_.next_line();
-    lexer_.next();
+    }
+    if (lexer_.now().first) return;
   }
 }
 
@@ -148,9 +160,8 @@ void DbcParser::statement() {
     return skip_line();
   }
   if (begin.is("VERSION")) {
-    if (lexer_.now().kind == Kind::text) return lexer_.next();
-    expected("the version, a text in quotes");
-    return skip_line();
+    if (!take_text("the version, a text in quotes")) skip_line();
+    return;
   }
   if (begin.is("NS_") || begin.is("BU_")) return names();
   if (begin.is("BS_")) return skip_line();
@@ -294,15 +305,7 @@ bool DbcParser::scaling(Signal& made) {
       !take('|', "after the signal's minimum") || !take(maximum, "the signal's maximum") ||
       !take(']', "after the signal's maximum"))
     return false;
-  // A quote that is missing must not swallow what comes after.
-  const Token unit = lexer_.now();
-  if (unit.kind == Kind::open || (unit.kind == Kind::text && unit.text.find('\n') != std::string_view::npos)) {
-    lexer_.next_line();
-    return mistake(unit, "the text that begins here has no end on its line; expected a quote");
-  }
-  if (unit.kind != Kind::text) return expected("the signal's unit, a text in quotes");
-  lexer_.next();
-  return true;
+  return take_text("the signal's unit, a text in quotes");
 }
 
 // SIG_VALTYPE_ message signal : type ;

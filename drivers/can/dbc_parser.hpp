@@ -61,6 +61,7 @@ class DbcParser {
   bool take(std::uint64_t& number, std::uint64_t most, std::string_view what);
   bool take(double& number, std::string_view what);
   bool take_word(Token& word, std::string_view what);
+  bool take_text(std::string_view what);    // of one line
   bool finish(std::string_view statement);  // the semicolon
   void skip_line();
   void skip_statement(const Token& begin);

@@ -78,7 +78,6 @@ class Configurator {
   [[nodiscard]] std::uint16_t heartbeat_ms() const noexcept { return heartbeat_ms_; }
   // "node 5 (CiA 404, LVDT-2)", as far as it is known.
   [[nodiscard]] std::string name() const;
-  [[nodiscard]] const Wish& wish() const noexcept { return wish_; }
 
  private:
   using Step = void (Configurator::*)(const Answer&);

@@ -8,11 +8,7 @@
 namespace dwell::canopen {
 namespace {
 
-constexpr std::int64_t kLongestWindow_ns = 50'000'000;
-constexpr std::int64_t kWatch_ns = 10'000'000;
 constexpr int kFailuresToStale = 3;
-// A node that loses its answers again and again shall not cost the others more than a quarter of the SYNCs.
-constexpr std::int64_t kBetweenPauses = 3;
 
 can_frame classic(const canfd_frame& frame) noexcept {
   can_frame made{};
@@ -183,14 +179,17 @@ void Network::sync_failed(const std::string& why) noexcept {
   if (sync_failure_.empty()) sync_failure_ = why;
 }
 
-// Instead of the SYNC that is due: until nothing older can come any more.
+// Instead of the SYNC that is due: until nothing older can come any more. What is too slow for the rate has none of it:
+// a pause only shows whether it still is.
 void Network::pause_if_needed(std::int64_t now_ns) noexcept {
   if (now_ns < next_pause_ns_) return;
   for (const Member& member : members_) {
     for (const Stream& stream : member.streams) {
       if (!stream.attribution.wants_pause()) continue;
+      if (stream.told == DWELL_FAULT_LATE_ANSWER && now_ns < next_trial_ns_) continue;
       while (next_sync_ns_ < last_sync_ns_ + setup_.late_ns) next_sync_ns_ += setup_.period_ns;
       next_pause_ns_ = next_sync_ns_ + kBetweenPauses * std::max(setup_.late_ns, setup_.period_ns);
+      next_trial_ns_ = next_sync_ns_ + setup_.timeout_ns;
       return;
     }
   }
@@ -226,7 +225,7 @@ void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcep
     deliver(stream);
     return;
   }
-  if (late > 0) stream.late_ns = now_ns;
+  if (late > 0) stream.gave_up_ns = now_ns;
   // What comes before its first answer was sent before it had started.
   if (outcome == Attribution::Outcome::missing && stream.answered) host_.count(DWELL_FAULT_TIMEOUT);
   for (const Field& field : stream.pdo.fields) {
@@ -306,7 +305,7 @@ void Network::watch_silence(std::int64_t now_ns) {
 
 // A node is set up again only where none of its TPDOs answers: doing it for one would stop the others each time.
 void Network::watch_streams(Member& member, std::int64_t now_ns) {
-  const auto is_late = [&](const Stream& stream) { return now_ns - stream.late_ns < setup_.timeout_ns; };
+  const auto is_late = [&](const Stream& stream) { return now_ns - stream.gave_up_ns < setup_.timeout_ns; };
   const auto is_overdue = [&](const Stream& stream) { return now_ns - stream.seen_ns >= setup_.timeout_ns; };
   const auto is_silent = [&](const Stream& stream) { return is_overdue(stream) && !is_late(stream); };
   const auto why = [&](const std::string& who) {
@@ -325,7 +324,8 @@ void Network::watch_streams(Member& member, std::int64_t now_ns) {
     if (fault == DWELL_FAULT_LATE_ANSWER) {
       // It answers, and setting it up again would not make it faster.
       member.node.answers(false);
-      tell(stream, fault, member.node.name() + ": its answers come later than the next SYNC; expected a lower `rate`");
+      tell(stream, fault,
+           member.node.name() + ": its answers are lost, or come later than the next SYNC; expected a lower `rate`");
       continue;
     }
     host_.count(fault);

@@ -70,11 +70,11 @@ class Network {
     Attribution attribution;
     std::array<std::uint8_t, CAN_MAX_DLEN> data{};  // of the last answer
     std::uint8_t size = 0;
-    bool asked = false;                    // it was there when the last SYNC went out
-    bool answered = false;                 // once at least
-    std::int64_t seen_ns = 0;              // of its last answer; before the first: of the node's start
-    std::int64_t late_ns = INT64_MIN / 2;  // when an answer came last that was given up
-    dwell_fault told = DWELL_FAULT_NONE;   // of this TPDO alone: too late, or silent while others answer
+    bool asked = false;                       // it was there when the last SYNC went out
+    bool answered = false;                    // once at least
+    std::int64_t seen_ns = 0;                 // of its last answer; before the first: of the node's start
+    std::int64_t gave_up_ns = INT64_MIN / 2;  // when an answer came last that was given up
+    dwell_fault told = DWELL_FAULT_NONE;      // of this TPDO alone: too late, or silent while others answer
   };
   struct Member {
     Node node;
@@ -115,6 +115,7 @@ class Network {
   Sync sync_;
   bool sync_returns_ = false;  // our own frames come back
   std::int64_t last_sync_ns_ = 0, next_sync_ns_ = 0, next_pause_ns_ = 0;
+  std::int64_t next_trial_ns_ = 0;  // of the next pause for TPDOs that were too slow alone
   std::string sync_failure_;
   bool told_foreign_ = false;
   std::int64_t next_watch_ns_ = 0;

@@ -36,7 +36,6 @@ class Node {
   // It does not do what it was started for: is set up again.
   void fail(dwell_fault fault, const std::string& what, std::int64_t now_ns);
 
-  [[nodiscard]] std::uint8_t id() const noexcept { return id_; }
   [[nodiscard]] bool operational() const noexcept { return phase_ == Phase::operational; }
   // Counts how often it became operational; its PDOs are as of then.
   [[nodiscard]] unsigned starts() const noexcept { return starts_; }

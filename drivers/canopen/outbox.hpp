@@ -10,6 +10,8 @@ namespace dwell::canopen {
 
 class Outbox {
  public:
+  static constexpr std::size_t kRoom = 512;  // of 127 nodes each an abort, a request and two commands
+
   void push(const can_frame& frame) noexcept {
     if (count_ == kRoom) {
       ++dropped_;
@@ -27,7 +29,6 @@ class Outbox {
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 
  private:
-  static constexpr std::size_t kRoom = 512;  // of 127 nodes each an abort, a request and two commands
   std::array<can_frame, kRoom> frames_{};
   std::size_t first_ = 0, count_ = 0;
   std::uint64_t dropped_ = 0;

@@ -18,9 +18,8 @@ using driver::text_key;
 constexpr double kRate_hz = 100.0, kTimeout_s = 1.0, kLate_s = 0.05, kHeartbeat_s = 0.2;
 // The part of a period within which a node shall answer; the rest is for what waits on the bus and in the kernel.
 constexpr double kWindow = 0.8;
-constexpr double kLongestWindow_s = 0.05;
-// Below it, what a node may miss of its heartbeat is less than how often that is looked at.
-constexpr double kShortestHeartbeat_s = 0.01;
+// One that comes more often than it is looked for would not be watched any closer.
+constexpr std::int64_t kShortestHeartbeat_ns = kWatch_ns;
 constexpr double kMostNumber = 4294967295.0;
 
 constexpr dwell_key kKeys[] = {
@@ -32,7 +31,7 @@ constexpr dwell_key kKeys[] = {
              "by which an answer to a SYNC may be late; after one that is missing no SYNC is sent for so long; default "
              "0.05"),
     real_key(DWELL_DEVICE, "heartbeat", 0.0, 65.0, "s",
-             "between the heartbeats that nodes shall send; 0: as they are set; default 0.2"),
+             "between the heartbeats that nodes shall send, at least 0.01; 0: as they are set; default 0.2"),
     required(integer_key(DWELL_CHANNEL, "node", 1, 127, "", "the node's number on the bus")),
     required(integer_key(DWELL_CHANNEL, "index", 0x1000, 0xFFFF, "", "of the object measured, for instance 0x9130")),
     integer_key(DWELL_CHANNEL, "sub_index", 0, 255, "", "of the object measured; default 0"),
@@ -58,10 +57,10 @@ class SetupReader {
     setup_.late_ns = driver::to_ns(settings_.get<double>("late", kLate_s));
     check_timeout();
     const double heartbeat_s = settings_.get<double>("heartbeat", kHeartbeat_s);
-    if (heartbeat_s != 0.0 && heartbeat_s < kShortestHeartbeat_s)
-      wrong("heartbeat", "is too short to be watched; expected 0, or at least 0.01 s");
+    if (heartbeat_s != 0.0 && driver::to_ns(heartbeat_s) < kShortestHeartbeat_ns)
+      wrong("heartbeat", "is too short to be watched; expected 0, or at least " + seconds(kShortestHeartbeat_ns));
     heartbeat_ms_ = static_cast<std::uint16_t>(std::llround(1e3 * heartbeat_s));
-    window_us_ = static_cast<std::uint32_t>(std::llround(1e6 * std::min(kWindow * period_s, kLongestWindow_s)));
+    window_us_ = static_cast<std::uint32_t>(std::llround(1e6 * std::min(kWindow * period_s, 1e-9 * kLongestWindow_ns)));
     const auto& channels = settings_.channels();
     for (position_ = 0; position_ < static_cast<int>(channels.size()); ++position_)
       read_channel(channels[static_cast<std::size_t>(position_)]);
@@ -72,14 +71,12 @@ class SetupReader {
   void wrong(const char* key, std::string text) { mistakes_.push_back({position_, key, std::move(text)}); }
 
   void check_timeout() {
-    // After an answer that is missing, the next SYNC may go out `late` later, and is answered a period after that.
-    const std::int64_t pause_ns = setup_.late_ns + 2 * setup_.period_ns;
-    if (setup_.timeout_ns < 3 * setup_.period_ns)
-      wrong("timeout",
-            "is shorter than three SYNCs at this `rate`; expected at least " + seconds(3 * setup_.period_ns));
-    else if (setup_.timeout_ns <= pause_ns)
-      wrong("timeout", "is no longer than `late` and two SYNCs at this `rate`; expected more than " +
-                           seconds(pause_ns) + ", or a shorter `late`");
+    const std::int64_t gap_ns = longest_gap_ns(setup_);
+    if (setup_.timeout_ns > gap_ns) return;
+    const char* const remedy = setup_.late_ns > setup_.period_ns ? ", or a shorter `late`" : ", or a higher `rate`";
+    wrong("timeout",
+          "is no longer than one answer that is lost may leave its channel without a sample; expected more than " +
+              seconds(gap_ns) + remedy);
   }
 
   std::size_t node_of(std::uint8_t id) {
@@ -141,6 +138,11 @@ class SetupReader {
 }  // namespace
 
 std::span<const dwell_key> keys() noexcept { return kKeys; }
+
+std::int64_t longest_gap_ns(const Setup& setup) noexcept {
+  const std::int64_t pause_ns = std::max(setup.late_ns, setup.period_ns);
+  return (kBetweenPauses + 2) * pause_ns + 3 * setup.period_ns;
+}
 
 Setup read_setup(const driver::Settings& settings, std::vector<Mistake>& mistakes) {
   return SetupReader(settings, mistakes).read();

@@ -12,7 +12,7 @@
 namespace dwell {
 namespace {
 
-constexpr std::int64_t kStart_ns = 5'000 * kMs;
+constexpr std::int64_t kStart_ns = 5'000 * kMs_ns;
 
 Rig one_mass() {
   Rig rig;
@@ -59,10 +59,10 @@ struct EstimatorTest : testing::Test {
   // Goes on for so long, turning every 10 ms, with two scans in each turn where the device is `on`.
   void go_on(std::int64_t for_ns, bool on = true) {
     for (const std::int64_t end_ns = now_ns + for_ns; now_ns < end_ns;) {
-      now_ns += 10 * kMs;
+      now_ns += 10 * kMs_ns;
       if (on) {
-        scan(now_ns - 6 * kMs);
-        scan(now_ns - 1 * kMs);
+        scan(now_ns - 6 * kMs_ns);
+        scan(now_ns - 1 * kMs_ns);
       }
       estimator->turn(now_ns, now_ns + 1);
     }
@@ -81,13 +81,13 @@ struct EstimatorTest : testing::Test {
 };
 
 TEST_F(EstimatorTest, PublishesAsOftenAsTheRigFileSays) {
-  go_on(2'000 * kMs);
+  go_on(2'000 * kMs_ns);
   EXPECT_NEAR(published, 20, 1);
   EXPECT_EQ(latest().sequence, static_cast<std::uint64_t>(published));
 }
 
 TEST_F(EstimatorTest, MeasuresWhatSettles) {
-  go_on(10'000 * kMs);
+  go_on(10'000 * kMs_ns);
   const Snapshot& snapshot = latest();
   EXPECT_EQ(snapshot.dwell.state, State::measuring) << snapshot.dwell.settling_reason;
   for (const ChannelView& channel : snapshot.channels) {
@@ -103,7 +103,7 @@ TEST_F(EstimatorTest, MeasuresWhatSettles) {
 TEST_F(EstimatorTest, TellsWhatTheStampsSayOfTheClockBehindThem) {
   rig.devices[0].rate_hz = 200.1;
   begin({});
-  go_on(5'000 * kMs);
+  go_on(5'000 * kMs_ns);
   for (const ChannelView& channel : latest().channels) {
     EXPECT_EQ(channel.clock.kind, Clock::host);
     EXPECT_NEAR(channel.clock.rate_hz, 200.0, 1e-6);
@@ -116,15 +116,15 @@ TEST_F(EstimatorTest, ADeviceWithAClockOfItsOwnIsMeasuredAtItsInstants) {
   rig.devices[0].clock = Clock::device;
   begin({});
   std::mt19937_64 rng(1);
-  std::uniform_int_distribution<std::int64_t> delay_ns(0, 2 * kMs);
+  std::uniform_int_distribution<std::int64_t> delay_ns(0, 2 * kMs_ns);
   for (std::int64_t i = 0; i < 2400; ++i) {  // two to a turn, up to 2 ms late
-    const std::int64_t taken_ns = now_ns + (i % 2 == 0 ? 1 : 6) * kMs;
+    const std::int64_t taken_ns = now_ns + (i % 2 == 0 ? 1 : 6) * kMs_ns;
     const double angle = 2.0 * std::numbers::pi * 10.0 * static_cast<double>(taken_ns) * 1e-9;
     const std::int64_t t_ns = taken_ns + delay_ns(rng);
     const dwell_sample samples[2] = {{t_ns, std::sin(angle), 0, 0, 0}, {t_ns, 1.5 * std::sin(angle - 0.4), 0, 1, 0}};
     ASSERT_TRUE(link.push(samples, 2));
     if (i % 2 == 0) continue;
-    now_ns += 10 * kMs;
+    now_ns += 10 * kMs_ns;
     estimator->turn(now_ns, now_ns + 1);
   }
   const Snapshot& snapshot = latest();
@@ -145,31 +145,31 @@ TEST_F(EstimatorTest, ADeviceWithAClockOfItsOwnIsMeasuredAtItsInstants) {
 }
 
 TEST_F(EstimatorTest, SilenceIsNoticedSaidAndOver) {
-  go_on(3'000 * kMs);
-  go_on(2'000 * kMs, false);
+  go_on(3'000 * kMs_ns);
+  go_on(2'000 * kMs_ns, false);
   EXPECT_EQ(latest().channels[1].fault, Fault::silent);
   EXPECT_NE(latest().channels[1].reason.find("nothing received"), std::string::npos);
   EXPECT_FALSE(latest().devices[0].up);
   EXPECT_NE(latest().dwell.state, State::measuring);
   EXPECT_EQ(latest().channels[1].tally.queued, 0u) << "the rest has been used";
-  go_on(500 * kMs);
+  go_on(500 * kMs_ns);
   EXPECT_EQ(latest().channels[1].fault, Fault::none);
   EXPECT_EQ(latest().channels[1].reason, "");
 }
 
 TEST_F(EstimatorTest, ADeadDeviceIsStaleForTheReasonItGave) {
-  go_on(3'000 * kMs);
+  go_on(3'000 * kMs_ns);
   link.state(-1, DWELL_FAULT_DISCONNECTED, "connection refused");
   // The driver stamps with the real clock, long after this test's own time.
-  go_on(200 * kMs, false);
+  go_on(200 * kMs_ns, false);
   EXPECT_EQ(latest().channels[0].fault, Fault::disconnected);
   EXPECT_EQ(latest().channels[0].reason, "connection refused");
 }
 
 TEST_F(EstimatorTest, ASampleFromBeforeWhatWasUsedIsLateAndCountedAndAGap) {
-  go_on(1'000 * kMs);
-  scan(now_ns - 500 * kMs);
-  go_on(1'000 * kMs);
+  go_on(1'000 * kMs_ns);
+  scan(now_ns - 500 * kMs_ns);
+  go_on(1'000 * kMs_ns);
   const Snapshot& snapshot = latest();
   for (const ChannelView& channel : snapshot.channels) {
     EXPECT_EQ(channel.tally.late, 1u);
@@ -179,26 +179,26 @@ TEST_F(EstimatorTest, ASampleFromBeforeWhatWasUsedIsLateAndCountedAndAGap) {
 }
 
 TEST_F(EstimatorTest, WhatIsBeyondTheRangeIsShownAndNotUsed) {
-  go_on(500 * kMs);
+  go_on(500 * kMs_ns);
   for (int i = 0; i < 40; ++i) {
-    now_ns += 10 * kMs;
-    scan(now_ns - 1 * kMs, 100.0);
+    now_ns += 10 * kMs_ns;
+    scan(now_ns - 1 * kMs_ns, 100.0);
     estimator->turn(now_ns, now_ns);
   }
-  go_on(300 * kMs, false);
+  go_on(300 * kMs_ns, false);
   EXPECT_GT(latest().channels[0].tally.rejected, 0u);
   EXPECT_EQ(latest().channels[0].tally.received,
             latest().channels[0].tally.used + latest().channels[0].tally.dropped());
 }
 
 TEST_F(EstimatorTest, ABacklogIsNotLate) {
-  go_on(1'000 * kMs);
+  go_on(1'000 * kMs_ns);
   // The thread did not come for a second and a half; the rings held everything.
   const std::int64_t paused_ns = now_ns;
-  for (std::int64_t t = 5; t <= 1500; t += 5) ASSERT_TRUE(scan(paused_ns + t * kMs - 1));
-  now_ns = paused_ns + 1500 * kMs;
+  for (std::int64_t t = 5; t <= 1500; t += 5) ASSERT_TRUE(scan(paused_ns + t * kMs_ns - 1));
+  now_ns = paused_ns + 1500 * kMs_ns;
   estimator->turn(now_ns, now_ns, 149);
-  go_on(500 * kMs);
+  go_on(500 * kMs_ns);
   EXPECT_EQ(latest().channels[0].tally.late, 0u);
   EXPECT_EQ(latest().channels[0].gaps, 0u);
   EXPECT_EQ(latest().skipped_turns, 149u);
@@ -209,9 +209,9 @@ TEST_F(EstimatorTest, RearmEndsADwellAndBeginsAnotherAndOnlySoManyAreKept) {
   few.kept_dwells = 3;
   begin(few);
   for (int i = 0; i < 6; ++i) {
-    go_on(4'000 * kMs);
+    go_on(4'000 * kMs_ns);
     ASSERT_TRUE(estimator->rearm());
-    go_on(300 * kMs);
+    go_on(300 * kMs_ns);
   }
   const Snapshot& snapshot = latest();
   ASSERT_EQ(snapshot.finished->size(), 3u);
@@ -227,9 +227,9 @@ TEST_F(EstimatorTest, TheOperatorCannotFloodTheStream) {
 }
 
 TEST_F(EstimatorTest, TheEndOfTheRunUsesWhatWaitsAndCompletesTheDwell) {
-  go_on(8'000 * kMs);
-  scan(now_ns + 1 * kMs);
-  now_ns += 2 * kMs;
+  go_on(8'000 * kMs_ns);
+  scan(now_ns + 1 * kMs_ns);
+  now_ns += 2 * kMs_ns;
   estimator->finish(now_ns, now_ns);
   const Snapshot& snapshot = latest();
   EXPECT_EQ(snapshot.channels[0].tally.queued, 0u);
@@ -240,8 +240,8 @@ TEST_F(EstimatorTest, TheEndOfTheRunUsesWhatWaitsAndCompletesTheDwell) {
 TEST_F(EstimatorTest, ARecordingPlayedFasterThanTimeIsUsedWhole) {
   // Ten seconds of stamps within one second.
   for (int i = 0; i < 100; ++i) {
-    now_ns += 10 * kMs;
-    for (int k = 0; k < 20; ++k) scan(kStart_ns + (i * 20 + k + 1) * 5 * kMs);
+    now_ns += 10 * kMs_ns;
+    for (int k = 0; k < 20; ++k) scan(kStart_ns + (i * 20 + k + 1) * 5 * kMs_ns);
     estimator->turn(now_ns, now_ns);
   }
   estimator->finish(now_ns, now_ns);

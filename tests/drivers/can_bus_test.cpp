@@ -17,7 +17,7 @@ ClockPair the_clocks() noexcept { return {the_raw_ns, the_raw_ns + the_wall_less
 class CanBus : public ::testing::Test {
  protected:
   CanBus() : bus_("can0", fake_.opener(), &the_clocks) {
-    the_raw_ns = 1000 * kMs;
+    the_raw_ns = 1000 * kMs_ns;
     the_wall_less_raw_ns = 500 * kHour_ns;
     EXPECT_EQ(bus_.open(), "");
   }
@@ -35,10 +35,10 @@ class CanBus : public ::testing::Test {
 TEST_F(CanBus, KeepsInstantsWhenTheWallClockIsSetBetweenStampAndReading) {
   for (const std::int64_t step : {kHour_ns, -kHour_ns, 5 * kHour_ns}) {
     bus_.read();
-    const std::int64_t came_ns = the_raw_ns + 3 * kMs;
+    const std::int64_t came_ns = the_raw_ns + 3 * kMs_ns;
     arrive_at(came_ns);
     the_wall_less_raw_ns += step;
-    the_raw_ns += 10 * kMs;
+    the_raw_ns += 10 * kMs_ns;
     const Receipt receipt = bus_.read();
     ASSERT_EQ(receipt.frames.size(), 1U);
     EXPECT_FALSE(receipt.frames[0].stamp.replaced);
@@ -49,23 +49,23 @@ TEST_F(CanBus, KeepsInstantsWhenTheWallClockIsSetBetweenStampAndReading) {
 // More frames than one batch holds, all older than the reads between which they are taken.
 TEST_F(CanBus, KnowsThatWhatWaitsBehindAFullBatchIsOlderThanTheLastRead) {
   bus_.read();
-  const std::int64_t first_ns = the_raw_ns + kMs;
+  const std::int64_t first_ns = the_raw_ns + kMs_ns;
   for (std::size_t i = 0; i < 2 * Bus::kBatch; ++i) arrive_at(first_ns + static_cast<std::int64_t>(i));
-  the_raw_ns += 500 * kMs;
+  the_raw_ns += 500 * kMs_ns;
   EXPECT_TRUE(bus_.read().more);
-  the_raw_ns += 100 * kMs;
+  the_raw_ns += 100 * kMs_ns;
   const Receipt second = bus_.read();
   ASSERT_EQ(second.frames.size(), Bus::kBatch);
   for (const Frame& frame : second.frames) {
     EXPECT_FALSE(frame.stamp.replaced);
-    EXPECT_LT(frame.stamp.t_ns, first_ns + kMs);
+    EXPECT_LT(frame.stamp.t_ns, first_ns + kMs_ns);
   }
 }
 
 TEST_F(CanBus, ReplacesAStampBeforeTheLastRead) {
   bus_.read();
-  arrive_at(the_raw_ns - 100 * kMs);
-  the_raw_ns += 10 * kMs;
+  arrive_at(the_raw_ns - 100 * kMs_ns);
+  the_raw_ns += 10 * kMs_ns;
   const Receipt receipt = bus_.read();
   EXPECT_TRUE(receipt.frames[0].stamp.replaced);
   EXPECT_EQ(receipt.frames[0].stamp.t_ns, the_raw_ns);
@@ -130,14 +130,14 @@ TEST_F(CanBus, UsesTheInterfacesOwnStampsUnlessToldOtherwise) {
   const auto run = [&] {
     std::int64_t worst_ns = 0;
     for (int i = 0; i < 100; ++i) {
-      the_raw_ns += 10 * kMs;
+      the_raw_ns += 10 * kMs_ns;
       Packet packet;
       packet.size = CAN_MTU;
-      packet.hardware_ns = the_raw_ns - 4 * kMs;  // a clock of its own, regular
-      packet.real_ns = the_raw_ns - (i % 3 == 0 ? 2 : 1) * kMs + the_wall_less_raw_ns;
+      packet.hardware_ns = the_raw_ns - 4 * kMs_ns;  // a clock of its own, regular
+      packet.real_ns = the_raw_ns - (i % 3 == 0 ? 2 : 1) * kMs_ns + the_wall_less_raw_ns;
       fake_.arrive(packet);
       const Receipt receipt = bus_.read();
-      if (i > 5) worst_ns = std::max(worst_ns, std::abs(receipt.frames[0].stamp.t_ns - (the_raw_ns - 2 * kMs)));
+      if (i > 5) worst_ns = std::max(worst_ns, std::abs(receipt.frames[0].stamp.t_ns - (the_raw_ns - 2 * kMs_ns)));
     }
     return worst_ns;
   };
@@ -145,7 +145,7 @@ TEST_F(CanBus, UsesTheInterfacesOwnStampsUnlessToldOtherwise) {
   EXPECT_TRUE(bus_.hardware_stamps());
   bus_.use_hardware_stamps(false);
   ASSERT_EQ(bus_.open(), "");
-  EXPECT_GE(run(), kMs - 1000);
+  EXPECT_GE(run(), kMs_ns - 1000);
   EXPECT_FALSE(bus_.hardware_stamps());
 }
 

@@ -32,7 +32,7 @@ Stamp map(const WallClock& clock, std::int64_t empty, std::int64_t frame, std::i
 
 TEST(CanClockMap, IsExactUnderAnySlew) {
   for (const double slew : {-5e-4, 0.0, 5e-4})
-    for (const std::int64_t behind : {std::int64_t{0}, kMs, 100 * kMs, 2 * kSecond_ns}) {
+    for (const std::int64_t behind : {std::int64_t{0}, kMs_ns, 100 * kMs_ns, 2 * kSecond_ns}) {
       const Stamp stamp = map({slew}, 100 * kSecond_ns, 100 * kSecond_ns + behind, 102 * kSecond_ns);
       EXPECT_FALSE(stamp.replaced);
       EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(100 * kSecond_ns + behind), 1000.0) << slew;
@@ -43,35 +43,35 @@ TEST(CanClockMap, IsExactUnderAnySlew) {
 TEST(CanClockMap, DoesNotMoveAFrameWhenTheWallClockIsSet) {
   for (const std::int64_t step : {-kHour_ns, kHour_ns, -3 * kSecond_ns, 3 * kSecond_ns})
     for (const std::int64_t step_at :
-         {1 * kSecond_ns + 5 * kMs, 1 * kSecond_ns + 15 * kMs}) {  // before the frame, and after it
+         {1 * kSecond_ns + 5 * kMs_ns, 1 * kSecond_ns + 15 * kMs_ns}) {  // before the frame, and after it
       const Stamp stamp =
-          map({0.0, step_at, step}, 1 * kSecond_ns, 1 * kSecond_ns + 10 * kMs, 1 * kSecond_ns + 20 * kMs);
+          map({0.0, step_at, step}, 1 * kSecond_ns, 1 * kSecond_ns + 10 * kMs_ns, 1 * kSecond_ns + 20 * kMs_ns);
       EXPECT_FALSE(stamp.replaced) << step << " at " << step_at;
-      EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(1 * kSecond_ns + 10 * kMs), 1000.0);
+      EXPECT_NEAR(static_cast<double>(stamp.t_ns), static_cast<double>(1 * kSecond_ns + 10 * kMs_ns), 1000.0);
     }
 }
 
 TEST(CanClockMap, SaysThatAStepSmallerThanTheTimeBetweenReadsLeavesTwoInstants) {
-  for (const std::int64_t step_at : {1 * kSecond_ns + 5 * kMs, 1 * kSecond_ns + 15 * kMs}) {
+  for (const std::int64_t step_at : {1 * kSecond_ns + 5 * kMs_ns, 1 * kSecond_ns + 15 * kMs_ns}) {
     const Stamp stamp =
-        map({0.0, step_at, 2 * kMs}, 1 * kSecond_ns, 1 * kSecond_ns + 10 * kMs, 1 * kSecond_ns + 20 * kMs);
+        map({0.0, step_at, 2 * kMs_ns}, 1 * kSecond_ns, 1 * kSecond_ns + 10 * kMs_ns, 1 * kSecond_ns + 20 * kMs_ns);
     EXPECT_TRUE(stamp.replaced);
-    EXPECT_LE(std::abs(stamp.t_ns - (1 * kSecond_ns + 10 * kMs)), std::int64_t{stamp.t_half_ns});
-    EXPECT_LE(stamp.t_half_ns, 2 * kMs);
+    EXPECT_LE(std::abs(stamp.t_ns - (1 * kSecond_ns + 10 * kMs_ns)), std::int64_t{stamp.t_half_ns});
+    EXPECT_LE(stamp.t_half_ns, 2 * kMs_ns);
   }
 }
 
 TEST(CanClockMap, ReplacesAStampThatMeansNoInstantBetweenTheReads) {
   const WallClock clock;
   ClockMap map(clock.pair(1 * kSecond_ns));
-  map.read_at(clock.pair(1 * kSecond_ns + 20 * kMs));
+  map.read_at(clock.pair(1 * kSecond_ns + 20 * kMs_ns));
   for (const std::int64_t bad :
-       {std::int64_t{0}, std::int64_t{-5}, std::int64_t{1}, clock.at(1 * kSecond_ns - 50 * kMs),
-        clock.at(1 * kSecond_ns + 21 * kMs), INT64_MAX, INT64_MIN}) {
+       {std::int64_t{0}, std::int64_t{-5}, std::int64_t{1}, clock.at(1 * kSecond_ns - 50 * kMs_ns),
+        clock.at(1 * kSecond_ns + 21 * kMs_ns), INT64_MAX, INT64_MIN}) {
     const Stamp stamp = map.map(bad);
     EXPECT_TRUE(stamp.replaced) << bad;
-    EXPECT_EQ(stamp.t_ns, 1 * kSecond_ns + 20 * kMs);
-    EXPECT_GE(stamp.t_half_ns, 20 * kMs) << "what is known is that it came between the reads";
+    EXPECT_EQ(stamp.t_ns, 1 * kSecond_ns + 20 * kMs_ns);
+    EXPECT_GE(stamp.t_half_ns, 20 * kMs_ns) << "what is known is that it came between the reads";
   }
 }
 
@@ -82,18 +82,18 @@ TEST(CanClockMap, ReckonsWithAnyClock) {
     for (const std::int64_t now : kExtremes)
       for (const std::int64_t stamp : kExtremes) {
         ClockMap map({1 * kSecond_ns, before, 100});
-        map.read_at({1 * kSecond_ns + 20 * kMs, now, 100});
+        map.read_at({1 * kSecond_ns + 20 * kMs_ns, now, 100});
         const Stamp mapped = map.map(stamp);
-        EXPECT_GE(mapped.t_ns, 1 * kSecond_ns - 10 * kMs);
-        EXPECT_LE(mapped.t_ns, 1 * kSecond_ns + 20 * kMs);
+        EXPECT_GE(mapped.t_ns, 1 * kSecond_ns - 10 * kMs_ns);
+        EXPECT_LE(mapped.t_ns, 1 * kSecond_ns + 20 * kMs_ns);
       }
 }
 
 TEST(CanClockMap, NeverPutsAFrameAfterItsReading) {
   const WallClock clock;
   ClockMap map(clock.pair(1 * kSecond_ns));
-  map.read_at({1 * kSecond_ns + kMs, clock.at(1 * kSecond_ns + kMs), 3000});
-  EXPECT_LE(map.map(clock.at(1 * kSecond_ns + kMs + 2000)).t_ns, 1 * kSecond_ns + kMs);
+  map.read_at({1 * kSecond_ns + kMs_ns, clock.at(1 * kSecond_ns + kMs_ns), 3000});
+  EXPECT_LE(map.map(clock.at(1 * kSecond_ns + kMs_ns + 2000)).t_ns, 1 * kSecond_ns + kMs_ns);
 }
 
 // A wall clock that is slewed by up to 500 ppm and set again and again by 10 ns … 1 h, read at irregular intervals: a
@@ -148,7 +148,7 @@ TEST(CanHardwareClock, TakesTheJitterOfTheWayOut) {
     HardwareClock clock;
     double worst = 0.0, sum = 0.0, worst_kernel = 0.0;
     int count = 0;
-    for (std::int64_t t = kSecond_ns; t < 40 * kSecond_ns; t += kMs) {
+    for (std::int64_t t = kSecond_ns; t < 40 * kSecond_ns; t += kMs_ns) {
       const std::int64_t hardware = 5 * kSecond_ns + std::llround(static_cast<double>(t) * (1.0 + drift));
       const std::int64_t kernel = t + 50'000 + static_cast<std::int64_t>(std::min(late(random), 2e6));
       const auto mapped = clock.map(hardware, kernel);
@@ -169,19 +169,19 @@ TEST(CanHardwareClock, TakesTheJitterOfTheWayOut) {
 TEST(CanHardwareClock, BeginsAnewWhenTheInterfacesClockIsSet) {
   HardwareClock clock;
   std::int64_t t = kSecond_ns;
-  for (; t < 5 * kSecond_ns; t += kMs) ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
-  EXPECT_FALSE(clock.map(t - 500 * kMs, t));
+  for (; t < 5 * kSecond_ns; t += kMs_ns) ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
+  EXPECT_FALSE(clock.map(t - 500 * kMs_ns, t));
   for (std::int64_t i = 1; i < 5; ++i) {
-    const auto mapped = clock.map(t - 500 * kMs + i * kMs, t + i * kMs + 1000);
+    const auto mapped = clock.map(t - 500 * kMs_ns + i * kMs_ns, t + i * kMs_ns + 1000);
     ASSERT_TRUE(mapped);
-    EXPECT_NEAR(static_cast<double>(*mapped - t - i * kMs), 0.0, 2000.0);
+    EXPECT_NEAR(static_cast<double>(*mapped - t - i * kMs_ns), 0.0, 2000.0);
   }
 }
 
 TEST(CanHardwareClock, CarriesOverAStampOfTheKernelThatIsOfNoUse) {
   HardwareClock clock;
   EXPECT_FALSE(clock.map(kSecond_ns, std::nullopt));
-  for (std::int64_t t = kSecond_ns; t < 5 * kSecond_ns; t += kMs)
+  for (std::int64_t t = kSecond_ns; t < 5 * kSecond_ns; t += kMs_ns)
     ASSERT_LE(clock.map(t, t + 1000).value_or(0), t + 1000);
   const auto mapped = clock.map(5 * kSecond_ns, std::nullopt);
   ASSERT_TRUE(mapped);

@@ -45,7 +45,7 @@ Dwell measure(const std::vector<Adjustment>& adjustments, std::uint64_t* replace
   Pipeline pipeline(rig);
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
-  std::uniform_int_distribution<std::int64_t> pause_ns(5 * kMs, 20 * kMs);
+  std::uniform_int_distribution<std::int64_t> pause_ns(5 * kMs_ns, 20 * kMs_ns);
   const std::int64_t begin_ns = 1000 * kSecond_ns;
   the_raw_ns = begin_ns;
   the_real_ns = 1'790'000'000 * kSecond_ns;
@@ -70,7 +70,7 @@ Dwell measure(const std::vector<Adjustment>& adjustments, std::uint64_t* replace
   std::int64_t next_read_ns = begin_ns;
   for (int frame = 0; frame < 4000; ++frame) {
     for (canid_t c = 0; c < channels; ++c) {
-      const std::int64_t came_ns = begin_ns + frame * 10 * kMs + c * kMs;
+      const std::int64_t came_ns = begin_ns + frame * 10 * kMs_ns + c * kMs_ns;
       while (next_read_ns <= came_ns) {
         pass(next_read_ns);
         for (const socketcan::Frame& got : bus.read().frames) {
@@ -105,12 +105,14 @@ TEST(CanDwell, HasTheSameCoefficientsWhateverTheWallClockDoes) {
   std::uint64_t replaced = 0;
   const Dwell expected = measure({}, &replaced);
   ASSERT_EQ(expected.elements.size(), 4U);
-  for (const std::vector<Adjustment>& adjustments : std::vector<std::vector<Adjustment>>{
-           {{15'003 * kMs, 0.0, kHour_ns}},
-           {{15'003 * kMs, 0.0, -kHour_ns}},
-           {{10'000 * kMs, 500e-6, 0}},
-           {{10'000 * kMs, -500e-6, 0}},
-           {{10'001 * kMs, 500e-6, kHour_ns}, {20'007 * kMs, -500e-6, -2 * kHour_ns}, {30'004 * kMs, 0.0, kHour_ns}}}) {
+  for (const std::vector<Adjustment>& adjustments :
+       std::vector<std::vector<Adjustment>>{{{15'003 * kMs_ns, 0.0, kHour_ns}},
+                                            {{15'003 * kMs_ns, 0.0, -kHour_ns}},
+                                            {{10'000 * kMs_ns, 500e-6, 0}},
+                                            {{10'000 * kMs_ns, -500e-6, 0}},
+                                            {{10'001 * kMs_ns, 500e-6, kHour_ns},
+                                             {20'007 * kMs_ns, -500e-6, -2 * kHour_ns},
+                                             {30'004 * kMs_ns, 0.0, kHour_ns}}}) {
     const Dwell found = measure(adjustments, &replaced);
     ASSERT_EQ(found.elements.size(), 4U);
     for (std::size_t e = 0; e < 4; ++e) {

@@ -53,7 +53,7 @@ TEST(CanopenDwell, GivesTheChainsCoefficientsThoughAnswersAreLostAndLateAndANode
     random = random * 1664525U + 1013904223U;
     if (frame.can_id < kFirstPdo || frame.can_id > kLastPdo) return 0;
     if ((random >> 24U) < 2) return std::nullopt;
-    return (random >> 24U) < 4 ? (random >> 8U) % 40 * kMs : (random >> 8U) % 2 * kMs;
+    return (random >> 24U) < 4 ? (random >> 8U) % 40 * kMs_ns : (random >> 8U) % 2 * kMs_ns;
   };
   bench.start();
   bench.run_for(15 * kSecond_ns);

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "drivers/canopen/master.hpp"
+#include "drivers/canopen/outbox.hpp"
 #include "tests/drivers/can_fake_socket.hpp"
 #include "tests/drivers/fake_host.hpp"
 
@@ -145,7 +146,7 @@ TEST_F(CanopenFault, CountsWhatTheKernelDroppedAndWhatIsNoFrame) {
 
 // A node that boots again and again is given two frames each time, and none of them can be sent.
 TEST_F(CanopenFault, CountsWhatItCouldNotKeepForLater) {
-  constexpr int kBoots = 400, kRoom = 512;
+  constexpr int kBoots = 400, kRoom = Outbox::kRoom;
   bus_.refuse_writes(ENOBUFS);
   start();
   ASSERT_TRUE(eventually([&] { return bus_.is_open(); }));

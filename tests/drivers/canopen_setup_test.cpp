@@ -27,15 +27,14 @@ Lines mistakes_of(const std::vector<std::pair<std::string, double>>& settings) {
 
 TEST(CanopenSetup, HasDefaultsThatAgree) { EXPECT_EQ(mistakes_of({}), Lines{}); }
 
-TEST(CanopenSetup, RefusesATimeoutThatAPauseForLateAnswersWouldUse) {
-  const Lines mistake{
-      "timeout: is no longer than `late` and two SYNCs at this `rate`; expected more than 0.52 s, or a shorter `late`"};
-  EXPECT_EQ(mistakes_of({{"late", 0.5}, {"timeout", 0.3}}), mistake);
-  EXPECT_EQ(mistakes_of({{"late", 0.5}, {"timeout", 0.52}}), mistake);
-  EXPECT_EQ(mistakes_of({{"late", 0.5}, {"timeout", 0.53}}), Lines{});
-  // Said once: the one that is always wrong.
-  EXPECT_EQ(mistakes_of({{"rate", 1.0}, {"late", 0.5}, {"timeout", 2.0}}),
-            (Lines{"timeout: is shorter than three SYNCs at this `rate`; expected at least 3 s"}));
+TEST(CanopenSetup, RefusesATimeoutThatOneLostAnswerWouldUse) {
+  const std::string mistake =
+      "timeout: is no longer than one answer that is lost may leave its channel without a sample; expected more than ";
+  const Lines of_late{mistake + "2.53 s, or a shorter `late`"};
+  EXPECT_EQ(mistakes_of({{"late", 0.5}, {"timeout", 0.3}}), of_late);
+  EXPECT_EQ(mistakes_of({{"late", 0.5}, {"timeout", 2.53}}), of_late);
+  EXPECT_EQ(mistakes_of({{"late", 0.5}, {"timeout", 2.54}}), Lines{});
+  EXPECT_EQ(mistakes_of({{"rate", 1.0}, {"late", 0.5}, {"timeout", 2.0}}), Lines{mistake + "8 s, or a higher `rate`"});
 }
 
 TEST(CanopenSetup, RefusesAHeartbeatThatCannotBeWatched) {

@@ -24,7 +24,7 @@ class Canopen : public ::testing::Test {
         << reason(10) << "; " << reason(11) << "; " << reason(12);
   }
   // Until the nodes have filled their dictionaries, and nobody has asked yet.
-  void boot() { bench_.run_for(rigsim::CanopenNode::kBoot_ns + kMs / 10); }
+  void boot() { bench_.run_for(rigsim::CanopenNode::kBoot_ns + kMs_ns / 10); }
   bool all_deliver() const { return bench_.delivers(10) && bench_.delivers(11) && bench_.delivers(12); }
   std::string reason(std::uint16_t channel) const { return bench_.host.state_of(channel).reason; }
   dwell_fault fault(std::uint16_t channel) const { return bench_.host.state_of(channel).fault; }
@@ -259,16 +259,16 @@ TEST(CanopenNode, IsTriedAtOnceAgainOnlyAfterAllOfItsTpdosHaveAnswered) {
     outbox.clear();
     node.fail(DWELL_FAULT_TIMEOUT, "silent", 0);
     std::int64_t now_ns = 0;
-    for (; outbox.front() == nullptr && now_ns < 20 * kSecond_ns; now_ns += kMs) node.tick(now_ns);
-    return now_ns - kMs;
+    for (; outbox.front() == nullptr && now_ns < 20 * kSecond_ns; now_ns += kMs_ns) node.tick(now_ns);
+    return now_ns - kMs_ns;
   };
   Node node(wish, driver::Host(*host.host()), outbox);
-  EXPECT_EQ(pause_ns(node), 100 * kMs);
+  EXPECT_EQ(pause_ns(node), 100 * kMs_ns);
   node.answers(false);
   EXPECT_EQ(node.fault(), DWELL_FAULT_NONE);
-  EXPECT_EQ(pause_ns(node), 200 * kMs);
+  EXPECT_EQ(pause_ns(node), 200 * kMs_ns);
   node.answers(true);
-  EXPECT_EQ(pause_ns(node), 100 * kMs);
+  EXPECT_EQ(pause_ns(node), 100 * kMs_ns);
 }
 
 TEST_F(Canopen, LosesNothingButTheAnswerThatIsLostAndTheDoubtfulOneAfterIt) {
@@ -302,7 +302,7 @@ TEST_F(Canopen, NeverGivesALateAnswerToAnotherSync) {
     random = random * 1664525U + 1013904223U;
     if (frame.can_id < kFirstPdo || frame.can_id > kLastPdo) return 0;
     if ((random >> 24U) < 8) return std::nullopt;
-    return (random >> 24U) < 24 ? (random >> 8U) % 40 * kMs : 0;
+    return (random >> 24U) < 24 ? (random >> 8U) % 40 * kMs_ns : 0;
   };
   bench_.run_for(60 * kSecond_ns);
   expect_samples_of_their_sync();
@@ -320,7 +320,7 @@ TEST_F(Canopen, MeasuresThoughManyAnswersAreLostAndLate) {
     random = random * 1664525U + 1013904223U;
     if (frame.can_id < kFirstPdo || frame.can_id > kLastPdo) return 0;
     if ((random >> 24U) < 8) return std::nullopt;
-    return (random >> 24U) < 16 ? 30 * kMs : 0;
+    return (random >> 24U) < 16 ? 30 * kMs_ns : 0;
   };
   const std::size_t before = bench_.host.sample_count(), states = bench_.host.states_told();
   bench_.run_for(60 * kSecond_ns);
@@ -329,21 +329,69 @@ TEST_F(Canopen, MeasuresThoughManyAnswersAreLostAndLate) {
   EXPECT_EQ(bench_.host.states_told(), states);
 }
 
+// After node 1 has lost its answer, and all have paused for it, node 2 loses the one to each of the next SYNCs in turn.
+TEST_F(Canopen, IsNotStaleForOneAnswerThatIsLostWhileNoPauseIsDue) {
+  bench_.setup.late_ns = 41 * kMs_ns;
+  bench_.setup.timeout_ns = longest_gap_ns(bench_.setup) + 1;
+  start();
+  const std::size_t from = bench_.host.samples(11).size(), told = bench_.host.states_told();
+  for (int lost = 1; lost < 20; ++lost) {
+    int first = 0, second = 0;
+    bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
+      if ((frame.can_id == 0x181 && ++first == 3) || (frame.can_id == 0x182 && ++second == lost)) return std::nullopt;
+      return 0;
+    };
+    bench_.run_for(kSecond_ns);
+    ASSERT_EQ(bench_.host.states_told(), told) << lost << ": " << reason(11);
+  }
+  std::int64_t longest_ns = 0;
+  const auto samples = bench_.host.samples(11);
+  for (std::size_t i = from; i < samples.size(); ++i)
+    longest_ns = std::max(longest_ns, samples[i].t_ns - samples[i - 1].t_ns);
+  EXPECT_GE(longest_ns, bench_.setup.timeout_ns - 2 * bench_.setup.period_ns) << "so long it does take";
+}
+
 TEST_F(Canopen, SaysThatAnswersComeTooLateForTheRate) {
   start();
   bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
-    return frame.can_id == 0x182 ? 15 * kMs : 0;
+    return frame.can_id == 0x182 ? 15 * kMs_ns : 0;
   };
   ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_LATE_ANSWER; }));
-  EXPECT_NE(reason(11).find("its answers come later than the next SYNC; expected a lower `rate`"), std::string::npos)
+  EXPECT_NE(reason(11).find("its answers are lost, or come later than the next SYNC; expected a lower `rate`"),
+            std::string::npos)
       << reason(11);
   EXPECT_TRUE(bench_.delivers(10));
+  // The others lose a pause of 50 ms per timeout of 1 s to it, that is four SYNCs of a hundred.
+  const std::size_t before = bench_.host.samples(10).size();
+  bench_.run_for(10 * kSecond_ns);
+  EXPECT_EQ(fault(11), DWELL_FAULT_LATE_ANSWER);
+  EXPECT_GE(bench_.host.samples(10).size() - before, 1000U - 10U * 4U);
+}
+
+TEST_F(Canopen, NoticesWithinATimeoutThatATpdoHasBecomeFastEnough) {
+  start();
+  bool slow = true;
+  int lost = 0;
+  bench_.fate = [&](const can_frame& frame) -> std::optional<std::int64_t> {
+    if (frame.can_id != 0x182) return 0;
+    if (slow) return 15 * kMs_ns;
+    if (++lost == 1) return std::nullopt;  // else as many answers would have come as SYNCs gone out
+    return 0;
+  };
+  ASSERT_TRUE(bench_.run_until([&] { return fault(11) == DWELL_FAULT_LATE_ANSWER; }));
+  bench_.run_for(kSecond_ns / 4);
+  slow = false;
+  const std::int64_t from_ns = bench_.now_ns();
+  EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); })) << reason(11);
+  const std::int64_t trial_ns = bench_.setup.timeout_ns + bench_.setup.late_ns + 3 * bench_.setup.period_ns;
+  EXPECT_LE(bench_.now_ns() - from_ns, trial_ns);
+  EXPECT_GE(bench_.now_ns() - from_ns, bench_.setup.timeout_ns / 4) << "a pause it was that showed it";
 }
 
 TEST_F(Canopen, TellsEmergenciesInWords) {
   start();
   bench_.node(5).emergency(0x4210, 0x09);
-  bench_.run_for(10 * kMs);
+  bench_.run_for(10 * kMs_ns);
   EXPECT_TRUE(
       logged("node 5 (CiA 404, rigsim load cell): emergency 0x4210 (device temperature), error register 0x09 "
              "(generic, temperature)"));
@@ -351,7 +399,7 @@ TEST_F(Canopen, TellsEmergenciesInWords) {
   for (int i = 0; i < 1000; ++i) bench_.node(5).emergency(0x2310, 0x03);
   bench_.run_for(2 * kSecond_ns);
   bench_.node(5).emergency(0, 0);
-  bench_.run_for(10 * kMs);
+  bench_.run_for(10 * kMs_ns);
   EXPECT_EQ(bench_.host.counted(DWELL_FAULT_EXCEPTION), 1001);
   EXPECT_TRUE(logged("(error reset or no error)"));
   EXPECT_TRUE(logged("1000 others since the last line"));
@@ -404,7 +452,7 @@ TEST_F(Canopen, SaysWhenSyncCannotBeSent) {
 TEST_F(Canopen, WarnsOnceOfAnotherSync) {
   start();
   for (int i = 0; i < 3; ++i) bench_.inject(make_frame(kSync, {}));
-  bench_.run_for(10 * kMs);
+  bench_.run_for(10 * kMs_ns);
   EXPECT_TRUE(logged("somebody else sends SYNC as well"));
   EXPECT_EQ(bench_.host.counted(DWELL_FAULT_BAD_FRAME), 3);
 }
@@ -431,7 +479,7 @@ TEST_F(Canopen, SaysOnceASecondThatANodeRestartsAgainAndAgain) {
   start();
   for (int i = 0; i < 1000; ++i) {
     bench_.inject(make_frame(kHeartbeat + 2, {0}));
-    bench_.run_for(kMs);
+    bench_.run_for(kMs_ns);
   }
   EXPECT_LT(bench_.host.logged().size(), 12U);
   EXPECT_GT(bench_.host.counted(DWELL_FAULT_DISCONNECTED), 500);
@@ -450,7 +498,7 @@ TEST_F(Canopen, SurvivesAHostileStream) {
     if (frame.can_dlc > 8) frame.can_dlc = 8;
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(next() >> 24U);
     bench_.inject(frame);
-    if (i % 10 == 0) bench_.run_for(kMs);
+    if (i % 10 == 0) bench_.run_for(kMs_ns);
   }
   EXPECT_TRUE(bench_.run_until([&] { return all_deliver(); }));
   for (const dwell_sample& sample : bench_.host.samples()) EXPECT_TRUE(std::isfinite(sample.raw));

@@ -139,7 +139,7 @@ class CanopenRig : public Device {
   explicit CanopenRig(const std::string& interface = "") : device_(interface) {}
   Given given() override {
     Given given("device");
-    given.set("interface", device_.interface()).set("timeout", 0.2).set("rate", 100).set("heartbeat", 0.05);
+    given.set("interface", device_.interface()).set("timeout", 0.3).set("rate", 100).set("heartbeat", 0.05);
     given.channel("one").set("node", CanopenDevice::kNode).set("index", 0x6150).set("sub_index", 1);
     given.set("type", "unsigned8");
     given.channel("two").set("node", CanopenDevice::kNode).set("index", 0x9130).set("sub_index", 1);

@@ -168,6 +168,29 @@ TEST(Dbc, AMissingQuoteSwallowsNothing) {
   EXPECT_EQ(all[2], "f:6:19: a factor of 0 makes every reading the same; expected another");
 }
 
+TEST(Dbc, AVersionWithoutItsEndSwallowsNothing) {
+  for (const auto& [version, at] : {std::pair("VERSION \"1.0\n\n", "1:9"), std::pair("VERSION\n\"1.0\n", "2:1")}) {
+    const auto all = mistakes(std::string(version) + "BO_ 1 A: 8 N\n SG_ S : 0|8@1+ (0,0) [0|0] \"mm\" N\n");
+    ASSERT_EQ(all.size(), 2U);
+    EXPECT_EQ(all[0], "f:" + std::string(at) + ": the text that begins here has no end on its line; expected a quote");
+    EXPECT_EQ(all[1], "f:4:18: a factor of 0 makes every reading the same; expected another");
+  }
+}
+
+// Each would be read to the end of the file, if nothing were said of it.
+TEST(Dbc, GivesUpAfterTwentyLinesWhoseTextsHaveNoEnd) {
+  for (const std::string line : {"BS_\\\"\n", "BO_ 3221225472 X: 0 N \\\"\n"}) {
+    std::string text;
+    while (text.size() < (1U << 20U)) text += line;
+    const auto all = mistakes(text);
+    ASSERT_EQ(all.size(), kMostMistakes);
+    const std::string column = std::to_string(line.size() - 1);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      EXPECT_EQ(all[i], "f:" + std::to_string(i + 1) + ":" + column +
+                            ": the text that begins here has no end on its line; expected a quote");
+  }
+}
+
 TEST(Dbc, RefusesASelectionThatNeverComesOrIsTwo) {
   const std::string two = "BO_ 1 X: 8 N\n SG_ M M : 0|4@1+ (1,0) [0|0] \"\" N\n SG_ L M : 4|4@1+ (1,0) [0|0] \"\" N\n";
   EXPECT_EQ(mistake("BO_ 1 X: 8 N\n SG_ M M : 0|4@1+ (1,0) [0|0] \"\" N\n SG_ A m16 : 8|8@1+ (1,0) [0|0] \"\" N\n"),
@@ -176,6 +199,9 @@ TEST(Dbc, RefusesASelectionThatNeverComesOrIsTwo) {
             "f:6:17: signal `A` is selected by `M` already; expected one multiplexor");
   EXPECT_EQ(mistake("BO_ 1 X: 16 N\n SG_ M M : 0|65@1+ (1,0) [0|0] \"\" N\n SG_ A m1 : 72|8@1+ (1,0) [0|0] \"\" N\n"),
             "f:3:6: signal `A` is multiplexed by `M`, which is of 65 bits; expected at most 64");
+  EXPECT_EQ(mistake("BO_ 2147483649 X: 100 N\n SG_ M M : 600|8@1+ (1,0) [0|0] \"\" N\n"
+                    " SG_ A m1 : 0|8@1+ (1,0) [0|0] \"\" N\n"),
+            "f:3:6: signal `A` is multiplexed by `M`, which lies beyond the 64 bytes that one frame has");
 }
 
 TEST(Dbc, TellsEveryMistakeAtOnceInOrder) {

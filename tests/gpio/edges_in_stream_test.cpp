@@ -37,12 +37,12 @@ struct EdgesInStream : testing::Test {
   // One turn every 10 ms, a scan in each; `heard`: the GPIO thread turns as well.
   void go_on(std::int64_t for_ns, bool heard = true) {
     for (const std::int64_t end_ns = now_ns + for_ns; now_ns < end_ns;) {
-      now_ns += 10 * kMs;
+      now_ns += 10 * kMs_ns;
       const double angle = 20.0 * std::numbers::pi * static_cast<double>(now_ns) * 1e-9;
-      const dwell_sample samples[2] = {{now_ns - kMs, 1e-3 * std::sin(angle), 1000, 0, 0},
-                                       {now_ns - kMs, 2e-3 * std::sin(angle - 0.4), 1000, 1, 0}};
+      const dwell_sample samples[2] = {{now_ns - kMs_ns, 1e-3 * std::sin(angle), 1000, 0, 0},
+                                       {now_ns - kMs_ns, 2e-3 * std::sin(angle - 0.4), 1000, 1, 0}};
       link.push(samples, 2);
-      if (heard) edges.seen_to(now_ns - 10 * kMs);
+      if (heard) edges.seen_to(now_ns - 10 * kMs_ns);
       estimator->turn(now_ns, now_ns + 1);
     }
   }
@@ -63,12 +63,12 @@ struct EdgesInStream : testing::Test {
   std::unique_ptr<Log> log;
   DeviceLink link{"amplifier", {0, 1}, 4096, nullptr};
   gpio::Link edges;
-  std::int64_t now_ns = 5'000 * kMs;
+  std::int64_t now_ns = 5'000 * kMs_ns;
   std::optional<Estimator> estimator;
 };
 
 TEST_F(EdgesInStream, QuietLinesKeepNothingBack) {
-  go_on(5'000 * kMs);
+  go_on(5'000 * kMs_ns);
   EXPECT_EQ(estimator->latest().dwell.state, State::idle) << "not refreshed yet";
   EXPECT_EQ(tally().dropped(), 0u);
   EXPECT_LE(tally().queued, 6u) << "a few turns' worth, not the 100 ms that a silent source may take";
@@ -76,17 +76,17 @@ TEST_F(EdgesInStream, QuietLinesKeepNothingBack) {
 }
 
 TEST_F(EdgesInStream, AGpioThreadThatStallsDelaysTheStreamButDoesNotStopIt) {
-  go_on(1'000 * kMs);
-  go_on(3'000 * kMs, false);
+  go_on(1'000 * kMs_ns);
+  go_on(3'000 * kMs_ns, false);
   EXPECT_EQ(tally().dropped(), 0u);
   EXPECT_LE(tally().queued, 15u);
 }
 
 TEST_F(EdgesInStream, APulseTooLateIsDroppedAndCountedTheInterlockIsNot) {
-  go_on(1'000 * kMs);
-  edge(Line::sync, now_ns - 500 * kMs);
-  edge(Line::interlock, now_ns - 500 * kMs);
-  go_on(100 * kMs);
+  go_on(1'000 * kMs_ns);
+  edge(Line::sync, now_ns - 500 * kMs_ns);
+  edge(Line::interlock, now_ns - 500 * kMs_ns);
+  go_on(100 * kMs_ns);
   EXPECT_EQ(edges.late_edges(), 1u);
 }
 

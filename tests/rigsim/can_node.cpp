@@ -1,15 +1,16 @@
 #include "tests/rigsim/can_node.hpp"
 
-#include <linux/can/error.h>
-
 #include <algorithm>
-#include <ctime>
 
+#include "drivers/dwell_driver.hpp"
 #include "tests/rigsim/can_frames.hpp"
 
 namespace rigsim {
 namespace {
 
+using dwell::driver::monotonic_ns;
+
+constexpr canid_t kHighest = 0;  // of all priorities
 constexpr int kReadings = 4;
 constexpr std::int64_t kReadWithin_ns = 500'000;
 constexpr double kFarBehind_ns = 1e9;
@@ -26,6 +27,7 @@ CanNodes::CanNodes(const Options& options, Responder& responder, const std::func
       time_(time),
       counters_(responder.device.channels().size()),
       values_(responder.device.channels().size()),
+      trouble_(kHighest, responder.device.faults, options.seed),
       random_(options.seed ^ 0xCA11CA11ULL) {}
 
 Result<void> CanNodes::open() {
@@ -55,7 +57,7 @@ std::optional<std::int64_t> CanNodes::next_due_ns() const {
   if (!active()) return std::nullopt;
   std::int64_t due_ns = *std::min_element(next_ns_.begin(), next_ns_.end());
   for (const Pending& each : pending_) due_ns = std::min(due_ns, each.due_ns);
-  if (responder_.device.faults.babble_hz > 0.0) due_ns = std::min(due_ns, babble_ns_);
+  if (const auto babble_ns = trouble_.due_ns()) due_ns = std::min(due_ns, *babble_ns);
   return due_ns;
 }
 
@@ -64,7 +66,7 @@ void CanNodes::serve(std::int64_t now_ns) {
   received_.clear();
   wire_->receive(received_);
   if (!active()) return;
-  babble(now_ns);
+  refused_ += trouble_.babble(*wire_, now_ns);
   for (std::size_t i = 0; i < next_ns_.size(); ++i) {
     if (next_ns_[i] > now_ns) continue;
     sample(i, now_ns);
@@ -115,45 +117,11 @@ void CanNodes::send(const WireFrame& frame) {
   ++sent_;
 }
 
-void CanNodes::send_error(canid_t what, std::uint8_t state) {
-  WireFrame error;
-  error.can.can_id = CAN_ERR_FLAG | what;
-  error.can.len = CAN_ERR_DLC;
-  error.can.data[1] = state;
-  if (wire_) wire_->send(error);
-}
-
-// Frames of the highest priority that mean nothing.
-void CanNodes::babble(std::int64_t now_ns) {
-  const double rate_hz = responder_.device.faults.babble_hz;
-  if (rate_hz <= 0.0) return;
-  if (babble_ns_ < now_ns - 100'000'000) babble_ns_ = now_ns;
-  for (int i = 0; i < kBabbleAtOnce && babble_ns_ <= now_ns; ++i) {
-    WireFrame frame;
-    frame.can.len = 8;
-    for (int k = 0; k < 8; ++k) frame.can.data[k] = static_cast<std::uint8_t>(random_());
-    refused_ += wire_->send(frame);
-    babble_ns_ += static_cast<std::int64_t>(1e9 / rate_hz);
-  }
-}
-
 std::optional<std::string> CanNodes::command(const std::vector<std::string>& words) {
   if (interface_.empty()) return std::nullopt;
-  const bool alone = words.size() == 1;
-  if (words[0] == "bus-off" && alone) {
-    send_error(CAN_ERR_BUSOFF, 0);
-    bus_off_ = true;
-    pending_.clear();
-    return "ok";
-  }
-  if (words[0] == "restart" && alone) {
-    if (bus_off_) send_error(CAN_ERR_RESTARTED, 0);
-    bus_off_ = false;
-    return "ok";
-  }
-  if (words[0] == "error-passive" && alone) {
-    send_error(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE);
-    return "ok";
+  if (auto answer = trouble_.command(words, wire_ ? &*wire_ : nullptr)) {
+    if (trouble_.off()) pending_.clear();
+    return answer;
   }
   if (words[0] == "can" && words.size() == 2 && (words[1] == "on" || words[1] == "off")) {
     if (words[1] == "off") wire_.reset();
@@ -168,7 +136,7 @@ std::optional<std::string> CanNodes::command(const std::vector<std::string>& wor
 std::string CanNodes::status() const {
   return "\"frames\":" + std::to_string(sent_) + ",\"frames_lost\":" + std::to_string(lost_) +
          ",\"frames_late\":" + std::to_string(late_) + ",\"frames_refused\":" + std::to_string(refused_) +
-         ",\"bus_off\":" + (bus_off_ ? "true" : "false");
+         ",\"bus_off\":" + (trouble_.off() ? "true" : "false");
 }
 
 }  // namespace rigsim

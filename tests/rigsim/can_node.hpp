@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/rigsim/bus_trouble.hpp"
 #include "tests/rigsim/can_wire.hpp"
 #include "tests/rigsim/responder.hpp"
 #include "tests/rigsim/simulated_clock.hpp"
@@ -43,13 +44,11 @@ class CanNodes {
     WireFrame frame;
   };
 
-  [[nodiscard]] bool active() const noexcept { return wire_ && !bus_off_ && !responder_.silent; }
+  [[nodiscard]] bool active() const noexcept { return wire_ && !trouble_.off() && !responder_.silent; }
   [[nodiscard]] bool happens(double probability);
   [[nodiscard]] double period_ns() const noexcept;
   void sample(std::size_t channel, std::int64_t now_ns);
   void send(const WireFrame& frame);
-  void send_error(canid_t what, std::uint8_t state);
-  void babble(std::int64_t now_ns);
 
   std::string interface_;
   double rate_hz_;
@@ -63,9 +62,8 @@ class CanNodes {
   std::vector<double> values_;
   std::vector<Pending> pending_;
   std::vector<WireFrame> received_;
-  std::int64_t babble_ns_ = 0;  // when the next meaningless frame is due
+  BusTrouble trouble_;
   std::int64_t silent_until_ns_ = 0;
-  bool bus_off_ = false;
   std::uint64_t sent_ = 0, lost_ = 0, late_ = 0, refused_ = 0;
   std::mt19937_64 random_;
 };

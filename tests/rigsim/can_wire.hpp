@@ -18,7 +18,6 @@
 namespace rigsim {
 
 inline constexpr std::size_t kMostFrames = 10'000;  // that a node keeps to be sent
-inline constexpr int kBabbleAtOnce = 200;           // frames
 
 struct WireFrame {
   canfd_frame can{};

@@ -1,18 +1,20 @@
 #include "tests/rigsim/canopen_nodes.hpp"
 
-#include <linux/can/error.h>
-
 #include <algorithm>
-#include <ctime>
 #include <limits>
 
+#include "drivers/dwell_driver.hpp"
 #include "drivers/socketcan/clock_map.hpp"
 #include "tests/rigsim/device.hpp"
 
 namespace rigsim {
 namespace {
 
-constexpr canid_t kSync = 0x80, kBabble = 0x001;
+using dwell::driver::monotonic_ns;
+
+constexpr canid_t kSync = 0x80;
+// The highest priority is that of NMT: as its data are random, nodes would be stopped and reset by them.
+constexpr canid_t kBabble = 0x001;
 // A stamp older than that is none.
 constexpr std::int64_t kOldest_ns = 1'000'000'000;
 
@@ -25,6 +27,7 @@ CanopenNodes::CanopenNodes(const Options& options, Responder& responder, const s
       clock_(clock),
       time_(time),
       values_(responder.device.channels().size()),
+      trouble_(kBabble, responder.device.faults, options.seed),
       random_(options.seed ^ 0x0CA90CA9ULL) {
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const Transducer what = responder.device.is_force(i) ? Transducer::load_cell
@@ -61,7 +64,7 @@ std::optional<std::int64_t> CanopenNodes::next_due_ns() const {
   std::int64_t due_ns = std::numeric_limits<std::int64_t>::max();
   for (const Member& member : members_) due_ns = std::min(due_ns, member.node.next_ns());
   for (const Pending& each : pending_) due_ns = std::min(due_ns, each.due_ns);
-  if (responder_.device.faults.babble_hz > 0.0 && !bus_off_) due_ns = std::min(due_ns, babble_ns_);
+  if (const auto babble_ns = trouble_.due_ns()) due_ns = std::min(due_ns, *babble_ns);
   return due_ns == std::numeric_limits<std::int64_t>::max() ? std::nullopt : std::optional(due_ns);
 }
 
@@ -69,7 +72,7 @@ void CanopenNodes::serve(std::int64_t now_ns) {
   if (!wire_) return;
   received_.clear();
   wire_->receive(received_);
-  babble(now_ns);
+  refused_ += trouble_.babble(*wire_, now_ns);
   for (const WireFrame& frame : received_) take(frame, now_ns);
   for (Member& member : members_) {
     member.node.tick(now_ns);
@@ -112,7 +115,7 @@ void CanopenNodes::take(const WireFrame& frame, std::int64_t now_ns) {
 void CanopenNodes::collect(Member& member, std::int64_t now_ns) {
   const Faults& faults = responder_.device.faults;
   for (::can_frame& frame : out_) {
-    if (!member.on || responder_.silent || bus_off_) continue;
+    if (!member.on || responder_.silent || trouble_.off()) continue;
     if (happens(faults.dropout)) silent_until_ns_ = now_ns + static_cast<std::int64_t>(faults.dropout_length_s * 1e9);
     if (now_ns < silent_until_ns_ || happens(faults.missing)) {
       ++lost_;
@@ -146,49 +149,6 @@ void CanopenNodes::send_due(std::int64_t now_ns) {
   std::erase_if(pending_, due);
 }
 
-void CanopenNodes::send_error(canid_t what, std::uint8_t state) {
-  WireFrame error;
-  error.can.can_id = CAN_ERR_FLAG | what;
-  error.can.len = CAN_ERR_DLC;
-  error.can.data[1] = state;
-  if (wire_) wire_->send(error);
-}
-
-// Frames of a high priority that mean nothing.
-void CanopenNodes::babble(std::int64_t now_ns) {
-  const double rate_hz = responder_.device.faults.babble_hz;
-  if (rate_hz <= 0.0 || bus_off_) return;
-  if (babble_ns_ < now_ns - 100'000'000) babble_ns_ = now_ns;
-  for (int i = 0; i < kBabbleAtOnce && babble_ns_ <= now_ns; ++i) {
-    WireFrame frame;
-    frame.can.can_id = kBabble;
-    frame.can.len = 8;
-    for (int k = 0; k < 8; ++k) frame.can.data[k] = static_cast<std::uint8_t>(random_());
-    refused_ += wire_->send(frame);
-    babble_ns_ += static_cast<std::int64_t>(1e9 / rate_hz);
-  }
-}
-
-std::optional<std::string> CanopenNodes::bus_command(const std::vector<std::string>& words) {
-  if (words.size() != 1) return std::nullopt;
-  if (words[0] == "bus-off") {
-    send_error(CAN_ERR_BUSOFF, 0);
-    bus_off_ = true;
-    pending_.clear();
-    return "ok";
-  }
-  if (words[0] == "restart") {
-    if (bus_off_) send_error(CAN_ERR_RESTARTED, 0);
-    bus_off_ = false;
-    return "ok";
-  }
-  if (words[0] == "error-passive") {
-    send_error(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE);
-    return "ok";
-  }
-  return std::nullopt;
-}
-
 CanopenNodes::Member* CanopenNodes::member(const std::string& word) {
   const auto id = number(word);
   for (Member& each : members_)
@@ -198,7 +158,10 @@ CanopenNodes::Member* CanopenNodes::member(const std::string& word) {
 
 std::optional<std::string> CanopenNodes::command(const std::vector<std::string>& words) {
   if (interface_.empty()) return std::nullopt;
-  if (auto answer = bus_command(words)) return answer;
+  if (auto answer = trouble_.command(words, wire_ ? &*wire_ : nullptr)) {
+    if (trouble_.off()) pending_.clear();
+    return answer;
+  }
   const std::string& verb = words[0];
   if (verb == "canopen" && words.size() == 2 && (words[1] == "on" || words[1] == "off")) {
     pending_.clear();
@@ -246,7 +209,8 @@ std::string CanopenNodes::status() const {
   return "\"nodes\":" + std::to_string(members_.size()) + ",\"nodes_operational\":" + std::to_string(operational) +
          ",\"syncs\":" + std::to_string(syncs_) + ",\"canopen_frames\":" + std::to_string(sent_) +
          ",\"canopen_frames_lost\":" + std::to_string(lost_) + ",\"canopen_frames_late\":" + std::to_string(late_) +
-         ",\"canopen_frames_refused\":" + std::to_string(refused_);
+         ",\"canopen_frames_refused\":" + std::to_string(refused_) +
+         ",\"canopen_bus_off\":" + (trouble_.off() ? "true" : "false");
 }
 
 }  // namespace rigsim

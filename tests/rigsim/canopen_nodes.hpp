@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/rigsim/bus_trouble.hpp"
 #include "tests/rigsim/can_wire.hpp"
 #include "tests/rigsim/canopen_node.hpp"
 #include "tests/rigsim/responder.hpp"
@@ -59,9 +60,6 @@ class CanopenNodes {
   void take(const WireFrame& frame, std::int64_t now_ns);
   void collect(Member& member, std::int64_t now_ns);
   void send_due(std::int64_t now_ns);
-  void send_error(canid_t what, std::uint8_t state);
-  void babble(std::int64_t now_ns);
-  [[nodiscard]] std::optional<std::string> bus_command(const std::vector<std::string>& words);
 
   std::string interface_;
   Responder& responder_;
@@ -73,9 +71,8 @@ class CanopenNodes {
   std::vector<double> values_;
   std::vector<Pending> pending_;
   std::vector<WireFrame> received_;
-  std::int64_t babble_ns_ = 0;  // when the next meaningless frame is due
+  BusTrouble trouble_;
   std::int64_t silent_until_ns_ = 0;
-  bool bus_off_ = false;
   std::uint64_t syncs_ = 0, sent_ = 0, lost_ = 0, late_ = 0, refused_ = 0;
   std::mt19937_64 random_;
 };

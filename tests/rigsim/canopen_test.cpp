@@ -126,7 +126,9 @@ TEST_F(CanopenRig, BabblesAndLeavesTheBus) {
     listen();
     return bus_.controller() == dwell::socketcan::Controller::bus_off;
   });
+  EXPECT_NE(server->command("status").find("\"canopen_bus_off\":true"), std::string::npos);
   ok("restart");
+  EXPECT_NE(server->command("status").find("\"canopen_bus_off\":false"), std::string::npos);
   send(0x605, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0});
   next(0x585);
   ok("error-passive");

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <ctime>
+
+#include "drivers/dwell_driver.hpp"
 
 namespace rigsim {
 namespace {
+
+using dwell::driver::monotonic_ns;
 
 constexpr std::size_t kMostLinks = 64;
 constexpr std::size_t kMostPending = 256;

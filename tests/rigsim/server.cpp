@@ -12,13 +12,13 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <deque>
 #include <future>
 #include <mutex>
 #include <thread>
 #include <vector>
 
+#include "drivers/dwell_driver.hpp"
 #include "tests/rigsim/can_node.hpp"
 #include "tests/rigsim/canopen_nodes.hpp"
 #include "tests/rigsim/control.hpp"
@@ -31,13 +31,9 @@
 namespace rigsim {
 namespace {
 
-constexpr std::size_t kMostClients = 8;
+using dwell::driver::monotonic_ns;
 
-std::int64_t now_ns(clockid_t clock) {
-  timespec now{};
-  ::clock_gettime(clock, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
+constexpr std::size_t kMostClients = 8;
 
 struct Client {
   Fd fd;
@@ -49,7 +45,7 @@ struct Client {
 struct Server::Impl {
   explicit Impl(Options the_options)
       : options(std::move(the_options)),
-        clock(options.clock_ns ? options.clock_ns : [] { return now_ns(CLOCK_MONOTONIC_RAW); }),
+        clock(options.clock_ns ? options.clock_ns : dwell::driver::raw_ns),
         time(clock(), options.clock_drift_ppm),
         responder(options),
         exchange(responder, clock, time),
@@ -231,14 +227,14 @@ void Server::Impl::serve_once() {
   for (const auto bus_ns : {can.next_due_ns(), canopen.next_due_ns()})
     if (bus_ns) due_ns = due_ns ? std::min(*due_ns, *bus_ns) : *bus_ns;
   if (due_ns) {
-    const std::int64_t left = std::max<std::int64_t>(0, *due_ns - now_ns(CLOCK_MONOTONIC));
+    const std::int64_t left = std::max<std::int64_t>(0, *due_ns - monotonic_ns());
     wait = {left / 1'000'000'000, left % 1'000'000'000};
   }
   if (::ppoll(polled.data(), polled.size(), due_ns ? &wait : nullptr, nullptr) < 0) return;
 
   exchange.serve(std::span(polled).subspan(first_link, link_count));
-  can.serve(now_ns(CLOCK_MONOTONIC));
-  canopen.serve(now_ns(CLOCK_MONOTONIC));
+  can.serve(monotonic_ns());
+  canopen.serve(monotonic_ns());
   const auto ready = [&](std::size_t i) { return polled[i].fd >= 0 && polled[i].revents != 0; };
   for (std::size_t i = 0; i < client_count; ++i)
     if (ready(3 + i)) serve_client(clients[i]);

@@ -2,17 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <ctime>
 #include <mutex>
 
 namespace rigsim {
-
-// ns of CLOCK_MONOTONIC.
-[[nodiscard]] inline std::int64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
 
 // May be used from any thread.
 class SimulatedClock {

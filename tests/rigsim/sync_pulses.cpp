@@ -9,16 +9,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "drivers/dwell_driver.hpp"
 #include "tests/rigsim/device.hpp"
 
 namespace rigsim {
 namespace {
-
-std::int64_t raw_now_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC_RAW, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
 
 double number_of(const std::string& status, const std::string& key) {
   const auto at = status.find("\"" + key + "\":");
@@ -52,7 +47,7 @@ SyncPulses::~SyncPulses() {
 void SyncPulses::run() {
   constexpr double kIdle_s = 0.02;
   std::uniform_real_distribution<double> chance;
-  double next_s = server_.simulated_time_s(raw_now_ns());
+  double next_s = server_.simulated_time_s(dwell::driver::raw_ns());
   while (true) {
     const SyncState state = sync_state(server_.command("status"));
     const double period_s = state.frequency_hz > 0.0 ? 1.0 / state.frequency_hz : kIdle_s;
@@ -77,7 +72,7 @@ bool SyncPulses::pulse(double at_s, double length_s) {
 bool SyncPulses::wait_until(double t_s) {
   constexpr double kLongest_s = 0.05;
   while (!stop_) {
-    const double left_s = t_s - server_.simulated_time_s(raw_now_ns());
+    const double left_s = t_s - server_.simulated_time_s(dwell::driver::raw_ns());
     if (left_s <= 0.0) return true;
     const auto wait_ns = static_cast<long>(std::min(left_s, kLongest_s) * 1e9);
     const timespec wait{0, wait_ns};
