@@ -12,11 +12,9 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kSecond = 1e-9;
-constexpr double kGone = 1e-13;         // of an amplitude: as good as nothing
-constexpr int kSteps = 256;             // from turn to turn: their rounding stays below 1e-13
-constexpr double kKnown = 1e-12;        // relative, of a frequency that is given
-constexpr double kLeastDamping = 1e-5;  // of critical: what decays less is steady, as far as anyone sees
-constexpr double kStandsOut = 2.5;      // standard deviations of either component from which an amplitude is believed
+constexpr double kGone = 1e-13;     // of an amplitude: as good as nothing
+constexpr int kSteps = 256;         // from turn to turn: their rounding stays below 1e-13
+constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 
 }  // namespace
 
@@ -213,92 +211,6 @@ double ModalFit::misfit() const noexcept {
   for (const PerChannel& channel : channels_)
     if (channel.usable) sum += channel.samples * std::log(std::max(channel.sigma2, 1e-300));
   return sum;
-}
-
-std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noexcept {
-  const Index P = linear(), D = slopes();
-  auto H = hessian_.topLeftCorner(modal_ + 1, modal_ + 1);
-  auto g = gradient_.head(modal_ + 1);
-  H.setZero();
-  g.setZero();
-  for (PerChannel& channel : channels_) {
-    if (!channel.usable || !(channel.sigma2 > 0)) continue;
-    // What the derivatives explain beyond the linear parameters: S = D'D - D'L (L'L)^-1 L'D, and their score.
-    auto factor = work_.topLeftCorner(P, P);
-    factor = channel.normal.topLeftCorner(P, P);
-    for (Index i = harmonic_; i < P; ++i) factor(i, i) += 1e-9 * channel.samples;
-    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
-    if (llt.info() != Eigen::Success) continue;
-    auto columns = columns_.topLeftCorner(P, D);
-    columns = channel.normal.block(P, 0, D, P).transpose();
-    llt.matrixL().solveInPlace(columns);
-    auto S = slopes_.topLeftCorner(D, D);
-    S = channel.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
-    S.noalias() -= columns.transpose().lazyProduct(columns);
-    // b_m = a_m ρ_m, ρ the pole's relative change.
-    const auto amplitude = [&](Index m) {
-      return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
-    };
-    const auto J = [&](Index m) {
-      const Complex a = amplitude(m);
-      // Of a steady line the frequency alone is open.
-      const double decays = poles_[static_cast<std::size_t>(m)].real() < 0 ? 1.0 : 0.0;
-      Eigen::Matrix2d jacobian;
-      jacobian << decays * a.real(), -a.imag(), decays * a.imag(), a.real();
-      return jacobian;
-    };
-    const auto score = [&](Index m) {
-      Eigen::Vector2d sum = channel.moments.segment<2>(P + 2 * m);
-      for (Index i = 0; i < P; ++i) sum -= channel.theta(i) * channel.normal.block<2, 1>(P + 2 * m, i);
-      return sum;
-    };
-    const Index modes = modal_ / 2;
-    for (Index m = 0; m < modes; ++m) {
-      g.segment<2>(2 * m) += J(m).transpose() * score(m) / channel.sigma2;
-      for (Index l = 0; l < modes; ++l)
-        H.block<2, 2>(2 * m, 2 * l) += J(m).transpose() * S.block<2, 2>(2 * m, 2 * l) * J(l) / channel.sigma2;
-    }
-    // p sin ωu + q cos ωu, by a relative change of ω: ωu (p cos ωu - q sin ωu).
-    const Eigen::Vector2d turned{-channel.theta(harmonics_ + 1), channel.theta(1)};
-    g(modal_) += turned.dot(score(modes)) / channel.sigma2;
-    for (Index m = 0; m < modes; ++m)
-      H.block<2, 1>(2 * m, modal_) += J(m).transpose() * S.block<2, 2>(2 * m, modal_) * turned / channel.sigma2;
-    H(modal_, modal_) += turned.dot(S.block<2, 2>(modal_, modal_) * turned) / channel.sigma2;
-  }
-  H.row(modal_).head(modal_) = H.col(modal_).head(modal_).transpose();
-  H.diagonal().head(modal_).array() += 1 / (trust * trust);
-  H(modal_, modal_) += 1 / std::max(trust_omega * trust_omega, kKnown * kKnown);
-  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
-  std::copy_n(poles_.begin(), count_, moved_.begin());
-  moved_omega_ = omega_;
-  converged_ = 0.0;
-  std::fill(u_poles_.begin(), u_poles_.end(), 0.0);
-  if (llt.info() != Eigen::Success) return {moved_.data(), count_};
-  llt.solveInPlace(g);
-  auto unit = slopes_.topLeftCorner(modal_ + 1, modal_ + 1);
-  unit.setIdentity();
-  llt.solveInPlace(unit);
-  for (std::size_t m = 0; m < count_; ++m) {
-    const auto i = 2 * static_cast<Index>(m);
-    const bool steady = !(poles_[m].real() < 0);
-    Complex rho{steady ? 0.0 : g(i), g(i + 1)};
-    if (std::abs(rho) > 2 * trust) rho *= 2 * trust / std::abs(rho);
-    const double size = std::abs(poles_[m]);
-    Complex moved = poles_[m] + size * rho;
-    // A transient decays, however slowly; a pole that oscillates goes on doing so.
-    moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * poles_[m].real(), -kLeastDamping * size}));
-    moved.imag(poles_[m].imag() > 0 ? std::max(moved.imag(), 0.3 * poles_[m].imag()) : 0.0);
-    if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) moved_[m] = moved;
-    const double variance = std::max(1e-300, unit(i + 1, i + 1) + (steady ? 0.0 : unit(i, i)));
-    u_poles_[m] = size * std::sqrt(steady ? variance : variance / 2);
-    converged_ = std::max(converged_, std::abs(rho) / std::sqrt(variance));
-  }
-  if (trust_omega > 0 && std::isfinite(g(modal_))) {
-    moved_omega_ = omega_ * (1 + std::clamp(g(modal_), -trust_omega, trust_omega));
-    converged_ = std::max(converged_, std::abs(g(modal_)) / std::sqrt(std::max(1e-300, unit(modal_, modal_))));
-  }
-  return {moved_.data(), count_};
 }
 
 Complex ModalFit::phasor(int channel, int h) const noexcept {
