@@ -20,7 +20,7 @@ claim "canopen nodes: measured again once it is back" eventually 90 measuring
 
 rig_says emergency 5 16912
 claim "canopen nodes: an emergency is told in words" eventually 5 log_has "node 5 .*emergency 0x4210 \(device temperature\)"
-claim "canopen nodes: and counted" faults_reach exception 1
+claim "canopen nodes: and counted" eventually 5 faults_reach exception 1
 
 rig_says mapping 3 wrong
 claim "canopen nodes: a wrong mapping names node, object and what was found" eventually 10 \
