@@ -62,7 +62,9 @@ double best_period(std::span<const double> x_ns, double nominal_ns, Numbers& ind
   const double high_ns = nominal_ns > 0.0 ? (1.0 + kNominalRange) * nominal_ns : (1.0 + 2.0 / steps) * mean_ns;
   const double step_ns = std::min(0.2 * low_ns / steps, high_ns - low_ns);
   double best_ns = 0.0, least = 1e300;
-  for (double period_ns = low_ns; period_ns <= high_ns; period_ns += step_ns) {
+  const int tried = step_ns > 0 ? static_cast<int>((high_ns - low_ns) / step_ns) : 0;
+  for (int i = 0; i <= tried; ++i) {
+    const double period_ns = low_ns + i * step_ns;
     const double now = cost(x_ns, period_ns, index);
     if (now >= least) continue;
     least = now;

@@ -28,7 +28,7 @@ std::string Pipeline::Impl::settling_reason() const {
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
   if (state == State::idle)
     return permitted ? "the table does not move by more than the minimum" : "the interlock is open";
-  if (const std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
+  if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
   if (state == State::fault) {
     const Live& table = live[static_cast<std::size_t>(drive_channel)];
     return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel)].name + " is " +
@@ -127,7 +127,7 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
       std::string names;
       for (int c = 0; c < channel_count; ++c)
         if (live[static_cast<std::size_t>(c)].sampling.distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
-          names += (names.empty() ? "" : ", ") + rig.channels[static_cast<std::size_t>(c)].name;
+          names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
       dwell.warnings.push_back("hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +

@@ -58,7 +58,7 @@ void SettlingDetector::remember(const Window& window, std::span<const Reading> r
   skipped_ = 0;
   if (windows_.size() == kHistory) {
     for (int i = 0; i < kHistory / 2; ++i) {
-      windows_[static_cast<std::size_t>(i)] = windows_[static_cast<std::size_t>(2 * i)];
+      windows_[static_cast<std::size_t>(i)] = windows_[2 * static_cast<std::size_t>(i)];
       for (int c = 0; c < channels_; ++c) reading(i, c) = reading(2 * i, c);
     }
     windows_.resize(kHistory / 2);
