@@ -99,7 +99,7 @@ void Pipeline::Impl::acquire(int from, int to, std::int64_t centre_ns) {
 
 bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
   if (state != State::measuring || !counted_valid) return false;
-  const double since_s = to_s(centre_ns - hold.t_ref_ns);
+  const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
   const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
   const double u = std::hypot(std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]), hold.u_omega * since_s,
                               hold.omega * watch.late_s());

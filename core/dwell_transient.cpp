@@ -206,7 +206,6 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (last) modal_refit_at_ns = INT64_MAX;
 }
 
-// The modal fit anew, at the frequency and drift of the data that count.
 double Pipeline::Impl::follow_drive(std::span<const Complex> poles) {
   modal_rate = blocks.drift().rate;
   return fit_modes(omega_at(modal_from_ns, omega), poles);

@@ -334,6 +334,7 @@ struct Pipeline::Impl {
   void refit_later(double growth);
   void refit_soon();
   void refit_measuring(std::int64_t end_ns);
+  // The modal fit anew, at the frequency and drift of the data that count; its misfit.
   double follow_drive(std::span<const Complex> poles);
   [[nodiscard]] bool same_drive() const;
   [[nodiscard]] bool transient_matters() const;
@@ -386,6 +387,7 @@ struct Pipeline::Impl {
   // had.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
+  // Of the reason: what swings beside drive and chain; empty: nothing.
   [[nodiscard]] std::string foreign_oscillations() const;
   // Standard uncertainty of either component of a phasor of the reading by rounding.
   [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
