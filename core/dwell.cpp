@@ -1,5 +1,8 @@
 #include "core/dwell.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace dwell {
 
 const char* to_string(State state) noexcept {
@@ -34,6 +37,12 @@ const char* to_string(EndedBy ended_by) noexcept {
       return "end";
   }
   return "unknown";
+}
+
+bool trustworthy(const Dwell& dwell) noexcept {
+  return std::isfinite(dwell.settled_s) && dwell.doubts.empty() && !dwell.elements.empty() &&
+         std::all_of(dwell.elements.begin(), dwell.elements.end(),
+                     [](const ElementEstimate& element) { return element.identifiable; });
 }
 
 }  // namespace dwell

@@ -65,6 +65,13 @@ struct ElementEstimate {
   std::vector<BudgetShare> budget;  // largest first
 };
 
+// A reason why coefficients that are shown must not be relied on: what was seen, with figures, what was expected, and
+// where to look. Names the channel or element and the cause.
+struct Doubt {
+  std::vector<int> elements;  // k of those concerned, ascending; empty: all
+  std::string what;
+};
+
 struct Dwell {
   std::optional<int> index;  // 1 … within the run; none while idle
   State state = State::idle;
@@ -83,6 +90,13 @@ struct Dwell {
   std::vector<ElementEstimate> elements;  // one per element when settled, else empty
   std::vector<double> covariance;         // row-major, of [c, r] of the identifiable elements in order
   std::vector<std::string> warnings;
+  std::vector<Doubt> doubts;
+  std::vector<std::string>
+      unstated;  // uncertainties that the rig file leaves out, so that no ± covers them: "scale of y1"
 };
+
+// Whether a dwell's coefficients may be relied on: settled, every element identifiable, no doubts. The one place that
+// decides so: the lamp `ready`, exit codes and texts ask here. Thread-safe.
+[[nodiscard]] bool trustworthy(const Dwell& dwell) noexcept;
 
 }  // namespace dwell

@@ -160,9 +160,7 @@ void Session::light_lamps(bool works) {
   const Dwell& dwell = latest().dwell;
   const gpio::Status lines = impl_->gpio->link().status();
   const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
-  const bool valid =
-      dwell.state == State::measuring && !dwell.elements.empty() &&
-      std::all_of(dwell.elements.begin(), dwell.elements.end(), [](const auto& e) { return e.identifiable; });
+  const bool valid = dwell.state == State::measuring && trustworthy(dwell);
   const bool stale = std::any_of(latest().channels.begin(), latest().channels.end(),
                                  [](const ChannelView& channel) { return channel.fault != Fault::none; });
   const bool broken =

@@ -41,9 +41,11 @@ std::string reason(const Rig& rig, const std::vector<Dwell>& dwells) {
   return "no dwell settled";
 }
 
+// Whether some coefficient may be taken from it.
 bool answers(const Dwell& dwell) {
-  return std::isfinite(dwell.settled_s) && std::any_of(dwell.elements.begin(), dwell.elements.end(),
-                                                       [](const ElementEstimate& e) { return e.identifiable; });
+  return std::isfinite(dwell.settled_s) && dwell.doubts.empty() &&
+         std::any_of(dwell.elements.begin(), dwell.elements.end(),
+                     [](const ElementEstimate& e) { return e.identifiable; });
 }
 
 }  // namespace
@@ -97,11 +99,14 @@ int identify_recording(const IdentifyOptions& options) {
   const bool settled =
       std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return std::isfinite(d.settled_s); });
   const bool answered = std::any_of(dwells.begin(), dwells.end(), answers);
+  const bool doubted = std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return !d.doubts.empty(); });
   if (!settled)
     say(reason(file->rig, dwells));
+  else if (doubted)
+    say("there are coefficients that must not be relied on; the reasons stand with the dwell");
   else if (!answered)
     say("no element of any dwell is identifiable; the reasons stand with the elements");
-  return answered ? kDone : kNo;
+  return answered && !doubted ? kDone : kNo;
 }
 
 }  // namespace dwell::ctl

@@ -118,13 +118,19 @@ Json json_value(const DwellView& view) {
   object["elements"] = std::move(elements);
   object["covariance"] = settled ? square(d.covariance) : Json::array();
 
-  Json warnings = Json::array();
+  Json doubts = Json::array(), warnings = Json::array();
+  for (const Doubt& doubt : d.doubts) {
+    doubts.push_back({{"elements", doubt.elements}, {"what", doubt.what}});
+    warnings.push_back(doubt.what);  // for whoever reads only these
+  }
   for (const std::string& warning : d.warnings) warnings.push_back(warning);
   // A reader who sees no coefficients must find the reason where the interface promises it.
-  if (!settled && d.warnings.empty()) {
+  if (!settled && warnings.empty()) {
     warnings.push_back("not settled: " + (d.settling_reason.empty() ? "no reason stated" : d.settling_reason));
   }
   object["warnings"] = std::move(warnings);
+  object["doubts"] = std::move(doubts);
+  object["unstated"] = d.unstated;
   return object;
 }
 

@@ -60,6 +60,15 @@ const Json& array_of(const Json& object, const char* name) {
   return value;
 }
 
+std::vector<std::string> strings_of(const Json& object, const char* name) {
+  std::vector<std::string> strings;
+  for (const Json& value : array_of(object, name)) {
+    if (!value.is_string()) fail(name, "strings");
+    strings.push_back(value.get<std::string>());
+  }
+  return strings;
+}
+
 template <typename Enum>
 Enum named(const std::string& word, const char* field, Enum last) {
   for (int i = 0; i <= static_cast<int>(last); ++i) {
@@ -145,10 +154,16 @@ DwellView parse(const Json& value) {
     if (!row.is_array()) fail("covariance", "an array of arrays");
     for (const Json& entry : row) d.covariance.push_back(real(entry, "covariance"));
   }
-  for (const Json& warning : array_of(value, "warnings")) {
-    if (!warning.is_string()) fail("warnings", "strings");
-    d.warnings.push_back(warning.get<std::string>());
+  for (const Json& entry : array_of(value, "doubts")) {
+    Doubt& doubt = d.doubts.emplace_back();
+    for (const Json& k : array_of(entry, "elements")) doubt.elements.push_back(integer(k, "elements"));
+    doubt.what = string_of(entry, "what");
   }
+  d.warnings = strings_of(value, "warnings");
+  // The doubts come first among the warnings, repeated for whoever reads only these.
+  if (d.warnings.size() < d.doubts.size()) fail("warnings", "the doubts, repeated");
+  d.warnings.erase(d.warnings.begin(), d.warnings.begin() + static_cast<std::ptrdiff_t>(d.doubts.size()));
+  d.unstated = strings_of(value, "unstated");
   return view;
 }
 

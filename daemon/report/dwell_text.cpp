@@ -195,6 +195,8 @@ std::string dwell_text(const DwellView& view, const Truth* truth) {
     text += "\n" + table + "± is the half width of the 95 % interval\n";
   }
   std::string warnings;
+  for (const Doubt& doubt : view.dwell.doubts)
+    warnings += "do not rely on these numbers: " + printable(doubt.what) + "\n";
   for (const std::string& warning : view.dwell.warnings) {
     const bool said = warning == "not settled: " + view.dwell.settling_reason;
     if (!said) warnings += "warning: " + printable(warning) + "\n";

@@ -23,13 +23,17 @@ Json sample_json() { return json_value(make_view(test::sample_dwell(), test::sam
 
 using Names = std::vector<std::string>;
 
-// The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `sigma`, `samples`, `valid` extend it.
+// The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `sigma`, `samples`, `valid`, `doubts`,
+// `unstated` extend it.
 TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   const Json dwell = sample_json();
-  EXPECT_EQ(names_of(dwell),
-            (Names{"index", "state", "start_s", "settled_s", "verdict_s", "end_s", "start_utc", "memory_time_s",
-                   "memory_time_predicted_s", "settles_in_s", "settling_reason", "rig_sha256", "version",
-                   "frequency_hz", "t_ref_s", "phasors", "elements", "covariance", "warnings"}));
+  EXPECT_EQ(names_of(dwell), (Names{"index",        "state",           "start_s",
+                                    "settled_s",    "verdict_s",       "end_s",
+                                    "start_utc",    "memory_time_s",   "memory_time_predicted_s",
+                                    "settles_in_s", "settling_reason", "rig_sha256",
+                                    "version",      "frequency_hz",    "t_ref_s",
+                                    "phasors",      "elements",        "covariance",
+                                    "warnings",     "doubts",          "unstated"}));
   EXPECT_EQ(names_of(dwell["frequency_hz"]), (Names{"value", "u"}));
   EXPECT_EQ(names_of(dwell["phasors"][0]), (Names{"channel", "unit", "amplitude", "phase_rad", "u_amplitude",
                                                   "u_phase_rad", "mean", "harmonics", "sigma", "samples", "valid"}));
@@ -103,6 +107,24 @@ TEST(DwellJson, BeforeSettlingThereAreNoElementsAndAWarningSaysWhy) {
   EXPECT_TRUE(json["covariance"].empty());
   ASSERT_EQ(json["warnings"].size(), 1U);
   EXPECT_EQ(json["warnings"][0], "not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed");
+}
+
+TEST(DwellJson, DoubtsNameTheirElementsAndAreRepeatedAsWarningsOnce) {
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{1, 3}, "stiffness of element 3 is negative"}, {{}, "the model contradicts the data"}};
+  dwell.unstated = {"scale of y1"};
+  const DwellView view = make_view(dwell, test::sample_rig(), {});
+  const Json json = json_value(view);
+  EXPECT_EQ(json["doubts"][0]["elements"], (Json{1, 3}));
+  EXPECT_EQ(json["doubts"][1]["elements"], Json::array());
+  EXPECT_EQ(json["warnings"], (Json{"stiffness of element 3 is negative", "the model contradicts the data",
+                                    "channel y2 is stale: timeout"}));
+  const auto back = dwell_from_json(json);
+  ASSERT_TRUE(back) << back.error();
+  ASSERT_EQ(back->dwell.doubts.size(), 2U);
+  EXPECT_EQ(back->dwell.doubts[0].elements, (std::vector<int>{1, 3}));
+  EXPECT_EQ(back->dwell.warnings, dwell.warnings);
+  EXPECT_EQ(back->dwell.unstated, dwell.unstated);
 }
 
 TEST(DwellJson, IdleHasNoIndexAndOnlyACompleteDwellSaysWhatEndedIt) {
