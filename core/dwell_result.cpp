@@ -98,6 +98,7 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   result.quantization_u = quantization_u(c, result.fit, totals);
   if (channel.half_count > 0)
     result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
+  result.transaction = transactions.of(c);
   return result;
 }
 

@@ -146,6 +146,26 @@ class Propagation {
   std::map<std::string, Contribution> by_name_;
 };
 
+// The device, and which of its channels where it has several transactions: "line (y0, y1, y2 …)".
+std::string name_of_transaction(const Rig& rig, const std::vector<Evidence>& evidence, int transaction) {
+  constexpr int kNamed = 3;
+  const int device = rig.channels[static_cast<std::size_t>(transaction)].device;
+  std::string members;
+  int count = 0;
+  bool others = false;
+  for (std::size_t c = 0; c < evidence.size(); ++c) {
+    if (rig.channels[c].device != device) continue;
+    if (evidence[c].transaction != transaction && static_cast<int>(c) != transaction) {
+      others = others || evidence[c].turnaround_u_s > 0;
+    } else if (++count <= kNamed) {
+      members += (members.empty() ? "" : ", ") + rig.channels[c].name;
+    }
+  }
+  if (count > kNamed) members += " …";
+  if (device < 0) return members;
+  return rig.devices[static_cast<std::size_t>(device)].name + (others ? " (" + members + ")" : "");
+}
+
 // All sources that the rig file and the data name.
 std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
                                const VectorXcd& o, const ChainState& chain, const VectorXcd& Z, const VectorXcd& d,
@@ -158,7 +178,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
   const auto through_channel = [&](Index c, Complex change) -> VectorXcd { return gain.gain.col(c) * change; };
 
   VectorXcd relative_omega = VectorXcd::Zero(chain.n + 2);  // ∂x/∂ω through the transducers
-  std::map<int, VectorXcd> device_delay_x, turnaround_x;
+  std::map<int, VectorXcd> device_delay_x;
+  std::map<int, VectorXcd> turnaround_x;  // by transaction
   for (Index c = 0; c < o.size(); ++c) {
     const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
     const Evidence& seen = evidence[static_cast<std::size_t>(c)];
@@ -193,22 +214,22 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     if (channel.highpass.hz_u > 0)
       out.push_back({"high-pass of " + channel.name, kInfinity,
                      through_channel(c, -o(c) * slopes.highpass_corner * channel.highpass.hz_u), nothing, 0.0});
+    const VectorXcd zero = VectorXcd::Zero(chain.n + 2);
     if (channel.device >= 0) {
-      const VectorXcd zero = VectorXcd::Zero(chain.n + 2);
       if (const double u = rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s; u > 0)
         device_delay_x.try_emplace(channel.device, zero).first->second += through_channel(c, delayed * u);
-      if (seen.turnaround_u_s > 0)
-        turnaround_x.try_emplace(channel.device, zero).first->second +=
-            through_channel(c, delayed * seen.turnaround_u_s);
+    }
+    if (seen.turnaround_u_s > 0) {
+      const int transaction = seen.transaction >= 0 ? seen.transaction : static_cast<int>(c);
+      turnaround_x.try_emplace(transaction, zero).first->second += through_channel(c, delayed * seen.turnaround_u_s);
     }
     relative_omega += through_channel(
         c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega + slopes.frequency / (kTwoPi)));
   }
   for (auto& [device, on_x] : device_delay_x)
     out.push_back({"delay of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
-  for (auto& [device, on_x] : turnaround_x)
-    out.push_back(
-        {"turnaround of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
+  for (auto& [transaction, on_x] : turnaround_x)
+    out.push_back({"turnaround of " + name_of_transaction(rig, evidence, transaction), kInfinity, on_x, nothing, 0.0});
 
   for (std::size_t i = 0; i < rig.mass_u.size(); ++i) {
     if (!(rig.mass_u[i] > 0)) continue;

@@ -34,7 +34,8 @@ struct Evidence {
   double dof = 0.0;                                      // degrees of freedom behind that covariance
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();   // covariance by what is not known of the transient
   double quantization_u = 0.0;                           // of the reading, either component, the device's rounding
-  double turnaround_u_s = 0.0;                           // standard uncertainty of the instants, shared by the device
+  double turnaround_u_s = 0.0;                           // standard uncertainty of the instants …
+  int transaction = -1;  // … shared by all channels of one transaction (Transactions::of); -1: by none
 };
 
 struct Frequency {

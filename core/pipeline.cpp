@@ -85,6 +85,7 @@ void Pipeline::Impl::sample(const Record& record) {
     ++channel.now.rejected;
     return;
   }
+  transactions.sample(record);
   if (channel.last_ns != INT64_MIN) channel.sampling.add(to_s(record.t_ns - channel.last_ns));
   channel.last_ns = record.t_ns;
   if (const double step = std::abs(value - channel.now.value); step != 0) {

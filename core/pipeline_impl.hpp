@@ -30,6 +30,7 @@
 #include "core/spike_gate.hpp"
 #include "core/step_watch.hpp"
 #include "core/sync_reference.hpp"
+#include "core/transactions.hpp"
 
 namespace dwell {
 
@@ -74,6 +75,7 @@ struct Pipeline::Impl {
         watch(given.tolerance),
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
+        transactions(given),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
         decay(given.boundary, given.masses),
@@ -148,6 +150,7 @@ struct Pipeline::Impl {
   SyncReference::Counts pulses_before;  // this hold
   bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
+  Transactions transactions;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;

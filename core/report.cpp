@@ -99,6 +99,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
+    evidence[c].transaction = channels[c].transaction;
   }
   const Gain gain = solve_observation(G, observation_weights(rig, evidence, omega));
   warn_of_contradictions(rig, G, gain, evidence, omega, dwell);
