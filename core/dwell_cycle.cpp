@@ -77,7 +77,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
-    if (!pulses_contradict()) settle(end_ns);
+    if (!pulses_contradict() && !contradicting_omega()) settle(end_ns);
   } else if (state == State::measuring) {
     refit_measuring(end_ns);
     // Not from what may be another drive.

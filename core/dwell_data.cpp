@@ -38,16 +38,15 @@ void Pipeline::Impl::count_anew(bool follow) {
   const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
   const Complex X = fit.X[0];
   const double drift = blocks.drift().rate;
-  // Of a frequency that is given, how far it may be off on the axis that the stamps are of.
-  if (!tracked()) u_omega = std::hypot(u_omega, rig.excitation.clock_u * omega);
   hold = {centroid_ns, std::arg(X), omega, u_omega};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
   if (fit.usable) {
     // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
     const bool told = tracked() && fit.information > 0;
-    const double table_omega = told ? omega + fit.score / fit.information : omega;
-    const double u_table_omega = told ? 1 / std::sqrt(fit.information) : u_omega;
+    const double information = fit.information + stated.information();
+    const double table_omega = told ? omega + (fit.score + stated.score(omega)) / information : omega;
+    const double u_table_omega = told ? 1 / std::sqrt(information) : u_omega;
     watch.refer({centroid_ns, fit.mean, fit.X, H, table_omega, drift, std::sqrt(fit.sigma2), u, u, u_table_omega,
                  quantization_u(drive_channel, fit, counted) / std::abs(X)});
     const SamplingRegularity& sampling = live[static_cast<std::size_t>(drive_channel)].sampling;
@@ -123,7 +122,7 @@ bool Pipeline::Impl::drop_misjudged() {
 
 Refined Pipeline::Impl::gather(int from, int to, bool with_open) const {
   const std::int64_t begin_ns = from < to ? blocks.block(from).begin_ns : now_ns;
-  Refined refined{omega, 0.0, false};
+  Refined refined{.omega = omega, .reached = false};
   for (int i = 0; i < kTurns && !refined.reached; ++i) {
     if (i == 0 && from == 0 && to == blocks.count() && counted_valid)
       counted.turned(counted.omega(), counted.t_ref_ns(), gathered);

@@ -33,9 +33,10 @@ double Pipeline::Impl::drive_omega() {
     blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
     const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
     if (!(fit.information > 0)) return w;
-    const double delta = fit.score / fit.information;
+    const double information = fit.information + stated.information();
+    const double delta = (fit.score + stated.score(w)) / information;
     w = within_search(rig, w + delta);
-    if (std::abs(delta) * std::sqrt(fit.information) < 0.1) break;
+    if (std::abs(delta) * std::sqrt(information) < 0.1) break;
   }
   modal_rate = seen_drift(from, w, middle_ns);
   return w + modal_rate * to_s(modal_from_ns - middle_ns);

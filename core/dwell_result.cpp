@@ -36,6 +36,7 @@ std::string Pipeline::Impl::settling_reason() const {
   }
   if (out_of_search())
     return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
+  if (const auto other = contradicting_omega()) return statement_reason(*other);
   if (state == State::settling) {
     if (restarts >= kManyRestarts)
       return "the drive is not steady, or not at a frequency between " +
@@ -151,7 +152,8 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
   const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
-  const auto [fitted_w, u, reached] = gather(from, to, with_open);
+  const Refined refined = gather(from, to, with_open);
+  const double fitted_w = refined.omega, u = refined.u;
   // In the middle of the data.
   const double w = omega_at(totals.t_ref_ns(), fitted_w);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
@@ -181,7 +183,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
       dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     } else if (active) {
-      dwell.settles_in_s = verdict.settles_in_s;
+      if (!contradicting_omega()) dwell.settles_in_s = verdict.settles_in_s;
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     }
     return dwell;
@@ -195,7 +197,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
   warn_of_pulses(dwell);
-  if (const std::string reason = pulses_unfit(w, u); !reason.empty()) {
+  std::string reason = pulses_unfit(w, u);
+  if (reason.empty()) reason = statement_unfit(refined);
+  if (!reason.empty()) {
     dwell.settling_reason = reason;
     dwell.warnings.push_back("no coefficients: " + reason);
     return dwell;

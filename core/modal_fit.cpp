@@ -207,7 +207,8 @@ bool ModalFit::solve(int channel, double range, double line_range) noexcept {
 }
 
 double ModalFit::misfit() const noexcept {
-  double sum = 0.0;
+  const double off = omega_ - stated_.omega;
+  double sum = off * off * stated_.information();
   for (const PerChannel& channel : channels_)
     if (channel.usable) sum += channel.samples * std::log(std::max(channel.sigma2, 1e-300));
   return sum;

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "core/frequency_prior.hpp"
 #include "core/rig.hpp"
 
 namespace dwell {
@@ -28,6 +29,9 @@ class ModalFit {
 
   // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+3+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
+
+  // What is stated of ω: a prior of the fit. Before the first restart.
+  void state_omega(const FrequencyPrior& stated) noexcept { stated_ = stated; }
 
   // Empties the sums. poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is
   // fitted beside but is no transient; those beyond the capacity are left out. omega: of the drive at t0, rad/s; rate:
@@ -42,9 +46,11 @@ class ModalFit {
   // its unit. false: too few samples.
   bool solve(int channel, double range, double line_range) noexcept;
 
-  // The sum over solved channels of N ln σ²: what a better set of poles makes smaller.
+  // The sum over solved channels of N ln σ², and the square of how far ω is from what is stated, in its standard
+  // uncertainties: what a better set of poles makes smaller.
   [[nodiscard]] double misfit() const noexcept;
-  // One Gauss-Newton step on the poles, and on ω within `trust_omega` of it (0: it is known), from all solved channels,
+  // One Gauss-Newton step on the poles, and on ω within `trust_omega` of it (0: it is known), from all solved channels
+  // and from what is stated of ω,
   // within `trust` of each pole's magnitude; returns the poles moved. Leaves the sums as they are: restart and add
   // again.
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust, double trust_omega) noexcept;
@@ -124,6 +130,7 @@ class ModalFit {
   [[nodiscard]] Eigen::Index slopes() const noexcept { return modal_ + 2; }
 
   int harmonics_;
+  FrequencyPrior stated_;
   std::size_t capacity_, count_ = 0;
   Eigen::Index harmonic_, modal_ = 0;  // regressors: 2H+1, and of the present modes
   std::vector<std::complex<double>> poles_, moved_;

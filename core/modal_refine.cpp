@@ -70,6 +70,9 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
   H.row(modal_).head(modal_) = H.col(modal_).head(modal_).transpose();
   H.diagonal().head(modal_).array() += 1 / (trust * trust);
   H(modal_, modal_) += 1 / std::max(trust_omega * trust_omega, kKnown * kKnown);
+  // The derivative is by a relative change of ω.
+  g(modal_) += omega_ * stated_.score(omega_);
+  H(modal_, modal_) += omega_ * omega_ * stated_.information();
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
   std::copy_n(poles_.begin(), count_, moved_.begin());
   moved_omega_ = omega_;

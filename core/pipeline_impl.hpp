@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "core/decay.hpp"
 #include "core/drive.hpp"
 #include "core/estimate.hpp"
+#include "core/frequency_prior.hpp"
 #include "core/harmonic_fit.hpp"
 #include "core/identify.hpp"
 #include "core/mains.hpp"
@@ -62,6 +64,7 @@ inline constexpr double kUnsure = 1.0;      // periods at the beginning of a hol
 struct Pipeline::Impl {
   explicit Impl(const Rig& given)
       : rig(given),
+        stated(stated_frequency(given)),
         channel_count(static_cast<int>(given.channels.size())),
         H(given.excitation.harmonics),
         blocks(channel_count, H),
@@ -81,6 +84,7 @@ struct Pipeline::Impl {
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
+    for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
     live.resize(static_cast<std::size_t>(channel_count));
     fits.resize(live.size());
     readings.resize(live.size());
@@ -130,6 +134,7 @@ struct Pipeline::Impl {
   };
 
   const Rig rig;
+  const FrequencyPrior stated;  // of the drive's frequency, by the rig file
   const int channel_count, H;
   Blocks blocks;
   mutable Totals window;  // the newest period
@@ -201,9 +206,9 @@ struct Pipeline::Impl {
   std::uint8_t changes = kNothing;
 
   // While settling the motion itself shows the frequency, though pulses may give it in the end.
-  [[nodiscard]] bool tracked() const { return rig.excitation.reference != Reference::fixed; }
-  // Whether only the motion tells the frequency.
-  [[nodiscard]] bool from_motion() const { return rig.excitation.reference == Reference::tracked; }
+  [[nodiscard]] bool tracked() const { return !stated.exact(); }
+  // Whether only the motion tells the frequency, beside what is stated of it.
+  [[nodiscard]] bool from_motion() const { return tracked() && !synced(); }
   [[nodiscard]] bool synced() const { return rig.excitation.reference == Reference::sync; }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
@@ -235,6 +240,11 @@ struct Pipeline::Impl {
   // Why the data in `totals`, taken at the pulses' ω, cannot give coefficients; empty: they can.
   [[nodiscard]] std::string pulses_unfit(double w, double u) const;
   void warn_of_pulses(Dwell& dwell) const;
+  // dwell_statement.cpp: while settling, ω of a table that contradicts what is stated of a fixed frequency.
+  [[nodiscard]] std::optional<double> contradicting_omega() const;
+  [[nodiscard]] std::string statement_reason(double w) const;
+  // Why data refined so cannot give coefficients; empty: they can.
+  [[nodiscard]] std::string statement_unfit(const Refined& refined) const;
   // `sums`, which are over [from, to], at the best ω for them: leaves them in `totals`.
   Refined refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const;
 
@@ -292,7 +302,8 @@ struct Pipeline::Impl {
 
   [[nodiscard]] bool out_of_search() const {
     const double f = drive.omega() / kTwoPi;
-    return tracked() && std::isfinite(f) && (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
+    return !stated.stated() && std::isfinite(f) &&
+           (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
   // dwell_modes.cpp: the modal fit of the hold so far.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/angle.hpp"
+#include "core/frequency_prior.hpp"
 #include "core/harmonic_fit.hpp"
 
 namespace dwell {
@@ -22,15 +23,16 @@ Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channe
 }
 
 double within_search(const Rig& rig, double omega) noexcept {
-  return std::clamp(omega, kTwoPi * rig.excitation.search_low_hz, kTwoPi * rig.excitation.search_high_hz);
+  return stated_frequency(rig).within(
+      std::clamp(omega, kTwoPi * rig.excitation.search_low_hz, kTwoPi * rig.excitation.search_high_hz));
 }
 
 Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept {
   const int H = rig.excitation.harmonics;
   const std::int64_t t_ref_ns = sums.centroid_ns(reference_channel);
-  Refined result{sums.omega(), kTwoPi * rig.excitation.frequency_u_hz, true};
+  const FrequencyPrior stated = stated_frequency(rig);
+  Refined result{.omega = within_search(rig, sums.omega())};
   sums.turned(result.omega, t_ref_ns, out);
-  if (rig.excitation.reference == Reference::fixed) return result;
   for (int step = 0; step < kSteps; ++step) {
     double score = 0.0, information = 0.0, longest = 0.0;
     for (std::size_t c = 0; c < rig.channels.size(); ++c) {
@@ -41,6 +43,13 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
       information += fit.information;
       longest = std::max(longest, moments::mean_square_u(out.channel(static_cast<int>(c)).instants, 2 * H + 1));
     }
+    if (information > 0) {
+      result.data_omega = result.omega + score / information;
+      result.u_data = 1 / std::sqrt(information);
+    }
+    if (stated.exact()) break;
+    score += stated.score(result.omega);
+    information += stated.information();
     if (!(information > 0)) {
       result.u = std::numeric_limits<double>::quiet_NaN();
       break;

@@ -1,0 +1,49 @@
+// Does the drive's frequency contradict what the rig file states of it (reference = "fixed")? Then nothing is reported:
+// either the statement is wrong or the clock is, and each coefficient depends on the square of the frequency.
+#include "core/pipeline_impl.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr int kShortest = 2 * kQuarters;  // quarters of a hold before its frequency is held against the statement
+constexpr int kSteps = 4;                 // of Gauss-Newton, from the windows' own frequency
+
+std::string hz(double omega) {
+  std::string text = std::to_string(omega / kTwoPi);
+  while (text.back() == '0' && text[text.size() - 2] != '.') text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+// By the table alone, in the newest quarters that were never joined: these resolve parts in a million.
+std::optional<double> Pipeline::Impl::contradicting_omega() const {
+  if (!stated.stated() || state != State::settling || !std::isfinite(drive.omega())) return {};
+  const int to = blocks.count();
+  const int from =
+      std::max(blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to - Blocks::kFine);
+  if (to - from < kShortest) return {};
+  const std::int64_t middle_ns =
+      blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
+  double w = drive.omega(), information = 0.0;
+  for (int step = 0; step < kSteps; ++step) {
+    blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+    if (!(fit.information > 0)) return {};
+    information = fit.information;
+    w += fit.score / fit.information;
+  }
+  if (!stated.contradicted(w, 1 / std::sqrt(information))) return {};
+  return w;
+}
+
+std::string Pipeline::Impl::statement_reason(double w) const {
+  return "the drive is at " + hz(w) + " Hz, the rig file says fixed at " + hz(stated.omega) + " ± " + hz(2 * stated.u) +
+         " Hz (2 u, clock included): correct frequency or frequency_u, or take reference = \"tracked\"";
+}
+
+std::string Pipeline::Impl::statement_unfit(const Refined& refined) const {
+  return stated.contradicted(refined.data_omega, refined.u_data) ? statement_reason(refined.data_omega) : "";
+}
+
+}  // namespace dwell
