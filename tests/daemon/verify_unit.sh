@@ -1,5 +1,11 @@
 #!/bin/sh
-# Asks systemd whether the units are well formed. verify_unit.sh UNIT…; exit 77: cannot be asked here.
+# Whether the units let serial lines of every common kind be opened; and asks systemd whether they are well formed.
+# verify_unit.sh UNIT…; exit 77: systemd cannot be asked here.
+for unit in "$@"; do
+  for driver in ttyS ttyUSB ttyACM ttyAMA ttymxc ttySC; do
+    grep -qx "DeviceAllow=char-$driver rw" "$unit" || { echo "$unit does not allow $driver"; exit 1; }
+  done
+done
 command -v systemd-analyze >/dev/null || { echo "skipped: systemd-analyze is not installed"; exit 77; }
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
