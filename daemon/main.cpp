@@ -47,11 +47,8 @@ bool limit_descriptors() {
 // Every thread inherits this: signals arrive on the event loop alone, a client that goes away is an error code.
 void prepare_signals() {
   signal(SIGPIPE, SIG_IGN);
-  sigset_t stop;
-  sigemptyset(&stop);
-  sigaddset(&stop, SIGTERM);
-  sigaddset(&stop, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &stop, nullptr);
+  const sigset_t signals = dwell::service_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
 void print_summary(const RigFile& file) {

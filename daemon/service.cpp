@@ -40,14 +40,6 @@ class Descriptor {
   int number_;
 };
 
-sigset_t stop_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  return signals;
-}
-
 std::string iso_utc(std::int64_t utc_ns) {
   if (utc_ns == 0) return {};
   const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
@@ -89,6 +81,7 @@ struct Service::Impl {
   std::string trouble;
   RunInfo run;
   std::vector<std::string> drivers;
+  config::SchemaSource driver_source;
   std::int64_t started_ns = raw_now_ns();
   std::uint64_t told_sequence = 0;  // the newest snapshot that was broadcast
   std::unique_ptr<Session> session;
@@ -144,6 +137,29 @@ struct Service::Impl {
     if (trouble.empty()) notifier.feed_watchdog();
   }
 
+  void signalled() {
+    signalfd_siginfo signal{};
+    if (read(signals->get(), &signal, sizeof signal) != sizeof signal) return;
+    if (signal.ssi_signo == SIGHUP) return check_rig_file();
+    log.info(std::string("stopping: ") + strsignal(static_cast<int>(signal.ssi_signo)));
+    loop.stop();
+  }
+
+  // What a restart would find. A rig file is not taken up while its rig is being measured.
+  void check_rig_file() {
+    const std::string& path = session->file().path;
+    const auto file = config::load(path, driver_source);
+    if (!file) {
+      log.error("hangup: a restart would fail, for " + path + " now holds mistakes; the service goes on as it is");
+      for (const config::Mistake& mistake : file.error()) log.error(config::to_string(path, mistake));
+    } else if (file->sha256 == session->file().sha256) {
+      log.info("hangup: " + path + " is what is being served");
+    } else {
+      log.warning("hangup: " + path +
+                  " has changed and holds no mistake; to take it up, restart the service, which ends the dwell");
+    }
+  }
+
   std::string control_line(std::string_view line, const Peer& peer) {
     return control_answer(view(), line, [this, &peer] {
       log.info("rearm asked for by uid " + std::to_string(peer.uid) + ", pid " + std::to_string(peer.pid));
@@ -151,6 +167,13 @@ struct Service::Impl {
     });
   }
 };
+
+sigset_t service_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  return signals;
+}
 
 Service::Service(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
@@ -164,6 +187,7 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
 
   self.run.rig_sha256 = file.sha256;
   self.run.version = kVersion;
+  self.driver_source = drivers;
   for (const config::DeviceSettings& device : file.devices) self.drivers.push_back(device.driver);
   const config::ServerSettings server = file.server;
 
@@ -185,6 +209,9 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
       [&self] { return event_text("dwell", dwell_text_json(self.view())); });
   if (!http) return tl::unexpected(Failure{http.error().bad_address ? 2 : 1, http.error().message});
   self.http = std::move(*http);
+  if (self.http->awaits_address())
+    log.warning("listen: " + server.listen +
+                " is no address of this computer yet; clients are served as soon as it is, the rig is measured anyway");
 
   if (!options.control_path.empty()) {
     ControlOptions control_options;
@@ -197,15 +224,10 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
   }
 
   if (options.handle_signals) {
-    const sigset_t signals = stop_signals();
+    const sigset_t signals = service_signals();
     self.signals.emplace(signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC));
     if (self.signals->get() < 0) return tl::unexpected(Failure{1, "signals cannot be received"});
-    self.loop.on_readable(self.signals->get(), [&self] {
-      signalfd_siginfo signal{};
-      if (read(self.signals->get(), &signal, sizeof signal) != sizeof signal) return;
-      self.log.info(std::string("stopping: ") + strsignal(static_cast<int>(signal.ssi_signo)));
-      self.loop.stop();
-    });
+    self.loop.on_readable(self.signals->get(), [&self] { self.signalled(); });
   }
   self.loop.on_readable(wake, [&self] { self.published(); });
   constexpr std::int64_t kLongest_ms = 1000;

@@ -1,6 +1,8 @@
 // dwelld in one object: the log, the event loop with HTTP and control socket, the watchdog, and the session of one rig.
 #pragma once
 
+#include <signal.h>
+
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -13,8 +15,11 @@ namespace dwell {
 
 struct ServiceOptions {
   std::string control_path;    // empty: no control socket
-  bool handle_signals = true;  // SIGTERM and SIGINT end run(); they must be blocked in every thread
+  bool handle_signals = true;  // those of service_signals(), which must be blocked in every thread
 };
+
+// SIGTERM and SIGINT end run(). SIGHUP checks the rig file as it stands now and says in the log what it found.
+[[nodiscard]] sigset_t service_signals();
 
 class Service {
  public:

@@ -5,6 +5,8 @@
 
 #include "daemon/serve/http_server.hpp"
 
+#include <netinet/in.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
@@ -50,6 +52,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   asio::steady_timer pause;
   std::unordered_set<Connection*> connections;
   std::unordered_set<Connection*> streams;
+  bool awaits_address = false;
   std::uint64_t requests = 0;
   std::uint64_t refused = 0;
   std::uint64_t events_dropped = 0;
@@ -263,6 +266,23 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
+namespace {
+
+// Binds; an address that is not there yet by the kernel's leave to do so (ip(7), IP_FREEBIND).
+void bind(HttpServer::Impl& server, const tcp::endpoint& endpoint, error_code& error) {
+  server.acceptor.bind(endpoint, error);
+  if (error.value() != EADDRNOTAVAIL) return;
+  const int yes = 1;
+  const bool v6 = endpoint.address().is_v6();
+  if (setsockopt(server.acceptor.native_handle(), v6 ? IPPROTO_IPV6 : IPPROTO_IP, v6 ? IPV6_FREEBIND : IP_FREEBIND,
+                 &yes, sizeof yes) != 0)
+    return;
+  server.acceptor.bind(endpoint, error);
+  server.awaits_address = !error;
+}
+
+}  // namespace
+
 tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(EventLoop& loop,
                                                                                 const HttpOptions& options,
                                                                                 Handler handler,
@@ -274,7 +294,7 @@ tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(
   auto impl = std::make_shared<Impl>(loop.context(), options, std::move(handler), std::move(first_event));
   impl->acceptor.open(endpoint.protocol(), error);
   if (!error) impl->acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) impl->acceptor.bind(endpoint, error);
+  if (!error) bind(*impl, endpoint, error);
   if (!error) impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error) {
     return tl::unexpected(Failure{
@@ -297,6 +317,8 @@ std::uint16_t HttpServer::port() const {
   error_code ignored;
   return impl_->acceptor.local_endpoint(ignored).port();
 }
+
+bool HttpServer::awaits_address() const noexcept { return impl_->awaits_address; }
 
 void HttpServer::broadcast(std::string_view name, std::string_view data) {
   if (impl_->streams.empty()) return;

@@ -58,7 +58,8 @@ class HttpServer {
     std::string message;
   };
 
-  // Binds and listens.
+  // Binds and listens. An address that this computer does not have yet (a cable or a lease comes later than the
+  // service) is bound all the same and is served once it is there.
   static tl::expected<std::unique_ptr<HttpServer>, Failure> make(EventLoop& loop, const HttpOptions& options,
                                                                  Handler handler, FirstEvent first_event);
   ~HttpServer();  // closes every connection
@@ -66,6 +67,8 @@ class HttpServer {
   HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const;
+  // The address was not there when it was bound.
+  [[nodiscard]] bool awaits_address() const noexcept;
 
   // Sends `data` (one line) as an event of this name to every stream.
   void broadcast(std::string_view name, std::string_view data);

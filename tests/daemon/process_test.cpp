@@ -75,6 +75,13 @@ struct ProcessTest : testing::Test {
     start(std::move(arguments));
     return wait_for_end();
   }
+  // Whether the output holds `text`, or does within 20 s.
+  [[nodiscard]] bool said(const std::string& text) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (read("output").find(text) == std::string::npos && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return read("output").find(text) != std::string::npos;
+  }
   // Whether `text` has been among the notifications, or comes within 20 s.
   bool notified(const std::string& text) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -183,6 +190,47 @@ TEST_F(ProcessTest, AnAddressInUseIsOneWithAClearMessage) {
   EXPECT_EQ(run({"--config", write("rig.toml", text)}), 1);
   EXPECT_NE(read("output").find("cannot listen on 127.0.0.1:"), std::string::npos) << read("output");
   close(taken);
+}
+
+TEST_F(ProcessTest, AHangupChecksTheRigFileAndEndsNothing) {
+  auto rig = rigsim::Server::start(test::clamped_rig());
+  ASSERT_TRUE(rig);
+  const std::string text = test::rig_file((*rig)->tcp_port());
+  start({"--config", write("rig.toml", text)});
+  ASSERT_TRUE(notified("READY=1")) << read("output");
+  kill(child, SIGHUP);
+  ASSERT_TRUE(said("rig.toml is what is being served")) << read("output");
+  write("rig.toml", text + "# another line\n");
+  kill(child, SIGHUP);
+  EXPECT_TRUE(said("rig.toml has changed and holds no mistake")) << read("output");
+  EXPECT_TRUE(said("restart the service")) << read("output");
+  write("rig.toml", text + "[nonsense]\n");
+  kill(child, SIGHUP);
+  EXPECT_TRUE(said("unknown key \"nonsense\"")) << read("output");
+  kill(child, SIGTERM);
+  EXPECT_EQ(wait_for_end(), 0) << read("output");
+}
+
+TEST_F(ProcessTest, AnAddressThatIsNotUpYetIsWaitedForWhileTheRigIsMeasured) {
+  auto rig = rigsim::Server::start(test::clamped_rig());
+  ASSERT_TRUE(rig);
+  std::vector<std::string> addresses{"192.0.2.1:0"};  // of documentation, on no host
+  if (const int probe = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0); probe >= 0) {
+    close(probe);
+    addresses.emplace_back("[2001:db8::1]:0");
+  }
+  for (const std::string& address : addresses) {
+    std::string text = test::rig_file((*rig)->tcp_port());
+    const std::string any = "127.0.0.1:0";
+    text.replace(text.find(any), any.size(), address);
+    notifications.clear();
+    start({"--config", write("rig.toml", text)});
+    ASSERT_TRUE(notified("READY=1")) << read("output");
+    EXPECT_TRUE(said("listen: " + address + " is no address of this computer yet")) << read("output");
+    EXPECT_TRUE(notified("STATUS=settling")) << read("output");
+    kill(child, SIGTERM);
+    EXPECT_EQ(wait_for_end(), 0) << read("output");
+  }
 }
 
 TEST_F(ProcessTest, AnAddressThatIsNoneIsTwo) {

@@ -110,7 +110,7 @@ stop_gpio() {
 }
 
 tidy_up() {
-  systemctl stop dwelld rigsim 2>/dev/null
+  systemctl stop dwelld 'dwelld@*' rigsim 2>/dev/null
   systemctl reset-failed dwelld rigsim 2>/dev/null
   rm -rf /run/systemd/system/dwelld.service.d "$work" /etc/dwell /var/lib/dwell/* /var/log/dwell/*
   systemctl daemon-reload
