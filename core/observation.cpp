@@ -4,10 +4,27 @@
 #include <cmath>
 
 namespace dwell {
+namespace {
+
+// What rounding leaves of a zero among the entries of `unresolved`, which are 0 or of order 1; and of a sum that is
+// zero, relative to its terms. A redundant transducer 1e9 times worse than the others would be lost beside it.
+constexpr double kRounding = 1e-9;
+
+}  // namespace
 
 bool Gain::determines(const Eigen::Ref<const Eigen::VectorXcd>& function) const {
-  const double size = function.norm();
-  return size > 0 && (function.transpose() * unresolved).norm() <= 1e-9 * size;
+  if (function.isZero(0)) return false;
+  for (Eigen::Index j = 0; j < unresolved.cols(); ++j) {
+    std::complex<double> sum = 0.0;
+    double terms = 0.0;
+    for (Eigen::Index l = 0; l < unresolved.rows(); ++l) {
+      if (std::abs(unresolved(l, j)) <= kRounding) continue;
+      sum += function(l) * unresolved(l, j);
+      terms += std::abs(function(l) * unresolved(l, j));
+    }
+    if (std::abs(sum) > kRounding * terms) return false;
+  }
+  return true;
 }
 
 Eigen::MatrixXd observation_matrix(const Rig& rig) {

@@ -168,5 +168,43 @@ TEST(Estimate, AnElementThatBarelyDeformsIsWithheldWithTheReason) {
   EXPECT_EQ(result.covariance.size(), 16u);
 }
 
+// From ω² Σm of some 1e9 N/m on, the inertia of one row had made its force of 1 N/N seem a rounding.
+TEST(Estimate, AMissingLoadCellIsMissingHoweverHeavyTheMasses) {
+  for (const double heavier : {1.0, 1e3, 1e6, 1e9, 1e12}) {
+    Chain chain = clamped_chain();
+    for (auto* values : {&chain.masses, &chain.stiffness, &chain.damping})
+      for (double& value : *values) value *= heavier;
+    const Rig rig = rig_of(chain, 4);
+    const double omega = 2 * M_PI * 4;
+    std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+    evidence[3].usable = false;
+    evidence[3].reason = "stale, timeout";
+    const ElementsResult result = estimate(rig, evidence, {omega, 0, 0});
+    for (const ElementEstimate& element : result.elements) {
+      EXPECT_FALSE(element.identifiable) << "element " << element.k << ", masses of " << heavier << " times";
+      EXPECT_NE(element.reason.find("reaction: stale"), std::string::npos) << element.reason;
+    }
+    // What is there determines a chain of the same masses that is free.
+    Chain loose{Boundary::free, chain.masses, chain.stiffness, chain.damping};
+    loose.stiffness.pop_back();
+    loose.damping.pop_back();
+    const Rig free = rig_of(loose, 4);
+    for (const ElementEstimate& element : estimate(free, evidence_of(loose, free, omega), {omega, 0, 0}).elements)
+      EXPECT_TRUE(element.identifiable) << element.reason;
+  }
+}
+
+// Masses so unlike that ω² m of the lighter ones is a rounding beside the heaviest.
+TEST(Estimate, AMissingTransducerIsMissingHoweverLightItsMass) {
+  Chain chain{Boundary::free, {1e10, 1e-3}, {4e13, 2.0}, {1e9, 0.01}};
+  const Rig rig = rig_of(chain, 4);
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  evidence[2].usable = false;
+  evidence[2].reason = "stuck at one reading";
+  for (const ElementEstimate& element : estimate(rig, evidence, {omega, 0, 0}).elements)
+    EXPECT_FALSE(element.identifiable) << "element " << element.k;
+}
+
 }  // namespace
 }  // namespace dwell
