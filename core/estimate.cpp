@@ -7,7 +7,9 @@
 #include <tuple>
 
 #include "core/angle.hpp"
+#include "core/chain_state.hpp"
 #include "core/identify.hpp"
+#include "core/passivity.hpp"
 #include "core/student.hpp"
 #include "core/transducer.hpp"
 
@@ -32,37 +34,6 @@ Complex transfer(const Rig& rig, const Channel& channel, double omega) {
   const Complex H = response(channel, device_delay(rig, channel), omega / (kTwoPi));
   return std::pow(Complex{0.0, omega}, derivative_order(channel.measures)) * H * (channel.force_on_mass ? -1.0 : 1.0);
 }
-
-// The chain at one frequency, everything a linear function of x = (Y_0, d_1 … d_n, F).
-struct ChainState {
-  const Rig& rig;
-  int n;
-  double omega;
-  VectorXcd x;
-
-  [[nodiscard]] Complex Y(int k) const { return x.head(k + 1).sum(); }
-  // Row a with a·x = the force that element k (1 …) transmits towards the ground; and the row of its deformation.
-  [[nodiscard]] VectorXcd force_row(int k) const {
-    VectorXcd row = VectorXcd::Zero(n + 2);
-    if (rig.boundary == Boundary::clamped) row(n + 1) = k == n + 1 ? 1.0 : -1.0;
-    if (k == n + 1) return row;
-    double beyond = 0.0;  // mass of all that moves with d_l: Σ_{i >= max(k, l)} m_i
-    for (int l = n; l >= 1; --l) {
-      if (l >= k) beyond += rig.masses[static_cast<std::size_t>(l - 1)];
-      row(l) = omega * omega * beyond;
-    }
-    row(0) = omega * omega * beyond;
-    return row;
-  }
-  [[nodiscard]] VectorXcd deformation_row(int k) const {
-    VectorXcd row = VectorXcd::Zero(n + 2);
-    if (k <= n)
-      row(k) = 1.0;
-    else
-      row.head(n + 1).setOnes();  // Y_n (n = 0: Y_0)
-    return row;
-  }
-};
 
 // One source of error and what one standard deviation of it does.
 struct Source {
@@ -251,6 +222,17 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
   return out;
 }
 
+// Per element: whether each channel has a part in its force or deformation.
+std::vector<std::vector<bool>> channels_used(const Gain& gain, const MatrixXcd& force_rows,
+                                             const MatrixXcd& deformation_rows) {
+  std::vector<std::vector<bool>> used(static_cast<std::size_t>(force_rows.rows()));
+  for (Index e = 0; e < force_rows.rows(); ++e)
+    for (Index c = 0; c < gain.gain.cols(); ++c)
+      used[static_cast<std::size_t>(e)].push_back(gain.uses(force_rows.row(e).transpose(), c) ||
+                                                  gain.uses(deformation_rows.row(e).transpose(), c));
+  return used;
+}
+
 std::string missing_channels(const Rig& rig, const std::vector<Evidence>& evidence) {
   std::string out;
   for (std::size_t c = 0; c < evidence.size(); ++c)
@@ -330,7 +312,6 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
 
   ElementsResult result;
   const std::string missing = missing_channels(rig, evidence);
-  std::vector<Index> rows;
   for (Index e = 0; e < elements; ++e) {
     ElementEstimate element;
     element.k = static_cast<int>(e) + 1;
@@ -357,15 +338,8 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
                                 2 * C(2 * e, 2 * e + 1) / (r.value * c.value);
         element.loss_factor = {eta, std::abs(eta) * std::sqrt(std::max(0.0, variance))};
         element.budget = propagation.budget(e);
-        rows.push_back(2 * e);
-        rows.push_back(2 * e + 1);
       }
     }
-    for (const auto& [coefficient, name] :
-         {std::pair{&element.stiffness, "stiffness"}, std::pair{&element.damping, "damping"}})
-      if (coefficient->value < -coefficient->U95)
-        result.warnings.push_back("element " + std::to_string(element.k) + " has a negative " + name +
-                                  ", which no passive element has: look at signs, instants and masses");
     // Harmonics of what the element feels and does, where they stand out of the noise.
     double worst = 0.0;
     int worst_h = 0;
@@ -402,6 +376,10 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
     result.elements.push_back(std::move(element));
   }
   result.Z.assign(Z.data(), Z.data() + Z.size());
+  refuse_negative(rig, channels_used(gain, force_rows, deformation_rows), result.elements, result.doubts);
+  std::vector<Index> rows;
+  for (Index e = 0; e < elements; ++e)
+    if (result.elements[static_cast<std::size_t>(e)].identifiable) rows.insert(rows.end(), {2 * e, 2 * e + 1});
   for (const Index i : rows)
     for (const Index j : rows) result.covariance.push_back(propagation.covariance()(i, j));
   return result;

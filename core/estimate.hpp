@@ -48,6 +48,7 @@ struct ElementsResult {
   std::vector<ElementEstimate> elements;  // one per element of the chain
   std::vector<double> covariance;         // row-major, of [c, r] of the identifiable ones
   std::vector<std::string> warnings;
+  std::vector<Doubt> doubts;
   std::vector<std::complex<double>> Z;  // N/m; NaN where not determined
 };
 

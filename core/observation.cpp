@@ -6,25 +6,33 @@
 namespace dwell {
 namespace {
 
-// What rounding leaves of a zero among the entries of `unresolved`, which are 0 or of order 1; and of a sum that is
-// zero, relative to its terms. A redundant transducer 1e9 times worse than the others would be lost beside it.
+// What rounding leaves of a zero among the entries of `unresolved` and `gain`, which are 0 or of order 1; and of a sum
+// that is zero, relative to its terms. A redundant transducer 1e9 times worse than the others would be lost beside it.
 constexpr double kRounding = 1e-9;
+
+// Whether function·column is zero but for rounding. Each sum is held against its own terms.
+bool vanishes(const Eigen::Ref<const Eigen::VectorXcd>& function, const Eigen::Ref<const Eigen::VectorXd>& column) {
+  std::complex<double> sum = 0.0;
+  double terms = 0.0;
+  for (Eigen::Index l = 0; l < column.size(); ++l) {
+    if (std::abs(column(l)) <= kRounding) continue;
+    sum += function(l) * column(l);
+    terms += std::abs(function(l) * column(l));
+  }
+  return std::abs(sum) <= kRounding * terms;
+}
 
 }  // namespace
 
 bool Gain::determines(const Eigen::Ref<const Eigen::VectorXcd>& function) const {
   if (function.isZero(0)) return false;
-  for (Eigen::Index j = 0; j < unresolved.cols(); ++j) {
-    std::complex<double> sum = 0.0;
-    double terms = 0.0;
-    for (Eigen::Index l = 0; l < unresolved.rows(); ++l) {
-      if (std::abs(unresolved(l, j)) <= kRounding) continue;
-      sum += function(l) * unresolved(l, j);
-      terms += std::abs(function(l) * unresolved(l, j));
-    }
-    if (std::abs(sum) > kRounding * terms) return false;
-  }
+  for (Eigen::Index j = 0; j < unresolved.cols(); ++j)
+    if (!vanishes(function, unresolved.col(j))) return false;
   return true;
+}
+
+bool Gain::uses(const Eigen::Ref<const Eigen::VectorXcd>& function, Eigen::Index channel) const {
+  return !vanishes(function, gain.col(channel));
 }
 
 Eigen::MatrixXd observation_matrix(const Rig& rig) {

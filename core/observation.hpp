@@ -23,6 +23,8 @@ struct Gain {
   // Whether the channels determine function·x. Each sum is held against its own terms, so neither the units of x nor
   // the sizes of the function's entries decide: inertia of 1e12 N/m makes no missing force small. O(n²).
   [[nodiscard]] bool determines(const Eigen::Ref<const Eigen::VectorXcd>& function) const;
+  // Whether that channel's reading has a part in function·x. O(n).
+  [[nodiscard]] bool uses(const Eigen::Ref<const Eigen::VectorXcd>& function, Eigen::Index channel) const;
 };
 
 // G of a rig: channels × (n + 2); the column of F and the rows of auxiliary channels are zero where they mean nothing.

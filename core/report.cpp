@@ -106,6 +106,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
   ElementsResult result = estimate_elements(rig, gain, evidence, {omega, u_omega, rig.excitation.clock_u});
   dwell.elements = std::move(result.elements);
   dwell.covariance = std::move(result.covariance);
+  for (Doubt& doubt : result.doubts) dwell.doubts.push_back(std::move(doubt));
   for (std::string& warning : result.warnings) dwell.warnings.push_back(std::move(warning));
 }
 

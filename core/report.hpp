@@ -27,7 +27,7 @@ struct ChannelResult {
 void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, double u_omega,
                     Dwell& dwell);
 
-// Fills dwell.elements, dwell.covariance and the elements' warnings. G: observation_matrix(rig). Allocates.
+// Fills dwell.elements, dwell.covariance and the elements' doubts and warnings. G: observation_matrix(rig). Allocates.
 void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector<ChannelResult>& channels, double omega,
                      double u_omega, Dwell& dwell);
 

@@ -206,5 +206,60 @@ TEST(Estimate, AMissingTransducerIsMissingHoweverLightItsMass) {
     EXPECT_FALSE(element.identifiable) << "element " << element.k;
 }
 
+// What a dwell says of elements computed from y1 and y2 that were swapped: one is negative, another 43 % off.
+TEST(Estimate, ANegativeCoefficientIsWithheldAndAllThatShareItsChannelsAreDoubted) {
+  const Chain chain = clamped_chain();
+  const Rig rig = rig_of(chain, 4);
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  for (Evidence& one : evidence) one.covariance = Eigen::Matrix2d::Identity() * std::norm(1e-4 * one.X[0]);
+  std::swap(evidence[1], evidence[2]);
+  const ElementsResult result = estimate(rig, evidence, {omega, 0, 0});
+  bool any_negative = false, any_shown = false;
+  for (std::size_t e = 0; e < result.elements.size(); ++e) {
+    const ElementEstimate& element = result.elements[e];
+    const bool negative = result.Z[e].real() < 0 || result.Z[e].imag() < 0;
+    any_negative = any_negative || negative;
+    any_shown = any_shown || element.identifiable;
+    EXPECT_EQ(element.identifiable, !negative) << "element " << element.k;
+    if (!negative) continue;
+    EXPECT_TRUE(std::isnan(element.stiffness.value) && std::isnan(element.damping.value));
+    EXPECT_NE(element.reason.find(" ± "), std::string::npos) << element.reason;
+    EXPECT_NE(element.reason.find("-"), std::string::npos) << element.reason;
+  }
+  ASSERT_TRUE(any_negative && any_shown);
+  ASSERT_EQ(result.doubts.size(), 1u);
+  EXPECT_EQ(result.doubts[0].elements, (std::vector<int>{1, 2, 3})) << result.doubts[0].what;
+  for (const char* named : {"element", "y1", "y2", "reaction", " ± ", "same channels"})
+    EXPECT_NE(result.doubts[0].what.find(named), std::string::npos) << result.doubts[0].what;
+}
+
+TEST(Estimate, ALoadCellTheOtherWayRoundIsDoubted) {
+  const Chain chain = clamped_chain();
+  const Rig rig = rig_of(chain, 4);
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  for (Evidence& one : evidence) one.covariance = Eigen::Matrix2d::Identity() * std::norm(1e-4 * one.X[0]);
+  evidence[3].X[0] *= -1.0;
+  const ElementsResult result = estimate(rig, evidence, {omega, 0, 0});
+  EXPECT_FALSE(result.elements[2].identifiable);
+  ASSERT_EQ(result.doubts.size(), 1u);
+  EXPECT_EQ(result.doubts[0].elements, (std::vector<int>{1, 2, 3}));
+}
+
+TEST(Estimate, AnElementWithoutDampingIsNotDoubtedForItsNoise) {
+  Chain chain = clamped_chain();
+  chain.damping[2] = 0.0;
+  const Rig rig = rig_of(chain, 4);
+  const double omega = 2 * M_PI * 4;
+  std::vector<Evidence> evidence = evidence_of(chain, rig, omega);
+  for (Evidence& one : evidence) one.covariance = Eigen::Matrix2d::Identity() * std::norm(1e-3 * one.X[0]);
+  evidence[3].X[0] *= std::polar(1.0, -1e-3);  // by one standard deviation
+  const ElementsResult result = estimate(rig, evidence, {omega, 0, 0});
+  EXPECT_LT(result.elements[2].damping.value, 0);
+  EXPECT_TRUE(result.elements[2].identifiable) << result.elements[2].reason;
+  EXPECT_TRUE(result.doubts.empty());
+}
+
 }  // namespace
 }  // namespace dwell
