@@ -355,6 +355,21 @@ TEST(CommandLine, IdentifySaysWhyThereIsNothing) {
   EXPECT_NE(pulses.err.find("holds no pulses"), std::string::npos) << pulses.err;
 }
 
+TEST(CommandLine, IdentifySaysNoToACoefficientThatNoChainCanHave) {
+  const test::TemporaryFolder folder;
+  const std::string reversed = std::string(kRig) + "positive = \"mass\"\n";
+  const std::string data = folder.file("data.csv", recording(0.5, "t,y0,reaction"));
+  const std::string rig = folder.file("rig.toml", reversed);
+  const Outcome table = run({"identify", "--rig", rig, data});
+  EXPECT_EQ(table.code, 1) << table.out;
+  EXPECT_NE(table.out.find("stiffness of element 1 comes out as -240000"), std::string::npos) << table.out;
+  const Json dwell = Json::parse(run({"identify", "--rig", rig, data, "--json"}).out)["dwells"][0];
+  EXPECT_FALSE(dwell["elements"][0]["identifiable"].get<bool>());
+  EXPECT_TRUE(dwell["elements"][0]["stiffness"].is_null());
+  EXPECT_NE(dwell["elements"][0]["reason"].get<std::string>().find(" ± "), std::string::npos);
+  EXPECT_EQ(dwell["doubts"][0]["elements"], Json({1}));
+}
+
 TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {
   const test::TemporaryFolder folder;
   const std::string data = folder.file("d.csv", recording(0.5, "t,y0,reaction"));
