@@ -10,20 +10,20 @@ namespace dwell::study {
 
 namespace {
 
-// What the readings' phasors say of force and deformation of each element: f = force X, d = deformation X, Z = f / d.
-struct Rows {
-  Eigen::MatrixXcd force, deformation;  // elements × channels
-};
-
-// masses: true or stated; with_response: the transducers' own gain, delay and filter divided out.
-Rows rows_of(const Case& about, const std::vector<double>& masses, double omega, bool with_response) {
+// The true rig: masses and transducers with their gain, delay and filter; or the rig as stated, without any of these.
+ElementRows rows_of(const Case& about, double omega, bool truly) {
+  const std::vector<double>& masses = truly ? about.chain.masses : about.rig.masses;
   const int n = about.chain.mass_count(), elements = about.chain.element_count(), channels = about.channels();
   const bool clamped = about.chain.boundary == Boundary::clamped;
   // Readings in terms of (Y_0, d_1 … d_n[, F]), and back.
   Eigen::MatrixXcd G = Eigen::MatrixXcd::Zero(channels, channels);
   for (int c = 0; c < channels; ++c) {
-    const Sensor& sensor = about.sensors[static_cast<std::size_t>(c)];
-    Complex factor = with_response ? sensor.response(omega / (2 * std::numbers::pi)) : Complex{1.0};
+    Sensor sensor = about.sensors[static_cast<std::size_t>(c)];
+    if (!truly) {
+      const Channel& stated = about.rig.channels[static_cast<std::size_t>(c)];
+      sensor = {stated.measures, stated.at, stated.relative_to, 1.0, 0.0, {}};
+    }
+    Complex factor = sensor.response(omega / (2 * std::numbers::pi));
     if (sensor.measures == Quantity::velocity) factor *= Complex{0, omega};
     if (sensor.measures == Quantity::acceleration) factor *= -omega * omega;
     if (sensor.measures == Quantity::force) {
@@ -34,7 +34,7 @@ Rows rows_of(const Case& about, const std::vector<double>& masses, double omega,
     }
   }
   const Eigen::MatrixXcd back = G.inverse();
-  Rows rows{Eigen::MatrixXcd(elements, channels), Eigen::MatrixXcd(elements, channels)};
+  ElementRows rows{Eigen::MatrixXcd(elements, channels), Eigen::MatrixXcd(elements, channels)};
   Eigen::RowVectorXcd inertia = Eigen::RowVectorXcd::Zero(channels);  // ω² Σ_{i>=k} m_i Y_i - F
   if (clamped) inertia -= back.row(n + 1);
   for (int k = elements; k >= 1; --k) {
@@ -52,10 +52,12 @@ Rows rows_of(const Case& about, const std::vector<double>& masses, double omega,
 
 }  // namespace
 
+ElementRows true_rows(const Case& about, double omega) { return rows_of(about, omega, true); }
+
 std::vector<ElementBound> bounds_of(const Case& about, double seconds) {
   const int channels = about.channels();
   const double omega = 2 * std::numbers::pi * about.frequency_hz;
-  const Rows rows = rows_of(about, about.chain.masses, omega, true);
+  const ElementRows rows = true_rows(about, omega);
   Eigen::VectorXd sigma(channels);  // of each component of a channel's phasor
   Eigen::VectorXcd X(channels);
   for (int c = 0; c < channels; ++c) {
@@ -78,11 +80,11 @@ std::vector<ElementBound> bounds_of(const Case& about, double seconds) {
 }
 
 std::vector<Complex> stiffness_of(const Case& about, double omega, const std::vector<Complex>& X) {
-  const Rows rows = rows_of(about, about.rig.masses, omega, false);
+  const ElementRows by = rows_of(about, omega, false);
   const Eigen::Map<const Eigen::VectorXcd> readings(X.data(), static_cast<Eigen::Index>(X.size()));
   std::vector<Complex> Z;
-  for (Eigen::Index e = 0; e < rows.force.rows(); ++e)
-    Z.push_back((rows.force.row(e) * readings)(0) / (rows.deformation.row(e) * readings)(0));
+  for (Eigen::Index e = 0; e < by.force.rows(); ++e)
+    Z.push_back((by.force.row(e) * readings)(0) / (by.deformation.row(e) * readings)(0));
   return Z;
 }
 

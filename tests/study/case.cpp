@@ -39,6 +39,8 @@ const char* name_of(Population population) {
       return "steady";
     case Population::ramps:
       return "ramps";
+    case Population::disturbed:
+      return "disturbed";
   }
   return "";
 }
@@ -62,6 +64,7 @@ std::string Case::description() const {
   if (hum > 0) more += ", hum up to " + std::to_string(hum);
   if (glitches > 0) more += ", glitches";
   if (lost > 0) more += ", lost packets";
+  for (const Disturbance& disturbance : disturbances) more += "; " + disturbance.told;
   return text + remark + more;
 }
 

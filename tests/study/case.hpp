@@ -10,6 +10,7 @@
 
 #include "core/chain.hpp"
 #include "core/rig.hpp"
+#include "tests/study/disturbance.hpp"
 #include "tests/study/motion.hpp"
 #include "tests/study/random.hpp"
 
@@ -28,10 +29,11 @@ enum class Population {
   frequency_step,
   small_step,
   stop,
-  steady,  // a long time of an unchanged drive, every disturbance of the transducers
-  ramps,   // n = 0, three periods between ramps
+  steady,     // a long time of an unchanged drive, every disturbance of the transducers
+  ramps,      // n = 0, three periods between ramps
+  disturbed,  // what devices, drives and rigs do that a rig file does not know of
 };
-inline constexpr int kPopulations = 13;
+inline constexpr int kPopulations = 14;
 [[nodiscard]] const char* name_of(Population population);
 
 // How a channel is sampled, and what is added to what it reads.
@@ -78,6 +80,11 @@ struct Case {
   double glitches = 0.0;  // part of the force readings that are far off
   double lost = 0.0;      // part of the packets that are lost
   std::string remark;     // what is special
+  std::vector<Disturbance> disturbances;
+  bool without_transient = false;        // readings of the newest drive's steady motion alone
+  std::vector<Mishap> mishaps;           // per channel, or none
+  std::vector<SideSpring> side;          // springs that the chain does not know
+  std::shared_ptr<const Course> course;  // in place of `motion`, where the chain is not linear
   [[nodiscard]] double period_s() const { return 1 / frequency_hz; }
   [[nodiscard]] int channels() const { return static_cast<int>(lines.size()); }
   [[nodiscard]] double samples_per_period(int c) const {

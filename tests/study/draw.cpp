@@ -21,44 +21,6 @@ MassState draw_state(Draws& draws, const Chain& chain, const TableMotion& table)
   return state;
 }
 
-// From rest, from any state, or after a change of a drive before.
-void draw_motion(Draws& draws, Case& about, const TableMotion& table) {
-  about.motion = std::make_shared<Motion>(about.chain, about.sensors);
-  const double kind = draws.uniform(0, 1);
-  if (kind < 0.35) {
-    about.motion->drive(0.0, table);
-    about.remark += "from rest";
-  } else if (kind < 0.7) {
-    about.motion->drive(0.0, table, draw_state(draws, about.chain, table));
-    about.remark += "from any state";
-  } else {
-    TableMotion before = table;
-    const double factor = draws.chance(0.5) ? draws.log_uniform(0.3, 0.8) : draws.log_uniform(1.25, 3);
-    for (Complex& shape : before.shape) shape *= factor;
-    if (about.rig.excitation.reference == Reference::tracked && draws.chance(0.5))
-      before.frequency_hz = std::clamp(before.frequency_hz * (1 + draws.sign() * draws.uniform(0.015, 0.03)),
-                                       about.rig.excitation.search_low_hz, about.rig.excitation.search_high_hz);
-    const int periods = draws.integer(8, 40);
-    about.change_s = periods / before.frequency_hz;
-    if (draws.chance(0.5))
-      about.motion->drive(0.0, before);
-    else
-      about.motion->drive(0.0, before, about.motion->steady_state(before));
-    about.motion->drive(about.change_s, table);
-    about.remark += "after a change";
-  }
-  // A free decay in one channel alone: its own bracket rings, no longer than the rig's slowest mode.
-  if (draws.chance(0.1)) {
-    const int c = draws.integer(1, about.channels() - 1);
-    const double tau_s = about.motion->time_constant_s() * draws.uniform(0.3, 1);
-    const double omega = kTwoPi * about.frequency_hz * draws.log_uniform(0.2, 4);
-    about.motion->ring(
-        c, std::abs(about.motion->phasor(c, 1)) * std::polar(draws.log_uniform(0.05, 2), draws.uniform(0, kTwoPi)),
-        {-1 / tau_s, omega});
-    about.remark += ", one channel rings";
-  }
-}
-
 // One that begins with a transient, settles and is measured.
 void draw_begun(Draws& draws, Case& about) {
   const Population population = about.population;
@@ -82,6 +44,44 @@ void draw_begun(Draws& draws, Case& about) {
 }
 
 }  // namespace
+
+void draw_motion(Draws& draws, Case& about, const TableMotion& table) {
+  about.motion = std::make_shared<Motion>(about.chain, about.sensors, about.side);
+  const double kind = draws.uniform(0, 1);
+  if (kind < 0.35) {
+    about.motion->drive(0.0, table);
+    about.remark += "from rest";
+  } else if (kind < 0.7) {
+    about.motion->drive(0.0, table, draw_state(draws, about.chain, table));
+    about.remark += "from any state";
+  } else {
+    TableMotion before = table;
+    before.tones.clear();
+    const double factor = draws.chance(0.5) ? draws.log_uniform(0.3, 0.8) : draws.log_uniform(1.25, 3);
+    for (Complex& shape : before.shape) shape *= factor;
+    if (about.rig.excitation.reference == Reference::tracked && draws.chance(0.5))
+      before.frequency_hz = std::clamp(before.frequency_hz * (1 + draws.sign() * draws.uniform(0.015, 0.03)),
+                                       about.rig.excitation.search_low_hz, about.rig.excitation.search_high_hz);
+    const int periods = draws.integer(8, 40);
+    about.change_s = periods / before.frequency_hz;
+    if (draws.chance(0.5))
+      about.motion->drive(0.0, before);
+    else
+      about.motion->drive(0.0, before, about.motion->steady_state(before));
+    about.motion->drive(about.change_s, table);
+    about.remark += "after a change";
+  }
+  // A free decay in one channel alone: its own bracket rings, no longer than the rig's slowest mode.
+  if (about.population != Population::disturbed && draws.chance(0.1)) {
+    const int c = draws.integer(1, about.channels() - 1);
+    const double tau_s = about.motion->time_constant_s() * draws.uniform(0.3, 1);
+    const double omega = kTwoPi * about.frequency_hz * draws.log_uniform(0.2, 4);
+    about.motion->ring(
+        c, std::abs(about.motion->phasor(c, 1)) * std::polar(draws.log_uniform(0.05, 2), draws.uniform(0, kTwoPi)),
+        {-1 / tau_s, omega});
+    about.remark += ", one channel rings";
+  }
+}
 
 TableMotion draw_table(Draws& draws, double frequency_hz, int harmonics) {
   TableMotion table{frequency_hz, {Complex{draws.log_uniform(2e-4, 5e-3), 0.0}}};
@@ -124,6 +124,9 @@ Case draw(Population population, std::uint64_t seed, int index) {
       break;
     case Population::ramps:
       draw_ramps(draws, about);
+      break;
+    case Population::disturbed:
+      draw_disturbed(draws, about);
       break;
     default:
       draw_begun(draws, about);

@@ -30,6 +30,12 @@ void draw_sampling(Draws& draws, Case& about, double fewest, double most);
 // White noise and the disturbances of the case's population; needs motion and sampling.
 void draw_noise(Draws& draws, Case& about, double table_amplitude);
 
+// From rest, from any state, or after a change of a drive before; fills the motion.
+void draw_motion(Draws& draws, Case& about, const TableMotion& table);
+
+// A healthy rig, and then a kind of disturbance by the dwell's index (every kind is as frequent), sometimes a second.
+void draw_disturbed(Draws& draws, Case& about);
+
 // The populations that do not begin with a transient: an element that hardly deforms; steps and stop of the drive;
 // hours of it; three periods between ramps.
 void draw_stiff(Draws& draws, Case& about);

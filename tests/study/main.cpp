@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/study/disturbed.hpp"
 #include "tests/study/figures.hpp"
 #include "tests/study/pool.hpp"
 
@@ -39,7 +40,8 @@ struct Findings {
   std::vector<Outcome> begun;   // of every population that begins with a transient
   std::vector<Outcome> judged;  // of those by which it is judged what is reported
   std::vector<std::string> bad;
-  long rearmed = 0;  // although the drive was steady
+  std::vector<std::string> tables;  // beside the rows
+  long rearmed = 0;                 // although the drive was steady
 };
 
 template <typename One, typename Play>
@@ -132,6 +134,15 @@ void study(const Options& options, Population population, Findings& findings) {
           options, population, outcomes, [](const RampsOutcome& o) { return o.beyond || !o.found; }, findings);
       break;
     }
+    case Population::disturbed: {
+      const auto outcomes =
+          play_all<DisturbedOutcome>(options, population, options.count(kKinds, 5012), play_disturbed);
+      for (Row& row : disturbed_rows(outcomes, options.slack())) findings.rows.push_back(std::move(row));
+      findings.tables = disturbed_table(outcomes);
+      if (options.list_bad)
+        for (std::string& line : disturbed_worst(outcomes, options.seed)) findings.bad.push_back(std::move(line));
+      break;
+    }
     default:
       study_begun(options, population, findings);
   }
@@ -146,6 +157,8 @@ void play_only(const Options& options, Population population) {
     (void)play_hours(about, trace);
   else if (population == Population::ramps)
     (void)play_ramps(about, trace);
+  else if (population == Population::disturbed)
+    (void)play_disturbed(about, trace);
   else if (population >= Population::amplitude_step && population <= Population::stop)
     (void)play_step(about, trace);
   else
@@ -173,6 +186,7 @@ int run(const Options& options) {
   print(rows);
   if (!findings.begun.empty())
     for (const std::string& line : beside(findings.begun)) std::puts(line.c_str());
+  for (const std::string& line : findings.tables) std::puts(line.c_str());
   for (const std::string& line : findings.bad) std::puts(line.c_str());
   return std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.met; }) ? 0 : 1;
 }

@@ -25,6 +25,21 @@ Complex lowpass_response(const Filter& filter, double f_hz) {
   return 1.0 / denominator;
 }
 
+// Adds a spring and damper between masses a and b (0 … n-1; otherwise: not a mass) to the scaled matrices.
+void join(const Chain& chain, int a_end, int b_end, double stiffness, double damping, Eigen::MatrixXd& K,
+          Eigen::MatrixXd& C) {
+  const int n = chain.mass_count();
+  for (const int a : {a_end, b_end})
+    for (const int b : {a_end, b_end}) {
+      if (a < 0 || b < 0 || a >= n || b >= n) continue;
+      const double root =
+          std::sqrt(chain.masses[static_cast<std::size_t>(a)] * chain.masses[static_cast<std::size_t>(b)]);
+      const double sign = a == b ? 1.0 : -1.0;
+      K(a, b) += sign * stiffness / root;
+      C(a, b) += sign * damping / root;
+    }
+}
+
 // What a sensor makes of displacements y_1 … y_n (and y_0) that move as exp(st).
 Complex sensed(const Chain& chain, const Sensor& sensor, const std::vector<Complex>& y, Complex s) {
   if (sensor.measures == Quantity::force) {
@@ -44,21 +59,17 @@ Complex Sensor::response(double f_hz) const {
   return gain * std::polar(1.0, -kTwoPi * f_hz * delay_s) * lowpass_response(lowpass, f_hz);
 }
 
-Motion::Motion(const Chain& chain, const std::vector<Sensor>& sensors) : chain_(chain), sensors_(sensors) {
+Motion::Motion(const Chain& chain, const std::vector<Sensor>& sensors, const std::vector<SideSpring>& side)
+    : chain_(chain), sensors_(sensors), side_(side) {
   const int n = chain.mass_count();
   if (n == 0) return;
   // Time in units of 1/omega0 and masses scaled to one: entries near one, whatever the units.
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n), C = K;
   for (int e = 0; e < chain.element_count(); ++e)
-    for (const int a : {e - 1, e})
-      for (const int b : {e - 1, e}) {
-        if (a < 0 || b < 0 || a >= n || b >= n) continue;
-        const double root =
-            std::sqrt(chain.masses[static_cast<std::size_t>(a)] * chain.masses[static_cast<std::size_t>(b)]);
-        const double sign = a == b ? 1.0 : -1.0;
-        K(a, b) += sign * chain.stiffness[static_cast<std::size_t>(e)] / root;
-        C(a, b) += sign * chain.damping[static_cast<std::size_t>(e)] / root;
-      }
+    join(chain, e - 1, e, chain.stiffness[static_cast<std::size_t>(e)], chain.damping[static_cast<std::size_t>(e)], K,
+         C);
+  for (const SideSpring& spring : side)
+    join(chain, spring.mass - 1, spring.to - 1, spring.stiffness, spring.damping, K, C);
   const double omega0 = std::sqrt(K.diagonal().maxCoeff());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n).setIdentity();
@@ -84,17 +95,40 @@ Motion::Motion(const Chain& chain, const std::vector<Sensor>& sensors) : chain_(
   }
 }
 
+std::vector<Complex> Motion::respond(double omega, Complex Y0) const {
+  if (side_.empty()) return steady_response(chain_, omega, Y0).Y;
+  const int n = chain_.mass_count();
+  Eigen::MatrixXcd D = Eigen::MatrixXcd::Zero(n + 1, n + 1);  // of the table and the masses
+  const auto add = [&](int a, int b, Complex Z) {
+    D(a, a) += Z;
+    if (b < 0 || b > n) return;
+    D(b, b) += Z;
+    D(a, b) -= Z;
+    D(b, a) -= Z;
+  };
+  for (int e = 0; e < chain_.element_count(); ++e)
+    add(e, e + 1, {chain_.stiffness[static_cast<std::size_t>(e)], omega * chain_.damping[static_cast<std::size_t>(e)]});
+  for (const SideSpring& spring : side_) add(spring.mass, spring.to, {spring.stiffness, omega * spring.damping});
+  for (int k = 1; k <= n; ++k) D(k, k) -= omega * omega * chain_.masses[static_cast<std::size_t>(k - 1)];
+  const Eigen::VectorXcd y = D.bottomRightCorner(n, n).partialPivLu().solve(-D.bottomLeftCorner(n, 1) * Y0);
+  std::vector<Complex> Y{Y0};
+  Y.insert(Y.end(), y.begin(), y.end());
+  return Y;
+}
+
 MassState Motion::steady_state(const TableMotion& table) const {
   const auto n = static_cast<std::size_t>(chain_.mass_count());
   MassState state{std::vector<double>(n), std::vector<double>(n)};
-  for (std::size_t h = 1; h <= table.shape.size(); ++h) {
-    const double omega = static_cast<double>(h) * kTwoPi * table.frequency_hz;
-    const SteadyResponse steady = steady_response(chain_, omega, table.shape[h - 1]);
+  const auto add = [&](double omega, Complex Y0) {
+    const std::vector<Complex> Y = respond(omega, Y0);
     for (std::size_t k = 0; k < n; ++k) {
-      state.y[k] += steady.Y[k + 1].imag();
-      state.velocity[k] += (kJ * omega * steady.Y[k + 1]).imag();
+      state.y[k] += Y[k + 1].imag();
+      state.velocity[k] += (kJ * omega * Y[k + 1]).imag();
     }
-  }
+  };
+  for (std::size_t h = 1; h <= table.shape.size(); ++h)
+    add(static_cast<double>(h) * kTwoPi * table.frequency_hz, table.shape[h - 1]);
+  for (const Tone& tone : table.tones) add(kTwoPi * tone.frequency_hz, tone.amplitude);
   return state;
 }
 
@@ -103,6 +137,7 @@ MassState Motion::state_at(const Segment& segment, double t_s) const {
   TableMotion table = segment.table;
   for (std::size_t h = 0; h < table.shape.size(); ++h)
     table.shape[h] *= std::exp(kJ * (static_cast<double>(h + 1) * segment.omega * tau));
+  for (Tone& tone : table.tones) tone.amplitude *= std::exp(kJ * (kTwoPi * tone.frequency_hz * tau));
   MassState state = steady_state(table);
   for (std::size_t m = 0; m < lambda_.size(); ++m) {
     const Complex now = segment.amplitudes[m] * std::exp(lambda_[m] * tau);
@@ -130,13 +165,15 @@ void Motion::drive(double start_s, const TableMotion& table, const std::optional
     segment.amplitudes.push_back(amplitude);
   }
   segment.channels.resize(sensors_.size());
-  for (std::size_t h = 1; h <= table.shape.size(); ++h) {
-    const double f_hz = static_cast<double>(h) * table.frequency_hz;
-    const SteadyResponse response = steady_response(chain_, kTwoPi * f_hz, table.shape[h - 1]);
+  const auto heard = [&](double f_hz, Complex Y0, std::vector<Complex> Heard::*of) {
+    const std::vector<Complex> Y = respond(kTwoPi * f_hz, Y0);
     for (std::size_t c = 0; c < sensors_.size(); ++c)
-      segment.channels[c].steady.push_back(sensed(chain_, sensors_[c], response.Y, kJ * (kTwoPi * f_hz)) *
-                                           sensors_[c].response(f_hz));
-  }
+      (segment.channels[c].*of)
+          .push_back(sensed(chain_, sensors_[c], Y, kJ * (kTwoPi * f_hz)) * sensors_[c].response(f_hz));
+  };
+  for (std::size_t h = 1; h <= table.shape.size(); ++h)
+    heard(static_cast<double>(h) * table.frequency_hz, table.shape[h - 1], &Heard::steady);
+  for (const Tone& tone : table.tones) heard(tone.frequency_hz, tone.amplitude, &Heard::tones);
   for (std::size_t m = 0; m < lambda_.size(); ++m) {
     std::vector<Complex> y(n + 1);
     for (std::size_t k = 0; k < n; ++k) y[k + 1] = shapes_[m][k] * segment.amplitudes[m];
@@ -178,6 +215,8 @@ double Motion::reading(int c, double t_s) const {
     re = next;
     sum += X.real() * im + X.imag() * re;
   }
+  for (std::size_t i = 0; i < heard.tones.size(); ++i)
+    sum += (heard.tones[i] * std::polar(1.0, kTwoPi * segment.table.tones[i].frequency_hz * tau)).imag();
   for (const Mode& mode : heard.modes)
     if (t_s < mode.until_s) {
       const double angle = mode.lambda.imag() * tau;
@@ -201,6 +240,13 @@ double Motion::envelope(int c, double t_s) const {
   for (const Mode& mode : segment.channels[static_cast<std::size_t>(c)].modes)
     sum += std::abs(mode.weight) * std::exp(mode.lambda.real() * (t_s - segment.start_s));
   return sum;
+}
+
+std::vector<Motion::Swing> Motion::swings(int c) const {
+  std::vector<Swing> swings;
+  for (const Mode& mode : segments_.back().channels[static_cast<std::size_t>(c)].modes)
+    swings.push_back({mode.lambda, mode.weight});
+  return swings;
 }
 
 double Motion::step_s() const { return kTwoPi / std::max(fastest_, 1e-9) / 24; }

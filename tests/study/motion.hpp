@@ -28,10 +28,24 @@ struct Sensor {
   [[nodiscard]] Complex response(double f_hz) const;
 };
 
-// The table: y_0 = Im Σ_h shape[h-1] exp(jhω(t - start)).
+// A part of the table's motion at a frequency of its own.
+struct Tone {
+  double frequency_hz = 0.0;
+  Complex amplitude;  // m (rad)
+};
+
+// The table: y_0 = Im [Σ_h shape[h-1] exp(jhω(t - start)) + Σ tones].
 struct TableMotion {
   double frequency_hz = 0.0;
   std::vector<Complex> shape;  // m (rad)
+  std::vector<Tone> tones{};   // a drive whose amplitude wanders has its side bands here
+};
+
+// A spring that the chain does not know: from a mass to another mass, to the table (0) or to the ground.
+struct SideSpring {
+  int mass = 0;      // 1 … n
+  int to = kGround;  // 0 … n, or kGround
+  double stiffness = 0.0, damping = 0.0;
 };
 
 struct MassState {
@@ -40,7 +54,7 @@ struct MassState {
 
 class Motion {
  public:
-  Motion(const Chain& chain, const std::vector<Sensor>& sensors);
+  Motion(const Chain& chain, const std::vector<Sensor>& sensors, const std::vector<SideSpring>& side = {});
 
   // From `start_s` on the table moves so. Without a state the masses go on as they move (before the first call: stand
   // still). Calls in order of time.
@@ -54,6 +68,9 @@ class Motion {
 
   // Modes are left out of channel c from the instant on at which they have fallen below `negligible`.
   void prune(int c, double negligible);
+
+  // Steady phasors Y_0 … Y_n under a table that moves with Y0.
+  [[nodiscard]] std::vector<Complex> respond(double omega, Complex Y0) const;
 
   [[nodiscard]] double reading(int c, double t_s) const;
   // Under the newest drive: what is not its steady motion, and a bound of it from t on.
@@ -69,6 +86,11 @@ class Motion {
   [[nodiscard]] double start_s() const { return segments_.back().start_s; }
   // Of the slowest mode, rung ones included; 0: there is none.
   [[nodiscard]] double time_constant_s() const { return time_constant_s_; }
+  // What channel c reads of each natural oscillation of the newest drive: Re Σ weight exp(λ (t - start)).
+  struct Swing {
+    Complex lambda, weight;
+  };
+  [[nodiscard]] std::vector<Swing> swings(int c) const;
   // Natural values with the table held, one of each conjugate pair.
   [[nodiscard]] const std::vector<Complex>& natural() const { return lambda_; }
 
@@ -79,6 +101,7 @@ class Motion {
   };
   struct Heard {  // one channel in one segment
     std::vector<Complex> steady;
+    std::vector<Complex> tones;  // as TableMotion::tones
     std::vector<Mode> modes;
   };
   struct Segment {
@@ -92,6 +115,7 @@ class Motion {
 
   Chain chain_;
   std::vector<Sensor> sensors_;
+  std::vector<SideSpring> side_;
   std::vector<Complex> lambda_;               // Im λ ≥ 0
   std::vector<std::vector<Complex>> shapes_;  // displacements of mode m, one per mass; real part, doubled for pairs
   std::vector<std::vector<Complex>> onto_;    // amplitude of mode m in a state: row of the inverse, 2n

@@ -16,7 +16,28 @@ Pair random_at(std::uint64_t seed, int c, std::int64_t i, std::uint64_t purpose)
   return {unit(bits), unit(mixed(bits))};
 }
 
-enum : std::uint64_t { kNoise, kJitter, kAccident };
+enum : std::uint64_t { kNoise, kJitter, kAccident, kMishap };
+
+// Whether an accident of this probability befalls sample i: by itself, or with all channels of its poll.
+bool befalls(const Case& about, int c, std::int64_t i, double part, bool whole_scans, std::uint64_t which) {
+  if (part <= 0) return false;
+  return random_at(about.seed + which, whole_scans ? 0 : c, i, kMishap).u < part;
+}
+
+enum : std::uint64_t { kRepeat = 1, kBurst, kZero, kCode };
+
+// The poll whose reading is given at poll i.
+std::int64_t source_of(const Case& about, const Mishap& mishap, int c, std::int64_t i) {
+  if (mishap.alternate) i -= i % 2;
+  if (mishap.burst_length > 0) {
+    const std::int64_t cell = i / kBurstCell;
+    const Pair random = random_at(about.seed + kBurst, c, cell, kMishap);
+    const auto first = cell * kBurstCell + static_cast<std::int64_t>(random.v * (kBurstCell - mishap.burst_length));
+    if (random.u < mishap.bursts && i > first && i < first + mishap.burst_length) i = first;
+  }
+  while (i > 0 && befalls(about, c, i, mishap.repeats, mishap.whole_scans, kRepeat)) --i;
+  return i;
+}
 
 }  // namespace
 
@@ -26,15 +47,49 @@ double instant_s(const Case& about, int c, std::int64_t i) {
   return (static_cast<double>(i) + 0.5 + line.phase + moved) / line.rate_hz;
 }
 
-double reading(const Case& about, int c, std::int64_t i, double t_s) {
+namespace {
+
+// What the transducer gives at t_s, with the noise of index i.
+double measured(const Case& about, int c, std::int64_t i, double t_s) {
   const Line& line = about.lines[static_cast<std::size_t>(c)];
-  double value = line.mean + about.ramps.factor(t_s) * about.motion->reading(c, t_s);
+  double motion = about.course ? about.course->reading(c, t_s) : about.motion->reading(c, t_s);
+  if (about.without_transient && !about.course) motion -= about.motion->transient(c, t_s);
+  double value = line.mean + about.ramps.factor(t_s) * motion;
   if (line.sigma > 0) {
     const Pair random = random_at(about.seed, c, i, kNoise);
     value += line.sigma * normal_of(random.u, random.v);
   }
   if (line.hum > 0) value += line.hum * std::sin(2 * std::numbers::pi * line.hum_hz * t_s + line.hum_phase);
   if (line.step > 0) value = line.step * std::round(value / line.step);
+  return value;
+}
+
+// The same as the device gives it.
+double given(const Case& about, int c, std::int64_t i, double t_s) {
+  const Mishap& mishap = about.mishaps[static_cast<std::size_t>(c)];
+  const std::int64_t source = source_of(about, mishap, c, i);
+  if (source != i) t_s = instant_s(about, c, source);
+  std::int64_t noise = source;
+  if (mishap.refresh_s > 0) {
+    noise = static_cast<std::int64_t>(std::floor((t_s - mishap.refresh_phase_s) / mishap.refresh_s));
+    t_s = mishap.refresh_phase_s + static_cast<double>(noise) * mishap.refresh_s;
+  }
+  double value = measured(about, c, noise, t_s);
+  if (source == mishap.glitch) value += mishap.glitch_by;
+  if (value < mishap.low) value = std::isnan(mishap.low_code) ? mishap.low : mishap.low_code;
+  if (value > mishap.high) value = std::isnan(mishap.high_code) ? mishap.high : mishap.high_code;
+  if (mishap.low_byte_step > 0)
+    value = mishap.low_byte_step * (256 * std::floor(value / (256 * mishap.low_byte_step)) + mishap.low_byte);
+  if (befalls(about, c, source, mishap.zeros, mishap.whole_scans, kZero)) value = 0.0;
+  if (befalls(about, c, source, mishap.codes, false, kCode)) value = mishap.code;
+  return value;
+}
+
+}  // namespace
+
+double reading(const Case& about, int c, std::int64_t i, double t_s) {
+  if (!about.mishaps.empty()) return given(about, c, i, t_s);
+  double value = measured(about, c, i, t_s);
   if (about.glitches > 0 && about.sensors[static_cast<std::size_t>(c)].measures == Quantity::force &&
       random_at(about.seed, c, i, kAccident).u < about.glitches)
     value += 20 * std::abs(about.motion->phasor(c, 1));

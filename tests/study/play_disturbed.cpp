@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/pipeline.hpp"
+#include "tests/study/disturbed.hpp"
+#include "tests/study/recording.hpp"
+
+namespace dwell::study {
+namespace {
+
+constexpr double kPatience = 1.5;  // times the lateness that one dwell in twenty may have
+
+double oracle_s(const Case& about) {
+  double last_s = about.change_s;
+  for (int c = 0; c < about.channels(); ++c) last_s = std::max(last_s, about.motion->last_above(c, about.threshold(c)));
+  return last_s;
+}
+
+double largest(const std::vector<double>& values, const std::vector<bool>& of) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (of[i]) most = std::max(most, std::abs(values[i]));
+  return most;
+}
+
+// Errors over their stated standard uncertainties, of all that a dwell shows.
+double worst_of(const Case& about, const Dwell& dwell) {
+  double worst = 0.0;
+  for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
+    const ElementEstimate& given = dwell.elements[e];
+    if (!given.identifiable) continue;
+    const double c = std::abs(given.stiffness.value - about.chain.stiffness[e]) / given.stiffness.u;
+    const double r = std::abs(given.damping.value - about.chain.damping[e]) / given.damping.u;
+    // Not a number: as bad as any.
+    if (!(c <= worst)) worst = std::isnan(c) ? INFINITY : c;
+    if (!(r <= worst)) worst = std::isnan(r) ? INFINITY : r;
+  }
+  return worst;
+}
+
+void tell(const Case& about, const Dwell& dwell, double worst, bool warned, const Trace& trace) {
+  trace(text("dwell from %.2f to %.2f periods, ended by %s: largest error %.3g u, %s",
+             dwell.settled_s / about.period_s(), dwell.end_s / about.period_s(), to_string(dwell.ended_by), worst,
+             warned ? "the cause is named" : "the cause is not named"));
+  for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
+    const ElementEstimate& given = dwell.elements[e];
+    if (!given.identifiable) {
+      trace(text("  element %zu withheld: ", e + 1) + given.reason);
+      continue;
+    }
+    trace(text("  element %zu: c off by %.3g %% (%.3g u), r off by %.3g %% (%.3g u)", e + 1,
+               100 * (given.stiffness.value / about.chain.stiffness[e] - 1),
+               (given.stiffness.value - about.chain.stiffness[e]) / given.stiffness.u,
+               100 * (given.damping.value / about.chain.damping[e] - 1),
+               (given.damping.value - about.chain.damping[e]) / given.damping.u));
+  }
+  for (const std::string& line : dwell.warnings) trace("  warning: " + line);
+  for (const Doubt& doubt : dwell.doubts) trace("  doubt: " + doubt.what);
+}
+
+void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedOutcome& outcome, const Trace& trace) {
+  if (!std::isfinite(dwell.settled_s)) {
+    if (trace) trace(text("no result up to %.2f periods: ", dwell.end_s / about.period_s()) + dwell.settling_reason);
+    return;
+  }
+  bool warned = false;
+  for (const std::string& line : told_by(dwell))
+    for (const Disturbance& disturbance : about.disturbances) warned = warned || names(about, disturbance, line);
+  const double worst = worst_of(about, dwell);
+  outcome.settled = true;
+  outcome.warned = outcome.warned || warned;
+  outcome.worst = std::max(outcome.worst, worst);
+  if (!warned && worst > outcome.worst_silent) {
+    outcome.worst_silent = worst;
+    outcome.doubted = !dwell.doubts.empty();
+  }
+  bool all = !dwell.elements.empty();
+  for (std::size_t e = 0; e < dwell.elements.size(); ++e)
+    all = all && (dwell.elements[e].identifiable || !moved.stands_out[e]);
+  outcome.reported = outcome.reported || all;
+  outcome.trusted = outcome.trusted || (all && dwell.doubts.empty());
+  if (trace) tell(about, dwell, worst, warned, trace);
+}
+
+}  // namespace
+
+DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
+  DisturbedOutcome outcome;
+  outcome.index = about.index;
+  for (const Disturbance& disturbance : about.disturbances) outcome.kinds.push_back(disturbance.kind);
+  const double oracle = oracle_s(about), seconds = about.hold_periods * about.period_s();
+  const double end_s = oracle + kPatience * std::max(10 * about.period_s(), about.motion->time_constant_s()) + seconds;
+  const Moved moved = moved_by(about, oracle, seconds);
+  outcome.counts = moved.shows >= kShows;
+  outcome.harmless = moved.harmless();
+  outcome.moved = std::max(largest(moved.c, moved.stands_out), largest(moved.r, moved.stands_out));
+  if (trace) {
+    trace(
+        text("settled in truth at %.2f periods, played to %.2f", oracle / about.period_s(), end_s / about.period_s()));
+    for (std::size_t e = 0; e < moved.c.size(); ++e)
+      trace(text("a plain fit of element %zu is moved by %.3g u in c, %.3g u in r%s", e + 1, moved.c[e], moved.r[e],
+                 moved.stands_out[e] ? "" : " (too weak to be reported)"));
+    if (std::isfinite(moved.shows)) trace(text("the fault of the model shows by %.3g", moved.shows));
+  }
+  Pipeline pipeline(about.rig);
+  Player player(about);
+  double told_s = 0.0;
+  do {
+    if (pipeline.push(player.next()) & kCompleted) judge(about, pipeline.completed(), moved, outcome, trace);
+    if (trace && player.now_s() > told_s) {
+      trace(text("%8.2f periods: ", player.now_s() / about.period_s()) + to_string(pipeline.state()) + ", " +
+            pipeline.current().settling_reason);
+      told_s = player.now_s() + 5 * about.period_s();
+    }
+  } while (player.now_s() < end_s);
+  if (pipeline.finish() & kCompleted) judge(about, pipeline.completed(), moved, outcome, trace);
+  if (trace)
+    trace(outcome.silent()         ? text("WRONG WITHOUT A WORD: %.3g u", outcome.worst_silent)
+          : outcome.worst > kWrong ? (outcome.counts ? "wrong, and said" : "wrong, but nothing could tell")
+          : !outcome.settled       ? "no result"
+          : !outcome.reported      ? "withheld in part"
+                                   : "right");
+  return outcome;
+}
+
+}  // namespace dwell::study
