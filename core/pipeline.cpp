@@ -160,6 +160,24 @@ std::complex<double> Pipeline::phasor(int channel) const noexcept {
   return fit.X[0] * std::polar(1.0, p.bend(p.now_ns)) / response(about, delay, p.omega_at(p.now_ns, p.omega) / kTwoPi);
 }
 
-ChannelNow Pipeline::channel(int channel) const noexcept { return impl_->live[static_cast<std::size_t>(channel)].now; }
+ChannelNow Pipeline::channel(int channel) const noexcept {
+  const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
+  ChannelNow now = live.now;
+  if (live.last_ns != INT64_MIN)
+    now.condition = impl_->stuck(live) ? Condition::stuck : now.overrange ? Condition::overrange : Condition::ok;
+  return now;
+}
+
+std::string Pipeline::condition_reason(int channel) const {
+  const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
+  switch (this->channel(channel).condition) {
+    case Condition::stuck:
+      return "stuck at one reading for " + std::to_string(to_s(live.last_ns - live.changed_ns)).substr(0, 5) + " s";
+    case Condition::overrange:
+      return "the newest reading is beyond its range";
+    default:
+      return "";
+  }
+}
 
 }  // namespace dwell

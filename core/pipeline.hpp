@@ -5,7 +5,9 @@
 #include <complex>
 #include <cstdint>
 #include <memory>
+#include <string>
 
+#include "core/condition.hpp"
 #include "core/dwell.hpp"
 #include "core/record.hpp"
 #include "core/rig.hpp"
@@ -25,9 +27,10 @@ struct ChannelNow {
   std::int64_t t_ns = 0;
   Fault fault = Fault::silent;  // none: it delivers
   bool overrange = false;       // the newest reading is beyond its range
-  std::uint64_t used = 0;       // samples taken into account
-  std::uint64_t rejected = 0;   // samples that were not: not finite, overrange, spikes, not after the one before
-  std::uint64_t gaps = 0;       // times that samples were lost
+  Condition condition = Condition::unheard;
+  std::uint64_t used = 0;      // samples taken into account
+  std::uint64_t rejected = 0;  // samples that were not: not finite, overrange, spikes, not after the one before
+  std::uint64_t gaps = 0;      // times that samples were lost
 };
 
 class Pipeline {
@@ -63,6 +66,8 @@ class Pipeline {
   [[nodiscard]] std::complex<double> phasor(int channel) const noexcept;
 
   [[nodiscard]] ChannelNow channel(int channel) const noexcept;
+  // The channel's condition in words, with figures; empty where it is ok or unheard. Allocates.
+  [[nodiscard]] std::string condition_reason(int channel) const;
 
  private:
   struct Impl;

@@ -293,6 +293,8 @@ void Estimator::publish(std::int64_t now_ns) {
     view.fault = watch_[i].fault;
     view.reason = watch_[i].reason;
     view.overrange = now.overrange;
+    view.condition = now.condition;
+    view.condition_reason = pipeline_.condition_reason(static_cast<int>(i));
     view.rate_hz = watch_[i].rate_hz;
     view.half_width_s = channels_[i].half_width_s;
     view.gaps = now.gaps;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/condition.hpp"
 #include "core/dwell.hpp"
 #include "core/record.hpp"
 #include "core/rig.hpp"
@@ -31,7 +32,9 @@ struct ChannelView {
   Fault fault = Fault::silent;  // none: it delivers
   std::string reason;           // in words, why it does not
   bool overrange = false;
-  double rate_hz = 0.0;  // samples per second, over the last second or so
+  Condition condition = Condition::unheard;  // of its readings …
+  std::string condition_reason;              // … in words, with figures; empty: nothing is wrong with them
+  double rate_hz = 0.0;                      // samples per second, over the last second or so
   ClockView clock;
   double half_width_s = 0.0;  // of what is known of the newest sample's instant
   std::uint64_t gaps = 0;     // times that samples were lost

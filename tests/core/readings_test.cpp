@@ -66,6 +66,10 @@ TEST(Readings, AStuckReadingIsKeptOutAndItsElementsAreWithheld) {
   };
   bench.run(25);
   const Dwell stuck = bench.pipeline.current();
+  EXPECT_STREQ(to_string(bench.pipeline.channel(1).condition), "stuck");
+  EXPECT_NE(bench.pipeline.condition_reason(1).find("stuck at one reading for 4.9"), std::string::npos)
+      << bench.pipeline.condition_reason(1);
+  EXPECT_STREQ(to_string(bench.pipeline.channel(2).condition), "ok");
   EXPECT_EQ(stuck.elements[0].reason, "y1: stuck at one reading");
   EXPECT_TRUE(stuck.elements[2].identifiable);
   bench.alter = nullptr;
