@@ -28,7 +28,9 @@ struct ChannelSettings {
 struct DeviceSettings {
   std::string name;
   std::string driver;
-  std::optional<double> rate_hz;  // the key `rate`, where the device has one that is a number
+  std::optional<double> rate_hz;  // of each channel: the key `rate` or the driver's default, shifted where it may be
+  std::optional<double> asked_rate_hz;  // before it was shifted; none: it was not
+  std::int64_t age_ns = 0;              // of a reading that reaches the host at most, as the driver says; 0: not known
   std::vector<Entry> entries;
   std::vector<ChannelSettings> channels;
 };

@@ -63,6 +63,7 @@ void read_all(const toml::table& document, const SchemaSource& schemas, Draft& d
   read_devices(root, schemas, draft);
   read_channels(root, schemas, draft);
   root.refuse_rest();
+  describe_devices(draft);
   validate(draft);
 }
 

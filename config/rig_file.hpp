@@ -67,6 +67,9 @@ inline constexpr std::size_t kMaxChannels = 65535;
 inline constexpr std::size_t kMaxDevices = 1000;
 inline constexpr std::size_t kMaxMasses = 1000;
 
+// Why a device's rate was shifted, one line for people; empty: it was not.
+[[nodiscard]] std::string rate_note(const RigFile& file, const DeviceSettings& device);
+
 // Reads and checks the file at `path`. Fails with every mistake (of syntax errors the first), sorted by position; a
 // file that cannot be read, is no regular file or exceeds kMaxFileBytes is one mistake without a position.
 [[nodiscard]] Result<RigFile> load(const std::string& path, const SchemaSource& schemas);

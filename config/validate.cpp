@@ -98,7 +98,8 @@ void check_rates(Draft& draft) {
   for (std::size_t i = 0; i < draft.devices.size(); ++i) {
     const std::optional<double>& rate_hz = draft.file.devices[i].rate_hz;
     if (!rate_hz || !identified[i] || *rate_hz >= least_hz) continue;
-    draft.devices[i].section.wrong("rate", "\"rate\" is " + number_text(*rate_hz) + ", too slow for " +
+    const char* const whose = draft.devices[i].section.peek("rate") == nullptr ? " by default" : "";
+    draft.devices[i].section.wrong("rate", "\"rate\" is " + number_text(*rate_hz) + whose + ", too slow for " +
                                                std::to_string(drive.harmonics) + " harmonics of " +
                                                number_text(drive.frequency_hz) +
                                                " Hz: expected at least 2 (H + 1) f = " + number_text(least_hz) + " Hz");

@@ -31,8 +31,8 @@ Folding worst_folding(double rate_hz, double drive_hz, int fitted) noexcept {
 double rate_beside_foldings(double rate_hz, double drive_hz, int fitted) noexcept {
   const double clear_hz = kClearOfHarmonics * drive_hz;
   double best_hz = rate_hz, farthest_hz = worst_folding(rate_hz, drive_hz, fitted).distance_hz();
-  if (farthest_hz >= clear_hz) return rate_hz;
-  const double slowest_hz = std::min(rate_hz, 2.0 * (fitted + 1) * drive_hz);
+  const double slowest_hz = 2.0 * (fitted + 1) * drive_hz;
+  if (farthest_hz >= clear_hz || rate_hz < slowest_hz) return rate_hz;
   for (int step = 1; step <= kSteps; ++step) {
     for (const int sign : {-1, 1}) {  // the slower one first: the line has less to carry
       const double tried_hz = rate_hz * (1.0 + sign * step * kRateShift / kSteps);

@@ -37,7 +37,7 @@ struct Folding {
 [[nodiscard]] Folding worst_folding(double rate_hz, double drive_hz, int fitted) noexcept;
 
 // The rate at most kRateShift beside rate_hz at which the worst folding is least bad; of equally good ones the nearest
-// to rate_hz. rate_hz itself where that is clear already. Never below 2 (H + 1) f where rate_hz is not.
+// to rate_hz. rate_hz itself where that is clear already, or below 2 (H + 1) f; never below that otherwise.
 [[nodiscard]] double rate_beside_foldings(double rate_hz, double drive_hz, int fitted) noexcept;
 
 }  // namespace dwell

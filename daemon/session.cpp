@@ -6,8 +6,8 @@
 #include <thread>
 #include <utility>
 
-#include "core/scan_clocks.hpp"
 #include "daemon/acquire/device_host.hpp"
+#include "daemon/acquire/hold_back.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/estimate/estimation_thread.hpp"
 #include "daemon/estimate/estimator.hpp"
@@ -20,29 +20,6 @@ namespace {
 constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
 constexpr std::int64_t kDeviceBound_ns = 3'000'000'000;  // the interface asks for a turn every 0.5 s
 constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
-
-// A poll answered just within its timeout carries a stamp that is as old when it is known; on a serial line the
-// answer's time on the wire comes on top (256 bytes of 11 bits at most).
-std::int64_t hold_back_ns(const config::RigFile& file) {
-  constexpr double kShortest_s = 0.1;
-  constexpr double kLongest_s = 10.0;
-  constexpr double kLongestFrame_bits = 256 * 11;
-  double longest_s = kShortest_s;
-  for (const Device& device : file.rig.devices)
-    if (device.clock == Clock::device) longest_s = 1e-9 * static_cast<double>(ScanClocks::kHoldBack_ns);
-  for (const config::DeviceSettings& device : file.devices) {
-    double age_s = 0.05;
-    for (const config::Entry& entry : device.entries) {
-      if (const double* timeout_s = std::get_if<double>(&entry.value); timeout_s != nullptr && entry.key == "timeout")
-        age_s += *timeout_s;
-      if (const std::int64_t* baud = std::get_if<std::int64_t>(&entry.value);
-          baud != nullptr && entry.key == "baud" && *baud > 0)
-        age_s += kLongestFrame_bits / static_cast<double>(*baud);
-    }
-    longest_s = std::max(longest_s, age_s);
-  }
-  return static_cast<std::int64_t>(std::min(longest_s, kLongest_s) * 1e9);
-}
 
 EstimatorOptions options_for(const config::RigFile& file) {
   EstimatorOptions options;
@@ -117,6 +94,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
   for (const config::DeviceSettings& settings : impl->file.devices) {
     const auto table = drivers(settings.driver);
     if (!table) return tl::unexpected("device " + settings.name + ": " + table.error());
+    if (const std::string note = config::rate_note(impl->file, settings); !note.empty()) log.info(note);
     auto device = DeviceHost::make(settings, impl->file.directory, **table, DriverLines(settings.name, log));
     if (!device) return tl::unexpected(device.error());
     links.push_back(&(*device)->link());

@@ -135,6 +135,17 @@ typedef void (*dwell_report)(void* context, int32_t channel, const char* key, co
  * latency_ns from request to answer. */
 typedef void (*dwell_probed)(void* context, size_t channel, double raw, int64_t latency_ns, const char* error);
 
+/* What an instance of these settings would do, as far as the driver knows it without the device. 0: not known. The host
+ * sets `size` and zeroes the rest; a driver fills in what lies within `size`. */
+typedef struct dwell_traits {
+  uint32_t size;
+  int32_t rate_may_shift; /* 1: the host may set the key `rate` to up to 1 % beside what the file says, so that
+                           * harmonics of the drive do not read as others */
+  double rate_hz;         /* readings of a channel per second, defaults applied */
+  int64_t age_ns; /* how long after its stamp a sample may be pushed at most, the computer's own delays apart; the
+                   * host waits that long for the device, and what comes still later is lost */
+} dwell_traits;
+
 typedef struct dwell_driver_table {
   uint32_t size;    /* sizeof(dwell_driver_table) of the plugin's header */
   uint32_t abi;     /* DWELL_DRIVER_ABI */
@@ -161,6 +172,10 @@ typedef struct dwell_driver_table {
   void (*stop)(void* instance);
 
   void (*destroy)(void* instance);
+
+  /* What is known of the device by its settings, which may still have mistakes that check would find; does not touch
+   * the device. NULL, or a table that ends before: nothing. */
+  void (*describe)(const dwell_settings* settings, dwell_traits* traits);
 } dwell_driver_table;
 
 /* The one exported symbol. */

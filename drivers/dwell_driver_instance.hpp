@@ -116,6 +116,19 @@ void probe(const dwell_settings* settings, dwell_probed probed, void* context) {
 }
 
 template <class Driver>
+void describe(const dwell_settings* settings, dwell_traits* traits) {
+  try {
+    if constexpr (requires(Settings s, dwell_traits t) { Driver::describe(s, t); }) {
+      dwell_traits known{};
+      known.size = traits->size;
+      Driver::describe(Settings(*settings), known);
+      std::memcpy(traits, &known, std::min<std::size_t>(traits->size, sizeof known));
+    }
+  } catch (...) {  // NOLINT(bugprone-empty-catch): then nothing is known
+  }
+}
+
+template <class Driver>
 void* create(const dwell_settings* settings, const dwell_host* host, char* error, std::size_t error_size) {
   try {
     return new Instance<Driver>(*settings, *host);
@@ -163,7 +176,8 @@ constexpr dwell_driver_table make_table(const char* name, const char* version, c
           &detail::create<Driver>,
           &detail::start<Driver>,
           &detail::stop<Driver>,
-          &detail::destroy<Driver>};
+          &detail::destroy<Driver>,
+          &detail::describe<Driver>};
 }
 
 }  // namespace dwell::driver

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
@@ -28,7 +29,7 @@ std::string fault_of(const dwell_driver_table* table, const std::string& name) {
   if (table->abi != DWELL_DRIVER_ABI)
     return "it is made for version " + std::to_string(table->abi) + " of the driver interface, this is version " +
            std::to_string(DWELL_DRIVER_ABI);
-  if (table->size < sizeof(dwell_driver_table))
+  if (table->size < offsetof(dwell_driver_table, describe))  // what came later may be missing
     return "its table is too short, " + std::to_string(table->size) + " bytes";
   if (table->name == nullptr || name != table->name)
     return std::string("it calls itself `") + (table->name == nullptr ? "" : table->name) + "`";

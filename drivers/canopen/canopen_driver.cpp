@@ -93,6 +93,15 @@ class CanopenDriver {
     socketcan::tell(mistakes, report);
   }
 
+  // A scan is delivered when the next SYNC is due, which a missing answer puts off.
+  static void describe(const driver::Settings& settings, dwell_traits& traits) {
+    std::vector<Mistake> mistakes;
+    const Setup setup = read_setup(settings, mistakes);
+    traits.rate_may_shift = settings.get<bool>("rate_shift", true) ? 1 : 0;
+    traits.rate_hz = 1e9 / static_cast<double>(setup.period_ns);
+    traits.age_ns = setup.period_ns + setup.late_ns;
+  }
+
   // Reads the objects themselves by SDO: a node that is in operation stays as it is.
   static void probe(const driver::Settings& settings, driver::Probed& probed) {
     const Setup setup = read_setup(settings);

@@ -10,6 +10,7 @@ namespace dwell::canopen {
 namespace {
 
 using driver::ChannelSettings;
+using driver::flag_key;
 using driver::integer_key;
 using driver::real_key;
 using driver::required;
@@ -26,6 +27,9 @@ constexpr dwell_key kKeys[] = {
     required(text_key(DWELL_DEVICE, "interface", nullptr, "the CAN interface, for instance can0; or unix:PATH")),
     real_key(DWELL_DEVICE, "rate", 0.5, 2000.0, "Hz",
              "SYNCs sent per second, each answered by every node; default 100"),
+    flag_key(DWELL_DEVICE, "rate_shift",
+             "whether the rate may be shifted by up to 1 %, so that harmonics of the drive do not read as others; "
+             "default true"),
     real_key(DWELL_DEVICE, "timeout", 0.05, 60.0, "s", "after which a channel without a sample is stale; default 1"),
     real_key(DWELL_DEVICE, "late", 0.001, 10.0, "s",
              "by which an answer to a SYNC may be late; after one that is missing no SYNC is sent for so long; default "

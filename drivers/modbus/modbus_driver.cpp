@@ -18,6 +18,13 @@ class ModbusDriver {
 
   static void check(const driver::Settings& settings, driver::Report& report) { check_setup(settings, report); }
 
+  static void describe(const driver::Settings& settings, dwell_traits& traits) {
+    const Setup setup = read_setup(settings);
+    traits.rate_may_shift = settings.get<bool>("rate_shift", true) ? 1 : 0;
+    traits.rate_hz = setup.rate_hz;
+    traits.age_ns = greatest_age_ns(setup);
+  }
+
   static void probe(const driver::Settings& settings, driver::Probed& probed) {
     const Setup setup = read_setup(settings);
     const driver::Stop never(nullptr);

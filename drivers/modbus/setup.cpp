@@ -9,6 +9,7 @@ namespace dwell::modbus {
 namespace {
 
 using driver::ChannelSettings;
+using driver::flag_key;
 using driver::integer_key;
 using driver::real_key;
 using driver::required;
@@ -34,6 +35,9 @@ constexpr dwell_key kKeys[] = {
     real_key(DWELL_DEVICE, "gap", 0.0, 1.0, "s",
              "rtu: silence between frames; default 3.5 characters, above 19200 baud 1.75 ms"),
     real_key(DWELL_DEVICE, "rate", 0.01, 1e6, "Hz", "polls per second; default 100"),
+    flag_key(DWELL_DEVICE, "rate_shift",
+             "whether the rate may be shifted by up to 1 %, so that harmonics of the drive do not read as others; "
+             "default true"),
     real_key(DWELL_DEVICE, "timeout", 0.001, 5.0, "s",
              "how long an answer may take, its time on the wire apart; default 0.1"),
     real_key(DWELL_DEVICE, "late", 0.0, 60.0, "s", "rtu: silence after a missing or bad answer; default 5 timeouts"),
@@ -99,6 +103,12 @@ Setup read_setup(const driver::Settings& settings) {
   for (const ChannelSettings& channel : settings.channels()) readings.push_back(read_channel(channel));
   setup.blocks = plan(std::move(readings), max_registers);
   return setup;
+}
+
+std::int64_t greatest_age_ns(const Setup& setup) noexcept {
+  std::int64_t wire_ns = 0;
+  for (const Block& block : setup.blocks) wire_ns = std::max(wire_ns, setup.wire.time_ns(answer_bytes(block.count)));
+  return setup.timeout_ns + wire_ns;
 }
 
 void check_setup(const driver::Settings& settings, driver::Report& report) {

@@ -42,6 +42,9 @@ inline constexpr std::size_t kRequestBytes = 8;
 // Takes the settings as they are, with defaults; use after check.
 [[nodiscard]] Setup read_setup(const driver::Settings& settings);
 
+// How old a reading may be when it is delivered: answered at the end of its timeout, and its time on the wire.
+[[nodiscard]] std::int64_t greatest_age_ns(const Setup& setup) noexcept;
+
 // Reports everything that the key schema cannot see.
 void check_setup(const driver::Settings& settings, driver::Report& report);
 

@@ -18,7 +18,8 @@ const dwell_key kModbusKeys[] = {
     {"baud", DWELL_DEVICE, DWELL_INTEGER, 0, 300, 4000000, nullptr, "", ""},
     {"parity", DWELL_DEVICE, DWELL_STRING, 0, kNone, kNoMore, "none|even|odd", "", ""},
     {"stop_bits", DWELL_DEVICE, DWELL_INTEGER, 0, 1, 2, nullptr, "", ""},
-    {"rate", DWELL_DEVICE, DWELL_REAL, 1, 0.001, 10000, nullptr, "Hz", ""},
+    {"rate", DWELL_DEVICE, DWELL_REAL, 0, 0.001, 10000, nullptr, "Hz", ""},
+    {"rate_shift", DWELL_DEVICE, DWELL_BOOLEAN, 0, kNone, kNoMore, nullptr, "", ""},
     {"timeout", DWELL_DEVICE, DWELL_REAL, 0, 0.001, 60, nullptr, "s", ""},
     {"station", DWELL_CHANNEL, DWELL_INTEGER, 0, 0, 255, nullptr, "", ""},
     {"table", DWELL_CHANNEL, DWELL_STRING, 0, kNone, kNoMore, "input|holding", "", ""},
@@ -56,9 +57,22 @@ void picky_check(const dwell_settings* settings, dwell_report report, void* cont
   if (settings->channel_count == 0) report(context, -1, nullptr, "no channel: expected at least one");
 }
 
+// 100 polls per second unless stated, answered within 0.15 s.
+void modbus_describe(const dwell_settings* settings, dwell_traits* traits) {
+  traits->rate_hz = 100;
+  traits->rate_may_shift = 1;
+  traits->age_ns = 150'000'000;
+  for (std::size_t i = 0; i < settings->entry_count; ++i) {
+    const dwell_entry& entry = settings->entries[i];
+    if (std::string_view(entry.key) == "rate") traits->rate_hz = entry.real;
+    if (std::string_view(entry.key) == "rate_shift") traits->rate_may_shift = entry.boolean;
+  }
+}
+
 template <std::size_t size>
 dwell_driver_table table(const char* name, const dwell_key (&keys)[size],
-                         void (*check)(const dwell_settings*, dwell_report, void*)) {
+                         void (*check)(const dwell_settings*, dwell_report, void*),
+                         void (*describe)(const dwell_settings*, dwell_traits*) = nullptr) {
   dwell_driver_table out{};
   out.size = sizeof out;
   out.abi = DWELL_DRIVER_ABI;
@@ -68,11 +82,12 @@ dwell_driver_table table(const char* name, const dwell_key (&keys)[size],
   out.keys = keys;
   out.key_count = size;
   out.check = check;
+  out.describe = describe;
   return out;
 }
 
-const dwell_driver_table kTables[] = {table("modbus", kModbusKeys, nullptr), table("replay", kReplayKeys, nullptr),
-                                      table("picky", kPickyKeys, picky_check)};
+const dwell_driver_table kTables[] = {table("modbus", kModbusKeys, nullptr, modbus_describe),
+                                      table("replay", kReplayKeys, nullptr), table("picky", kPickyKeys, picky_check)};
 
 }  // namespace
 

@@ -252,6 +252,24 @@ TEST_P(DriverContract, TakesARefusedScanAsLostAndGoesOn) {
   for (std::size_t i = 1; i < samples.size(); ++i) EXPECT_GT(samples[i].t_ns, samples[i - 1].t_ns);
 }
 
+TEST_P(DriverContract, SaysOfItsReadingsWhatTheSettingsSay) {
+  Given wrong = device_->given_wrong().first;
+  for (Given* given : {&given_, &wrong}) {
+    dwell_traits traits{};
+    traits.size = sizeof traits;
+    table_.describe(given->settings(), &traits);
+    EXPECT_EQ(traits.size, sizeof traits);
+    EXPECT_GE(traits.rate_hz, 0.0);
+    EXPECT_GE(traits.age_ns, 0);
+  }
+  // A host of an earlier version takes less.
+  dwell_traits early{};
+  early.size = offsetof(dwell_traits, age_ns);
+  early.age_ns = 42;
+  table_.describe(given_.settings(), &early);
+  EXPECT_EQ(early.age_ns, 42);
+}
+
 TEST_P(DriverContract, CanBeMadeAndDestroyedWithoutADeviceAndWithoutStart) {
   { const Instance instance(table_, *given_.settings(), host_); }
   Instance instance(table_, *given_.settings(), host_);

@@ -1,0 +1,65 @@
+// What the plugins say of their devices' settings, and the rates that follow from it.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "config/draft.hpp"
+#include "core/folding.hpp"
+
+namespace dwell::config {
+namespace {
+
+dwell_traits traits_of(const DeviceDraft& device, const DeviceSettings& settings, const std::string& directory) {
+  dwell_traits traits{};
+  traits.size = sizeof traits;
+  const dwell_driver_table* const driver = device.driver;
+  constexpr std::size_t needed = offsetof(dwell_driver_table, describe) + sizeof driver->describe;
+  if (driver == nullptr || driver->size < needed || driver->describe == nullptr || !device.clean) return traits;
+  const DriverSettings as_c(settings, directory);
+  driver->describe(&as_c.get(), &traits);
+  return traits;
+}
+
+void set_rate(DeviceSettings& settings, double rate_hz) {
+  const auto rate = std::find_if(settings.entries.begin(), settings.entries.end(),
+                                 [](const Entry& entry) { return entry.key == "rate"; });
+  if (rate == settings.entries.end()) {
+    settings.entries.push_back({"rate", rate_hz});
+  } else {
+    rate->value = rate_hz;
+  }
+}
+
+}  // namespace
+
+std::string rate_note(const RigFile& file, const DeviceSettings& device) {
+  if (!device.asked_rate_hz || !device.rate_hz) return {};
+  const Excitation& drive = file.rig.excitation;
+  const Folding folding = worst_folding(*device.asked_rate_hz, drive.frequency_hz, drive.harmonics);
+  return "device " + device.name + " samples at " + number_text(*device.rate_hz) + " Hz instead of " +
+         number_text(*device.asked_rate_hz) + " Hz, at which harmonic " + std::to_string(folding.harmonic) +
+         " of the drive reads as " +
+         (folding.onto == 0 ? std::string("a constant") : "harmonic " + std::to_string(folding.onto)) +
+         "; rate_shift = false forbids it";
+}
+
+void describe_devices(Draft& draft) {
+  const Excitation& drive = draft.file.rig.excitation;
+  for (std::size_t i = 0; i < draft.devices.size(); ++i) {
+    DeviceSettings& settings = draft.file.devices[i];
+    const dwell_traits traits = traits_of(draft.devices[i], settings, draft.file.directory);
+    settings.age_ns = std::max<std::int64_t>(0, traits.age_ns);
+    if (!settings.rate_hz && traits.rate_hz > 0.0 && std::isfinite(traits.rate_hz)) settings.rate_hz = traits.rate_hz;
+    if (traits.rate_may_shift != 0 && settings.rate_hz && draft.frequency_known) {
+      const double rate_hz = rate_beside_foldings(*settings.rate_hz, drive.frequency_hz, drive.harmonics);
+      if (rate_hz != *settings.rate_hz) {
+        settings.asked_rate_hz = settings.rate_hz;
+        settings.rate_hz = rate_hz;
+        set_rate(settings, rate_hz);
+      }
+    }
+    draft.file.rig.devices[i].rate_hz = settings.rate_hz.value_or(0.0);
+  }
+}
+
+}  // namespace dwell::config
