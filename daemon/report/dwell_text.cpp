@@ -45,10 +45,16 @@ std::string largest_harmonic(const ChannelPhasor& p) {
          std::to_string(2 + (largest - p.harmonics.begin())) + "f)";
 }
 
-std::string coefficient_note(const Coefficient& c) { return c.significant || !std::isfinite(c.value) ? "" : " n.s."; }
+bool insignificant(const Coefficient& c) { return !c.significant && std::isfinite(c.value); }
 
-std::vector<std::string> coefficient_cells(const std::vector<ElementEstimate>& elements,
-                                           Coefficient ElementEstimate::*which, const char* unit) {
+bool doubted(const Dwell& dwell, int k) {
+  return std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [k](const Doubt& doubt) {
+    return doubt.elements.empty() || std::count(doubt.elements.begin(), doubt.elements.end(), k) > 0;
+  });
+}
+
+std::vector<std::string> coefficient_cells(const Dwell& dwell, Coefficient ElementEstimate::*which, const char* unit) {
+  const std::vector<ElementEstimate>& elements = dwell.elements;
   std::vector<NumberText> numbers;
   for (const ElementEstimate& e : elements) {
     const Coefficient& c = e.*which;
@@ -56,7 +62,9 @@ std::vector<std::string> coefficient_cells(const std::vector<ElementEstimate>& e
   }
   std::vector<std::string> cells = join_aligned(numbers);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (elements[i].identifiable) cells[i] += coefficient_note(elements[i].*which);
+    if (!elements[i].identifiable) continue;
+    if (insignificant(elements[i].*which)) cells[i] += " n.s.";
+    if (doubted(dwell, elements[i].k)) cells[i] += " ?";
   }
   return cells;
 }
@@ -87,8 +95,203 @@ void add_truth(Table& table, const std::vector<ElementEstimate>& elements, Coeff
     values.push_back(number_text(value, unit, 6));
     deviations.push_back(std::isfinite(deviation) ? format("%+.1f u", deviation) : kNoNumber);
   }
-  table.add("true", join_aligned(values));
-  table.add("off by", std::move(deviations), Align::right);
+  table.add("true", join_aligned(values), Align::left, true);
+  table.add("off by", std::move(deviations), Align::right, true);
+}
+
+// Paragraphs, each broken to the width with its further lines indented.
+Section paragraphs(const std::vector<std::string>& texts, std::size_t columns, std::size_t indent, Style style) {
+  Section section;
+  for (const std::string& text : texts)
+    for (std::string& line : wrapped(printable(text), columns, indent))
+      section.body.push_back({std::move(line), style});
+  return section;
+}
+
+void append(Section& to, const Section& lines) { to.body.insert(to.body.end(), lines.body.begin(), lines.body.end()); }
+
+// The first part of a table that may be broken into several; the rest is for the end of the text.
+Section take_first(std::vector<Section> tables, std::vector<Section>& rest) {
+  rest.insert(rest.end(), tables.begin() + 1, tables.end());
+  return std::move(tables.front());
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string whom(const Doubt& doubt) {
+  if (doubt.elements.empty()) return "any element";
+  std::vector<std::string> numbers;
+  for (const int k : doubt.elements) numbers.push_back(std::to_string(k));
+  return (numbers.size() > 1 ? "elements " : "element ") + list_of(numbers);
+}
+
+Section doubt_section(const DwellView& view, const TextOptions& options) {
+  std::vector<std::string> texts;
+  for (const Doubt& doubt : view.dwell.doubts) texts.push_back("do not rely on " + whom(doubt) + ": " + doubt.what);
+  Section section = paragraphs(texts, options.columns, 2, Style::alarm);
+  section.name = kDoubts;
+  return section;
+}
+
+// What stands below the coefficients: why some are missing, what the marks mean, what ± covers.
+Section legend(const Dwell& dwell, const TextOptions& options) {
+  std::vector<std::string> texts;
+  bool any = false;
+  bool some_insignificant = false;
+  bool some_doubted = false;
+  for (const ElementEstimate& e : dwell.elements) {
+    if (!e.identifiable) {
+      texts.push_back("element " + std::to_string(e.k) + " is not identifiable: " + e.reason);
+      continue;
+    }
+    any = true;
+    some_insignificant = some_insignificant || insignificant(e.stiffness) || insignificant(e.damping);
+    some_doubted = some_doubted || doubted(dwell, e.k);
+  }
+  if (any) {
+    std::string meaning = "± is the half width of the 95 % interval";
+    if (some_insignificant) meaning += "; n.s.: not significant, smaller than its standard uncertainty";
+    if (some_doubted) meaning += "; ?: do not rely on it, the reason stands above";
+    texts.push_back(meaning);
+    if (!dwell.unstated.empty()) {
+      texts.push_back("± covers only noise, clock and what the rig file states; not stated: " +
+                      list_of(dwell.unstated));
+    }
+  }
+  return paragraphs(texts, options.columns, 2, Style::plain);
+}
+
+// The coefficients, in as many tables as the width asks for, the legend below the last; where the uncertainties'
+// sources find no room beside them, they go to the rest.
+std::vector<Section> element_sections(const DwellView& view, const TextOptions& options, std::vector<Section>& rest) {
+  const Dwell& dwell = view.dwell;
+  const std::vector<ElementEstimate>& elements = dwell.elements;
+  const Truth* truth = options.truth;
+  std::vector<std::string> numbers;
+  std::vector<Style> styles;
+  for (const ElementEstimate& e : elements) {
+    numbers.push_back(std::to_string(e.k));
+    styles.push_back(!options.age.empty()                    ? Style::old
+                     : e.identifiable && doubted(dwell, e.k) ? Style::doubted
+                                                             : Style::plain);
+  }
+  Table table;
+  table.add("element", numbers, Align::right);
+  if (!options.age.empty()) table.add("age", std::vector<std::string>(elements.size(), options.age), Align::right);
+  table.add("stiffness", coefficient_cells(dwell, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
+  if (truth != nullptr) {
+    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, stiffness_unit(view.motion));
+  }
+  table.add("damping", coefficient_cells(dwell, &ElementEstimate::damping, damping_unit(view.motion)));
+  if (truth != nullptr) {
+    add_truth(table, elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
+  }
+  table.set_styles(std::move(styles));
+  std::vector<Section> sections = table.sections(options.columns);
+  if (sections.empty()) return sections;
+  if (truth == nullptr) {
+    const bool narrow = sections.size() > 1;
+    Table sources;
+    if (narrow) sources.add("element", numbers, Align::right);
+    Table& where = narrow ? sources : table;
+    where.add("most of u²(c)", source_cells(elements, &BudgetShare::stiffness_share));
+    where.add("most of u²(r)", source_cells(elements, &BudgetShare::damping_share));
+    if (narrow) {
+      for (Section& section : sources.sections(options.columns)) rest.push_back(std::move(section));
+    } else {
+      sections = {take_first(table.sections(options.columns), rest)};
+    }
+  }
+  append(sections.back(), legend(dwell, options));
+  return sections;
+}
+
+Section warning_section(const DwellView& view, const TextOptions& options) {
+  std::vector<std::string> texts;
+  for (const std::string& warning : view.dwell.warnings) {
+    const bool said = warning == "not settled: " + view.dwell.settling_reason;
+    if (!said) texts.push_back("warning: " + warning);
+  }
+  Section section = paragraphs(texts, options.columns, 2, Style::plain);
+  section.name = kWarnings;
+  return section;
+}
+
+// On settling (the verdict, what it rests on, how long the transient took) and on the frequency.
+Section verdict_section(const DwellView& view, const TextOptions& options) {
+  const Dwell& d = view.dwell;
+  std::vector<std::string> texts;
+  if (settled(d)) {
+    texts.push_back("settled    data count from " + seconds_text(d.settled_s, 2) + " to " + seconds_text(d.end_s, 2) +
+                    ", first said at " + seconds_text(d.verdict_s, 2));
+  } else if (d.state != State::idle) {
+    texts.emplace_back("settled    no");
+  }
+  if (!d.settling_reason.empty()) texts.push_back("reason     " + d.settling_reason);
+  std::string transient;
+  if (std::isfinite(d.memory_time_s)) transient = "decayed in " + seconds_text(d.memory_time_s, 2);
+  if (std::isfinite(d.memory_time_predicted_s)) {
+    transient += (transient.empty() ? "" : "; ") + seconds_text(d.memory_time_predicted_s, 2) +
+                 " expected from the coefficients";
+  }
+  if (!transient.empty()) texts.push_back("transient  " + transient);
+  if (std::isfinite(d.frequency_hz.value)) {
+    texts.push_back("frequency  " + join(number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")));
+  }
+  return paragraphs(texts, options.columns, 11, options.age.empty() ? Style::plain : Style::old);
+}
+
+// Phases are relative to the first channel that has one, which the column's title names.
+Section phasor_section(const DwellView& view, const TextOptions& options, std::vector<Section>& rest) {
+  const std::vector<ChannelPhasor>& phasors = view.dwell.phasors;
+  const std::size_t count = std::min(phasors.size(), view.channels.size());
+  if (count == 0) return {};
+  std::optional<std::size_t> reference;
+  for (std::size_t i = 0; i < count && !reference; ++i) {
+    if (phasors[i].valid && std::abs(phasors[i].Y) > 0.0) reference = i;
+  }
+  std::vector<std::string> names;
+  std::vector<std::string> ages;
+  std::vector<NumberText> amplitudes;
+  std::vector<NumberText> phases;
+  std::vector<NumberText> means;
+  std::vector<std::string> harmonics;
+  std::vector<std::string> notes;
+  std::vector<Style> styles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ChannelPhasor& p = phasors[i];
+    const ChannelLabel& label = view.channels[i];
+    const ChannelNote note = i < options.channels.size() ? options.channels[i] : ChannelNote{};
+    names.push_back(label.name);
+    const NumberText none{kNoNumber, "", ""};
+    amplitudes.push_back(p.valid ? number_text(std::abs(p.Y), kNormal95 * p.u_amplitude, label.unit) : none);
+    phases.push_back(p.valid && reference ? relative_phase(p, phasors[*reference]) : none);
+    means.push_back(p.valid ? mean_text(p, label.unit) : none);
+    harmonics.push_back(p.valid ? largest_harmonic(p) : kNoNumber);
+    ages.push_back(!note.age.empty() ? note.age : options.age);
+    styles.push_back(ages.back().empty() ? Style::plain : Style::old);
+    std::string text = p.valid ? "" : p.reason.empty() ? "no reason stated" : p.reason;
+    if (!note.status.empty() && text.find(note.status) == std::string::npos) {
+      text += (text.empty() ? "now " : "; now ") + note.status;
+    }
+    if (!text.empty()) notes.push_back(label.name + ": " + text);
+  }
+  const bool some_old = std::any_of(ages.begin(), ages.end(), [](const std::string& age) { return !age.empty(); });
+  Table table;
+  table.add("channel", names);
+  if (some_old) table.add("age", std::move(ages), Align::right);
+  table.add("amplitude", join_aligned(amplitudes));
+  table.add(reference ? "phase to " + names[*reference] : "phase", join_aligned(phases));
+  table.add("mean", join_aligned(means));
+  table.add("harmonic", harmonics, Align::right);
+  table.set_styles(std::move(styles));
+  Section section = take_first(table.sections(options.columns), rest);
+  append(section, paragraphs(notes, options.columns, 2, Style::plain));
+  return section;
 }
 
 }  // namespace
@@ -103,106 +306,29 @@ std::string headline(const DwellView& view) {
                                           : ", time left not known";
   }
   if (settled(d)) text += ", " + seconds_text(d.end_s - d.settled_s, 1) + " of data";
-  return text + "\n";
-}
-
-std::string verdict_text(const DwellView& view) {
-  const Dwell& d = view.dwell;
-  std::string text;
-  if (settled(d)) {
-    text += "settled    data count from " + seconds_text(d.settled_s, 2) + " to " + seconds_text(d.end_s, 2) +
-            ", first said at " + seconds_text(d.verdict_s, 2) + "\n";
-  } else if (d.state != State::idle) {
-    text += "settled    no\n";
-  }
-  if (!d.settling_reason.empty()) text += "reason     " + printable(d.settling_reason) + "\n";
-  if (std::isfinite(d.memory_time_s) || std::isfinite(d.memory_time_predicted_s)) {
-    text += "memory     " + seconds_text(d.memory_time_s, 2) + " measured, " +
-            seconds_text(d.memory_time_predicted_s, 2) + " predicted from the coefficients\n";
-  }
-  if (std::isfinite(d.frequency_hz.value)) {
-    text += "frequency  " + join(number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")) + "\n";
-  }
   return text;
 }
 
-std::string phasor_table(const DwellView& view) {
-  const std::vector<ChannelPhasor>& phasors = view.dwell.phasors;
-  const std::size_t count = std::min(phasors.size(), view.channels.size());
-  std::optional<std::size_t> reference;
-  for (std::size_t i = 0; i < count && !reference; ++i) {
-    if (phasors[i].valid && std::abs(phasors[i].Y) > 0.0) reference = i;
-  }
-  std::vector<std::string> names;
-  std::vector<NumberText> amplitudes;
-  std::vector<NumberText> phases;
-  std::vector<NumberText> means;
-  std::vector<std::string> harmonics;
-  std::vector<std::string> states;
-  for (std::size_t i = 0; i < count; ++i) {
-    const ChannelPhasor& p = phasors[i];
-    const ChannelLabel& label = view.channels[i];
-    names.push_back(label.name);
-    const NumberText none{kNoNumber, "", ""};
-    amplitudes.push_back(p.valid ? number_text(std::abs(p.Y), kNormal95 * p.u_amplitude, label.unit) : none);
-    phases.push_back(p.valid && reference ? relative_phase(p, phasors[*reference]) : none);
-    means.push_back(p.valid ? mean_text(p, label.unit) : none);
-    harmonics.push_back(p.valid ? largest_harmonic(p) : kNoNumber);
-    states.push_back(p.valid ? "ok" : p.reason.empty() ? "no reason stated" : p.reason);
-  }
-  Table table;
-  table.add("channel", names);
-  table.add("amplitude", join_aligned(amplitudes));
-  table.add(reference ? "phase to " + names[*reference] : "phase", join_aligned(phases));
-  table.add("mean", join_aligned(means));
-  table.add("harmonic", harmonics, Align::right);
-  table.add("status", states);
-  return table.text();
-}
-
-std::string element_table(const DwellView& view, const Truth* truth) {
-  const std::vector<ElementEstimate>& elements = view.dwell.elements;
-  std::vector<std::string> numbers;
-  std::string notes;
-  bool insignificant = false;
-  for (const ElementEstimate& e : elements) {
-    numbers.push_back(std::to_string(e.k));
-    if (!e.identifiable)
-      notes += "element " + std::to_string(e.k) + " is not identifiable: " + printable(e.reason) + "\n";
-    insignificant = insignificant || (e.identifiable && !(e.stiffness.significant && e.damping.significant));
-  }
-  if (insignificant) notes += "n.s.: not significant, smaller than its standard uncertainty\n";
-  Table table;
-  table.add("element", numbers, Align::right);
-  table.add("stiffness", coefficient_cells(elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
-  if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::stiffness, truth->stiffness, stiffness_unit(view.motion));
-  }
-  table.add("damping", coefficient_cells(elements, &ElementEstimate::damping, damping_unit(view.motion)));
-  if (truth != nullptr) {
-    add_truth(table, elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
-  } else {
-    table.add("most of u²(c)", source_cells(elements, &BudgetShare::stiffness_share));
-    table.add("most of u²(r)", source_cells(elements, &BudgetShare::damping_share));
-  }
-  return table.text() + notes;
+std::vector<Section> dwell_sections(const DwellView& view, const TextOptions& options) {
+  std::vector<Section> rest;
+  std::vector<Section> sections;
+  sections.push_back(doubt_section(view, options));
+  for (Section& section : element_sections(view, options, rest)) sections.push_back(std::move(section));
+  sections.push_back(warning_section(view, options));
+  sections.push_back(verdict_section(view, options));
+  sections.push_back(phasor_section(view, options, rest));
+  sections.insert(sections.end(), rest.begin(), rest.end());
+  sections.erase(std::remove_if(sections.begin(), sections.end(), [](const Section& s) { return s.body.empty(); }),
+                 sections.end());
+  return sections;
 }
 
 std::string dwell_text(const DwellView& view, const Truth* truth) {
-  std::string text = headline(view) + verdict_text(view);
-  if (const std::string table = phasor_table(view); !table.empty()) text += "\n" + table;
-  if (const std::string table = element_table(view, truth); !table.empty()) {
-    text += "\n" + table + "± is the half width of the 95 % interval\n";
-  }
-  std::string warnings;
-  for (const Doubt& doubt : view.dwell.doubts)
-    warnings += "do not rely on these numbers: " + printable(doubt.what) + "\n";
-  for (const std::string& warning : view.dwell.warnings) {
-    const bool said = warning == "not settled: " + view.dwell.settling_reason;
-    if (!said) warnings += "warning: " + printable(warning) + "\n";
-  }
-  if (!warnings.empty()) text += "\n" + warnings;
-  return text;
+  TextOptions options;
+  options.truth = truth;
+  std::vector<Section> sections = dwell_sections(view, options);
+  sections.insert(sections.begin(), Section{{}, {{headline(view), Style::plain}}, {}});
+  return plain_text(sections);
 }
 
 }  // namespace dwell

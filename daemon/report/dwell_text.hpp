@@ -1,11 +1,16 @@
-// A dwell as an operator reads it: what state it is in and why, the frequency, a table of channels, a table of
-// coefficients with the largest source of each one's uncertainty, the warnings. Intervals are 95 %.
+// A dwell as an operator reads it, what matters most first: the reasons not to rely on its numbers, the coefficients
+// with what their ± leaves out, the warnings; then settling and frequency, a table of channels, and where the terminal
+// is narrow the columns that found no room. Intervals are 95 %.
+//
+// Bound to one thread, not real-time: allocates.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "daemon/report/dwell_view.hpp"
+#include "daemon/report/line.hpp"
 
 namespace dwell {
 
@@ -15,20 +20,31 @@ struct Truth {
   std::vector<double> damping;
 };
 
-// One line: "dwell 3 · measuring, 24.6 s of data".
+// What is known of a channel beside its phasor.
+struct ChannelNote {
+  std::string age;     // "12 s": its numbers are so old; empty: they are not
+  std::string status;  // how it stands now where that is not well: "clipped: …"; empty: well, or not known
+};
+
+struct TextOptions {
+  std::size_t columns = kUnlimited;  // no line is longer than that, as far as tables can be broken
+  const Truth* truth = nullptr;      // shown beside the measured, with the deviation in standard uncertainties
+  std::string age;  // "778 s": the whole dwell is so old; its numbers are marked with it. Empty: it is not
+  std::vector<ChannelNote> channels;  // one per channel, or none
+};
+
+// One line without its end: "dwell 3 · measuring, 24.6 s of data".
 [[nodiscard]] std::string headline(const DwellView& view);
 
-// Lines on settling (the verdict, what it rests on, the time left or taken) and on the frequency.
-[[nodiscard]] std::string verdict_text(const DwellView& view);
+// Names of sections.
+inline constexpr std::string_view kDoubts = "doubts";
+inline constexpr std::string_view kWarnings = "warnings";
 
-// Phases are those relative to the first channel that has one, which the column's title names.
-[[nodiscard]] std::string phasor_table(const DwellView& view);
+// Everything but the headline, in the order stated above; no section is empty. `age` stands as a column in both tables
+// where something is old. Phases are relative to the first channel that has one, which the column's title names.
+[[nodiscard]] std::vector<Section> dwell_sections(const DwellView& view, const TextOptions& options = {});
 
-// truth: shown beside the measured values, with the deviation in standard uncertainties; nullptr: largest sources of
-// uncertainty instead. Below the table the reasons of the elements that are not identifiable.
-[[nodiscard]] std::string element_table(const DwellView& view, const Truth* truth);
-
-// All of it, one screen.
+// All of it as text, lines as long as they come.
 [[nodiscard]] std::string dwell_text(const DwellView& view, const Truth* truth = nullptr);
 
 }  // namespace dwell
