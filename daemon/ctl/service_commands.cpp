@@ -66,7 +66,7 @@ int status(const Service& service) {
     if (const auto answer = http_get(*parse_url(service.url), "/api/v1/health"))
       print(gpio_text(Json::parse(answer->body, nullptr, false)));
   }
-  return view->dwell.state == State::measuring ? kDone : kNo;
+  return view->dwell.state == State::measuring && view->dwell.doubts.empty() ? kDone : kNo;
 }
 
 int channels(const Service& service) {
