@@ -2,7 +2,9 @@
 // code; main.cpp turns the command line into their options.
 #pragma once
 
+#include <chrono>
 #include <string>
+#include <tl/expected.hpp>
 
 namespace dwell::ctl {
 
@@ -21,7 +23,7 @@ struct Service {
 };
 
 struct WatchOptions {
-  double interval_s = 0.0;  // between refreshes; 0: as fast as news comes on a terminal, 1 s elsewhere
+  double interval_s = 0.0;  // between refreshes; 0: 0.1 s on a terminal, 1 s elsewhere
   double until_s = 0.0;     // > 0: end once a settled dwell has so many seconds of data
   double limit_s = 0.0;     // > 0: give up after so long
   std::string truth;        // file: the coefficients that the simulated rig really has
@@ -38,7 +40,17 @@ struct IdentifyOptions {
 [[nodiscard]] int channels(const Service& service);
 [[nodiscard]] int dwells(const Service& service);
 // rig: a rig file, whose devices are probed directly; empty: the running service is asked.
+// Asks the service to end the dwell and to settle anew.
+[[nodiscard]] int rearm(const Service& service);
 [[nodiscard]] int check(const Service& service, const std::string& rig);
 [[nodiscard]] int identify_recording(const IdentifyOptions& options);
+
+// What `rearm` and the key of watch do: the service's answer as JSON text. The error: the exit code, and why.
+struct Refusal {
+  int code = kUnreachable;
+  std::string why;
+};
+[[nodiscard]] tl::expected<std::string, Refusal> ask_to_rearm(const std::string& control_path,
+                                                              std::chrono::milliseconds time);
 
 }  // namespace dwell::ctl

@@ -22,6 +22,12 @@ void add_service(CLI::App* verb, Service& service) {
   add_json(verb, service.json);
 }
 
+void add_control(CLI::App* verb, Service& service) {
+  verb->add_option("--control", service.control, "the service's control socket")
+      ->envname("DWELL_CONTROL")
+      ->capture_default_str();
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Asks the dwell service, and identifies stiffness and damping from recordings.", "dwellctl");
   app.set_version_flag("--version", DWELL_VERSION);
@@ -36,11 +42,12 @@ int run(int argc, char** argv) {
   std::string rig;
 
   CLI::App* status_verb =
-      app.add_subcommand("status", "the current dwell on one screen; exit 1 if it is not measuring");
+      app.add_subcommand("status", "the current dwell; exit 1 if it is not measuring or not to be relied on");
   add_service(status_verb, service);
 
-  CLI::App* watch_verb = app.add_subcommand("watch", "the current dwell, refreshed until Ctrl-C");
+  CLI::App* watch_verb = app.add_subcommand("watch", "the current dwell, refreshed until q or Ctrl-C");
   add_service(watch_verb, service);
+  add_control(watch_verb, service);
   watch_verb->add_option("--interval", watching.interval_s, "s between refreshes")->check(CLI::Range(0.01, 3600.0));
   watch_verb->add_option("--until", watching.until_s, "end once a settled dwell has so many seconds of data")
       ->check(CLI::Range(0.0, 1e9));
@@ -56,11 +63,13 @@ int run(int argc, char** argv) {
   CLI::App* dwells_verb = app.add_subcommand("dwells", "the dwells that have been completed");
   add_service(dwells_verb, service);
 
+  CLI::App* rearm_verb = app.add_subcommand("rearm", "end the dwell here and settle anew");
+  add_control(rearm_verb, service);
+  add_json(rearm_verb, service.json);
+
   CLI::App* check_verb = app.add_subcommand("check", "each device probed once; exit 1 if a channel does not answer");
   check_verb->add_option("--rig", rig, "probe the devices of this rig file, without the service");
-  check_verb->add_option("--control", service.control, "the service's control socket")
-      ->envname("DWELL_CONTROL")
-      ->capture_default_str();
+  add_control(check_verb, service);
   add_json(check_verb, service.json);
 
   CLI::App* identify_verb = app.add_subcommand("identify", "coefficients from a recording; exit 1 if no dwell settled");
@@ -77,6 +86,7 @@ int run(int argc, char** argv) {
   if (*watch_verb) return watch(service, watching);
   if (*channels_verb) return channels(service);
   if (*dwells_verb) return dwells(service);
+  if (*rearm_verb) return rearm(service);
   if (*check_verb) return check(service, rig);
   return identify_recording(identifying);
 }

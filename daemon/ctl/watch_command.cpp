@@ -1,19 +1,25 @@
-// watch: the current dwell, refreshed as the service pushes it, until Ctrl-C.
+// watch: the current dwell, refreshed as the service pushes it, until the operator ends it.
 #include <signal.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <optional>
 #include <string>
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/http_client.hpp"
-#include "daemon/ctl/screen.hpp"
+#include "daemon/ctl/tables.hpp"
+#include "daemon/ctl/terminal.hpp"
 #include "daemon/ctl/truth.hpp"
+#include "daemon/ctl/wakeups.hpp"
+#include "daemon/ctl/watch_page.hpp"
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -22,54 +28,50 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::milliseconds;
 
+constexpr Milliseconds kAsk{1000};       // between questions for the channels' states, and the time for an answer
+constexpr double kMessage_s = 6.0;       // for reading what came of a key
+constexpr Milliseconds kPatience{2000};  // for the service to take a connection again: keys wait as long
+
 Milliseconds from_seconds(double seconds) { return Milliseconds(static_cast<std::int64_t>(1e3 * seconds)); }
 
-// Readable once somebody wants the command to end; the signals do nothing else while this lives.
-class StopSignals {
- public:
-  StopSignals() {
-    sigset_t set;
-    sigemptyset(&set);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
-    pthread_sigmask(SIG_BLOCK, &set, &before_);
-    fd_ = ::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
-  }
-  ~StopSignals() {
-    signalfd_siginfo taken{};
-    while (fd_ >= 0 && ::read(fd_, &taken, sizeof taken) > 0) {
-    }
-    if (fd_ >= 0) ::close(fd_);
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
+double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-  [[nodiscard]] int fd() const noexcept { return fd_; }
-
- private:
-  sigset_t before_{};
-  int fd_ = -1;
-};
+std::string time_of_day() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::array<char, 16> text{};
+  std::strftime(text.data(), text.size(), "%H:%M:%S", &local);
+  return text.data();
+}
 
 int complain(int code, const std::string& why) {
   std::fprintf(stderr, "dwellctl: %s\n", printable(why).c_str());
   return code;
 }
 
+// The control socket belongs to the service on this computer: watching another one, the key would rearm the wrong rig.
+bool on_this_computer(const Url& url) {
+  return url.host == "localhost" || url.host == "::1" || url.host.compare(0, 4, "127.") == 0;
+}
+
 class Watch {
  public:
   Watch(const Service& service, const WatchOptions& options, Url url, std::optional<Truth> truth)
       : service_(service), options_(options), url_(std::move(url)), truth_(std::move(truth)) {
-    if (!service_.json) screen_.emplace();
-    interval_ = from_seconds(options.interval_s > 0.0         ? options.interval_s
-                             : screen_ && screen_->in_place() ? 0.1
-                                                              : 1.0);
+    const bool terminal = !service.json && Terminal::there();
+    interval_ = from_seconds(options.interval_s > 0.0 ? options.interval_s : terminal ? 0.1 : 1.0);
     if (options.limit_s > 0.0) give_up_ = in(from_seconds(options.limit_s));
+    controls_.may_rearm = on_this_computer(url_);
+    state_.name = url_.text;
   }
 
   int run() {
     const int code = follow();
-    screen_.reset();  // what is said from here on belongs on the operator's own screen
+    if (terminal_) {
+      terminal_.reset();  // what is said from here on belongs on the operator's own screen
+      std::fputs(last_words(state_, truth(), now_s()).c_str(), stdout);
+    }
     if (code == kDone && agreed_) {
       std::fputs("every coefficient lies within 4 standard uncertainties of its true value\n", stdout);
     }
@@ -77,18 +79,21 @@ class Watch {
   }
 
  private:
+  [[nodiscard]] const Truth* truth() const { return truth_ ? &*truth_ : nullptr; }
+
   int follow() {
     while (true) {
-      auto stream = EventStream::open(url_, "/api/v1/stream");
+      HttpLimits limits;
+      if (connected_) limits.time = kPatience;
+      auto stream = EventStream::open(url_, "/api/v1/stream", limits);
       if (!stream) {
         if (!connected_) {
           why_ = stream.error();
           return kUnreachable;
         }
-        lost_ = "not reachable, trying again: " + stream.error();
+        state_.trouble = "trying again, " + stream.error();
       } else {
-        lost_ = connected_ ? "connected again" : "";
-        connected_ = true;
+        begin();
         if (const auto code = read(*stream)) return *code;
       }
       show(true);
@@ -96,21 +101,37 @@ class Watch {
     }
   }
 
+  // The stream is there. Only now is the terminal taken: an address that does not answer is said on the operator's own
+  // screen.
+  void begin() {
+    back_ = connected_;
+    connected_ = true;
+    state_.trouble.clear();
+    ask_at_ = in(kAsk);  // the stream's first word comes first
+    if (!wakeups_) wakeups_.emplace();
+    if (service_.json || terminal_ || !Terminal::there()) return;
+    terminal_.emplace();
+    wakeups_->add(terminal_->keys_fd());
+    controls_.keys = terminal_->keys_fd() >= 0;
+  }
+
   // Until the stream ends; an exit code: the whole command does.
   std::optional<int> read(EventStream& stream) {
     EventStream::Event event;
     while (true) {
+      ask();
       const Deadline tick = in(Milliseconds(1000));
-      const auto next = stream.next(event, give_up_ ? std::min(tick, *give_up_) : tick, stop_.fd());
+      const auto next = stream.next(event, give_up_ ? std::min(tick, *give_up_) : tick, wakeups_->fd());
       if (!next) {
-        lost_ = "the stream was lost: " + next.error();
+        state_.trouble = "the stream was lost: " + next.error();
         return std::nullopt;
       }
       switch (*next) {
         case EventStream::Next::stopped:
-          return kDone;
+          if (obey()) return kDone;
+          break;
         case EventStream::Next::ended:
-          lost_ = "the service closed the stream, connecting again";
+          state_.trouble = "the service closed the stream, connecting again";
           return std::nullopt;
         case EventStream::Next::timeout:
           show(true);
@@ -134,11 +155,11 @@ class Watch {
       why_ = service_.url + ": what answers is not the service: " + view.error();
       return kUnreachable;
     }
-    const bool changed = !view_ || view_->dwell.state != view->dwell.state || view_->dwell.index != view->dwell.index;
-    view_ = std::move(*view);
-    heard_ = Clock::now();
-    if (lost_ == "connected again" && !changed) lost_.clear();
-    const Dwell& dwell = view_->dwell;
+    const auto& before = state_.dwell();
+    const bool changed =
+        !before || before->dwell.state != view->dwell.state || before->dwell.index != view->dwell.index;
+    state_.take(std::move(*view), now_s());
+    const Dwell& dwell = state_.dwell()->dwell;
     const bool enough =
         options_.until_s > 0.0 && std::isfinite(dwell.settled_s) && dwell.end_s - dwell.settled_s >= options_.until_s;
     if (service_.json) {
@@ -152,30 +173,123 @@ class Watch {
     return !truth_ || agreed_ ? kDone : kNo;
   }
 
+  // For the screen: how the channels and the GPIO lines stand, which the stream does not tell.
+  void ask() {
+    if (!terminal_ || Clock::now() < ask_at_) return;
+    HttpLimits limits;
+    limits.time = kAsk;
+    const auto channels = http_get(url_, "/api/v1/channels", limits);
+    const auto health = channels ? http_get(url_, "/api/v1/health", limits) : channels;
+    // Who does not answer is asked less often, since keys wait for the answer.
+    ask_at_ = in(health ? kAsk : 10 * kAsk);
+    if (!health) return;
+    const Json list = Json::parse(channels->body, nullptr, false);
+    if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
+    const Json value = Json::parse(health->body, nullptr, false);
+    state_.gpio = gpio_text(value);
+    if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
+      state_.name = value["rig"].get<std::string>();
+    }
+  }
+
+  // Signals and keys. true: the operator ends it.
+  bool obey() {
+    const Wakeups::Signals signals = wakeups_->take();
+    if (signals.end) return true;
+    if (signals.suspend) {
+      if (terminal_) terminal_->leave();
+      ::kill(::getpid(), SIGSTOP);  // SIGTSTP itself is blocked
+      if (terminal_) terminal_->enter();
+    }
+    if (terminal_) {
+      for (const Key key : terminal_->keys())
+        if (press(key)) return true;
+      show(true);
+    }
+    return false;
+  }
+
+  bool press(Key key) {
+    controls_.message.clear();
+    pressed_s_ = now_s();
+    if (!controls_.question.empty()) {
+      controls_.question.clear();
+      if (key == Key::yes) {
+        const auto answer = ask_to_rearm(service_.control, kPatience);
+        controls_.message = answer ? "rearmed at " + time_of_day() : "not rearmed: " + answer.error().why;
+      } else {
+        controls_.message = "not rearmed";
+      }
+      return false;
+    }
+    switch (key) {
+      case Key::quit:
+        return true;
+      case Key::pause:
+        if (controls_.paused_s) {
+          controls_.paused_s.reset();
+          frozen_.reset();
+        } else {
+          controls_.paused_s = now_s();
+          frozen_ = state_;
+        }
+        break;
+      case Key::next:
+        if (page_.page + 1 < page_.pages) controls_.page = page_.page + 1;
+        break;
+      case Key::back:
+        if (page_.page > 0) controls_.page = page_.page - 1;
+        break;
+      case Key::rearm:
+        if (controls_.may_rearm) controls_.question = "rearm: end this dwell here and settle anew?";
+        break;
+      case Key::yes:
+      case Key::other:
+        break;
+    }
+    return false;
+  }
+
   void show(bool at_once) {
-    if (!screen_ || (!at_once && Clock::now() - shown_ < interval_)) return;
-    const double silent_s = std::chrono::duration<double>(Clock::now() - heard_).count();
-    const bool quiet = view_ && silent_s > 2.0;
-    std::string status = url_.text;
-    if (!lost_.empty()) status += " · " + printable(lost_);
-    if (quiet) status += " · no news for " + seconds_text(silent_s, 0);
-    if (!screen_->in_place() && status == status_ && quiet) return;  // nothing new to append
-    status_ = status;
+    if (service_.json || (!at_once && Clock::now() - shown_ < interval_)) return;
     shown_ = Clock::now();
-    screen_->show(status, view_ ? dwell_text(*view_, truth_ ? &*truth_ : nullptr) : "");
+    if (terminal_) {
+      if (now_s() - pressed_s_ > kMessage_s) controls_.message.clear();
+      page_ = draw(frozen_ ? *frozen_ : state_, controls_, truth(), Terminal::size(), now_s(), time_of_day());
+      terminal_->show(page_.lines);
+    } else {
+      append();
+    }
+  }
+
+  // Where there is no terminal: one text below the other. Numbers that are no longer renewed are not said again.
+  void append() {
+    const bool fresh = state_.dwell() && !state_.old(now_s());
+    std::string status = url_.text;
+    if (!state_.trouble.empty()) {
+      status += " · " + printable(state_.trouble);
+    } else if (state_.dwell() && !fresh) {
+      status += " · no new data";
+    } else if (back_) {
+      status += " · connected again";
+    }
+    if (!fresh && status == said_) return;
+    std::printf("%s\n%s\n", status.c_str(), fresh ? dwell_text(*state_.dwell(), truth()).c_str() : "");
+    std::fflush(stdout);
+    said_ = status;
+    if (fresh) back_ = false;
   }
 
   // A second before connecting again.
   std::optional<int> pause() {
     const Deadline until = in(Milliseconds(1000));
     while (Clock::now() < until) {
-      signalfd_siginfo taken{};
-      if (::read(stop_.fd(), &taken, sizeof taken) > 0) return kDone;
+      wakeups_->wait(give_up_ ? std::min(until, *give_up_) : until);
+      if (obey()) return kDone;
       if (give_up_ && Clock::now() >= *give_up_) {
         why_ = "the service did not come back within the time allowed";
         return kNo;
       }
-      ::usleep(20'000);
     }
     return std::nullopt;
   }
@@ -184,18 +298,22 @@ class Watch {
   const WatchOptions& options_;
   const Url url_;
   const std::optional<Truth> truth_;
-  StopSignals stop_;
-  std::optional<Screen> screen_;  // none with --json
+  std::optional<Wakeups> wakeups_;    // once connected
+  std::optional<Terminal> terminal_;  // where there is one
   Milliseconds interval_{};
   std::optional<Deadline> give_up_;
-  bool connected_ = false;
-  bool agreed_ = false;  // with the truth
-  std::optional<DwellView> view_;
-  Clock::time_point heard_;
+  Deadline ask_at_;
+  WatchState state_;
+  std::optional<WatchState> frozen_;  // as it was when the operator paused
+  Controls controls_;
+  double pressed_s_ = kNever;  // when the last key was pressed
+  Page page_;                  // as last shown
   Clock::time_point shown_;
-  std::string lost_;    // what is wrong with the connection
-  std::string status_;  // as last shown
-  std::string why_;     // what to say on standard error at the end
+  bool connected_ = false;
+  bool back_ = false;    // connected again, and not yet said
+  std::string said_;     // the status line as last appended
+  bool agreed_ = false;  // with the truth
+  std::string why_;      // what to say on standard error at the end
 };
 
 }  // namespace

@@ -102,7 +102,7 @@ TEST(CommandLine, WrongUsageIsExitCode2) {
 TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
   const Outcome outcome = run({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* verb : {"status", "watch", "channels", "dwells", "check", "identify"}) {
+  for (const char* verb : {"status", "watch", "channels", "dwells", "rearm", "check", "identify"}) {
     EXPECT_NE(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
   for (const char* verb : {"start", "stop", "reload", "tare", "replay", "verify", "export", "report", "audit"}) {
@@ -140,6 +140,35 @@ TEST(CommandLine, StatusIsOneScreenAndNoUnlessMeasuring) {
   EXPECT_NE(settling.out.find("about 3.2 s left"), std::string::npos);
   EXPECT_NE(settling.out.find("interlock  open"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"status", "--json", "--url", server.url()}).out), Json::parse(sample_text()));
+}
+
+// A script that asks for the exit code must not take numbers that people are told not to rely on.
+TEST(CommandLine, StatusIsNoWhileItsNumbersMustNotBeReliedOn) {
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{1}, "y1 and y2 look swapped"}};
+  ScriptedServer server(
+      {Reply{http_reply(200, to_json(dwell, test::sample_rig(), test::sample_run()))}, Reply{http_reply(200, "{}")}});
+  const Outcome outcome = run({"status", "--url", server.url()});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.out.find("do not rely on element 1: y1 and y2 look swapped"), std::string::npos) << outcome.out;
+}
+
+TEST(CommandLine, RearmAsksTheServiceAndSaysWhatCameOfIt) {
+  const test::TemporaryFolder folder;
+  ScriptedServer server({Reply{"{\"done\":true}\n", true}, Reply{"{\"done\":true}\n", true},
+                         Reply{"{\"error\":\"too many at once; try again\"}\n", true}, Reply{"rubbish\n", true}},
+                        folder.path("control"));
+  const std::vector<std::string> rearm{"rearm", "--control", folder.path("control")};
+  const Outcome done = run(rearm);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.out, "rearmed: the dwell ends here, and the rig settles anew\n");
+  EXPECT_EQ(server.requests().at(0), R"({"verb":"rearm"})");
+  EXPECT_EQ(run({"rearm", "--control", folder.path("control"), "--json"}).out, "{\"done\":true}\n");
+  const Outcome refused = run(rearm);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("too many at once; try again"), std::string::npos);
+  EXPECT_EQ(run(rearm).code, 3);
+  EXPECT_EQ(run({"rearm", "--control", "/nonexistent/control"}).code, 3);
 }
 
 TEST(CommandLine, AnswersThatAreNotTheServicesAreExitCode3) {

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/ctl/screen.hpp"
 #include "daemon/ctl/truth.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/temporary.hpp"
@@ -64,11 +63,6 @@ reaction  bus          —            —        —  timeout: no answer
 )");
   EXPECT_EQ(check_json(channels)["channels"][1]["value"], nullptr);
   EXPECT_EQ(check_json(channels)["channels"][0]["latency_s"], 0.0009);
-}
-
-TEST(Screen, AFrameFitsTheTerminalByCodePoints) {
-  EXPECT_EQ(frame("µ±·x\nsecond\nthird", 2, 3), "\x1b[Hµ±·\x1b[K\r\nsec\x1b[K\x1b[J");
-  EXPECT_EQ(frame("", 5, 80), "\x1b[H\x1b[J");
 }
 
 TEST(Truth, IsReadFromAFileOrRefusedWithWhatWasExpected) {

@@ -1,0 +1,237 @@
+#include "daemon/ctl/watch_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+void add(std::vector<Line>& lines, const std::string& text, std::size_t columns, Style style) {
+  for (std::string& line : wrapped(printable(text), columns, 2)) lines.push_back({std::move(line), style});
+}
+
+// `right` at the right edge; both as long as they fit, else the left one is cut: it is only a name.
+std::string spread(const std::string& left, const std::string& right, std::size_t columns) {
+  const std::size_t taken = width(right) + 2;
+  const std::size_t room = columns > taken ? columns - taken : 0;
+  return pad_right(clipped(left, room), room) + "  " + right;
+}
+
+TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t columns, double now_s) {
+  TextOptions options;
+  options.columns = columns;
+  options.truth = truth;
+  if (state.old(now_s)) options.age = age_text(state.age_s(now_s));
+  // An old list tells nothing of now.
+  if (!state.dwell() || state.channels_age_s(now_s) > 2.0 * WatchState::kOld_s) return options;
+  for (const ChannelLabel& label : state.dwell()->channels) {
+    ChannelNote& note = options.channels.emplace_back();
+    const auto channel = state.channel(label.name, now_s);
+    if (!channel || channel->status.empty()) continue;
+    note.status = channel->status;
+    if (channel->age_s > WatchState::kOld_s) note.age = age_text(channel->age_s);
+  }
+  return options;
+}
+
+// What an operator must know before reading any number.
+std::vector<Line> alarms(const WatchState& state, const Controls& controls, std::size_t columns, double now_s) {
+  std::vector<Line> lines;
+  if (controls.paused_s) {
+    add(lines, "PAUSED for " + age_text(now_s - *controls.paused_s) + "; space goes on", columns, Style::alarm);
+  }
+  if (!state.trouble.empty()) add(lines, "NO CONNECTION: " + state.trouble, columns, Style::alarm);
+  if (state.dwell() && state.old(now_s)) {
+    const std::string age = age_text(state.age_s(now_s));
+    const bool silent = state.silent(now_s);
+    std::string text = "OLD NUMBERS, from " + age + " ago: ";
+    if (controls.paused_s)
+      text += "paused";
+    else if (silent)
+      text += "the service has said nothing for " + age_text(state.silent_s(now_s));
+    else
+      text += "the service answers, but no new data come";
+    add(lines, text, columns, Style::alarm);
+  }
+  std::string gpio = state.gpio;
+  for (auto end = gpio.find('\n'); end != std::string::npos; end = gpio.find('\n')) {
+    const bool well = gpio.compare(0, end, "interlock  closed") == 0;
+    add(lines, gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
+    gpio.erase(0, end + 1);
+  }
+  if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
+  return lines;
+}
+
+// Sections set one below the other on pages of so many rows.
+class Pager {
+ public:
+  explicit Pager(std::size_t rows) : rows_(std::max<std::size_t>(rows, 1)), pages_(1) {}
+
+  // The page on which the section begins.
+  std::size_t add(const Section& section) {
+    const std::size_t between = pages_.back().empty() ? 0 : 1;
+    const std::size_t whole = section.head.size() + section.body.size();
+    const std::size_t room = rows_ - std::min(rows_, pages_.back().size() + between);
+    // What fits on a page of its own is not torn; what does not, begins where three of its lines fit.
+    if (room < std::min(whole, rows_) && (whole <= rows_ || room < section.head.size() + 3)) {
+      turn();
+    } else if (between != 0) {
+      pages_.back().push_back({});
+    }
+    const std::size_t first = pages_.size() - 1;
+    put(section.head);
+    for (const Line& line : section.body) {
+      if (pages_.back().size() >= rows_) {
+        turn();
+        // A page of titles alone would go on for ever.
+        if (section.head.size() < rows_) put(section.head);
+      }
+      pages_.back().push_back(line);
+    }
+    return first;
+  }
+
+  [[nodiscard]] const std::vector<std::vector<Line>>& pages() const { return pages_; }
+
+ private:
+  void turn() {
+    if (!pages_.back().empty()) pages_.emplace_back();
+  }
+  void put(const std::vector<Line>& lines) {
+    for (const Line& line : lines) {
+      if (pages_.back().size() >= rows_) turn();
+      pages_.back().push_back(line);
+    }
+  }
+
+  std::size_t rows_;
+  std::vector<std::vector<Line>> pages_;
+};
+
+// Long doubts must not push the coefficients they concern off the first page: what is beyond half of it goes below
+// them.
+void make_room(std::vector<Section>& sections, std::size_t rows) {
+  if (sections.size() < 2 || sections[0].name != kDoubts) return;
+  const std::size_t most = std::max<std::size_t>(rows / 2, 2);
+  std::vector<Line>& doubts = sections[0].body;
+  if (doubts.size() <= most) return;
+  Section more;
+  more.head.push_back({"do not rely on these numbers, continued:", Style::alarm});
+  more.body.assign(doubts.begin() + static_cast<std::ptrdiff_t>(most - 1), doubts.end());
+  doubts.resize(most - 1);
+  doubts.push_back({"… continued below the coefficients", Style::alarm});
+  sections.insert(sections.begin() + 2, std::move(more));
+}
+
+std::string count_of(std::size_t count, const char* what, std::size_t page, std::size_t pages) {
+  if (count == 0) return {};
+  std::string text = " · " + std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  if (pages > 1) text += ", page " + std::to_string(page + 1);
+  return text;
+}
+
+std::vector<Line> footer(const Controls& controls, std::size_t page, std::size_t pages, std::size_t columns) {
+  std::vector<Line> lines;
+  const std::string turned = "page " + std::to_string(page + 1) + " of " + std::to_string(pages);
+  if (!controls.question.empty()) {
+    add(lines, controls.question + " y n", columns, Style::alarm);
+  } else if (!controls.keys) {
+    add(lines, pages > 1 ? turned + "; Ctrl-C ends it" : "Ctrl-C ends it", columns, Style::hint);
+  } else {
+    std::string text = controls.paused_s ? "space go on" : "space pause";
+    if (pages > 1) text += "  n b " + turned;
+    if (controls.may_rearm) text += "  r rearm";
+    add(lines, text + "  q quit", columns, Style::hint);
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string age_text(double seconds) {
+  if (!std::isfinite(seconds)) return kNoNumber;
+  seconds = std::max(0.0, seconds);
+  const auto whole = [](double value, const char* unit) {
+    return std::to_string(static_cast<long long>(value)) + unit;
+  };
+  if (seconds < 9.95) return seconds_text(seconds, 1);
+  if (seconds < 1000.0) return whole(seconds, " s");
+  if (seconds < 7200.0) return whole(seconds / 60.0, " min");
+  if (seconds < 172800.0) return whole(seconds / 3600.0, " h");
+  return whole(seconds / 86400.0, " d");
+}
+
+Page draw(const WatchState& state, const Controls& controls, const Truth* truth, Size size, double now_s,
+          const std::string& clock) {
+  const std::size_t columns = std::max<std::size_t>(size.columns, 8);
+  std::vector<Section> sections;
+  if (state.dwell()) sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
+
+  // The header tells the pages of doubts and warnings, and its height decides on which pages they are: the second time
+  // round its height is known.
+  Page page;
+  std::vector<Line> header;
+  std::vector<Line> keys = footer(controls, 0, 2, columns);
+  std::vector<Line> body;
+  std::size_t warnings_page = 0;
+  std::size_t header_rows = 2;
+  for (int round = 0; round < 2; ++round) {
+    const std::size_t around = header_rows + 1 + keys.size();
+    const std::size_t rows = size.rows > around ? size.rows - around : 1;
+    std::vector<Section> set = sections;
+    make_room(set, rows);
+    Pager pager(rows);
+    for (const Section& section : set) {
+      const std::size_t first = pager.add(section);
+      if (section.name == kWarnings) warnings_page = first;
+    }
+    page.pages = pager.pages().size();
+    page.page = std::min(controls.page, page.pages - 1);
+    body = pager.pages()[page.page];
+    keys = footer(controls, page.page, page.pages, columns);
+
+    header.clear();
+    const double age_s = state.age_s(now_s);
+    header.push_back({spread(printable(state.name), "age " + age_text(age_s) + " · " + clock, columns), Style::title});
+    if (state.dwell()) {
+      const Dwell& dwell = state.dwell()->dwell;
+      const bool old = state.old(now_s);
+      const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) +
+                               count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
+                               count_of(dwell.warnings.size(), "warning", warnings_page, page.pages);
+      ctl::add(header, text, columns, old ? Style::old : dwell.doubts.empty() ? Style::plain : Style::alarm);
+    } else {
+      ctl::add(header, "waiting for the service's first word", columns, Style::plain);
+    }
+    for (Line& line : alarms(state, controls, columns, now_s)) header.push_back(std::move(line));
+    header_rows = header.size();
+  }
+
+  const std::size_t rows = std::max<std::size_t>(size.rows, 1);
+  page.lines = std::move(header);
+  page.lines.push_back({});
+  page.lines.insert(page.lines.end(), body.begin(), body.end());
+  // The keys stand on the last rows, whatever is above.
+  page.lines.resize(rows > keys.size() ? rows - keys.size() : 0);
+  page.lines.insert(page.lines.end(), keys.begin(), keys.end());
+  if (page.lines.size() > rows) page.lines.resize(rows);
+  for (Line& line : page.lines) line.text = clipped(line.text, size.columns);
+  return page;
+}
+
+std::string last_words(const WatchState& state, const Truth* truth, double now_s) {
+  if (!state.dwell()) return {};
+  std::vector<Section> sections = dwell_sections(*state.dwell(), options_of(state, truth, kUnlimited, now_s));
+  Section head;
+  if (!state.name.empty()) head.body.push_back({printable(state.name), Style::plain});
+  for (Line& line : alarms(state, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
+  head.body.push_back({(state.old(now_s) ? "last seen: " : "") + headline(*state.dwell()), Style::plain});
+  sections.insert(sections.begin(), std::move(head));
+  return plain_text(sections);
+}
+
+}  // namespace dwell::ctl

@@ -1,0 +1,56 @@
+// The screen of watch, as lines: drawn from the state, the size and the time alone. It fits what an operator needs
+// first on the first page and turns pages for the rest; nothing is left out.
+//
+//   three masses                                          age 0.1 s · 14:03:22
+//   dwell 1 · measuring, 24.6 s of data · 2 warnings, page 2
+//   (what is wrong: no connection, old numbers, paused)
+//
+//   (doubts, coefficients, warnings, settling, channels: dwell_sections())
+//
+//   space pause  n b page 1 of 2  r rearm  q quit
+//
+// Pure; bound to one thread, not real-time.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/ctl/watch_state.hpp"
+#include "daemon/report/dwell_text.hpp"
+
+namespace dwell::ctl {
+
+struct Size {
+  std::size_t rows = 24;
+  std::size_t columns = 80;
+};
+
+// What the operator has asked of the screen.
+struct Controls {
+  std::optional<double> paused_s;  // since when the numbers stand still
+  std::size_t page = 0;            // 0 …; beyond the last one: the last one
+  bool keys = true;                // false: no key can be read
+  bool may_rearm = false;
+  std::string question;  // in place of the keys, to be answered by y or n
+  std::string message;   // what came of the last key
+};
+
+struct Page {
+  std::vector<Line> lines;  // at most Size::rows, none longer than Size::columns
+  std::size_t page = 0;     // 0 …
+  std::size_t pages = 1;
+};
+
+// truth may be null. now_s: of the state's clock; clock: the time of day as text.
+[[nodiscard]] Page draw(const WatchState& state, const Controls& controls, const Truth* truth, Size size, double now_s,
+                        const std::string& clock);
+
+// What is left on the operator's own screen at the end: everything, without pages, old numbers marked as well.
+[[nodiscard]] std::string last_words(const WatchState& state, const Truth* truth, double now_s);
+
+// "0.3 s", "778 s", "21 min", "5 h", "3 d": how old something is, as people say it; "—" if that is not known.
+[[nodiscard]] std::string age_text(double seconds);
+
+}  // namespace dwell::ctl

@@ -1,0 +1,446 @@
+// The screen of watch, exactly: what an operator sees on terminals of several sizes.
+#include "daemon/ctl/watch_page.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "daemon/report/number_text.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+// A chain of n elements that is measured, with n displacements and a load cell.
+DwellView chain(int n) {
+  Rig rig;
+  rig.masses.assign(static_cast<std::size_t>(n - 1), 1.0);
+  Dwell d = test::sample_dwell();
+  d.phasors.assign(static_cast<std::size_t>(n) + 1, d.phasors.front());
+  d.elements.assign(static_cast<std::size_t>(n), d.elements.front());
+  d.warnings.clear();
+  for (int k = 1; k <= n; ++k) {
+    d.elements[static_cast<std::size_t>(k - 1)].k = k;
+    d.elements[static_cast<std::size_t>(k - 1)].stiffness.value += k;
+    Channel y;
+    y.name = "y" + std::to_string(k - 1);
+    rig.channels.push_back(y);
+  }
+  Channel force;
+  force.name = "reaction";
+  force.measures = Quantity::force;
+  rig.channels.push_back(force);
+  return make_view(d, rig, test::sample_run());
+}
+
+WatchState watched(DwellView view) {
+  WatchState state;
+  state.name = "bench 2";
+  state.take(std::move(view), 100.0);
+  return state;
+}
+
+std::string text_of(const Page& page) {
+  std::string text;
+  for (const Line& line : page.lines) text += line.text + "\n";
+  return text;
+}
+
+Page at(const WatchState& state, const Controls& controls, Size size, double now_s = 100.1) {
+  return draw(state, controls, nullptr, size, now_s, "14:03:22");
+}
+
+std::vector<Page> all_pages(const WatchState& state, Size size, double now_s = 100.1) {
+  std::vector<Page> pages;
+  Controls controls;
+  do {
+    pages.push_back(at(state, controls, size, now_s));
+    EXPECT_EQ(pages.back().page, controls.page);
+  } while (++controls.page < pages.back().pages);
+  return pages;
+}
+
+constexpr Size kUsual{24, 80};
+
+TEST(WatchPage, AUsualRigStandsOnOneScreenOf80By24) {
+  EXPECT_EQ(text_of(at(watched(chain(4)), {}, kUsual)),
+            R"(bench 2                                                     age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data
+
+element  stiffness            damping             most of u²(c)
+      1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      2  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      3  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      4  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+± is the half width of the 95 % interval
+
+settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
+reason     0.2 % of the transient is left, 0.5 % allowed
+transient  decayed in 5.90 s; 5.70 s expected from the coefficients
+frequency  4.000300 ± 0.000039 Hz
+
+channel   amplitude             phase to y0        mean          harmonic
+y0        5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
+y1        5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+y2        5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+y3        5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+reaction  5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
+
+
+space pause  n b page 1 of 2  q quit
+)");
+}
+
+TEST(WatchPage, OneElementOnAWideTerminalLeavesTheKeysAtTheBottom) {
+  const Page page = at(watched(chain(1)), {}, {40, 120});
+  ASSERT_EQ(page.lines.size(), 40U);
+  EXPECT_EQ(page.pages, 1U);
+  EXPECT_EQ(
+      text_of(page),
+      R"(bench 2                                                                                             age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data
+
+element  stiffness            damping             most of u²(c)     most of u²(r)
+      1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
+± is the half width of the 95 % interval
+
+settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
+reason     0.2 % of the transient is left, 0.5 % allowed
+transient  decayed in 5.90 s; 5.70 s expected from the coefficients
+frequency  4.000300 ± 0.000039 Hz
+
+channel   amplitude             phase to y0        mean          harmonic
+y0        5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
+reaction  5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+space pause  q quit
+)");
+}
+
+TEST(WatchPage, ASmallTerminalTurnsPages) {
+  const std::vector<Page> pages = all_pages(watched(chain(4)), {12, 40});
+  EXPECT_EQ(text_of(pages[0]), R"(bench 2             age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data
+
+element  stiffness
+      1  24.011 ± 0.027 kN/m
+      2  24.012 ± 0.027 kN/m
+      3  24.013 ± 0.027 kN/m
+      4  24.014 ± 0.027 kN/m
+
+
+
+space pause  n b page 1 of 8  q quit
+)");
+}
+
+TEST(WatchPage, ThirtyElementsGoOnOverleafBelowTheirTitles) {
+  const std::vector<Page> pages = all_pages(watched(chain(30)), kUsual);
+  EXPECT_EQ(text_of(pages[0]), R"(bench 2                                                     age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data
+
+element  stiffness            damping             most of u²(c)
+      1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      2  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      3  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      4  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      5  24.015 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      6  24.016 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      7  24.017 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      8  24.018 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      9  24.019 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     10  24.020 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     11  24.021 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     12  24.022 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     13  24.023 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     14  24.024 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     15  24.025 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     16  24.026 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     17  24.027 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     18  24.028 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     19  24.029 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+space pause  n b page 1 of 6  q quit
+)");
+  EXPECT_EQ(text_of(pages[1]), R"(bench 2                                                     age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data
+
+element  stiffness            damping             most of u²(c)
+     20  24.030 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     21  24.031 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     22  24.032 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     23  24.033 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     24  24.034 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     25  24.035 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     26  24.036 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     27  24.037 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     28  24.038 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     29  24.039 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+     30  24.040 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+± is the half width of the 95 % interval
+
+settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
+reason     0.2 % of the transient is left, 0.5 % allowed
+transient  decayed in 5.90 s; 5.70 s expected from the coefficients
+frequency  4.000300 ± 0.000039 Hz
+
+
+space pause  n b page 2 of 6  q quit
+)");
+}
+
+// Whatever the size, every number and every word stands on some page, and no page is larger than the terminal.
+TEST(WatchPage, NothingIsLostOnAnySize) {
+  for (const int n : {1, 4, 30}) {
+    DwellView view = chain(n);
+    for (int i = 0; i < 40; ++i)
+      view.dwell.warnings.push_back("warning number" + std::to_string(i) + " is longer than a terminal of eighty " +
+                                    "columns, and still it must not lose a word, down to its end" + std::to_string(i));
+    view.dwell.doubts = {{{1}, "the first doubt"}, {{}, "the second doubt"}};
+    for (const Size size : {Size{24, 80}, Size{40, 120}, Size{12, 40}, Size{8, 50}}) {
+      std::string all;
+      for (const Page& page : all_pages(watched(view), size)) {
+        ASSERT_LE(page.lines.size(), size.rows);
+        for (const Line& line : page.lines) {
+          ASSERT_LE(width(line.text), size.columns) << line.text;
+          all += line.text + "\n";
+        }
+      }
+      std::vector<std::string> expected{"first", "second", "0.05", "5.90 s;", "6.42 s", "4.000300 ± 0.000039 Hz"};
+      for (int i = 0; i < 40; ++i) expected.push_back("end" + std::to_string(i) + "\n");
+      for (int k = 1; k <= n; ++k) expected.push_back(std::to_string(k) + "  24.0" + std::to_string(10 + k));
+      for (int i = 0; i < n; ++i) expected.push_back("\ny" + std::to_string(i) + " ");
+      expected.erase(expected.begin() + 2);
+      for (const std::string& text : expected)
+        EXPECT_NE(all.find(text), std::string::npos) << text << " at " << size.rows << " x " << size.columns;
+    }
+  }
+}
+
+// They must not be missed where the coefficients alone fill the first page.
+TEST(WatchPage, TheHeaderSaysHowManyWarningsThereAreAndWhere) {
+  DwellView view = chain(30);
+  view.dwell.warnings = {"channel y2 is stale: timeout", "hum"};
+  view.dwell.doubts = {{{2}, "y1 and y2 look swapped"}};
+  const std::vector<Page> pages = all_pages(watched(view), kUsual);
+  EXPECT_EQ(pages[0].lines[1].text, "dwell 1 · measuring, 24.6 s of data · 1 doubt, page 1 · 2 warnings, page 2");
+  EXPECT_EQ(pages[0].lines[1].style, Style::alarm);
+  EXPECT_EQ(pages[0].lines[3].text, "do not rely on element 2: y1 and y2 look swapped");
+  EXPECT_NE(text_of(pages[1]).find("warning: channel y2 is stale: timeout\nwarning: hum\n"), std::string::npos);
+}
+
+TEST(WatchPage, DoubtsLongerThanAScreenLeaveTheCoefficientsOnTheFirstPage) {
+  DwellView view = chain(4);
+  for (int i = 0; i < 50; ++i) view.dwell.doubts.push_back({{}, "doubt" + std::to_string(i)});
+  const std::vector<Page> pages = all_pages(watched(view), kUsual);
+  EXPECT_EQ(text_of(pages[0]), R"(bench 2                                                     age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data · 50 doubts, page 1
+
+do not rely on any element: doubt0
+do not rely on any element: doubt1
+do not rely on any element: doubt2
+do not rely on any element: doubt3
+do not rely on any element: doubt4
+do not rely on any element: doubt5
+do not rely on any element: doubt6
+do not rely on any element: doubt7
+do not rely on any element: doubt8
+… continued below the coefficients
+
+element  stiffness              damping               most of u²(c)
+      1  24.011 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
+      2  24.012 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
+      3  24.013 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
+      4  24.014 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
+± is the half width of the 95 % interval; ?: do not rely on it, the reason
+  stands above
+
+
+space pause  n b page 1 of 5  q quit
+)");
+  std::string all;
+  for (const Page& page : pages) all += text_of(page);
+  for (int i = 0; i < 50; ++i) EXPECT_NE(all.find(": doubt" + std::to_string(i) + "\n"), std::string::npos) << i;
+}
+
+// 778 s after the service died, "measuring" stood above numbers at full strength.
+TEST(WatchPage, NumbersOfAServiceThatHasGoneAreGreyAndMarkedWithTheirAge) {
+  WatchState state = watched(chain(4));
+  state.trouble = "trying again, http://bench2:8380: Connection refused";
+  const Page page = at(state, {}, kUsual, 878.0);
+  EXPECT_EQ(text_of(page), R"(bench 2                                                     age 778 s · 14:03:22
+last seen: dwell 1 · measuring, 24.6 s of data
+NO CONNECTION: trying again, http://bench2:8380: Connection refused
+OLD NUMBERS, from 778 s ago: the service has said nothing for 778 s
+
+element    age  stiffness            damping             most of u²(c)
+      1  778 s  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      2  778 s  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      3  778 s  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+      4  778 s  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
+± is the half width of the 95 % interval
+
+settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
+reason     0.2 % of the transient is left, 0.5 % allowed
+transient  decayed in 5.90 s; 5.70 s expected from the coefficients
+frequency  4.000300 ± 0.000039 Hz
+
+channel     age  amplitude             phase to y0        mean          harmonic
+y0        778 s  5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
+y1        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+y2        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+y3        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+reaction  778 s  5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
+space pause  n b page 1 of 2  q quit
+)");
+  for (const Line& line : page.lines) {
+    const bool number = line.text.find("± 0") != std::string::npos || line.text.find("measuring") != std::string::npos;
+    if (number) {
+      EXPECT_EQ(line.style, Style::old) << line.text;
+    }
+  }
+  EXPECT_EQ(page.lines[2].style, Style::alarm);
+}
+
+TEST(WatchPage, OnlyTheStaleChannelIsGrey) {
+  WatchState state = watched(chain(4));
+  ChannelState y1;
+  y1.name = "y1";
+  y1.status = "timeout: no answer within 0.1 s";
+  y1.age_s = 12.0;
+  state.take({y1}, 100.0);
+  const Page page = at(state, {}, {40, 120});
+  EXPECT_EQ(
+      text_of(page),
+      R"(bench 2                                                                                             age 0.1 s · 14:03:22
+dwell 1 · measuring, 24.6 s of data
+
+element  stiffness            damping             most of u²(c)     most of u²(r)
+      1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
+      2  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
+      3  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
+      4  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
+± is the half width of the 95 % interval
+
+settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
+reason     0.2 % of the transient is left, 0.5 % allowed
+transient  decayed in 5.90 s; 5.70 s expected from the coefficients
+frequency  4.000300 ± 0.000039 Hz
+
+channel    age  amplitude             phase to y0        mean          harmonic
+y0              5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
+y1        12 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+y2              5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+y3              5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
+reaction        5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
+y1: now timeout: no answer within 0.1 s
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+
+space pause  q quit
+)");
+  for (const Line& line : page.lines) EXPECT_EQ(line.style == Style::old, line.text.substr(0, 3) == "y1 ") << line.text;
+}
+
+TEST(WatchPage, PausedNumbersGrowOldAndTheScreenSaysThatItIsPaused) {
+  Controls controls;
+  controls.paused_s = 100.1;
+  const Page soon = at(watched(chain(1)), controls, kUsual, 101.1);
+  EXPECT_EQ(soon.lines[2].text, "PAUSED for 1.0 s; space goes on");
+  EXPECT_EQ(soon.lines[5].style, Style::plain);
+  const Page later = at(watched(chain(1)), controls, kUsual, 120.1);
+  EXPECT_EQ(later.lines[3].text, "OLD NUMBERS, from 20 s ago: paused");
+  EXPECT_EQ(later.lines[6].style, Style::old);
+  EXPECT_EQ(later.lines.back().text, "space go on  q quit");
+}
+
+TEST(WatchPage, AQuestionTakesThePlaceOfTheKeys) {
+  Controls controls;
+  controls.may_rearm = true;
+  EXPECT_EQ(at(watched(chain(1)), controls, {40, 120}).lines.back().text, "space pause  r rearm  q quit");
+  controls.question = "rearm: end this dwell here and settle anew?";
+  const Page page = at(watched(chain(1)), controls, {40, 120});
+  EXPECT_EQ(page.lines.back().text, "rearm: end this dwell here and settle anew? y n");
+  controls.question.clear();
+  controls.keys = false;
+  EXPECT_EQ(at(watched(chain(1)), controls, {40, 120}).lines.back().text, "Ctrl-C ends it");
+}
+
+TEST(WatchPage, BeforeTheFirstWordItSaysThatItWaits) {
+  WatchState state;
+  state.name = "http://bench2:8380";
+  const Page page = at(state, {}, kUsual);
+  EXPECT_EQ(page.lines[0].text, "http://bench2:8380" + std::string(46, ' ') + "age — · 14:03:22");
+  EXPECT_EQ(page.lines[1].text, "waiting for the service's first word");
+}
+
+TEST(WatchPage, AnAbsurdlySmallTerminalDoesNotHarm) {
+  const WatchState state = watched(chain(4));
+  for (std::size_t rows = 1; rows < 8; ++rows) {
+    for (std::size_t columns = 1; columns < 30; columns += 7) {
+      const Page page = at(state, {}, {rows, columns});
+      EXPECT_LE(page.lines.size(), rows);
+      for (const Line& line : page.lines) EXPECT_LE(width(line.text), columns);
+    }
+  }
+}
+
+TEST(WatchPage, NamesFromOutsideCannotSteerTheTerminal) {
+  WatchState state = watched(chain(1));
+  state.name = "bench\x1b[2J";
+  state.trouble = "refused\x1b]0;x";
+  EXPECT_EQ(text_of(at(state, {}, kUsual)).find('\x1b'), std::string::npos);
+  EXPECT_EQ(last_words(state, nullptr, 100.1).find('\x1b'), std::string::npos);
+}
+
+TEST(AgeText, IsAsPeopleSayIt) {
+  EXPECT_EQ(age_text(0.04), "0.0 s");
+  EXPECT_EQ(age_text(9.9), "9.9 s");
+  EXPECT_EQ(age_text(9.96), "9 s");
+  EXPECT_EQ(age_text(778.9), "778 s");
+  EXPECT_EQ(age_text(1260.0), "21 min");
+  EXPECT_EQ(age_text(18000.0), "5 h");
+  EXPECT_EQ(age_text(3.5 * 86400.0), "3 d");
+  EXPECT_EQ(age_text(kNaN), "—");
+  EXPECT_EQ(age_text(-1.0), "0.0 s");
+}
+
+}  // namespace
+}  // namespace dwell::ctl

@@ -1,0 +1,82 @@
+#include "daemon/ctl/watch_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/ctl/sample_dwell.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+DwellView view_until(double end_s) {
+  Dwell dwell = test::sample_dwell();
+  dwell.end_s = end_s;
+  return make_view(dwell, test::sample_rig(), test::sample_run());
+}
+
+TEST(WatchState, NumbersAreOldOnceTheServiceFallsSilent) {
+  WatchState state;
+  for (int i = 0; i <= 10; ++i) state.take(view_until(31.0 + 0.1 * i), 100.0 + 0.1 * i);
+  EXPECT_FALSE(state.old(101.1));
+  EXPECT_FALSE(state.old(103.4));
+  EXPECT_TRUE(state.old(103.6));
+  EXPECT_TRUE(state.silent(103.6));
+  EXPECT_DOUBLE_EQ(state.age_s(879.0), 778.0);
+}
+
+// A service whose thread of estimation hangs goes on telling the same dwell.
+TEST(WatchState, NumbersAreOldWhileTheServiceRepeatsThem) {
+  WatchState state;
+  for (int i = 0; i <= 50; ++i) state.take(view_until(31.0), 100.0 + 0.1 * i);
+  EXPECT_TRUE(state.old(105.0));
+  EXPECT_FALSE(state.silent(105.0));
+  EXPECT_DOUBLE_EQ(state.age_s(105.0), 5.0);
+}
+
+TEST(WatchState, WithoutAConnectionNumbersAreOldAtOnce) {
+  WatchState state;
+  state.take(view_until(31.0), 100.0);
+  EXPECT_FALSE(state.old(100.1));
+  state.trouble = "Connection refused";
+  EXPECT_TRUE(state.old(100.1));
+}
+
+// estimation.update may be as long as an hour; but one outage does not make outages usual.
+TEST(WatchState, ARigThatIsRarelyEstimatedIsNotOldBetweenItsEstimates) {
+  WatchState state;
+  for (int i = 0; i < 5; ++i) state.take(view_until(31.0 + 10.0 * i), 100.0 + 10.0 * i);
+  EXPECT_FALSE(state.old(164.0));
+  EXPECT_TRUE(state.old(166.0));
+
+  WatchState after_an_outage;
+  for (const double at_s : {100.0, 100.1, 700.0, 700.1}) after_an_outage.take(view_until(at_s), at_s);
+  EXPECT_TRUE(after_an_outage.old(703.0));
+}
+
+TEST(WatchState, IdleIsNotOldWhileTheServiceSaysSo) {
+  WatchState state;
+  for (int i = 0; i <= 10; ++i) state.take(make_view(Dwell{}, test::sample_rig(), {}), 100.0 + i);
+  EXPECT_FALSE(state.old(110.5));
+  EXPECT_TRUE(state.old(113.0));
+}
+
+TEST(WatchState, AChannelGrowsOlderFromWhatTheListSaid) {
+  WatchState state;
+  EXPECT_FALSE(state.channel("y0", 1.0));
+  state.take(channel_states(nlohmann::ordered_json::parse(
+                 R"([{"name":"y0","status":"ok","reason":null,"age_s":0.01},
+                     {"name":"y1","status":"timeout","reason":"no answer within 0.1 s","age_s":12.0},
+                     {"name":"y2","status":"clipped","reason":"","age_s":null}, 7, {"name":3}])")),
+             100.0);
+  EXPECT_EQ(state.channel("y0", 100.5)->status, "");
+  EXPECT_DOUBLE_EQ(state.channel("y0", 100.5)->age_s, 0.51);
+  EXPECT_EQ(state.channel("y1", 101.0)->status, "timeout: no answer within 0.1 s");
+  EXPECT_DOUBLE_EQ(state.channel("y1", 101.0)->age_s, 13.0);
+  EXPECT_EQ(state.channel("y2", 101.0)->status, "clipped");
+  EXPECT_FALSE(state.channel("none", 101.0));
+  EXPECT_TRUE(channel_states(nlohmann::ordered_json(7)).empty());
+}
+
+}  // namespace
+}  // namespace dwell::ctl
