@@ -41,6 +41,7 @@ struct Line {
   double rate_hz = 0.0;
   double phase = 0.0;    // of its instants, in intervals
   double jitter = 0.0;   // of each instant, in intervals, peak to peak
+  int scan = -1;         // channels of one scan are read at one instant; -1: by itself
   double shift_s = 0.0;  // its stamps are late by this
   double mean = 0.0;     // SI, as all that follows
   double sigma = 0.0;    // white noise

@@ -127,6 +127,7 @@ class Disturber {
     const double kind = draws_.uniform(0, 1);
     excitation.reference = Reference::fixed;
     excitation.frequency_hz = about_.frequency_hz / (1 + off);
+    excitation.clock_u = 5e-5;  // what a rig file has that says nothing
     if (kind < 0.4) excitation.frequency_u_hz = stated * excitation.frequency_hz;
     if (kind > 0.7) excitation.clock_u = stated;
     tell(Kind::fixed_off,
@@ -369,6 +370,8 @@ class Disturber {
     for (int c = 0; c < about_.channels(); ++c) {
       const bool on_second = c == about_.channels() - 1 || draws_.chance(0.3);
       if (on_second) second.push_back(c);
+      line(c).scan = on_second;  // one request each
+      line(c).phase = line(0).phase + (on_second ? 0.1 : 0.0);
       line(c).shift_s = shift[on_second];
       about_.half_ns[static_cast<std::size_t>(c)] = static_cast<std::uint32_t>(std::llround(1e9 * half_s));
     }
@@ -444,6 +447,9 @@ void draw_disturbed(Draws& draws, Case& about) {
   draw_sampling(draws, about, 10, 100);
   if (needs_one_rate(kind))
     for (Line& line : about.lines) line.rate_hz = about.lines[0].rate_hz;
+  if (draws.chance(0.5))  // one request for all
+    for (Line& line : about.lines)
+      line.scan = 0, line.rate_hz = about.lines[0].rate_hz, line.phase = about.lines[0].phase;
   draw_noise(draws, about, std::abs(about.table.shape[0]));
   if (draws.chance(0.3))  // rounded, with noise of half a step or more
     for (Line& line : about.lines) line.step = line.sigma / draws.log_uniform(0.5, 3);

@@ -137,6 +137,15 @@ std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slac
            share <= 5 + 5 * slack}};
 }
 
+Row blamed_row(const std::vector<Outcome>& outcomes, double slack) {
+  const long blamed =
+      std::count_if(outcomes.begin(), outcomes.end(), [](const Outcome& o) { return !o.blamed.empty(); });
+  const auto count = static_cast<long>(outcomes.size());
+  return {"healthy dwells (white, tracked, type B, quantized) that blame a channel, an element or the drive",
+          text("%ld", blamed), "<= 1 in 1000", count,
+          static_cast<double>(blamed) <= 1e-3 * static_cast<double>(count) + 3 * slack};
+}
+
 Row step_row(const std::vector<StepOutcome>& outcomes, Population population, double slack) {
   long measured = 0, in_time = 0;
   for (const StepOutcome& outcome : outcomes) {

@@ -37,8 +37,9 @@ bool is_quick(const Case& about) {
 // What has been found so far.
 struct Findings {
   std::vector<Row> rows;
-  std::vector<Outcome> begun;   // of every population that begins with a transient
-  std::vector<Outcome> judged;  // of those by which it is judged what is reported
+  std::vector<Outcome> begun;    // of every population that begins with a transient
+  std::vector<Outcome> judged;   // of those by which it is judged what is reported
+  std::vector<Outcome> healthy;  // of those without disturbance
   std::vector<std::string> bad;
   std::vector<std::string> tables;  // beside the rows
   long rearmed = 0;                 // although the drive was steady
@@ -87,6 +88,12 @@ void study_begun(const Options& options, Population population, Findings& findin
     for (std::string& line : worst(outcomes, population, options.seed)) findings.bad.push_back(std::move(line));
   for (const Outcome& outcome : outcomes) findings.rearmed += outcome.rearmed;
   append(findings.begun, outcomes);
+  if (population != Population::hum && population != Population::coarse) {
+    append(findings.healthy, outcomes);
+    for (const Outcome& outcome : outcomes)
+      if (options.list_bad && !outcome.blamed.empty())
+        findings.bad.push_back(text("%s, healthy, --only %d: ", name_of(population), outcome.index) + outcome.blamed);
+  }
 }
 
 void study(const Options& options, Population population, Findings& findings) {
@@ -180,6 +187,7 @@ int run(const Options& options) {
   std::vector<Row>& rows = findings.rows;
   if (!findings.begun.empty())
     for (Row& row : settling_rows(findings.begun, options.slack())) rows.push_back(std::move(row));
+  if (!findings.healthy.empty()) rows.push_back(blamed_row(findings.healthy, options.slack()));
   if (!findings.judged.empty())
     for (Row& row : reported_rows(findings.judged, options.slack())) rows.push_back(std::move(row));
   if (options.is_short) std::puts("The short form: few dwells, no slow rigs, and wider bounds than the targets shown.");

@@ -26,6 +26,7 @@ struct Outcome {
   bool rearmed = false;    // measuring was left although the drive was steady
   bool completed = false;  // there is a result
   bool hum_inseparable = false, hum_warned = false;
+  std::string blamed;  // what a channel, an element or the drive is blamed for; empty: nothing
   double tau_periods = 0.0, period_s = 0.0;
   double verdict_s = 0.0, oracle_s = 0.0;  // from the start of the drive that is judged
   double left = 0.0;                       // largest transient from the verdict on, over its threshold

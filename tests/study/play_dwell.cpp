@@ -7,6 +7,7 @@
 
 #include "core/pipeline.hpp"
 #include "tests/study/bound.hpp"
+#include "tests/study/disturbed.hpp"
 #include "tests/study/outcome.hpp"
 #include "tests/study/recording.hpp"
 #include "tests/study/script.hpp"
@@ -55,6 +56,9 @@ void judge_elements(const Case& about, const Dwell& dwell, Outcome& outcome) {
   outcome.counted_periods = seconds * about.frequency_hz;
   outcome.hum_inseparable = hum_inseparable(about, seconds);
   outcome.hum_warned = speaks_of_hum(dwell);
+  for (const std::string& line : told_by(dwell))
+    if (outcome.blamed.empty() && blames(about, line)) outcome.blamed = line;
+  if (outcome.blamed.empty() && !dwell.doubts.empty()) outcome.blamed = dwell.doubts.front().what;
   outcome.answer_s = true_s(about, dwell.end_s) - about.change_s;
   const Script script = run_script(about);
   outcome.naive_answer_s = script.answer_s - about.change_s;

@@ -43,7 +43,8 @@ std::int64_t source_of(const Case& about, const Mishap& mishap, int c, std::int6
 
 double instant_s(const Case& about, int c, std::int64_t i) {
   const Line& line = about.lines[static_cast<std::size_t>(c)];
-  const double moved = line.jitter > 0 ? line.jitter * (random_at(about.seed, c, i, kJitter).u - 0.5) : 0.0;
+  const int by = line.scan >= 0 ? line.scan : c;
+  const double moved = line.jitter > 0 ? line.jitter * (random_at(about.seed, by, i, kJitter).u - 0.5) : 0.0;
   return (static_cast<double>(i) + 0.5 + line.phase + moved) / line.rate_hz;
 }
 
