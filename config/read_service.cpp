@@ -37,8 +37,24 @@ bool split_address(const std::string& address, ServerSettings& out) {
   std::uint16_t port = 0;
   const auto [end, error] = std::from_chars(first, last, port);
   if (first == last || error != std::errc() || end != last) return false;
-  out = {address, host, port};
+  out.listen = address;
+  out.host = host;
+  out.port = port;
   return true;
+}
+
+void read_names(Section& server, std::vector<std::string>& names) {
+  constexpr const char* kNames = "host names without a port, for instance [\"bench.local\"]";
+  const toml::array* given = server.array("names", kNames);
+  if (given == nullptr) return;
+  for (const toml::node& node : *given) {
+    const auto* name = node.as_string();
+    if (name == nullptr || !is_host_name(name->get())) {
+      server.wrong("names", "\"names\" holds " + shown(node) + ": expected " + kNames);
+    } else {
+      names.push_back(name->get());
+    }
+  }
 }
 
 std::optional<GpioLine> read_line(Section& gpio, const char* name, bool input, Draft& draft) {
@@ -103,6 +119,7 @@ void read_service(Section& root, Draft& draft) {
     if (section.text("listen", listen, kListen) && !split_address(listen, draft.file.server)) {
       section.wrong("listen", "\"listen\" is " + in_quotes(listen) + ": expected " + kListen);
     }
+    read_names(section, draft.file.server.names);
     section.refuse_rest();
   }
   if (const toml::table* table = root.table("recording", "a table [recording]")) {

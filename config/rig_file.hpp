@@ -24,6 +24,7 @@ struct ServerSettings {
   std::string listen = "127.0.0.1:8380";
   std::string host = "127.0.0.1";  // of `listen`; without the brackets of an IPv6 address
   std::uint16_t port = 8380;       // 0: any free one
+  std::vector<std::string> names;  // by which clients may ask for it
 };
 
 struct RecordingSettings {

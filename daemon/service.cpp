@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -202,6 +203,10 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
   HttpOptions http_options;
   http_options.host = server.host;
   http_options.port = server.port;
+  http_options.names = server.names;
+  char own_name[HOST_NAME_MAX + 1] = {};
+  if (gethostname(own_name, sizeof own_name - 1) == 0) http_options.names.emplace_back(own_name);
+  http_options.names.push_back(server.host);
   http_options.server = std::string("dwelld/") + kVersion;
   auto http = HttpServer::make(
       self.loop, http_options,

@@ -29,14 +29,14 @@ constexpr mode_t kMode = 0660;
 
 struct ControlServer::Impl : std::enable_shared_from_this<ControlServer::Impl> {
   Impl(asio::io_context& context, ControlOptions asked, Handler answers)
-      : options(std::move(asked)), handler(std::move(answers)), acceptor(context), pause(context) {}
+      : options(std::move(asked)), handler(std::move(answers)), acceptor(context) {}
 
   void accept();
 
   const ControlOptions options;
   const Handler handler;
   Local::acceptor acceptor;
-  asio::steady_timer pause;
+  std::weak_ptr<void> accepting;  // expired: nobody waits for the next caller
   std::unordered_set<Caller*> callers;
 };
 
@@ -127,15 +127,10 @@ std::string clear(asio::io_context& context, const std::string& path) {
 }  // namespace
 
 void ControlServer::Impl::accept() {
-  acceptor.async_accept([self = shared_from_this()](const error_code& error, Local::socket socket) {
-    if (!self->acceptor.is_open()) return;
-    if (error) {
-      self->pause.expires_after(std::chrono::milliseconds(100));
-      self->pause.async_wait([self](const error_code& stopped) {
-        if (!stopped && self->acceptor.is_open()) self->accept();
-      });
-      return;
-    }
+  const auto waiting = std::make_shared<char>();
+  accepting = waiting;
+  acceptor.async_accept([self = shared_from_this(), waiting](const error_code& error, Local::socket socket) {
+    if (error || !self->acceptor.is_open()) return;
     if (self->callers.size() < self->options.clients) std::make_shared<Caller>(self, std::move(socket))->read();
     self->accept();
   });
@@ -162,6 +157,10 @@ tl::expected<std::unique_ptr<ControlServer>, std::string> ControlServer::make(Ev
   impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error) return failed(error.message());
   impl->accept();
+  // Also after memory or descriptors had run out for a while.
+  loop.every(std::chrono::milliseconds(250), [weak = std::weak_ptr(impl)] {
+    if (const auto self = weak.lock(); self && self->accepting.expired() && self->acceptor.is_open()) self->accept();
+  });
   return std::unique_ptr<ControlServer>(new ControlServer(std::move(impl)));
 }
 
@@ -170,7 +169,6 @@ ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)
 ControlServer::~ControlServer() {
   error_code ignored;
   impl_->acceptor.close(ignored);
-  impl_->pause.cancel();
   for (Caller* caller : impl_->callers) caller->close();
   unlink(impl_->options.path.c_str());
 }

@@ -9,6 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <list>
+#include <memory>
 
 namespace dwell {
 
@@ -22,21 +23,33 @@ struct EventLoop::Impl {
     Watch& operator=(const Watch&) = delete;
     asio::posix::stream_descriptor descriptor;
     std::function<void()> ready;
+    std::weak_ptr<void> awaited{};
     ~Watch() { descriptor.release(); }  // not ours to close
   };
   struct Timer {
     asio::steady_timer timer;
     std::chrono::milliseconds period;
     std::function<void()> due;
+    std::weak_ptr<void> awaited{};
   };
 
   asio::io_context context{1};
   std::list<Watch> watches;
   std::list<Timer> timers;
 
+  // Where memory ends within Asio a handler is never called; that `awaited` has expired is then all there is to see.
+  void await_forgotten() {
+    for (Watch& watch : watches)
+      if (watch.awaited.expired()) await(watch);
+    for (Timer& timer : timers)
+      if (timer.awaited.expired()) await(timer);
+  }
+
   static void await(Watch& watch) {
+    const auto token = std::make_shared<char>();
+    watch.awaited = token;
     watch.descriptor.async_wait(asio::posix::stream_descriptor::wait_read,
-                                [&watch](const boost::system::error_code& error) {
+                                [&watch, token](const boost::system::error_code& error) {
                                   if (error) return;
                                   await(watch);
                                   watch.ready();
@@ -44,7 +57,9 @@ struct EventLoop::Impl {
   }
 
   static void await(Timer& timer) {
-    timer.timer.async_wait([&timer](const boost::system::error_code& error) {
+    const auto token = std::make_shared<char>();
+    timer.awaited = token;
+    timer.timer.async_wait([&timer, token](const boost::system::error_code& error) {
       if (error) return;
       // From now on, not from when it was due: after a pause of the whole machine no burst follows.
       timer.timer.expires_after(timer.period);
@@ -71,6 +86,7 @@ void EventLoop::run(const std::function<void(const char*)>& failed) {
   const auto keep = asio::make_work_guard(impl_->context);
   while (!impl_->context.stopped()) {
     try {
+      impl_->await_forgotten();
       impl_->context.run();
     } catch (const std::exception& failure) {
       failed(failure.what());

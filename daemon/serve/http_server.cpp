@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -20,6 +19,7 @@
 #include <unordered_set>
 
 #include "daemon/serve/event_loop.hpp"
+#include "daemon/serve/host_check.hpp"
 
 namespace dwell {
 
@@ -29,6 +29,7 @@ namespace http = beast::http;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 using Event = std::shared_ptr<const std::string>;
+using Clock = std::chrono::steady_clock;
 
 namespace {
 class Connection;
@@ -36,25 +37,23 @@ class Connection;
 
 struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   Impl(asio::io_context& context, HttpOptions asked, Handler answers, FirstEvent first)
-      : options(std::move(asked)),
-        handler(std::move(answers)),
-        first_event(std::move(first)),
-        acceptor(context),
-        pause(context) {}
+      : options(std::move(asked)), handler(std::move(answers)), first_event(std::move(first)), acceptor(context) {}
 
   void accept();
   void welcome(tcp::socket socket);
+  bool make_room();
 
   const HttpOptions options;
   const Handler handler;
   const FirstEvent first_event;
   tcp::acceptor acceptor;
-  asio::steady_timer pause;
+  std::weak_ptr<void> accepting;  // expired: nobody waits for the next client
   std::unordered_set<Connection*> connections;
   std::unordered_set<Connection*> streams;
   bool awaits_address = false;
   std::uint64_t requests = 0;
   std::uint64_t refused = 0;
+  std::uint64_t displaced = 0;
   std::uint64_t events_dropped = 0;
 };
 
@@ -67,36 +66,67 @@ class Connection : public std::enable_shared_from_this<Connection> {
       : server_(std::move(server)), stream_(std::move(socket)) {
     server_->connections.insert(this);
   }
-  ~Connection() {
-    server_->connections.erase(this);
-    server_->streams.erase(this);
-  }
+  ~Connection() { forget(); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   // Awaits a request. The deadline is one for all of it, so a client that sends byte by byte gains nothing.
   void read() {
+    phase_ = Phase::asking;
+    silent_since_ = Clock::now();
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(server_->options.header_bytes));
     parser_->body_limit(server_->options.body_bytes);
     stream_.expires_after(server_->options.request_time);
-    http::async_read(stream_, buffer_, *parser_,
-                     [self = shared_from_this()](const error_code& error, std::size_t) { self->received(error); });
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](const error_code& error, std::size_t) {
+      self->or_close([&] { self->received(error); });
+    });
   }
 
   void push(const Event& event) {
+    const bool idle = waiting_.empty();
+    if (!idle && writing_.expired()) return leave();  // its memory ended within Asio, perhaps halfway through an event
     if (waiting_.size() >= server_->options.events_waiting) {
-      // The first one may be on its way out; the oldest behind it goes.
-      waiting_.erase(waiting_.begin() + (writing_ ? 1 : 0));
+      // The first one is on its way out; the oldest behind it goes.
+      waiting_.erase(waiting_.begin() + 1);
       ++server_->events_dropped;
     }
     waiting_.push_back(event);
-    if (!writing_) write_event();
+    if (idle) write_event();
   }
 
-  void close() { stream_.close(); }
+  void close() {
+    forget();
+    stream_.close();
+  }
+
+  // Since when it has had its chance to ask and has not; nullopt: it keeps its place.
+  [[nodiscard]] std::optional<Clock::time_point> silent_since() const {
+    const bool kept = phase_ == Phase::answered ||
+                      (phase_ == Phase::asking && served_ && Clock::now() - silent_since_ < server_->options.kept_time);
+    if (kept) return std::nullopt;
+    return silent_since_;
+  }
+  [[nodiscard]] bool served() const { return served_ && phase_ == Phase::asking; }
 
  private:
+  enum class Phase : std::uint8_t { asking, answered, leaving };
+
+  // Does it; a connection for which there is no memory is closed, rather than left with nothing under way.
+  template <class Step>
+  void or_close(Step step) {
+    try {
+      step();
+    } catch (const std::exception&) {
+      leave();
+    }
+  }
+
+  void forget() {
+    server_->connections.erase(this);
+    server_->streams.erase(this);
+  }
+
   void received(const error_code& error) {
     if (error == http::error::end_of_stream) return shut();
     if (error == http::error::header_limit)
@@ -108,6 +138,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
     ++server_->requests;
     const auto& request = parser_->get();
     const bool head = request.method() == http::verb::head;
+    const auto hosts = request.count(http::field::host);
+    if (hosts > 1 || (hosts == 0 && request.version() >= 11))
+      return answer(http_error(400, "expected one Host field"), head, false);
+    const auto host = request[http::field::host];
+    if (hosts == 1 && !is_our_host({host.data(), host.size()}, server_->options.names))
+      return answer(
+          http_error(421, "\"" + std::string(host) +
+                              "\" is no name of this service: expected a numeric address, localhost or one of "
+                              "[server] names in the rig file"),
+          head, false);
     if (!head && request.method() != http::verb::get)
       return answer(http_error(405, "only GET and HEAD: this interface is for reading"), false, false);
     const std::string_view target(request.target().data(), request.target().size());
@@ -143,6 +183,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void answer(HttpReply reply, bool head, bool keep_alive) {
+    phase_ = Phase::answered;
     // HTTP/1.1 in the status line even where 1.0 was asked, as RFC 9110 has it; the connection is as the client wants.
     auto response = std::make_shared<http::response<http::string_body>>();
     response->result(static_cast<unsigned>(reply.status));
@@ -153,14 +194,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
     stream_.expires_after(server_->options.request_time);
     http::async_write(stream_, *response, [self = shared_from_this(), response](const error_code& error, std::size_t) {
       if (error) return;
-      if (response->keep_alive()) return self->read();
-      self->shut();
+      self->served_ = true;
+      self->or_close([&] { response->keep_alive() ? self->read() : self->shut(); });
     });
   }
 
   // Says that nothing more comes, then waits a little for what the client still sends: closing on unread bytes would
   // reset the connection, and the answer might never be seen.
   void shut() {
+    phase_ = Phase::leaving;
     error_code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
     stream_.expires_after(std::min(server_->options.request_time, std::chrono::milliseconds(1000)));
@@ -168,16 +210,18 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
   void swallow() {
     stream_.async_read_some(asio::buffer(ignored_), [self = shared_from_this()](const error_code& error, std::size_t) {
-      if (!error) self->swallow();
+      if (!error) self->or_close([&] { self->swallow(); });
     });
   }
 
   void begin_stream() {
+    phase_ = Phase::answered;
     server_->streams.insert(this);
     http::response<http::empty_body> response(http::status::ok, 11);
     set_fields(response, "text/event-stream");
     response.keep_alive(false);
     std::ostringstream head;
+    head.exceptions(std::ios::badbit);  // or what memory does not suffice for is left out
     head << response.base() << "retry: 1000\n\n";
     std::string first = server_->first_event();
     stream_.expires_never();
@@ -189,25 +233,25 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void swallow_stream() {
     stream_.async_read_some(asio::buffer(ignored_), [self = shared_from_this()](const error_code& error, std::size_t) {
       if (error) return self->leave();
-      self->swallow_stream();
+      self->or_close([&] { self->swallow_stream(); });
     });
   }
 
   void write_event() {
     if (waiting_.empty()) return;
-    writing_ = true;
+    const auto token = std::make_shared<char>();
+    writing_ = token;
     stream_.expires_after(server_->options.stream_write_time);  // the pending read keeps its own: never
-    asio::async_write(stream_, asio::buffer(*waiting_.front()),
-                      [self = shared_from_this(), event = waiting_.front()](const error_code& error, std::size_t) {
-                        self->writing_ = false;
-                        if (error || self->waiting_.empty()) return self->leave();  // empty: it has left already
-                        self->waiting_.pop_front();
-                        self->write_event();
-                      });
+    asio::async_write(
+        stream_, asio::buffer(*waiting_.front()),
+        [self = shared_from_this(), event = waiting_.front(), token](const error_code& error, std::size_t) {
+          if (error || self->waiting_.empty()) return self->leave();  // empty: it has left already
+          self->waiting_.pop_front();
+          self->or_close([&] { self->write_event(); });
+        });
   }
 
   void leave() {
-    server_->streams.erase(this);
     waiting_.clear();
     close();
   }
@@ -216,9 +260,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
-  std::deque<Event> waiting_;
+  std::deque<Event> waiting_;    // the first one is being written
+  std::weak_ptr<void> writing_;  // expired: nothing is
   std::array<char, 1024> ignored_{};
-  bool writing_ = false;
+  bool served_ = false;  // it has been given an answer
+  Phase phase_ = Phase::asking;
+  Clock::time_point silent_since_ = Clock::now();
 };
 
 }  // namespace
@@ -231,23 +278,40 @@ std::string event_text(std::string_view name, std::string_view data) {
 }
 
 void HttpServer::Impl::accept() {
-  acceptor.async_accept([self = shared_from_this()](const error_code& error, tcp::socket socket) {
+  // Where memory ends within Asio the handler is never called; that it is gone is then all there is to see.
+  const auto waiting = std::make_shared<char>();
+  accepting = waiting;
+  acceptor.async_accept([self = shared_from_this(), waiting](const error_code& error, tcp::socket socket) {
     if (!self->acceptor.is_open()) return;
-    if (error) {
-      // Out of descriptors, perhaps: trying again at once would turn the loop into a busy one.
-      self->pause.expires_after(std::chrono::milliseconds(100));
-      self->pause.async_wait([self](const error_code& stopped) {
-        if (!stopped && self->acceptor.is_open()) self->accept();
-      });
-      return;
+    // Out of descriptors, perhaps: trying again at once would turn the loop into a busy one.
+    if (error) return;
+    // Whatever befalls this client must not keep the next one out.
+    try {
+      self->welcome(std::move(socket));
+    } catch (const std::exception&) {
+      ++self->refused;
     }
-    self->welcome(std::move(socket));
     self->accept();
   });
 }
 
+// Closes the connection that has been silent longest, one that was never served before one that was; false: there is
+// none.
+bool HttpServer::Impl::make_room() {
+  Connection* longest = nullptr;
+  for (Connection* connection : connections) {
+    if (!connection->silent_since()) continue;
+    const auto key = [](const Connection* c) { return std::pair(c->served(), *c->silent_since()); };
+    if (longest == nullptr || key(connection) < key(longest)) longest = connection;
+  }
+  if (longest == nullptr) return false;
+  longest->close();
+  ++displaced;
+  return true;
+}
+
 void HttpServer::Impl::welcome(tcp::socket socket) {
-  if (connections.size() < options.clients) {
+  if (connections.size() < options.clients || make_room()) {
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     std::make_shared<Connection>(shared_from_this(), std::move(socket))->read();
@@ -301,6 +365,10 @@ tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(
         false, "cannot listen on " + options.host + ":" + std::to_string(options.port) + ": " + error.message()});
   }
   impl->accept();
+  // Also after memory or descriptors had run out for a while.
+  loop.every(std::chrono::milliseconds(250), [weak = std::weak_ptr(impl)] {
+    if (const auto self = weak.lock(); self && self->accepting.expired() && self->acceptor.is_open()) self->accept();
+  });
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
@@ -309,8 +377,8 @@ HttpServer::HttpServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 HttpServer::~HttpServer() {
   error_code ignored;
   impl_->acceptor.close(ignored);
-  impl_->pause.cancel();
-  for (Connection* connection : impl_->connections) connection->close();
+  const auto connections = impl_->connections;
+  for (Connection* connection : connections) connection->close();
 }
 
 std::uint16_t HttpServer::port() const {
@@ -323,11 +391,19 @@ bool HttpServer::awaits_address() const noexcept { return impl_->awaits_address;
 void HttpServer::broadcast(std::string_view name, std::string_view data) {
   if (impl_->streams.empty()) return;
   const auto event = std::make_shared<const std::string>(event_text(name, data));
-  for (Connection* stream : impl_->streams) stream->push(event);
+  const auto streams = impl_->streams;
+  for (Connection* stream : streams) {
+    try {
+      stream->push(event);
+    } catch (const std::exception&) {
+      stream->close();  // out of memory; the others are not to suffer
+    }
+  }
 }
 
 HttpStats HttpServer::stats() const noexcept {
-  return {impl_->connections.size(), impl_->streams.size(), impl_->requests, impl_->refused, impl_->events_dropped};
+  return {impl_->connections.size(), impl_->streams.size(), impl_->requests, impl_->refused,
+          impl_->displaced,          impl_->events_dropped};
 }
 
 }  // namespace dwell

@@ -2,7 +2,10 @@
 //
 // It knows nothing of what it serves: a handler answers paths, broadcast() pushes events. Everything a client can make
 // it spend is bounded: clients, streams among them, header and body, the time for a request, the events waiting for one
-// slow reader (the oldest are dropped and counted). Bound to the event loop's thread.
+// slow reader (the oldest are dropped and counted). Where there are as many clients as there may be, a new one takes
+// the place of the one that has been silent longest: of those that never asked for anything first, then of those that
+// have asked, after `kept_time`. Who is being answered or reads a stream keeps its place. Bound to the event loop's
+// thread.
 #pragma once
 
 #include <chrono>
@@ -12,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
 
 namespace dwell {
 
@@ -28,13 +32,17 @@ struct HttpOptions {
   std::uint16_t port = 8380;       // 0: the kernel chooses
   std::string server = "dwelld";   // Server field
   std::string stream_path = "/api/v1/stream";
-  std::size_t clients = 128;            // connections at once; more are answered 503
+  std::vector<std::string> names;       // by which clients may ask for it beside numeric addresses and "localhost"
+  std::size_t clients = 128;            // connections at once; more are answered 503 where nobody can make room
   std::size_t streams = 96;             // of which live streams; the rest stays free for requests
   std::size_t header_bytes = 8 * 1024;  // beyond: 431
   std::size_t body_bytes = 16 * 1024;   // beyond: 413
   std::size_t events_waiting = 16;      // per stream; beyond, the oldest is dropped
   std::chrono::milliseconds request_time{
       10'000};  // from its first chance to be sent until it is here, and for the answer
+  // A client that has been answered keeps its place for so long at least. Shorter: pages that poll connect anew each
+  // time while somebody holds every place; longer: so long such clients can keep others out.
+  std::chrono::milliseconds kept_time{2'000};
   std::chrono::milliseconds stream_write_time{30'000};  // for one event; then the reader is given up
 };
 
@@ -43,6 +51,7 @@ struct HttpStats {
   std::uint64_t streams = 0;  // now
   std::uint64_t requests = 0;
   std::uint64_t refused = 0;         // connections, because there were too many
+  std::uint64_t displaced = 0;       // silent connections that made room for new ones
   std::uint64_t events_dropped = 0;  // because a reader was slow
 };
 

@@ -168,6 +168,15 @@ TEST(RigFileMistakes, OfTheListeningAddress) {
   expect_mistake("\"[::1]:9000\"", "@8380", "\"listen\" is an integer" + expected);
 }
 
+TEST(RigFileMistakes, OfTheNamesOfTheService) {
+  const std::string expected = ": expected host names without a port, for instance [\"bench.local\"]";
+  expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = @\"bench\"", "\"names\" is a string" + expected);
+  for (const std::string wrong : {"\"bench.local:8380\"", "\"\"", "\"127.0.0.1\"", "\"*\""})
+    expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = @[\"bench\", " + wrong + "]",
+                   "\"names\" holds " + wrong + expected);
+  expect_good("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = [\"bench\", \"bench.example.org\"]");
+}
+
 TEST(RigFileMistakes, OfRecording) {
   expect_mistake("\"runs\"", "@\"\"", "\"directory\" is empty: expected the directory of the recordings, a path");
   expect_mistake("directory = \"runs\"", "@dirctory = \"runs\"",

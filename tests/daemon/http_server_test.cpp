@@ -59,7 +59,7 @@ TEST_F(HttpServerTest, AnswersOverAndOverOnOneConnection) {
   begin();
   Client client = Client::tcp(port);
   for (int i = 0; i < 5; ++i) {
-    client.send("GET /hello?" + std::to_string(i) + " HTTP/1.1\r\nHost: x\r\n\r\n");
+    client.send("GET /hello?" + std::to_string(i) + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
     const Answer answer = read_answer(client);
     EXPECT_EQ(answer.status, 200);
     EXPECT_EQ(answer.body, "{\"hello\":\"" + std::to_string(i) + "\"}");
@@ -70,7 +70,7 @@ TEST_F(HttpServerTest, AnswersOverAndOverOnOneConnection) {
 TEST_F(HttpServerTest, AnswersRequestsSentAllAtOnceInTheirOrder) {
   begin();
   Client client = Client::tcp(port);
-  client.send("GET /hello?1 HTTP/1.1\r\nHost: x\r\n\r\nGET /hello?2 HTTP/1.1\r\nHost: x\r\n\r\n");
+  client.send("GET /hello?1 HTTP/1.1\r\nHost: localhost\r\n\r\nGET /hello?2 HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(read_answer(client).body, "{\"hello\":\"1\"}");
   EXPECT_EQ(read_answer(client).body, "{\"hello\":\"2\"}");
 }
@@ -78,7 +78,7 @@ TEST_F(HttpServerTest, AnswersRequestsSentAllAtOnceInTheirOrder) {
 TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
   begin();
   Client client = Client::tcp(port);
-  client.send("HEAD /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  client.send("HEAD /hello HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   const Answer answer = read_answer(client, true);
   EXPECT_EQ(answer.status, 200);
   EXPECT_NE(answer.head.find("Content-Length: 12\r\n"), std::string::npos) << answer.head;
@@ -87,13 +87,13 @@ TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
 
 TEST_F(HttpServerTest, WhatIsNotThereIs404WithAReason) {
   begin();
-  expect_error(ask("GET /nowhere HTTP/1.1\r\nHost: x\r\n\r\n"), 404);
+  expect_error(ask("GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n"), 404);
 }
 
 TEST_F(HttpServerTest, NothingCanBeChangedFromHere) {
   begin();
   for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "PATCH"}) {
-    const Answer answer = ask(std::string(method) + " /hello HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n");
+    const Answer answer = ask(std::string(method) + " /hello HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n");
     expect_error(answer, 405);
     EXPECT_NE(answer.head.find("Allow: GET, HEAD\r\n"), std::string::npos) << answer.head;
   }
@@ -115,8 +115,8 @@ TEST_F(HttpServerTest, HeaderAndBodyAreBounded) {
 
 TEST_F(HttpServerTest, AnAnswerThatCannotBeMadeIs500AndTheServerGoesOn) {
   begin();
-  expect_error(ask("GET /throw HTTP/1.1\r\nHost: x\r\n\r\n"), 500);
-  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n").status, 200);
+  expect_error(ask("GET /throw HTTP/1.1\r\nHost: localhost\r\n\r\n"), 500);
+  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 200);
 }
 
 TEST_F(HttpServerTest, AClientThatSendsByteByByteIsNotWaitedForLongerThanAnother) {
@@ -148,16 +148,17 @@ TEST_F(HttpServerTest, AClientThatSaysNothingIsLetGo) {
 TEST_F(HttpServerTest, TooManyClientsAreToldAndTheOthersServed) {
   HttpOptions options;
   options.clients = 8;
+  options.kept_time = options.request_time;
   begin(options);
   std::vector<Client> clients;
   for (int i = 0; i < 8; ++i) {
     clients.push_back(Client::tcp(port));
-    clients.back().send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+    clients.back().send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
     ASSERT_EQ(read_answer(clients.back()).status, 200);
   }
   Client late = Client::tcp(port);
   expect_error(read_answer(late), 503);
-  clients.front().send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+  clients.front().send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(read_answer(clients.front()).status, 200);
   EXPECT_EQ(stats().refused, 1u);
   clients.clear();
@@ -166,11 +167,70 @@ TEST_F(HttpServerTest, TooManyClientsAreToldAndTheOthersServed) {
   EXPECT_EQ(status, 200) << "there is room again";
 }
 
+TEST_F(HttpServerTest, ConnectionsThatNeverAskedMakeRoomForOneThatDoes) {
+  HttpOptions options;
+  options.clients = 8;
+  begin(options);
+  Client served = Client::tcp(port);
+  served.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  ASSERT_EQ(read_answer(served).status, 200);
+  std::vector<Client> idle;
+  for (int i = 0; i < 100; ++i) {
+    idle.push_back(Client::tcp(port));
+    idle.back().send("GET /hel");  // begun, never ended
+  }
+  EXPECT_EQ(test::get(port, "/hello").status, 200) << "a newcomer is served";
+  served.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(read_answer(served).status, 200) << "and whoever was served before is not shut out";
+  EXPECT_EQ(idle.front().all(), "") << "the oldest was closed";
+  EXPECT_LE(stats().clients, 8u);
+  EXPECT_GE(stats().displaced, 90u);
+}
+
+TEST_F(HttpServerTest, ConnectionsThatAskedOnceAndStayMakeRoomInTheEnd) {
+  HttpOptions options;
+  options.clients = 8;
+  options.kept_time = std::chrono::milliseconds(0);
+  begin(options);
+  std::vector<Client> lingering;
+  for (int i = 0; i < 8; ++i) {
+    lingering.push_back(Client::tcp(port));
+    lingering.back().send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    ASSERT_EQ(read_answer(lingering.back()).status, 200);
+  }
+  EXPECT_EQ(test::get(port, "/hello").status, 200);
+  EXPECT_EQ(lingering.front().all(), "") << "the one that has been quiet longest was closed";
+}
+
+TEST_F(HttpServerTest, OnlyNamesOfThisServiceAreAnsweredSoThatAForeignPageCannotReadIt) {
+  HttpOptions options;
+  options.names = {"bench.example"};
+  begin(options);
+  const auto status = [this](const std::string& host) {
+    return ask("GET /hello HTTP/1.1\r\n" + host + "Connection: close\r\n\r\n").status;
+  };
+  for (const char* ours : {"localhost", "LOCALHOST:8380", "127.0.0.1", "127.0.0.1:8380", "[::1]:8380", "192.0.2.1:80",
+                           "bench.example", "Bench.Example:8380", "bench.example."})
+    EXPECT_EQ(status(std::string("Host: ") + ours + "\r\n"), 200) << ours;
+  for (const char* foreign :
+       {"evil.example", "bench.example.evil.example", "localhost.evil.example", "127.0.0.1.evil.example",
+        "evil.example:8380", "", ":8380", "[::1", "x y", "1.2.3.4.5", "0x7f000001", "localhost:evil"})
+    EXPECT_EQ(status(std::string("Host: ") + foreign + "\r\n"), 421) << foreign;
+  EXPECT_EQ(status("Host: localhost\r\nHost: evil.example\r\n"), 400);
+  EXPECT_EQ(status(""), 400) << "HTTP/1.1 demands the field";
+  EXPECT_EQ(ask("GET /hello HTTP/1.0\r\n\r\n").status, 200) << "1.0 knows no Host, and no browser speaks it";
+  const Answer refused = ask("GET /hello HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+  expect_error(refused, 421);
+  EXPECT_NE(refused.body.find("evil.example"), std::string::npos) << refused.body;
+  EXPECT_EQ(ask("GET /api/v1/stream HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 421);
+}
+
 TEST_F(HttpServerTest, ABodyThatAGetBringsAlongIsIgnored) {
   begin();
   Client client = Client::tcp(port);
   client.send(
-      "GET /hello HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\n12345GET /hello?2 HTTP/1.1\r\nHost: x\r\n\r\n");
+      "GET /hello HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n12345GET /hello?2 HTTP/1.1\r\nHost: "
+      "localhost\r\n\r\n");
   EXPECT_EQ(read_answer(client).status, 200);
   EXPECT_EQ(read_answer(client).body, "{\"hello\":\"2\"}");
 }

@@ -28,7 +28,7 @@ struct HttpStreamTest : testing::Test {
   }
   Client stream(int receive_buffer = 0) {
     Client client = Client::tcp(port, receive_buffer);
-    client.send("GET /api/v1/stream HTTP/1.1\r\nHost: x\r\n\r\n");
+    client.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
     return client;
   }
   void broadcast(const std::string& data) {
@@ -133,7 +133,7 @@ TEST_F(HttpStreamTest, StreamsLeaveRoomForRequests) {
 TEST_F(HttpStreamTest, HeadOfTheStreamEnds) {
   begin();
   Client client = Client::tcp(port);
-  client.send("HEAD /api/v1/stream HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  client.send("HEAD /api/v1/stream HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_NE(client.all().find("text/event-stream"), std::string::npos);
 }
 

@@ -139,7 +139,7 @@ TEST_F(ServiceTest, PushesTheDwellToWhoeverListens) {
   start_rig();
   start_service(rig->tcp_port());
   test::Client client = test::Client::tcp(port);
-  client.send("GET /api/v1/stream HTTP/1.1\r\nHost: x\r\n\r\n");
+  client.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
   client.until("\r\n\r\n");
   client.until("\n\n");
   for (int i = 0; i < 10; ++i) {

@@ -150,7 +150,7 @@ inline Answer read_answer(Client& client, bool head_only = false) {
 
 inline Answer get(std::uint16_t port, const std::string& target) {
   Client client = Client::tcp(port);
-  client.send("GET " + target + " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  client.send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   return read_answer(client);
 }
 
