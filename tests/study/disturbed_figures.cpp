@@ -44,9 +44,9 @@ std::vector<Row> disturbed_rows(const std::vector<DisturbedOutcome>& outcomes, d
   const long counted = all.played - all.untold;
   const double silent = per_cent(all.silent, counted), reported = per_cent(all.reported, all.harmless);
   return {{"disturbed: a coefficient more than 5 u off, and nothing names channel or element and cause",
-           text("%.2f %%", silent), "<= 0.1 %", counted, silent <= 0.1 + 50 * slack},
+           text("%.2f %%", silent), "<= 0.1 %", counted, silent <= 0.1 + 50 * slack, silent, silent},
           {"disturbed: reported where the disturbance moves no coefficient by 1 u", text("%.1f %%", reported),
-           ">= 90 %", all.harmless, reported >= 90 - 40 * slack}};
+           ">= 90 %", all.harmless, reported >= 90 - 40 * slack, reported, -reported}};
 }
 
 std::vector<std::string> disturbed_table(const std::vector<DisturbedOutcome>& outcomes) {

@@ -63,6 +63,7 @@ Row bound_row(const std::vector<Outcome>& outcomes, double target, double slack)
   row.reached = text("%.3f", ratio);
   row.target = text("<= %.2f", target);
   row.met = ratio <= target + 0.25 * slack;
+  row.value = row.cost = ratio;
   return row;
 }
 
@@ -92,6 +93,8 @@ Row coverage_row(const std::vector<Outcome>& outcomes, Population population, do
   if (population == Population::coarse) low = 93, high = 100;
   row.target = high < 100 ? text("%.0f … %.0f %%", low, high) : text(">= %.0f %%", low);
   row.met = share >= low - 5 * slack && share <= high + 4 * slack;
+  row.value = share;
+  row.cost = std::max({0.0, low - share, share - high});
   if (excluded > 0) row.figure += text(" (inseparable hum: %ld, warned of %ld)", excluded, warned);
   return row;
 }
@@ -109,11 +112,11 @@ std::vector<Row> settling_rows(const std::vector<Outcome>& outcomes, double slac
   const double share = 100.0 * static_cast<double>(early) / static_cast<double>(count);
   const double half = quantile(median, 0.5), most = quantile(tail, 0.95);
   return {{"settled too early: transient left at the verdict above its threshold", text("%.2f %%", share), "<= 0.5 %",
-           count, share <= 0.5 + 2 * slack},
+           count, share <= 0.5 + 2 * slack, share, share},
           {text("lateness of the verdict, median, over max(4 periods, 0.5 tau) (never: %ld)", never),
-           text("%.2f", half), "<= 1", count, half <= 1 + 0.25 * slack},
+           text("%.2f", half), "<= 1", count, half <= 1 + 0.25 * slack, half, half},
           {"lateness of the verdict, 95th percentile, over max(10 periods, tau)", text("%.2f", most), "<= 1", count,
-           most <= 1 + slack}};
+           most <= 1 + slack, most, most}};
 }
 
 std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack) {
@@ -132,9 +135,10 @@ std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slac
     }
   const double share = 100.0 * static_cast<double>(withheld) / static_cast<double>(plain);
   return {{"elements reported although |d| is below its standard deviation", text("%ld", wrong), "0", unseen,
-           wrong <= static_cast<long>(slack * 0.05 * static_cast<double>(unseen))},
+           wrong <= static_cast<long>(slack * 0.05 * static_cast<double>(unseen)), static_cast<double>(wrong),
+           static_cast<double>(wrong)},
           {"elements withheld although |d| and |Z| exceed six of theirs", text("%.2f %%", share), "<= 5 %", plain,
-           share <= 5 + 5 * slack}};
+           share <= 5 + 5 * slack, share, share}};
 }
 
 Row blamed_row(const std::vector<Outcome>& outcomes, double slack) {
@@ -142,8 +146,12 @@ Row blamed_row(const std::vector<Outcome>& outcomes, double slack) {
       std::count_if(outcomes.begin(), outcomes.end(), [](const Outcome& o) { return !o.blamed.empty(); });
   const auto count = static_cast<long>(outcomes.size());
   return {"healthy dwells (white, tracked, type B, quantized) that blame a channel, an element or the drive",
-          text("%ld", blamed), "<= 1 in 1000", count,
-          static_cast<double>(blamed) <= 1e-3 * static_cast<double>(count) + 3 * slack};
+          text("%ld", blamed),
+          "<= 1 in 1000",
+          count,
+          static_cast<double>(blamed) <= 1e-3 * static_cast<double>(count) + 3 * slack,
+          static_cast<double>(blamed),
+          static_cast<double>(blamed)};
 }
 
 Row step_row(const std::vector<StepOutcome>& outcomes, Population population, double slack) {
@@ -173,6 +181,8 @@ Row step_row(const std::vector<StepOutcome>& outcomes, Population population, do
   const double wide = population == Population::small_step ? 0.9 : 0.1;
   row.met = static_cast<double>(in_time) >= (1 - wide * slack) * static_cast<double>(measured) &&
             10 * measured >= 9 * static_cast<long>(outcomes.size());
+  row.value = static_cast<double>(in_time);
+  row.cost = static_cast<double>(measured - in_time);
   return row;
 }
 
@@ -180,8 +190,13 @@ Row hours_row(const std::vector<HoursOutcome>& outcomes, long others, double sla
   double hours = 0.0;
   long rearmed = others;
   for (const HoursOutcome& outcome : outcomes) hours += outcome.hours, rearmed += outcome.rearmed;
-  return {"false re-arms, in so many hours measured of a steady drive, and in the dwells above", text("%ld", rearmed),
-          "0", std::lround(hours), rearmed <= std::lround(5 * slack)};
+  return {"false re-arms, in so many hours measured of a steady drive, and in the dwells above",
+          text("%ld", rearmed),
+          "0",
+          std::lround(hours),
+          rearmed <= std::lround(5 * slack),
+          static_cast<double>(rearmed),
+          static_cast<double>(rearmed)};
 }
 
 Row ramps_row(const std::vector<RampsOutcome>& outcomes, double slack) {
@@ -189,7 +204,12 @@ Row ramps_row(const std::vector<RampsOutcome>& outcomes, double slack) {
   for (const RampsOutcome& outcome : outcomes) found += outcome.found && !outcome.beyond, beyond += outcome.beyond;
   const double share = 100.0 * static_cast<double>(found) / static_cast<double>(outcomes.size());
   return {text("three periods between ramps found, nothing of the ramps in them (with some: %ld)", beyond),
-          text("%.1f %%", share), ">= 95 %", static_cast<long>(outcomes.size()), share >= 95 - 45 * slack};
+          text("%.1f %%", share),
+          ">= 95 %",
+          static_cast<long>(outcomes.size()),
+          share >= 95 - 45 * slack,
+          share,
+          -share};
 }
 
 std::vector<std::string> beside(const std::vector<Outcome>& outcomes) {

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <vector>
 
-#include "tests/study/disturbed.hpp"
 #include "tests/study/figures.hpp"
 #include "tests/study/pool.hpp"
+#include "tests/study/results.hpp"
 
 namespace dwell::study {
 namespace {
@@ -16,7 +17,8 @@ namespace {
 constexpr double kShortHours = 2, kHours = 100;
 
 struct Options {
-  std::vector<std::string> names;
+  std::vector<std::string> names, compared;
+  std::string outcomes;
   int dwells = 0;
   std::uint64_t seed = 1;
   bool is_short = false, list_bad = false;
@@ -29,21 +31,15 @@ struct Options {
   [[nodiscard]] double slack() const { return is_short ? 1.0 : 0.0; }
 };
 
+int wrong(const std::string& what) {
+  std::fprintf(stderr, "dwell_study: %s\n", what.c_str());
+  return 2;
+}
+
 // The short form plays no rig that rings for long or has many channels: those take most of the time.
 bool is_quick(const Case& about) {
   return about.motion->time_constant_s() * about.frequency_hz < 30 && about.channels() <= 6;
 }
-
-// What has been found so far.
-struct Findings {
-  std::vector<Row> rows;
-  std::vector<Outcome> begun;    // of every population that begins with a transient
-  std::vector<Outcome> judged;   // of those by which it is judged what is reported
-  std::vector<Outcome> healthy;  // of those without disturbance
-  std::vector<std::string> bad;
-  std::vector<std::string> tables;  // beside the rows
-  long rearmed = 0;                 // although the drive was steady
-};
 
 template <typename One, typename Play>
 std::vector<One> play_all(const Options& options, Population population, int count, const Play& play) {
@@ -58,100 +54,80 @@ std::vector<One> play_all(const Options& options, Population population, int cou
   return outcomes;
 }
 
-void append(std::vector<Outcome>& to, const std::vector<Outcome>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
+using Lines = std::vector<std::string>;
 
 template <typename One, typename Bad>
 void list_bad(const Options& options, Population population, const std::vector<One>& outcomes, const Bad& is_bad,
-              Findings& findings) {
-  if (!options.list_bad) return;
-  findings.bad.push_back(text("%s, missed:", name_of(population)));
+              Lines& bad) {
+  bad.push_back(text("%s, missed:", name_of(population)));
   int listed = 0;
   for (const One& outcome : outcomes)
     if (is_bad(outcome) && listed++ < 20)
-      findings.bad.push_back(text("  --only %d  ", outcome.index) +
-                             draw(population, options.seed, outcome.index).description());
+      bad.push_back(text("  --only %d  ", outcome.index) + draw(population, options.seed, outcome.index).description());
 }
 
-void study_begun(const Options& options, Population population, Findings& findings) {
-  const auto outcomes = play_all<Outcome>(options, population, options.count(30, 5000), play_dwell);
-  if (population == Population::white || population == Population::tracked) {
-    const bool tracked = population == Population::tracked;
-    findings.rows.push_back(bound_row(outcomes, tracked ? 1.10 : 1.05, options.slack()));
-    findings.rows.back().figure = tracked ? "rms error over the Cramér-Rao bound, frequency tracked from 1 % off"
-                                          : "rms error over the Cramér-Rao bound, frequency given";
-    append(findings.judged, outcomes);
-  }
-  if (population != Population::tracked) findings.rows.push_back(coverage_row(outcomes, population, options.slack()));
-  if (options.list_bad)
-    for (std::string& line : worst(outcomes, population, options.seed)) findings.bad.push_back(std::move(line));
-  for (const Outcome& outcome : outcomes) findings.rearmed += outcome.rearmed;
-  append(findings.begun, outcomes);
-  if (population != Population::hum && population != Population::coarse) {
-    append(findings.healthy, outcomes);
-    for (const Outcome& outcome : outcomes)
-      if (options.list_bad && !outcome.blamed.empty())
-        findings.bad.push_back(text("%s, healthy, --only %d: ", name_of(population), outcome.index) + outcome.blamed);
-  }
-}
-
-void study(const Options& options, Population population, Findings& findings) {
-  switch (population) {
-    case Population::stiff: {
-      const auto outcomes = play_all<Outcome>(options, population, options.count(30, 1500), play_dwell);
+// The dwells that did worst, of all that were played.
+Lines bad_of(const Options& options, const Results& results) {
+  Lines bad;
+  for (const auto& [population, outcomes] : results.begun) {
+    if (population == Population::stiff) {
       list_bad(
           options, population, outcomes,
           [](const Outcome& outcome) {
             return std::any_of(outcome.elements.begin(), outcome.elements.end(),
                                [](const ElementOutcome& e) { return e.reported && e.snr_d < 1; });
           },
-          findings);
-      for (const Outcome& outcome : outcomes) findings.rearmed += outcome.rearmed;
-      append(findings.judged, outcomes);
-      break;
+          bad);
+      continue;
     }
+    for (std::string& line : worst(outcomes, population, options.seed)) bad.push_back(std::move(line));
+    for (const Outcome& outcome : outcomes)
+      if (!outcome.blamed.empty())
+        bad.push_back(text("%s, --only %d blames: ", name_of(population), outcome.index) + outcome.blamed);
+  }
+  for (const auto& [population, outcomes] : results.steps)
+    list_bad(
+        options, population, outcomes,
+        [](const StepOutcome& o) { return !o.measured || o.disturbed || o.seen_periods > o.limit_periods; }, bad);
+  if (!results.hours.empty())
+    list_bad(
+        options, Population::steady, results.hours, [](const HoursOutcome& o) { return o.rearmed > 0 || o.hours == 0; },
+        bad);
+  if (!results.ramps.empty())
+    list_bad(
+        options, Population::ramps, results.ramps, [](const RampsOutcome& o) { return o.beyond || !o.found; }, bad);
+  if (!results.disturbed.empty())
+    for (std::string& line : disturbed_worst(results.disturbed, options.seed)) bad.push_back(std::move(line));
+  return bad;
+}
+
+void study(const Options& options, Population population, Results& results) {
+  switch (population) {
+    case Population::stiff:
+      results.begun[population] = play_all<Outcome>(options, population, options.count(30, 1500), play_dwell);
+      break;
     case Population::amplitude_step:
     case Population::frequency_step:
     case Population::small_step:
-    case Population::stop: {
-      const auto outcomes = play_all<StepOutcome>(options, population, options.count(30, 1000), play_step);
-      findings.rows.push_back(step_row(outcomes, population, options.slack()));
-      for (const StepOutcome& outcome : outcomes) findings.rearmed += outcome.disturbed;
-      list_bad(
-          options, population, outcomes,
-          [](const StepOutcome& o) { return !o.measured || o.disturbed || o.seen_periods > o.limit_periods; },
-          findings);
+    case Population::stop:
+      results.steps[population] = play_all<StepOutcome>(options, population, options.count(30, 1000), play_step);
       break;
-    }
     case Population::steady: {
       const double quarter = 0.25;  // hours of each rig
       const int count =
           options.count(static_cast<int>(kShortHours / quarter), static_cast<int>(1.05 * kHours / quarter));
-      const auto outcomes = play_all<HoursOutcome>(options, population, count, play_hours);
-      findings.rows.push_back(hours_row(outcomes, findings.rearmed, options.slack()));
-      list_bad(
-          options, population, outcomes, [](const HoursOutcome& o) { return o.rearmed > 0 || o.hours == 0; }, findings);
+      results.hours = play_all<HoursOutcome>(options, population, count, play_hours);
       break;
     }
-    case Population::ramps: {
-      const auto outcomes = play_all<RampsOutcome>(options, population, options.count(60, 2000), play_ramps);
-      findings.rows.push_back(ramps_row(outcomes, options.slack()));
-      list_bad(
-          options, population, outcomes, [](const RampsOutcome& o) { return o.beyond || !o.found; }, findings);
+    case Population::ramps:
+      results.ramps = play_all<RampsOutcome>(options, population, options.count(60, 2000), play_ramps);
       break;
-    }
-    case Population::disturbed: {
-      const auto outcomes =
-          play_all<DisturbedOutcome>(options, population, options.count(kKinds, 5012), play_disturbed);
-      for (Row& row : disturbed_rows(outcomes, options.slack())) findings.rows.push_back(std::move(row));
-      findings.tables = disturbed_table(outcomes);
-      if (options.list_bad)
-        for (std::string& line : disturbed_worst(outcomes, options.seed)) findings.bad.push_back(std::move(line));
+    case Population::disturbed:
+      results.disturbed =
+          play_all<DisturbedOutcome>(options, population, options.count(kKinds, 179 * kKinds), play_disturbed);
       break;
-    }
     default:
-      study_begun(options, population, findings);
+      results.begun[population] = play_all<Outcome>(options, population, options.count(30, 5000), play_dwell);
   }
 }
 
@@ -182,21 +158,41 @@ int run(const Options& options) {
     play_only(options, wanted.front());
     return 0;
   }
-  Findings findings;
-  for (const Population population : wanted) study(options, population, findings);
-  std::vector<Row>& rows = findings.rows;
-  if (!findings.begun.empty())
-    for (Row& row : settling_rows(findings.begun, options.slack())) rows.push_back(std::move(row));
-  if (!findings.healthy.empty()) rows.push_back(blamed_row(findings.healthy, options.slack()));
-  if (!findings.judged.empty())
-    for (Row& row : reported_rows(findings.judged, options.slack())) rows.push_back(std::move(row));
+  Results results;
+  results.seed = options.seed;
+  for (const Population population : wanted) study(options, population, results);
+  if (!options.outcomes.empty()) {
+    std::ofstream file(options.outcomes);
+    write(file, results);
+    if (!file.flush()) return wrong("cannot write " + options.outcomes);
+  }
+  const std::vector<Row> rows = rows_of(results, options.slack());
   if (options.is_short) std::puts("The short form: few dwells, no slow rigs, and wider bounds than the targets shown.");
   print(rows);
-  if (!findings.begun.empty())
-    for (const std::string& line : beside(findings.begun)) std::puts(line.c_str());
-  for (const std::string& line : findings.tables) std::puts(line.c_str());
-  for (const std::string& line : findings.bad) std::puts(line.c_str());
+  Lines lines;
+  if (const std::vector<Outcome> begun = results.all_begun(); !begun.empty()) lines = beside(begun);
+  if (!results.disturbed.empty())
+    for (std::string& line : disturbed_table(results.disturbed)) lines.push_back(std::move(line));
+  if (options.list_bad)
+    for (std::string& line : bad_of(options, results)) lines.push_back(std::move(line));
+  for (const std::string& line : lines) std::puts(line.c_str());
   return std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.met; }) ? 0 : 1;
+}
+
+// Two files of outcomes, row by row.
+int run_compare(const Options& options) {
+  Results results[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::ifstream file(options.compared[i]);
+    if (!file) return wrong("cannot read " + options.compared[i]);
+    if (const std::string fault = read(file, results[i]); !fault.empty())
+      return wrong(options.compared[i] + ", " + fault);
+  }
+  Lines lines;
+  bool worse = false;
+  if (const std::string fault = compare(results[0], results[1], lines, worse); !fault.empty()) return wrong(fault);
+  for (const std::string& line : lines) std::puts(line.c_str());
+  return worse ? 1 : 0;
 }
 
 }  // namespace
@@ -213,7 +209,11 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "another seed draws other rigs");
   app.add_flag("--short", options.is_short, "few dwells, generous bounds");
   app.add_flag("--list-bad", options.list_bad, "name the dwells that did worst by each figure");
+  app.add_option("--outcomes", options.outcomes, "write one line per dwell to this file");
+  app.add_option("--compare", options.compared, "BEFORE AFTER, two such files of the same seed: is any figure worse?")
+      ->expected(2);
   app.add_option("--only", options.only, "play this dwell alone and tell what happens");
   CLI11_PARSE(app, argc, argv);
+  if (!options.compared.empty()) return dwell::study::run_compare(options);
   return dwell::study::run(options);
 }

@@ -10,6 +10,8 @@ struct Row {
   std::string figure, reached, target;
   long count = 0;  // dwells (elements, steps, hours: the figure says) behind it
   bool met = false;
+  double value = 0.0;  // `reached` as a number
+  double cost = 0.0;   // grows as the figure gets worse; within a target that is a range: 0
 };
 
 [[nodiscard]] std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
