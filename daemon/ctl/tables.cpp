@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/condition.hpp"
+#include "daemon/report/dwell_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -63,7 +65,7 @@ NumberText interval(const ElementEstimate& e, const Coefficient& c, const char* 
 
 std::string channels_table(const Json& list) {
   std::vector<NumberText> values;
-  std::vector<std::string> names, states, ages, rates, clocks, jitters, drifts;
+  std::vector<std::string> names, states, reasons, ages, rates, clocks, jitters, drifts;
   for (const Json& channel : list) {
     clocks.push_back(clock_text(channel));
     jitters.push_back(fixed(1e3 * number_of(channel, "jitter_s"), 3, "ms"));
@@ -72,10 +74,12 @@ std::string channels_table(const Json& list) {
     values.push_back(reading(number_of(channel, "value"), text_of(channel, "unit")));
     rates.push_back(fixed(number_of(channel, "rate_hz"), 1, "Hz"));
     ages.push_back(fixed(number_of(channel, "age_s"), 3, "s"));
-    states.push_back(status_with_reason(text_of(channel, "status"), text_of(channel, "reason")));
+    states.push_back(text_of(channel, "status"));
+    reasons.push_back(text_of(channel, "reason"));
   }
   Table table;
   table.add("channel", std::move(names));
+  table.add("status", std::move(states));
   table.add("value", join_aligned(values));
   table.add("age", std::move(ages), Align::right);
   table.add("rate", std::move(rates), Align::right);
@@ -87,7 +91,7 @@ std::string channels_table(const Json& list) {
     for (const Json& channel : list) counts.push_back(count_of(channel, name));
     table.add(name, std::move(counts), Align::right);
   }
-  table.add("status", std::move(states));
+  table.add("", std::move(reasons));
   return table.text();
 }
 
@@ -109,7 +113,10 @@ std::string gpio_text(const Json& health) {
 std::string dwells_table(const std::vector<DwellView>& dwells) {
   std::vector<std::string> numbers, states, data, elements, notes;
   std::vector<NumberText> frequencies, stiffness, damping;
+  std::vector<std::string> stiffness_marks, damping_marks, doubts;
+  std::vector<const Dwell*> shown;
   for (const DwellView& view : dwells) {
+    shown.push_back(&view.dwell);
     const Dwell& d = view.dwell;
     const std::size_t lines = std::max<std::size_t>(d.elements.size(), 1);
     for (std::size_t i = 0; i < lines; ++i) {
@@ -124,6 +131,8 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
         elements.emplace_back();
         stiffness.emplace_back();
         damping.emplace_back();
+        stiffness_marks.emplace_back();
+        damping_marks.emplace_back();
         notes.push_back("not settled" + (d.settling_reason.empty() ? "" : ": " + d.settling_reason));
         continue;
       }
@@ -131,8 +140,12 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       elements.push_back(std::to_string(e.k));
       stiffness.push_back(interval(e, e.stiffness, stiffness_unit(view.motion)));
       damping.push_back(interval(e, e.damping, damping_unit(view.motion)));
+      stiffness_marks.push_back(e.identifiable ? marks(d, e, e.stiffness) : "");
+      damping_marks.push_back(e.identifiable ? marks(d, e, e.damping) : "");
       notes.push_back(e.identifiable ? "" : e.reason);
     }
+    for (const Doubt& doubt : d.doubts)
+      doubts.push_back("dwell " + (d.index ? std::to_string(*d.index) : "") + ": " + doubt_text(doubt));
   }
   Table table;
   table.add("dwell", std::move(numbers), Align::right);
@@ -140,10 +153,28 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
   table.add("frequency", join_aligned(frequencies));
   table.add("data", std::move(data), Align::right);
   table.add("element", std::move(elements), Align::right);
-  table.add("stiffness", join_aligned(stiffness));
-  table.add("damping", join_aligned(damping));
+  const auto marked = [](const std::vector<NumberText>& column, const std::vector<std::string>& behind) {
+    std::vector<std::string> cells = join_aligned(column);
+    for (std::size_t i = 0; i < cells.size(); ++i) cells[i] += behind[i];
+    return cells;
+  };
+  table.add("stiffness", marked(stiffness, stiffness_marks));
+  table.add("damping", marked(damping, damping_marks));
   table.add("", std::move(notes));
-  return table.text();
+  std::string text;
+  // Whoever looks for a number finds it below what makes it worthless.
+  for (const std::string& doubt : doubts) text += printable(doubt) + "\n";
+  text += table.text();
+  for (const std::string& line : legend_of(shown)) text += printable(line) + "\n";
+  return text;
+}
+
+bool Probed::answers() const {
+  // Every condition in which readings come; else the status is the device's fault.
+  for (const Condition condition :
+       {Condition::ok, Condition::gated, Condition::overrange, Condition::held, Condition::clipped, Condition::stuck})
+    if (status.substr(0, status.find(':')) == to_string(condition)) return true;
+  return false;
 }
 
 std::string check_table(const std::vector<Probed>& channels) {

@@ -11,14 +11,14 @@
 
 namespace dwell::ctl {
 
-// `list`: an array of the interface's channel objects.
+// `list`: an array of the interface's channel objects. The status stands beside the name, its reason at the end.
 [[nodiscard]] std::string channels_table(const nlohmann::ordered_json& list);
 
 // `health`: the interface's health object. What an operator must know of the GPIO lines: how the interlock stands, and
 // which lines do not work; empty: no interlock, and all work.
 [[nodiscard]] std::string gpio_text(const nlohmann::ordered_json& health);
 
-// One line per element of each dwell.
+// One line per element of each dwell; above it what must not be relied on, below it what its ± and marks mean.
 [[nodiscard]] std::string dwells_table(const std::vector<DwellView>& dwells);
 
 // One channel probed once.
@@ -30,7 +30,8 @@ struct Probed {
   double rate_hz = kNaN;    // attainable; by the running service: attained
   double latency_s = kNaN;  // from request to answer
   std::string status;       // "ok" or what is wrong
-  [[nodiscard]] bool answers() const { return status == "ok" || status.compare(0, 9, "overrange") == 0; }
+  // Whether its device does; what it says may be of no use ("stuck").
+  [[nodiscard]] bool answers() const;
 };
 [[nodiscard]] std::string check_table(const std::vector<Probed>& channels);
 [[nodiscard]] nlohmann::ordered_json check_json(const std::vector<Probed>& channels);

@@ -62,9 +62,7 @@ std::vector<std::string> coefficient_cells(const Dwell& dwell, Coefficient Eleme
   }
   std::vector<std::string> cells = join_aligned(numbers);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!elements[i].identifiable) continue;
-    if (insignificant(elements[i].*which)) cells[i] += " n.s.";
-    if (doubted(dwell, elements[i].k)) cells[i] += " ?";
+    if (elements[i].identifiable) cells[i] += marks(dwell, elements[i], elements[i].*which);
   }
   return cells;
 }
@@ -131,37 +129,18 @@ std::string whom(const Doubt& doubt) {
 
 Section doubt_section(const DwellView& view, const TextOptions& options) {
   std::vector<std::string> texts;
-  for (const Doubt& doubt : view.dwell.doubts) texts.push_back("do not rely on " + whom(doubt) + ": " + doubt.what);
+  for (const Doubt& doubt : view.dwell.doubts) texts.push_back(doubt_text(doubt));
   Section section = paragraphs(texts, options.columns, 2, Style::alarm);
   section.name = kDoubts;
   return section;
 }
 
-// What stands below the coefficients: why some are missing, what the marks mean, what ± covers.
-Section legend(const Dwell& dwell, const TextOptions& options) {
+// What stands below the coefficients: why some are missing, and the legend.
+Section below(const Dwell& dwell, const TextOptions& options) {
   std::vector<std::string> texts;
-  bool any = false;
-  bool some_insignificant = false;
-  bool some_doubted = false;
-  for (const ElementEstimate& e : dwell.elements) {
-    if (!e.identifiable) {
-      texts.push_back("element " + std::to_string(e.k) + " is not identifiable: " + e.reason);
-      continue;
-    }
-    any = true;
-    some_insignificant = some_insignificant || insignificant(e.stiffness) || insignificant(e.damping);
-    some_doubted = some_doubted || doubted(dwell, e.k);
-  }
-  if (any) {
-    std::string meaning = "± is the half width of the 95 % interval";
-    if (some_insignificant) meaning += "; n.s.: not significant, smaller than its standard uncertainty";
-    if (some_doubted) meaning += "; ?: do not rely on it, the reason stands above";
-    texts.push_back(meaning);
-    if (!dwell.unstated.empty()) {
-      texts.push_back("± covers only noise, clock and what the rig file states; not stated: " +
-                      list_of(dwell.unstated));
-    }
-  }
+  for (const ElementEstimate& e : dwell.elements)
+    if (!e.identifiable) texts.push_back("element " + std::to_string(e.k) + " is not identifiable: " + e.reason);
+  for (std::string& text : legend_of({&dwell})) texts.push_back(std::move(text));
   return paragraphs(texts, options.columns, 2, Style::plain);
 }
 
@@ -206,7 +185,7 @@ std::vector<Section> element_sections(const DwellView& view, const TextOptions& 
       sections = {take_first(table.sections(options.columns), rest)};
     }
   }
-  append(sections.back(), legend(dwell, options));
+  append(sections.back(), below(dwell, options));
   return sections;
 }
 
@@ -295,6 +274,39 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
 }
 
 }  // namespace
+
+std::string marks(const Dwell& dwell, const ElementEstimate& element, const Coefficient& coefficient) {
+  return std::string(insignificant(coefficient) ? " n.s." : "") + (doubted(dwell, element.k) ? " ?" : "");
+}
+
+std::string doubt_text(const Doubt& doubt) { return "do not rely on " + whom(doubt) + ": " + doubt.what; }
+
+std::vector<std::string> legend_of(const std::vector<const Dwell*>& dwells) {
+  bool any = false;
+  bool some_insignificant = false;
+  bool some_doubted = false;
+  std::vector<std::string> unstated;
+  for (const Dwell* dwell : dwells) {
+    bool here = false;
+    for (const ElementEstimate& e : dwell->elements) {
+      if (!e.identifiable) continue;
+      here = true;
+      some_insignificant = some_insignificant || insignificant(e.stiffness) || insignificant(e.damping);
+      some_doubted = some_doubted || doubted(*dwell, e.k);
+    }
+    any = any || here;
+    for (const std::string& what : dwell->unstated)
+      if (here && std::find(unstated.begin(), unstated.end(), what) == unstated.end()) unstated.push_back(what);
+  }
+  if (!any) return {};
+  std::vector<std::string> texts{"± is the half width of the 95 % interval"};
+  if (some_insignificant) texts[0] += "; n.s.: not significant, smaller than its standard uncertainty";
+  if (some_doubted) texts[0] += "; ?: do not rely on it, the reason stands with the dwell";
+  if (!unstated.empty()) {
+    texts.push_back("± covers only noise, clock and what the rig file states; not stated: " + list_of(unstated));
+  }
+  return texts;
+}
 
 std::string headline(const DwellView& view) {
   const Dwell& d = view.dwell;

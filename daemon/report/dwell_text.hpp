@@ -33,6 +33,16 @@ struct TextOptions {
   std::vector<ChannelNote> channels;  // one per channel, or none
 };
 
+// Marks that stand behind the text of a coefficient: " n.s." not significant, " ?" not to be relied on.
+[[nodiscard]] std::string marks(const Dwell& dwell, const ElementEstimate& element, const Coefficient& coefficient);
+
+// "do not rely on elements 1, 3: why".
+[[nodiscard]] std::string doubt_text(const Doubt& doubt);
+
+// What ± means here, what the marks mean that occur, and which uncertainties no ± covers, for below a table of these
+// dwells; empty: no coefficient stands in it.
+[[nodiscard]] std::vector<std::string> legend_of(const std::vector<const Dwell*>& dwells);
+
 // One line without its end: "dwell 3 · measuring, 24.6 s of data".
 [[nodiscard]] std::string headline(const DwellView& view);
 

@@ -23,10 +23,16 @@ double age_s(const ServiceView& view, const ChannelView& channel) {
 
 const char* status_of(const ChannelView& channel) {
   if (channel.fault != Fault::none) return to_string(channel.fault);
-  return channel.overrange ? "overrange" : "ok";
+  if (channel.overrange) return to_string(Condition::overrange);
+  // What delivers has been heard, whatever the condition says yet.
+  return to_string(channel.condition == Condition::unheard ? Condition::ok : channel.condition);
 }
 
-Json reason_of(const ChannelView& channel) { return channel.reason.empty() ? Json(nullptr) : Json(channel.reason); }
+// Why it does not deliver, or what is wrong with what it delivers.
+Json reason_of(const ChannelView& channel) {
+  const std::string& reason = channel.fault != Fault::none ? channel.reason : channel.condition_reason;
+  return reason.empty() ? Json(nullptr) : Json(reason);
+}
 
 Json channels_json(const ServiceView& view) {
   Json list = Json::array();

@@ -192,7 +192,7 @@ TEST(CommandLine, ChannelsAndDwellsAreTablesOrJson) {
   ScriptedServer server({Reply{http_reply(200, channels)}, Reply{http_reply(200, channels)},
                          Reply{http_reply(200, dwells)}, Reply{http_reply(200, dwells)},
                          Reply{http_reply(200, R"({"dwells":[]})")}});
-  EXPECT_NE(run({"channels", "--url", server.url()}).out.find("y0       1.5 mm"), std::string::npos);
+  EXPECT_NE(run({"channels", "--url", server.url()}).out.find("y0       ok      1.5 mm"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"channels", "--json", "--url", server.url()}).out), Json::parse(channels));
   const Outcome table = run({"dwells", "--url", server.url()});
   EXPECT_EQ(table.code, 0) << table.err;

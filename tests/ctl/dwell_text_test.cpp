@@ -51,7 +51,7 @@ element  stiffness                 damping                   most of u²(c)     
       2        —                       —                     —                 —
       3  1.23457 ± 0.00020 MN/m      210 ±  790 mN·s/m n.s.  60 % scale of y1  85 % delay of y0
 )");
-  EXPECT_NE(text.find("?: do not rely on it, the reason stands above"), std::string::npos);
+  EXPECT_NE(text.find("?: do not rely on it, the reason stands with the dwell"), std::string::npos);
   const auto sections = dwell_sections(make_view(dwell, rig, {}));
   EXPECT_EQ(sections.at(0).body.at(0).style, Style::alarm);
   EXPECT_EQ(sections.at(1).body.at(0).style, Style::doubted);

@@ -23,11 +23,11 @@ TEST(Tables, ChannelsShowWhatTheServiceKnowsAndDashesForWhatItDoesNot) {
     {"name":7}, 3])");
   EXPECT_EQ(
       channels_table(list),
-      R"(channel  value            age      rate  clock                jitter     drift  lost  received    used  dropped  queued  gaps  status
-y0       4.70639 mm   0.002 s  499.9 Hz  device 500.021 Hz  0.290 ms  42.6 ppm     3    123456  123450        4       2     1  ok
-θ              —     12.500 s         —  host                      —         —     0         9       9        0       0     0  timeout: no answer within 0.1 s
-               —            —         —  —                         —         —     —         —       —        —       —     —
-               —            —         —  —                         —         —     —         —       —        —       —     —
+      R"(channel  status   value            age      rate  clock                jitter     drift  lost  received    used  dropped  queued  gaps
+y0       ok       4.70639 mm   0.002 s  499.9 Hz  device 500.021 Hz  0.290 ms  42.6 ppm     3    123456  123450        4       2     1
+θ        timeout        —     12.500 s         —  host                      —         —     0         9       9        0       0     0  no answer within 0.1 s
+                        —            —         —  —                         —         —     —         —       —        —       —     —
+                        —            —         —  —                         —         —     —         —       —        —       —     —
 )");
 }
 
@@ -42,9 +42,43 @@ TEST(Tables, DwellsHaveOneLinePerElement) {
   EXPECT_EQ(dwells_table({make_view(first, rig, {}), make_view(second, rig, {})}),
             R"(dwell  ended by       frequency                 data  element  stiffness               damping
     1  drive changed  4.000300 ± 0.000039 Hz  24.6 s        1   24.010 ±   0.027 kN/m  60.20 ± 0.79 N·s/m
-                                                            2        —                     —                the deformation is less than three times its uncertainty
-                                                            3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m
-    2  end             4.00000 ±        — Hz       —                                                        not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
+                                                            2        —                     —                     the deformation is less than three times its uncertainty
+                                                            3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m n.s.
+    2  end             4.00000 ±        — Hz       —                                                             not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
+± is the half width of the 95 % interval; n.s.: not significant, smaller than its standard uncertainty
+)");
+}
+
+TEST(Tables, DwellsSayFirstWhichNumbersMustNotBeReliedOnAndBelowWhatTheyLeaveOut) {
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{1}, "y1 and y2 look swapped"}};
+  dwell.unstated = {"masses", "scale of y1"};
+  Dwell settling = test::settling_dwell();
+  settling.unstated = {"never measured"};
+  const Rig rig = test::sample_rig();
+  const std::string text = dwells_table({make_view(dwell, rig, {}), make_view(settling, rig, {})});
+  EXPECT_EQ(text.substr(0, text.find('\n')), "dwell 1: do not rely on element 1: y1 and y2 look swapped");
+  EXPECT_NE(text.find("24.010 ±   0.027 kN/m ?  60.20 ± 0.79 N·s/m ?"), std::string::npos) << text;
+  EXPECT_NE(text.find("; ?: do not rely on it, the reason stands with the dwell\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n± covers only noise, clock and what the rig file states; not stated: masses, scale of y1\n"),
+            std::string::npos)
+      << text;
+}
+
+// A stuck or clipped reading, and garbage, in a table that stays one.
+TEST(Tables, ChannelsShowTheConditionOfTheirReadingsAndLineUpForGarbage) {
+  const Json list = Json::parse(R"([
+    {"name":"y0","value":4.70639,"unit":"mm","status":"ok","reason":null,"age_s":0.0021,"rate_hz":499.9},
+    {"name":"y1","value":1.0e31,"unit":"mm","status":"overrange","reason":"1e+31 mm, beyond -10 ... 10 mm","age_s":3e17,"rate_hz":1e300},
+    {"name":"y2","value":-1.23456789e-300,"unit":"mm","status":"stuck","reason":"the same reading for 12.0 s","age_s":0.002,"rate_hz":499.9},
+    {"name":"y3","value":-123456.789,"unit":"mm","status":"clipped","reason":"12 % of the readings at 9.998 mm","age_s":0.002,"rate_hz":0.0001}])");
+  EXPECT_EQ(
+      channels_table(list),
+      R"(channel  status     value                 age      rate  clock  jitter  drift  lost  received  used  dropped  queued  gaps
+y0       ok               4.70639 mm  0.002 s  499.9 Hz  —           —      —     —         —     —        —       —     —
+y1       overrange          1e+31 mm        —         —  —           —      —     —         —     —        —       —     —  1e+31 mm, beyond -10 ... 10 mm
+y2       stuck      -1.23457e-300 mm  0.002 s  499.9 Hz  —           —      —     —         —     —        —       —     —  the same reading for 12.0 s
+y3       clipped          -123457 mm  0.002 s    0.0 Hz  —           —      —     —         —     —        —       —     —  12 % of the readings at 9.998 mm
 )");
 }
 
@@ -56,6 +90,12 @@ TEST(Tables, ACheckSaysWhoAnswers) {
   ASSERT_EQ(channels.size(), 2U);
   EXPECT_TRUE(channels[0].answers());
   EXPECT_FALSE(channels[1].answers());
+  for (const char* status :
+       {"overrange", "stuck: the same reading for 12.0 s", "held", "clipped: at 9.998 mm", "gated"}) {
+    Probed probed;
+    probed.status = status;
+    EXPECT_TRUE(probed.answers()) << status;
+  }
   EXPECT_EQ(check_table(channels),
             R"(channel   device     value       rate  latency  status
 y0        amplifier  4.7 mm  499.9 Hz  0.90 ms  ok

@@ -276,7 +276,7 @@ element  stiffness              damping               most of u²(c)
       3  24.013 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
       4  24.014 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
 ± is the half width of the 95 % interval; ?: do not rely on it, the reason
-  stands above
+  stands with the dwell
 
 
 space pause  n b page 1 of 5  q quit

@@ -82,6 +82,21 @@ TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
             channel["used"].get<int>() + channel["dropped"].get<int>() + channel["queued"].get<int>());
 }
 
+// A channel that delivers the same reading for ever, or garbage, showed as "ok".
+TEST_F(ApiTest, AChannelsStatusIsTheConditionOfItsReadings) {
+  ChannelView& channel = snapshot.channels[0];
+  channel.fault = Fault::none;
+  channel.condition = Condition::stuck;
+  channel.condition_reason = "the same reading for 12.0 s";
+  EXPECT_EQ(get("/api/v1/channels")["channels"][0]["status"], "stuck");
+  EXPECT_EQ(get("/api/v1/channels")["channels"][0]["reason"], "the same reading for 12.0 s");
+  EXPECT_EQ(control(R"({"verb":"check"})")["channels"][0]["status"], "stuck");
+  channel.fault = Fault::timeout;
+  channel.reason = "no answer within 0.1 s";
+  EXPECT_EQ(get("/api/v1/channels")["channels"][0]["status"], "timeout");
+  EXPECT_EQ(get("/api/v1/channels")["channels"][0]["reason"], "no answer within 0.1 s");
+}
+
 TEST_F(ApiTest, WhatIsNotKnownIsNull) {
   snapshot.channels[0].rate_hz = std::numeric_limits<double>::infinity();
   const Json channel = get("/api/v1/channels")["channels"][0];
