@@ -1,14 +1,11 @@
 #include <Eigen/Geometry>
 
 #include "core/pipeline_impl.hpp"
-#include "core/scatter.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kSureOfScatter = 2.0;  // standard deviations of the scatter beyond which residuals are not white
-constexpr double kUnsteady = 9.0;       // ratio of variances that an operator is told of
-constexpr int kManyRestarts = 6;        // of a hold, one after the other, that want to be explained
+constexpr int kManyRestarts = 6;  // of a hold, one after the other, that want to be explained
 
 }  // namespace
 
@@ -103,24 +100,6 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   return result;
 }
 
-// Residuals that hang together make the phasor less certain than white ones would.
-void Pipeline::Impl::widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const {
-  const Scatter scatter = phasor_scatter(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
-  if (!(scatter.dof > 0) || scatter.ratio < 1 + kSureOfScatter * std::sqrt(2 / scatter.dof)) return;
-  // What varies by many times its noise does not do so independently from stretch to stretch: then the spread of the
-  // stretches is the uncertainty, not that of their mean.
-  result.fit.covariance *= scatter.ratio * (scatter.ratio > kUnsteady ? scatter.dof / 2 + 1 : 1.0);
-  result.dof = scatter.dof;
-  // Told where it is many times the noise and a part of the amplitude that matters.
-  const double varies = std::sqrt(0.5 * result.fit.covariance.trace());
-  if (scatter.ratio > kUnsteady && varies > 0.1 * rig.tolerance * std::abs(result.fit.X[0]) &&
-      result.withheld.empty()) {
-    const std::string times = std::to_string(std::sqrt(scatter.ratio));
-    dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + " is not steady: its phasor varies " +
-                             times.substr(0, times.find('.') + 2) + " times as much as its noise explains");
-  }
-}
-
 // What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
 void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
   const double f = omega / kTwoPi;
@@ -153,19 +132,27 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   const Refined refined = gather(from, to, with_open);
-  const double fitted_w = refined.omega, u = refined.u;
   // In the middle of the data.
-  const double w = omega_at(totals.t_ref_ns(), fitted_w);
+  const double w = omega_at(totals.t_ref_ns(), refined.omega);
   dwell.t_ref_s = axis_s(totals.t_ref_ns());
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) {
     results.push_back(result_of(c, up_to_now));
     if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
-    if (settled) widen(results.back(), c, from, to, dwell);
+    if (settled) look_within(c, from, to, results.back());
     for (int h = 1; h <= H; ++h)
       results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * bend(totals.t_ref_ns()));
   }
-  report_phasors(rig, results, w, u, dwell);
+  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks.block(to - 1).end_ns) -
+                              (from < blocks.count() ? blocks.block(from).begin_ns : now_ns));
+  double u = refined.u;
+  if (settled) {
+    look_at_settling(results);
+    warn_of_change(results, seconds, dwell);
+    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
+  }
+  // The frequency of a drive that drifts is another at either end: its spread over the dwell.
+  report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
   for (int c = 0; c < channel_count; ++c) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "core/angle.hpp"
@@ -38,10 +39,11 @@ Complex transfer(const Rig& rig, const Channel& channel, double omega) {
 // One source of error and what one standard deviation of it does.
 struct Source {
   std::string name;
-  double dof;       // infinity: type B
-  VectorXcd on_x;   // to x
-  VectorXcd on_Z;   // to Z directly, beside what it does through x
-  double on_omega;  // to ω, rad/s
+  double dof;             // infinity: type B
+  VectorXcd on_x;         // to x
+  VectorXcd on_Z;         // to Z directly, beside what it does through x
+  double on_omega;        // to ω, rad/s
+  bool residual = false;  // of residuals: where these are not white it is widened, element by element
 };
 
 class Propagation {
@@ -55,23 +57,41 @@ class Propagation {
     covariance_ = Eigen::MatrixXd::Zero(2 * elements_, 2 * elements_);
     deformation_rows_ = deformation_rows;
     deformation_variance_ = VectorXd::Zero(elements_);
+    scatter_.resize(static_cast<std::size_t>(elements_));
+  }
+
+  // What the elements' own stiffness scatters from stretch to stretch: before any source is added. per_reading: x by a
+  // reading's phasor, (n + 2) × channels.
+  void heed_scatter(const MatrixXcd& per_reading, const std::vector<Evidence>& evidence) {
+    std::vector<std::vector<PhasorStretch>> stretches;
+    for (const Evidence& seen : evidence) stretches.push_back(seen.stretches);
+    for (Index e = 0; e < elements_; ++e)
+      scatter_[static_cast<std::size_t>(e)] = scatter_of_sum((through_x_.row(e) * per_reading).transpose(), stretches);
   }
 
   void add(const Source& source) {
     const double omega = chain_.omega;
     VectorXd v(2 * elements_);
     for (Index e = 0; e < elements_; ++e) {
+      const double widens = source.residual ? scatter_[static_cast<std::size_t>(e)].widens() : 1.0;
       const Complex dZ = through_x_.row(e).transpose().cwiseProduct(source.on_x).sum() + source.on_Z(e);
       v(2 * e) = dZ.real();
       v(2 * e + 1) = dZ.imag() / omega - damping(Z_(e), omega) * source.on_omega / omega;
+      v.segment<2>(2 * e) *= std::sqrt(widens);
       // per component, which is what |d| against its noise is about
-      deformation_variance_(e) += 0.5 * std::norm(deformation_rows_.row(e).transpose().cwiseProduct(source.on_x).sum());
+      deformation_variance_(e) +=
+          0.5 * widens * std::norm(deformation_rows_.row(e).transpose().cwiseProduct(source.on_x).sum());
     }
     v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined are left out later
     covariance_ += v * v.transpose();
-    auto& of_name =
-        by_name_.try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_), source.dof}).first->second;
+    auto& of_name = by_name_
+                        .try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_),
+                                                               VectorXd::Constant(2 * elements_, source.dof)})
+                        .first->second;
     of_name.variance += v.cwiseAbs2();
+    for (Index e = 0; e < elements_; ++e)
+      if (const Scatter& scatter = scatter_[static_cast<std::size_t>(e)]; source.residual && scatter.shows())
+        of_name.dof.segment<2>(2 * e).setConstant(scatter.dof);
   }
 
   [[nodiscard]] double deformation_u(Index e) const { return std::sqrt(deformation_variance_(e)); }
@@ -83,7 +103,7 @@ class Propagation {
     const double variance = covariance_(i, i);
     out.u = std::sqrt(variance);
     double shares = 0.0;  // Σ u_i⁴ / ν_i
-    for (const auto& [name, part] : by_name_) shares += part.variance(i) * part.variance(i) / part.dof;
+    for (const auto& [name, part] : by_name_) shares += part.variance(i) * part.variance(i) / part.dof(i);
     out.dof = shares > 0 ? variance * variance / shares : std::numeric_limits<double>::infinity();
     out.U95 = student_t95(out.dof) * out.u;
     out.significant = std::abs(value) >= out.u;
@@ -105,8 +125,7 @@ class Propagation {
 
  private:
   struct Contribution {
-    VectorXd variance;
-    double dof;
+    VectorXd variance, dof;  // per coefficient
   };
   const ChainState& chain_;
   const VectorXcd& Z_;
@@ -114,6 +133,7 @@ class Propagation {
   MatrixXcd through_x_, deformation_rows_;
   Eigen::MatrixXd covariance_;
   VectorXd deformation_variance_;
+  std::vector<Scatter> scatter_;  // per element
   std::map<std::string, Contribution> by_name_;
 };
 
@@ -135,6 +155,38 @@ std::string name_of_transaction(const Rig& rig, const std::vector<Evidence>& evi
   if (count > kNamed) members += " …";
   if (device < 0) return members;
   return rig.devices[static_cast<std::size_t>(device)].name + (others ? " (" + members + ")" : "");
+}
+
+// The motion is no steady harmonic where its phasors have a slope: with y = Im(Y(t) exp(jωt)) the equations hold at any
+// instant, and to first order in Ẏ the inertia has -2jω Σ m_i Ẏ_i beside ω² Σ m_i Y_i, the damper r_k ḋ_k. So what is
+// taken for Z_k is too large by
+//
+//   (2jω Σ_{i>=k} m_i Ẏ_i + r_k ḋ_k) / d_k ,   element n+1: r_{n+1} Ẏ_n / Y_n
+//
+// whatever changes the phasors: a transient, a drive that hunts, a knock. None where no channel has a slope that shows.
+std::optional<Source> change_within(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                                    const ChainState& chain, const VectorXcd& Z, const VectorXcd& d) {
+  bool shows = false;
+  VectorXcd slopes = VectorXcd::Zero(gain.gain.cols()), read_off = slopes;
+  for (Index c = 0; c < slopes.size(); ++c) {
+    const Evidence& seen = evidence[static_cast<std::size_t>(c)];
+    const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+    if (!seen.usable || gain.gain.col(c).isZero(0)) continue;
+    shows = shows || seen.slope.shows();
+    slopes(c) = as_observed(rig, static_cast<int>(c), seen.slope.value, chain.omega, 1);
+    // A transducer of velocity reads jωY + Ẏ.
+    read_off(c) = slopes(c) * static_cast<double>(derivative_order(channel.measures)) / Complex{0.0, chain.omega};
+  }
+  if (!shows) return {};
+  const VectorXcd x_dot = gain.gain * slopes;
+  VectorXcd on_Z(Z.size());
+  Complex inertia = 0.0;
+  if (Z.size() > chain.n) on_Z(chain.n) = damping(Z(chain.n), chain.omega) * x_dot.head(chain.n + 1).sum() / d(chain.n);
+  for (int k = chain.n; k >= 1; --k) {
+    inertia += rig.masses[static_cast<std::size_t>(k - 1)] * x_dot.head(k + 1).sum();
+    on_Z(k - 1) = (Complex{0.0, 2 * chain.omega} * inertia + damping(Z(k - 1), chain.omega) * x_dot(k)) / d(k - 1);
+  }
+  return Source{"change within the dwell", std::numeric_limits<double>::infinity(), gain.gain * read_off, on_Z, 0.0};
 }
 
 // All sources that the rig file and the data name.
@@ -169,7 +221,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
       for (Index axis = 0; axis < 2; ++axis) {
         const Eigen::Vector2d step = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
-        out.push_back({name + channel.name, dof, through_channel(c, {step(0), step(1)}), nothing, 0.0});
+        out.push_back(
+            {name + channel.name, dof, through_channel(c, {step(0), step(1)}), nothing, 0.0, std::isfinite(dof)});
       }
     }
     const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
@@ -216,6 +269,12 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     inertia += rig.masses[static_cast<std::size_t>(k - 1)] * chain.Y(k);
     by_omega(k - 1) = 2 * omega * inertia / d(k - 1);
   }
+  VectorXcd absorbed = VectorXcd::Zero(chain.n + 2);
+  for (Index c = 0; c < o.size(); ++c)
+    if (const Evidence& seen = evidence[static_cast<std::size_t>(c)]; seen.usable)
+      absorbed += through_channel(c, as_observed(rig, static_cast<int>(c), seen.absorbed, omega, 1));
+  if (!absorbed.isZero(0)) out.push_back({"drive's change while settling", kInfinity, absorbed, nothing, 0.0});
+  if (const auto change = change_within(rig, gain, evidence, chain, Z, d)) out.push_back(*change);
   for (const auto& [name, u] : {std::pair<const char*, double>{"frequency", frequency.u},
                                 std::pair<const char*, double>{"clock rate", frequency.clock_u * omega}})
     if (u > 0) out.push_back({name, kInfinity, relative_omega * u, by_omega * u, u});
@@ -253,7 +312,7 @@ VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& eviden
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
     if (!evidence[c].usable || rig.channels[c].measures == Quantity::auxiliary) continue;
     const Complex T = transfer(rig, rig.channels[c], omega);
-    const double noise = std::sqrt(0.5 * evidence[c].covariance.trace());
+    const double noise = std::sqrt(0.5 * evidence[c].widened * evidence[c].covariance.trace());
     const double size = std::abs(evidence[c].X[0]);
     // 1e-12: a reading without noise must not outweigh the others without bound.
     weights(static_cast<Index>(c)) =
@@ -308,6 +367,10 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
   }
 
   Propagation propagation(chain, force_rows, deformation_rows, Z, d);
+  MatrixXcd x_per_reading = gain.gain.cast<Complex>();
+  for (Index c = 0; c < channels; ++c)
+    x_per_reading.col(c) *= as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, 1);
+  propagation.heed_scatter(x_per_reading, evidence);
   for (const Source& source : sources_of(rig, gain, evidence, o, chain, Z, d, frequency)) propagation.add(source);
 
   ElementsResult result;
@@ -356,7 +419,7 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
           if (!seen.usable) continue;
           const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, h);
           variance += std::norm(rows_of[which].cwiseProduct(gain.gain.col(c)).sum() * per_reading) * 0.5 *
-                      seen.covariance.trace();
+                      seen.widened * seen.covariance.trace();
         }
         const double ratio = amplitude / fundamental[which];
         if (ratio > kFarFromLinear && amplitude > 4 * std::sqrt(variance) && ratio > worst) {

@@ -20,8 +20,10 @@
 #include <vector>
 
 #include "core/dwell.hpp"
+#include "core/harmonic_fit.hpp"
 #include "core/observation.hpp"
 #include "core/rig.hpp"
+#include "core/scatter.hpp"
 
 namespace dwell {
 
@@ -30,11 +32,16 @@ struct Evidence {
   bool usable = false;
   std::string reason;                                    // why not
   std::array<std::complex<double>, kMaxHarmonics> X{};   // phasors of the reading at ω … Hω, SI
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (Re X_1, Im X_1)
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (Re X_1, Im X_1), white residuals
   double dof = 0.0;                                      // degrees of freedom behind that covariance
-  Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();   // covariance by what is not known of the transient
-  double quantization_u = 0.0;                           // of the reading, either component, the device's rounding
-  double turnaround_u_s = 0.0;                           // standard uncertainty of the instants …
+  double widened = 1.0;                                  // by what it is larger for the channel's own scatter
+  std::vector<PhasorStretch> stretches;                  // of which each element's own scatter is
+  PhasorSlope slope;
+  std::complex<double>
+      absorbed;  // of X_1: the answer to a change of the drive that may have been taken for a transient
+  Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  // covariance by what is not known of the transient
+  double quantization_u = 0.0;                          // of the reading, either component, the device's rounding
+  double turnaround_u_s = 0.0;                          // standard uncertainty of the instants …
   int transaction = -1;  // … shared by all channels of one transaction (Transactions::of); -1: by none
 };
 

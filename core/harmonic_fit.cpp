@@ -1,6 +1,7 @@
 #include "core/harmonic_fit.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -28,6 +29,20 @@ struct Instants {
   [[nodiscard]] double sin_cos(int j, int h, int l) const noexcept { return 0.5 * (s(j, h + l) + s(j, h - l)); }
 };
 
+// R of the harmonic fit, its lower triangle; order of the parameters: b, p_1 … p_H, q_1 … q_H.
+void assemble(const Instants& M, int H, Matrix& R) noexcept {
+  R(0, 0) = M.c(0, 0);
+  for (int h = 1; h <= H; ++h) {
+    R(h, 0) = M.s(0, h);
+    R(H + h, 0) = M.c(0, h);
+    for (int l = 1; l <= H; ++l) {
+      if (l <= h) R(h, l) = M.sin_sin(0, h, l);
+      R(H + h, l) = M.sin_cos(0, l, h);
+      if (l <= h) R(H + h, H + l) = M.cos_cos(0, h, l);
+    }
+  }
+}
+
 }  // namespace
 
 HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept {
@@ -41,21 +56,13 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   fit.samples = M.c(0, 0);
   if (fit.samples < parameters + 1) return fit;
 
-  // Order of the parameters: b, p_1 … p_H, q_1 … q_H.
   Matrix R(parameters, parameters);
+  assemble(M, H, R);
   Vector z(parameters);
-  R(0, 0) = fit.samples;
   z(0) = Z[moments::cosine(in_set, 0, 0)];
   for (int h = 1; h <= H; ++h) {
-    R(h, 0) = M.s(0, h);
-    R(H + h, 0) = M.c(0, h);
     z(h) = Z[moments::sine(in_set, 0, h)];
     z(H + h) = Z[moments::cosine(in_set, 0, h)];
-    for (int l = 1; l <= H; ++l) {
-      if (l <= h) R(h, l) = M.sin_sin(0, h, l);
-      R(H + h, l) = M.sin_cos(0, l, h);
-      if (l <= h) R(H + h, H + l) = M.cos_cos(0, h, l);
-    }
   }
   const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
   // A pivot is the part of a regressor's energy that those before it do not explain; what is left of one in a
@@ -98,6 +105,45 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
     fit.information = curvature / fit.sigma2;
   }
   return fit;
+}
+
+PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const HarmonicFit& fit,
+                      double reference) noexcept {
+  PhasorSlope slope;
+  if (!fit.usable) return slope;
+  const ChannelMoments sums = totals.channel(channel);
+  const int H = harmonics, parameters = 2 * H + 1, in_set = totals.harmonics() + 1;
+  const Instants M{sums.instants, 2 * totals.harmonics() + 1};
+  Matrix R(parameters, parameters);
+  assemble(M, H, R);
+  const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
+  Vector theta(parameters);
+  theta(0) = fit.mean - reference;
+  for (int h = 1; h <= H; ++h) {
+    theta(h) = fit.X[static_cast<std::size_t>(h - 1)].real();
+    theta(H + h) = fit.X[static_cast<std::size_t>(h - 1)].imag();
+  }
+  // The regressors u sin θ and u cos θ: their products with those of the fit, and with the readings.
+  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> G(parameters, 2);
+  G.row(0) << M.s(1, 1), M.c(1, 1);
+  for (int l = 1; l <= H; ++l) {
+    G.row(l) << M.sin_sin(1, 1, l), M.sin_cos(1, l, 1);
+    G.row(H + l) << M.sin_cos(1, 1, l), M.cos_cos(1, 1, l);
+  }
+  const double square = 0.5 * sums.instants[moments::squares(M.count)];
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> explained = factor.solve(G);
+  const Eigen::Matrix2d S = square * Eigen::Matrix2d::Identity() - G.transpose() * explained;
+  const Eigen::Vector2d score =
+      Eigen::Vector2d(sums.readings[moments::sine(in_set, 1, 1)], sums.readings[moments::cosine(in_set, 1, 1)]) -
+      G.transpose() * theta;
+  const double determinant = S.determinant();
+  // Of less than a tenth of Σu²/2 the rest is no slope.
+  if (!(determinant > 0.01 * square * square)) return slope;
+  const Eigen::Matrix2d inverse = S.inverse();
+  const Eigen::Vector2d value = inverse * score;
+  slope.value = {value(0), value(1)};
+  slope.variance = fit.sigma2 * inverse.trace();
+  return slope;
 }
 
 }  // namespace dwell

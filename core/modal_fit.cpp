@@ -313,4 +313,12 @@ Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::Matr
   return spread;
 }
 
+Eigen::Vector2d ModalFit::taken_out(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {
+  const PerChannel& of = at(channel);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  if (!of.usable) return sum;
+  for (Index i = 0; i < modal_; ++i) sum += B.col(i) * of.theta(harmonic_ + i);
+  return sum;
+}
+
 }  // namespace dwell

@@ -99,6 +99,8 @@ class ModalFit {
   void overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept;
   // Covariance of (Σ sin ωu e, Σ cos ωu e), e the error of what is taken out: B Cov B', B from overlap_at.
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
+  // (Σ sin ωu e, Σ cos ωu e), e what is taken out, B from overlap_at.
+  [[nodiscard]] Eigen::Vector2d taken_out(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   [[nodiscard]] int modal_regressors() const noexcept { return 2 * static_cast<int>(capacity_); }
 
  private:

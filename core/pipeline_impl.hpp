@@ -408,7 +408,11 @@ struct Pipeline::Impl {
   // Says where hum cannot be told from a harmonic.
   void warn_of_hum(double seconds, Dwell& dwell) const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
-  void widen(ChannelResult& result, int c, int from, int to, Dwell& dwell) const;
+  // dwell_steadiness.cpp: what blocks [from, to), which `totals` hold, say of change within them.
+  void look_within(int c, int from, int to, ChannelResult& result) const;
+  void look_at_settling(std::vector<ChannelResult>& results) const;
+  void warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const;
+  [[nodiscard]] double frequency_widens(const ChannelResult& table) const;
 };
 
 }  // namespace dwell

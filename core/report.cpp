@@ -28,7 +28,7 @@ void warn_of_contradictions(const Rig& rig, const Eigen::MatrixXd& G, const Gain
     o(c) = evidence[i].X[0] * per_reading;
     const double device_u = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s : 0.0;
     variance(c) =
-        std::norm(per_reading) * evidence[i].covariance.trace() +
+        std::norm(per_reading) * evidence[i].widened * evidence[i].covariance.trace() +
         std::norm(o(c)) * (channel.scale_u * channel.scale_u +
                            std::pow(omega * std::hypot(channel.delay_u_s, device_u, evidence[i].turnaround_u_s), 2));
   }
@@ -70,8 +70,9 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       out.sigma = std::sqrt(fit.sigma2);
       // The covariance along the phasor and across it.
       const Eigen::Vector2d along(X.real() / amplitude, X.imag() / amplitude), across(-along(1), along(0));
-      const double u_along = std::sqrt(along.dot(fit.covariance * along)) / amplitude;
-      const double u_across = std::sqrt(across.dot(fit.covariance * across)) / amplitude;
+      const Eigen::Matrix2d covariance = channels[c].scatter.widens() * fit.covariance;
+      const double u_along = std::sqrt(along.dot(covariance * along)) / amplitude;
+      const double u_across = std::sqrt(across.dot(covariance * across)) / amplitude;
       const double transient_u = std::sqrt(0.5 * channels[c].transient.trace());
       out.u_amplitude = std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude,
                                                                          channels[c].quantization_u / amplitude));
@@ -96,6 +97,10 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].X = fit.X;
     evidence[c].covariance = fit.covariance;
     evidence[c].dof = channels[c].dof;
+    evidence[c].widened = channels[c].scatter.widens();
+    evidence[c].stretches = channels[c].stretches;
+    evidence[c].slope = channels[c].slope;
+    evidence[c].absorbed = channels[c].absorbed;
     evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;

@@ -14,8 +14,12 @@ namespace dwell {
 // One channel of a dwell.
 struct ChannelResult {
   HarmonicFit fit;
-  double dof = 0.0;      // degrees of freedom behind the fit's covariance
-  std::string withheld;  // why it must not be used now; empty: it may
+  double dof = 0.0;                      // degrees of freedom behind the fit's covariance
+  std::vector<PhasorStretch> stretches;  // of the dwell; empty: it has not settled
+  Scatter scatter;                       // of these
+  PhasorSlope slope;
+  std::complex<double> absorbed;  // see Evidence
+  std::string withheld;           // why it must not be used now; empty: it may
   // Covariance of (Re, Im) of the reading's phasor by what is not known of the transient, SI.
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();
   double quantization_u = 0.0;  // of the reading, SI, either component: the device's rounding

@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -155,6 +156,29 @@ TEST(HarmonicFit, TooFewOrTooCloseSamplesAreNoFit) {
   const HarmonicFit fit = fit_harmonics(totals, 0, 3, 0.0);
   EXPECT_FALSE(fit.usable);
   EXPECT_TRUE(std::isnan(fit.mean));
+}
+
+TEST(HarmonicFit, TellsTheSlopeOfAPhasorThatChanges) {
+  std::mt19937_64 rng(3);
+  std::normal_distribution<double> normal;
+  const double omega = 2 * kPi * 4;
+  const std::complex<double> X{2.0, 0.5}, slope{0.03, -0.02};
+  for (const double seconds : {0.45, 1.1, 10.0}) {
+    std::vector<Reading> readings;
+    for (double t = 0; t < seconds; t += 1.0 / 400)
+      readings.push_back(
+          {0, std::llround(t * 1e9),
+           ((X + slope * (t - seconds / 2)) * std::polar(1.0, omega * (t - seconds / 2))).imag() + 1e-4 * normal(rng)});
+    Blocks blocks(1, 3);
+    feed(blocks, omega, readings);
+    Totals totals(1, 3);
+    blocks.sum(0, blocks.count(), omega, std::llround(seconds / 2 * 1e9), totals);
+    blocks.add_open(totals);
+    const HarmonicFit fit = fit_harmonics(totals, 0, 3, 0.0);
+    const PhasorSlope found = fit_slope(totals, 0, 3, fit, 0.0);
+    EXPECT_TRUE(found.shows()) << seconds;
+    EXPECT_LT(std::abs(found.value - slope), 0.35 * std::abs(slope) * (seconds < 1 ? 1.0 : 0.3)) << seconds;
+  }
 }
 
 }  // namespace

@@ -77,6 +77,20 @@ TEST(SlowChange, AShakerThatDriftsATenthOfAPercentAMinuteIsFollowed) {
   EXPECT_NEAR(std::remainder(std::arg(pipeline.phasor(0)) - now, 2 * M_PI), 0.0, 0.02);
 }
 
+TEST(SlowChange, TheUncertaintyOfAFrequencyThatDriftsCoversTheWholeDwell) {
+  for (const double drift : {2e-4, 1e-3, 5e-3}) {
+    SlowRig slow = slow_rig(60);
+    slow.frequency_drift = drift / 60;
+    Pipeline pipeline(slow.rig);
+    slow.run(pipeline, 100);
+    ASSERT_EQ(pipeline.state(), State::measuring);
+    const Dwell dwell = pipeline.current();
+    for (const double t_s : {dwell.settled_s, dwell.end_s})
+      EXPECT_NEAR(dwell.frequency_hz.value, slow.frequency_at(t_s), 2.5 * dwell.frequency_hz.u) << drift << ", " << t_s;
+    EXPECT_LT(dwell.frequency_hz.u, 2 * drift * slow.frequency_hz);
+  }
+}
+
 // A rig of a long memory, from rest: the drift is in the fit of its transient, which would else take it for another
 // mode.
 TEST(SlowChange, ADriftHoldsNoVerdictUp) {

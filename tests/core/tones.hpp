@@ -1,0 +1,78 @@
+// A chain under a table that moves as a sum of tones, each answered by the chain's exact steady response: a drive whose
+// amplitude or frequency hunts is a carrier with two sidebands.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "core/forward.hpp"
+#include "core/pipeline.hpp"
+#include "tests/core/bench_rig.hpp"
+
+namespace dwell {
+
+struct Tone {
+  double hz;
+  std::complex<double> Y0;  // m
+};
+
+// y_0 = A (1 + a sin 2πFt) sin(2πft + b sin 2πFt), to first order in a and b.
+inline std::vector<Tone> hunting(double hz, double amplitude, double by, double hunt_hz, double phase_rad = 0.0) {
+  const std::complex<double> j{0.0, 1.0}, side = -0.5 * j * amplitude * std::complex<double>(by, phase_rad);
+  const std::complex<double> other = 0.5 * j * amplitude * std::complex<double>(by, phase_rad);
+  return {{hz, amplitude}, {hz + hunt_hz, side}, {hz - hunt_hz, other}};
+}
+
+// Streams the motion into a pipeline; returns the dwells that were completed and settled.
+struct Toned {
+  Chain chain;
+  Rig rig;
+  std::vector<Tone> tones;
+  double rate_hz = 500.0, noise = 1e-3;  // of each channel's carrier
+  std::uint64_t seed = 1;
+  std::function<void(double, const Dwell&)> at_end{};
+
+  std::vector<Dwell> run(double seconds, const std::function<double(double)>& factor = {}) const {
+    struct Heard {
+      double omega;
+      std::complex<double> X;
+    };
+    std::vector<std::vector<Heard>> heard(rig.channels.size());
+    std::vector<double> sigma;
+    for (const Tone& tone : tones) {
+      const SteadyResponse response = steady_response(chain, 2 * M_PI * tone.hz, tone.Y0);
+      for (std::size_t c = 0; c < heard.size(); ++c) {
+        const std::complex<double> X = c < response.Y.size() ? response.Y[c] : response.F;
+        heard[c].push_back({2 * M_PI * tone.hz, X});
+        if (heard[c].size() == 1) sigma.push_back(noise * std::abs(X));
+      }
+    }
+    std::mt19937_64 rng(seed);
+    std::normal_distribution<double> normal;
+    Pipeline pipeline(rig);
+    std::vector<Dwell> dwells;
+    const auto keep = [&](std::uint8_t changes) {
+      if ((changes & kCompleted) && std::isfinite(pipeline.completed().settled_s))
+        dwells.push_back(pipeline.completed());
+    };
+    for (int i = 0; i < seconds * rate_hz; ++i) {
+      const double t_s = i / rate_hz;
+      for (std::size_t c = 0; c < heard.size(); ++c) {
+        Record record;
+        record.t_ns = std::llround(t_s * 1e9);
+        record.channel = static_cast<std::uint16_t>(c);
+        for (const Heard& tone : heard[c]) record.value += (tone.X * std::polar(1.0, tone.omega * t_s)).imag();
+        if (factor) record.value *= factor(t_s);
+        record.value += sigma[c] * normal(rng);
+        keep(pipeline.push(record));
+      }
+    }
+    keep(pipeline.finish());
+    return dwells;
+  }
+};
+
+}  // namespace dwell

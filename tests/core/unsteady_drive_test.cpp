@@ -1,0 +1,115 @@
+// A drive that is not steady: its amplitude or its frequency hunts, or drifts. What it does to the ratios of the
+// phasors is in the uncertainty or is said; what leaves them alone costs nothing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/core/expect.hpp"
+#include "tests/core/tones.hpp"
+
+namespace dwell {
+namespace {
+
+// The largest error of a coefficient, in its standard uncertainties.
+double worst_of(const Dwell& dwell, const Chain& chain) {
+  double worst = 0.0;
+  for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
+    const ElementEstimate& element = dwell.elements[e];
+    if (!element.identifiable) continue;
+    worst = std::max({worst, std::abs(element.stiffness.value - chain.stiffness[e]) / element.stiffness.u,
+                      std::abs(element.damping.value - chain.damping[e]) / element.damping.u});
+  }
+  return worst;
+}
+
+bool speaks_of_the_drive(const Dwell& dwell) {
+  const auto says = [](const std::string& what) { return what.find("the drive is not steady") == 0; };
+  return std::any_of(dwell.warnings.begin(), dwell.warnings.end(), says) ||
+         std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [&](const Doubt& doubt) { return says(doubt.what); });
+}
+
+Toned under(const Chain& chain, double hz, std::vector<Tone> tones) {
+  return {.chain = chain, .rig = rig_of(chain, hz), .tones = std::move(tones)};
+}
+
+Chain with_damping(double times) {
+  Chain chain = clamped_chain();
+  for (double& r : chain.damping) r *= times;
+  return chain;
+}
+
+TEST(UnsteadyDrive, AnAmplitudeThatHuntsGivesNoWrongNumberWithoutAWord) {
+  int dwells = 0, off = 0, silent = 0, relied_on = 0;
+  for (const double hz : {4.0, 10.0})
+    for (const double damping : {0.1, 1.0})
+      for (const double by : {0.003, 0.006, 0.01, 0.02}) {
+        const Chain chain = with_damping(damping);
+        for (const Dwell& dwell : under(chain, hz, hunting(hz, 0.002, by, 0.5)).run(100)) {
+          const double worst = worst_of(dwell, chain);
+          ++dwells;
+          off += worst > 4;
+          silent += worst > 5 && !speaks_of_the_drive(dwell);
+          relied_on += worst > 5 && trustworthy(dwell);
+        }
+      }
+  EXPECT_GT(dwells, 300);
+  EXPECT_EQ(silent, 0);
+  EXPECT_LE(relied_on, dwells / 1000);
+  EXPECT_LE(off, dwells / 20);
+}
+
+TEST(UnsteadyDrive, AFrequencyThatHuntsGivesNoWrongNumberWithoutAWord) {
+  int dwells = 0, silent = 0, relied_on = 0;
+  for (const double damping : {0.1, 1.0})
+    for (const double by_rad : {0.001, 0.01, 0.03, 0.1}) {
+      const Chain chain = with_damping(damping);
+      for (const Dwell& dwell : under(chain, 4.0, hunting(4.0, 0.002, 0.0, 0.5, by_rad)).run(200)) {
+        const double worst = worst_of(dwell, chain);
+        ++dwells;
+        silent += worst > 5 && !speaks_of_the_drive(dwell);
+        relied_on += worst > 5 && trustworthy(dwell);
+      }
+    }
+  EXPECT_GT(dwells, 100);
+  EXPECT_EQ(silent, 0);
+  EXPECT_LE(relied_on, 1);
+}
+
+// Half a percent a minute in all channels alike changes no ratio.
+TEST(UnsteadyDrive, ADriftOfAmplitudeThatAllChannelsShareWidensNoCoefficient) {
+  for (const double damping : {0.1, 1.0}) {
+    const Chain chain = with_damping(damping);
+    const Toned toned = under(chain, 4.0, {{4.0, 0.002}});
+    double U95[2] = {};
+    for (const bool drifts : {false, true}) {
+      const auto dwells = toned.run(60, [&](double t_s) { return 1 + (drifts ? 0.005 / 60 * t_s : 0.0); });
+      ASSERT_EQ(dwells.size(), 1u);
+      expect_within(dwells[0], chain, 4, drifts ? "drifting" : "steady");
+      U95[drifts] = dwells[0].elements[0].damping.U95;
+      EXPECT_EQ(speaks_of_the_drive(dwells[0]), drifts);
+    }
+    EXPECT_LT(U95[1], 2 * U95[0]);
+  }
+}
+
+// A transducer that changes is no drive that does.
+TEST(UnsteadyDrive, WhatChangesInOneChannelAloneStillWidensWhatRestsOnIt) {
+  const Chain chain = clamped_chain();
+  Bench bench(chain, rig_of(chain, 4), steady_drive(4), DrivenChain::Start::steady,
+              {.rate_hz = 200, .sigma = {1e-6, 1e-6, 1e-6, 0.01}});
+  bench.alter = [](Record& record, double t_s) {
+    if (record.channel == 3) record.value *= 1 + 0.01 * t_s / 40;
+  };
+  bench.run(40);
+  const Dwell dwell = bench.pipeline.current();
+  EXPECT_TRUE(std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
+                          [](const std::string& w) { return w.find("reaction is not steady") == 0; }));
+  EXPECT_FALSE(speaks_of_the_drive(dwell));
+  for (std::size_t e = 0; e < 3; ++e) EXPECT_GT(dwell.elements[e].stiffness.U95, 1e-3 * chain.stiffness[e]) << e;
+  // Element 3 is the load cell's reading alone, half a percent off on average.
+  EXPECT_NEAR(dwell.elements[2].stiffness.value, 1.005 * chain.stiffness[2], 2 * dwell.elements[2].stiffness.u);
+}
+
+}  // namespace
+}  // namespace dwell
