@@ -17,6 +17,7 @@
 #include "daemon/notifier.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/control_server.hpp"
+#include "daemon/serve/dwell_stream.hpp"
 #include "daemon/serve/event_loop.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/session.hpp"
@@ -85,6 +86,7 @@ struct Service::Impl {
   config::SchemaSource driver_source;
   std::int64_t started_ns = raw_now_ns();
   std::uint64_t told_sequence = 0;  // the newest snapshot that was broadcast
+  DwellStream stream;
   std::unique_ptr<Session> session;
   std::unique_ptr<HttpServer> http;
   std::unique_ptr<ControlServer> control;
@@ -119,7 +121,10 @@ struct Service::Impl {
     told_sequence = sequence;
     session->light_lamps(trouble.empty());
     notifier.status(status_line(session->latest(), trouble));
-    if (http && http->stats().streams > 0) http->broadcast("dwell", dwell_text_json(view()));
+    if (!http || http->stats().streams == 0) return;
+    const ServiceView now = view();
+    const DwellStream::Event event = stream.next(make_view(now.snapshot.dwell, now.rig, now.run), now.snapshot.t_ns);
+    http->broadcast(event.name, event.data);
   }
 
   // The loop turns, or this would not be called; the rest is looked at.
@@ -211,7 +216,10 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
   auto http = HttpServer::make(
       self.loop, http_options,
       [&self](std::string_view path, std::string_view query) { return http_answer(self.view(), path, query); },
-      [&self] { return event_text("dwell", dwell_text_json(self.view())); });
+      [&self] {
+        self.stream.joined();
+        return event_text("dwell", dwell_text_json(self.view()));
+      });
   if (!http) return tl::unexpected(Failure{http.error().bad_address ? 2 : 1, http.error().message});
   self.http = std::move(*http);
   if (self.http->awaits_address())

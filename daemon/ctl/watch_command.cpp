@@ -12,6 +12,7 @@
 #include <string>
 
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/dwell_follower.hpp"
 #include "daemon/ctl/http_client.hpp"
 #include "daemon/ctl/tables.hpp"
 #include "daemon/ctl/terminal.hpp"
@@ -137,8 +138,8 @@ class Watch {
           show(true);
           break;
         case EventStream::Next::event:
-          if (event.name == "dwell") {
-            if (const auto code = take(event.data)) return *code;
+          if (const auto whole = follower_.take(event)) {
+            if (const auto code = take(*whole)) return *code;
           }
           break;
       }
@@ -303,6 +304,7 @@ class Watch {
   Milliseconds interval_{};
   std::optional<Deadline> give_up_;
   Deadline ask_at_;
+  DwellFollower follower_;
   WatchState state_;
   std::optional<WatchState> frozen_;  // as it was when the operator paused
   Controls controls_;

@@ -44,7 +44,7 @@ Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
   return object;
 }
 
-Json element(const ElementEstimate& e, Motion motion) {
+Json element(const ElementEstimate& e, Motion motion, Detail detail) {
   Json object = {{"k", e.k},
                  {"identifiable", e.identifiable},
                  {"deformation",
@@ -57,6 +57,7 @@ Json element(const ElementEstimate& e, Motion motion) {
     object["damping"] = coefficient(e.damping, damping_unit(motion));
     object["loss_factor"] = estimate(e.loss_factor);
     for (const BudgetShare& share : e.budget) {
+      if (detail != Detail::whole) break;
       budget.push_back({{"source", share.source},
                         {"stiffness_share", number(share.stiffness_share)},
                         {"damping_share", number(share.damping_share)}});
@@ -67,7 +68,7 @@ Json element(const ElementEstimate& e, Motion motion) {
     object["loss_factor"] = nullptr;
     object["reason"] = e.reason;
   }
-  object["budget"] = std::move(budget);
+  if (detail == Detail::whole) object["budget"] = std::move(budget);
   return object;
 }
 
@@ -85,7 +86,7 @@ Json square(const std::vector<double>& row_major) {
 
 }  // namespace
 
-Json json_value(const DwellView& view) {
+Json json_value(const DwellView& view, Detail detail) {
   const Dwell& d = view.dwell;
   const bool settled = std::isfinite(d.settled_s);
   Json object;
@@ -113,10 +114,10 @@ Json json_value(const DwellView& view) {
 
   Json elements = Json::array();
   if (settled) {
-    for (const ElementEstimate& e : d.elements) elements.push_back(element(e, view.motion));
+    for (const ElementEstimate& e : d.elements) elements.push_back(element(e, view.motion, detail));
   }
   object["elements"] = std::move(elements);
-  object["covariance"] = settled ? square(d.covariance) : Json::array();
+  if (detail == Detail::whole) object["covariance"] = settled ? square(d.covariance) : Json::array();
 
   Json doubts = Json::array(), warnings = Json::array();
   for (const Doubt& doubt : d.doubts) {

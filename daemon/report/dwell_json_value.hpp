@@ -1,6 +1,7 @@
 // The dwell object as a JSON value, for .cpp files that put it into a larger document. Heavy: include it in .cpp only.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tl/expected.hpp>
@@ -11,7 +12,10 @@ namespace dwell {
 
 using Json = nlohmann::ordered_json;  // members stay in the order of the interface's document
 
-[[nodiscard]] Json json_value(const DwellView& view);
+// whole: the object of the interface. moving: without `covariance` and without every `budget`, which are most of it.
+enum class Detail : std::uint8_t { whole, moving };
+
+[[nodiscard]] Json json_value(const DwellView& view, Detail detail = Detail::whole);
 [[nodiscard]] tl::expected<DwellView, std::string> dwell_from_json(const Json& value);
 
 // Text of a document; indent < 0: one line. Bytes that are not UTF-8 are replaced, never thrown over.

@@ -141,13 +141,21 @@ TEST_F(ServiceTest, PushesTheDwellToWhoeverListens) {
   test::Client client = test::Client::tcp(port);
   client.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
   client.until("\r\n\r\n");
-  client.until("\n\n");
-  for (int i = 0; i < 10; ++i) {
+  EXPECT_EQ(client.until("\n\n"), "retry: 1000\n\n");
+  int whole = 0, changes = 0;
+  for (int i = 0; i < 25; ++i) {
     const std::string event = client.until("\n\n");
-    constexpr std::string_view kHead = "event: dwell\ndata: ";
-    ASSERT_EQ(event.substr(0, kHead.size()), kHead);
-    EXPECT_TRUE(json::parse(event.substr(kHead.size()), nullptr, false).contains("state"));
+    const auto data = event.find("\ndata: ");
+    ASSERT_NE(data, std::string::npos) << event;
+    const std::string name = event.substr(0, data);
+    ASSERT_TRUE(name == "event: dwell" || name == "event: change") << event;
+    (name == "event: dwell" ? whole : changes)++;
+    EXPECT_TRUE(i > 0 || whole == 1) << "a newcomer is given all";
+    const json told = json::parse(event.substr(data + 7), nullptr, false);
+    EXPECT_TRUE(told.contains("state") && told.contains("index")) << event;
   }
+  EXPECT_GE(whole, 2) << "at the first, and again";
+  EXPECT_GE(changes, 1);
 }
 
 }  // namespace
