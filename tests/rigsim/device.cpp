@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/forward.hpp"
+#include "tests/rigsim/control.hpp"
 
 namespace rigsim {
 namespace {
@@ -36,7 +37,9 @@ Device::Device(const Options& options)
       running_(!options.stopped),
       chain_(options.chain, effective(options.drive, running_),
              options.from_steady ? dwell::DrivenChain::Start::steady : dwell::DrivenChain::Start::rest),
+      reading_faults_({}, {}),
       random_(options.seed) {
+  if (options.bend.any()) bent_.emplace(options.chain, options.bend, effective(drive_, running_), options.from_steady);
   const auto steady =
       dwell::steady_response(options.chain, 2.0 * std::numbers::pi * drive_.frequency_hz, drive_.amplitude);
   for (std::size_t k = 0; k <= masses_; ++k) {
@@ -48,29 +51,69 @@ Device::Device(const Options& options)
     full_.push_back(std::abs(steady.F));
   }
   stuck_.resize(channels_.size());
+  reading_faults_ = ReadingFaults(channels_, full_);
+  for (const std::string& line : options.lines) (void)command(0.0, split_words(line));
 }
 
+std::string Device::fault(const Options& options) {
+  Options without = options;
+  without.lines.clear();
+  Device device(without);
+  for (const std::string& line : options.lines) {
+    const auto words = split_words(line);
+    const auto answer = words.empty() ? std::nullopt : device.command(0.0, words);
+    if (!answer || !answer->empty()) return line + ": " + answer.value_or("cannot make out");
+  }
+  return {};
+}
+
+const dwell::ChainMotion& Device::motion_at(double t_s) { return bent_ ? bent_->at(t_s) : chain_.at(t_s); }
+
 void Device::truth(double t_s, std::span<double> values) {
-  const dwell::ChainMotion& motion = chain_.at(t_s);
+  const dwell::ChainMotion& motion = motion_at(t_s);
   std::copy(motion.y.begin(), motion.y.end(), values.begin());
   if (clamped_) values[masses_ + 1] = motion.ground_force;
 }
 
-void Device::read(double t_s, std::span<double> values) {
+double Device::measured(std::size_t channel, double truth) {
+  if (faults.noise > 0.0) truth += faults.noise * full_[channel] * gauss_(random_);
+  truth = reading_faults_.converted(channel, truth);
+  if (const double step = faults.quantize * full_[channel]; step > 0.0) truth = step * std::nearbyint(truth / step);
+  if (faults.invalid > 0.0 && std::bernoulli_distribution(faults.invalid)(random_))
+    truth = std::numeric_limits<double>::quiet_NaN();
+  return truth;
+}
+
+void Device::read(double t_s, std::span<double> values, int station) {
   truth(t_s, values);
+  std::vector<double> before;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (stuck_[i]) {
       values[i] = *stuck_[i];
       continue;
     }
-    if (faults.noise > 0.0) values[i] += faults.noise * full_[i] * gauss_(random_);
-    if (const double step = faults.quantize * full_[i]; step > 0.0) values[i] = step * std::nearbyint(values[i] / step);
-    if (faults.invalid > 0.0 && std::bernoulli_distribution(faults.invalid)(random_))
-      values[i] = std::numeric_limits<double>::quiet_NaN();
+    const double taken_s = reading_faults_.taken_at(i, station, t_s);
+    if (taken_s == t_s) {
+      values[i] = measured(i, values[i]);
+      continue;
+    }
+    Held& held = held_.try_emplace({station, i}, Held{-1.0, 0.0}).first->second;
+    if (held.t_s != taken_s) {
+      before.resize(channels_.size());
+      truth(taken_s, before);
+      held = {taken_s, measured(i, before[i])};
+    }
+    values[i] = held.value;
   }
+  reading_faults_.pass_on(station, values, random_);
 }
 
-void Device::apply_drive(double t_s) { chain_.set_drive(t_s, effective(drive_, running_)); }
+void Device::apply_drive(double t_s) {
+  if (bent_)
+    bent_->set_drive(t_s, effective(drive_, running_));
+  else
+    chain_.set_drive(t_s, effective(drive_, running_));
+}
 
 std::string Device::set_stuck(double t_s, const std::vector<std::string>& words) {
   if (words.size() != 3 || (words[2] != "on" && words[2] != "off")) return "expected: stuck CHANNEL on|off";
@@ -90,6 +133,7 @@ std::string Device::set_stuck(double t_s, const std::vector<std::string>& words)
 std::optional<std::string> Device::command(double t_s, const std::vector<std::string>& words) {
   const std::string& verb = words[0];
   if (verb == "stuck") return set_stuck(t_s, words);
+  if (auto answer = reading_faults_.command(words)) return answer;
   if (verb == "start" || verb == "stop") {
     if (words.size() != 1) return verb + " takes nothing more";
     running_ = verb == "start";

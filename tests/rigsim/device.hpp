@@ -3,13 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <random>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "tests/rigsim/bent_chain.hpp"
 #include "tests/rigsim/options.hpp"
+#include "tests/rigsim/reading_faults.hpp"
 
 namespace rigsim {
 
@@ -22,8 +25,12 @@ class Device {
   [[nodiscard]] const std::vector<std::string>& channels() const noexcept { return channels_; }
   [[nodiscard]] bool is_force(std::size_t channel) const noexcept { return channel > masses_; }
 
-  // The readings of all channels at t (s, at or after the last change of the drive), SI; NaN: no number.
-  void read(double t_s, std::span<double> values);
+  // What is wrong with Options::lines, or empty; checked before the device serves.
+  [[nodiscard]] static std::string fault(const Options& options);
+
+  // The readings of all channels at t (s, at or after the last change of the drive), SI, as station `station` gives
+  // them (0: none of the Modbus stations); NaN: no number.
+  void read(double t_s, std::span<double> values, int station = 0);
 
   // One control line's words, effective at t. Empty: done; else what is wrong; none: the verb is not the device's.
   [[nodiscard]] std::optional<std::string> command(double t_s, const std::vector<std::string>& words);
@@ -32,8 +39,11 @@ class Device {
   [[nodiscard]] const dwell::Drive& drive() const noexcept { return drive_; }
   [[nodiscard]] bool running() const noexcept { return running_; }
   Faults faults;
+  [[nodiscard]] const ReadingFaults& reading_faults() const noexcept { return reading_faults_; }
 
  private:
+  const dwell::ChainMotion& motion_at(double t_s);
+  [[nodiscard]] double measured(std::size_t channel, double truth);
   void truth(double t_s, std::span<double> values);
   void apply_drive(double t_s);
   [[nodiscard]] std::string set_stuck(double t_s, const std::vector<std::string>& words);
@@ -43,9 +53,15 @@ class Device {
   dwell::Drive drive_;
   bool running_;
   dwell::DrivenChain chain_;
+  std::optional<BentChain> bent_;  // in its place
   std::vector<std::string> channels_;
   std::vector<double> full_;                  // each channel's steady amplitude under the first drive
   std::vector<std::optional<double>> stuck_;  // the value a channel is stuck at
+  ReadingFaults reading_faults_;
+  struct Held {
+    double t_s, value;
+  };
+  std::map<std::pair<int, std::size_t>, Held> held_;  // by station and channel: the register as refreshed last
   std::mt19937_64 random_;
   std::normal_distribution<double> gauss_;
 };

@@ -13,6 +13,7 @@
 #include "tests/rigsim/can_frames.hpp"
 #include "tests/rigsim/canopen_nodes.hpp"
 #include "tests/rigsim/control.hpp"
+#include "tests/rigsim/device.hpp"
 #include "tests/rigsim/recording.hpp"
 #include "tests/rigsim/server.hpp"
 #include "tests/rigsim/sockets.hpp"
@@ -33,7 +34,10 @@ struct Arguments {
   std::string boundary = "clamped";
   std::string parity = "even";
   std::string masses, tcp, unit = "m", csv;
-  std::vector<std::string> harmonics, stuck;
+  std::vector<std::string> harmonics, stuck, friction, cubic, side;
+  std::string hunt;
+  std::vector<std::pair<const char*, std::vector<std::string>>> readings{
+      {"refresh", {}}, {"sample", {}}, {"clip", {}}, {"converter", {}}, {"zeros", {}}, {"repeats", {}}};
   bool print_truth = false;
   bool print_dbc = false;
 };
@@ -71,6 +75,20 @@ void define(CLI::App& app, Arguments& arguments) {
   app.add_option("--control", rig.control_path, "unix stream socket for control lines");
   app.add_option("--clock-drift", rig.clock_drift_ppm, "of the rig's clock, ppm")->check(CLI::Range(-1e5, 1e5));
   app.add_option("--stuck", arguments.stuck, "a channel stuck from the beginning; repeatable");
+  static constexpr const char* kReadings[] = {
+      "[TARGET:]S, a register takes a new value this often; TARGET a channel or a station; repeatable",
+      "[STATION:]request|middle|answer, when in its turnaround a station samples; repeatable",
+      "CHANNEL:LOW:HIGH, where its readings end, in its steady amplitudes; repeatable",
+      "CHANNEL:BITS:REACH, its converter ends at +-REACH steady amplitudes; repeatable",
+      "[CHANNEL:]P, probability of a zero in place of a reading (without CHANNEL: of a whole scan); repeatable",
+      "[CHANNEL:]P, probability of the reading before in its place (likewise); repeatable"};
+  for (std::size_t i = 0; i < arguments.readings.size(); ++i)
+    app.add_option("--" + std::string(arguments.readings[i].first), arguments.readings[i].second, kReadings[i]);
+  app.add_option("--friction", arguments.friction, "ELEMENT:N, Coulomb friction in an element; repeatable");
+  app.add_option("--cubic", arguments.cubic, "ELEMENT:N/M3, a cubic spring in an element; repeatable");
+  app.add_option("--side-spring", arguments.side,
+                 "MASS:TO:N/M[:N*S/M], beside the chain, TO a mass, 0 (the table) or ground; repeatable");
+  app.add_option("--hunt", arguments.hunt, "PART:HZ, the table's amplitude swings by this part");
   app.add_option("--seed", rig.seed, "of everything random");
   for (const rigsim::FaultName& fault : rigsim::fault_names())
     app.add_option("--" + std::string(fault.name), rig.faults.*fault.member, fault.help)
@@ -113,6 +131,65 @@ std::string settle_masses(Arguments& arguments) {
   return {};
 }
 
+std::vector<std::string> fields_of(const std::string& text) {
+  std::vector<std::string> fields;
+  std::stringstream list(text);
+  for (std::string field; std::getline(list, field, ':');) fields.push_back(field);
+  return fields;
+}
+
+// Numbers with colons between, so many at least and at most; empty: they are not.
+std::vector<double> numbers_of(const std::string& text, std::size_t fewest, std::size_t most) {
+  std::vector<double> numbers;
+  for (const std::string& field : fields_of(text)) {
+    const auto value = field == "ground" ? std::optional(-1.0) : rigsim::number(field);
+    if (!value) return {};
+    numbers.push_back(*value);
+  }
+  return numbers.size() < fewest || numbers.size() > most ? std::vector<double>{} : numbers;
+}
+
+std::string settle_bend(Arguments& arguments) {
+  rigsim::Bend& bend = arguments.rig.bend;
+  for (const auto& [texts, name, member] :
+       {std::tuple{&arguments.friction, "friction", &rigsim::Bend::Element::friction},
+        {&arguments.cubic, "cubic", &rigsim::Bend::Element::cubic}})
+    for (const std::string& text : *texts) {
+      const auto values = numbers_of(text, 2, 2);
+      if (values.empty()) return "--" + std::string(name) + " " + text + ": expected ELEMENT:NUMBER";
+      rigsim::Bend::Element element{static_cast<int>(values[0])};
+      element.*member = values[1];
+      bend.elements.push_back(element);
+    }
+  for (const std::string& text : arguments.side) {
+    const auto values = numbers_of(text, 3, 4);
+    if (values.empty()) return "--side-spring " + text + ": expected MASS:TO:N/M[:N*S/M]";
+    bend.side.push_back(
+        {static_cast<int>(values[0]), static_cast<int>(values[1]), values[2], values.size() > 3 ? values[3] : 0.0});
+  }
+  if (!arguments.hunt.empty()) {
+    const auto values = numbers_of(arguments.hunt, 2, 2);
+    if (values.empty() || values[0] < 0 || values[0] > 1 || values[1] < 0 || values[1] > 1e3)
+      return "--hunt " + arguments.hunt + ": expected PART:HZ, the part 0 to 1, at most 1000 Hz";
+    bend.hunt = values[0];
+    bend.hunt_hz = values[1];
+  }
+  return bend.fault(arguments.rig.chain);
+}
+
+// Control lines of the options that stand for one.
+std::string settle_readings(Arguments& arguments) {
+  for (const std::string& channel : arguments.stuck) arguments.rig.lines.push_back("stuck " + channel + " on");
+  for (const auto& [verb, texts] : arguments.readings)
+    for (const std::string& text : texts) {
+      const auto fields = fields_of(text);
+      std::string line = std::string(verb) + (fields.size() == 1 ? " all" : "");
+      for (const std::string& field : fields) line += " " + field;
+      arguments.rig.lines.push_back(line);
+    }
+  return rigsim::Device::fault(arguments.rig);
+}
+
 std::string settle(Arguments& arguments) {
   Options& rig = arguments.rig;
   rig.chain.boundary = arguments.boundary == "free" ? dwell::Boundary::free : dwell::Boundary::clamped;
@@ -123,6 +200,8 @@ std::string settle(Arguments& arguments) {
     if (!harmonic) return "--harmonic " + text + ": expected MULTIPLE:AMPLITUDE[:PHASE]";
     rig.drive.harmonics.push_back(*harmonic);
   }
+  if (std::string fault = settle_bend(arguments); !fault.empty()) return fault;
+  if (std::string fault = settle_readings(arguments); !fault.empty()) return fault;
   rig.millimetres = arguments.unit == "mm";
   arguments.sync.seed = rig.seed;
   rig.rtu = !rig.rtu_link.empty();
@@ -190,8 +269,6 @@ int serve(const Arguments& arguments) {
   const rigsim::Fd signals(::signalfd(-1, &set, SFD_CLOEXEC));
   auto server = rigsim::Server::start(arguments.rig);
   if (!server) return wrong(server.error());
-  for (const std::string& channel : arguments.stuck)
-    if (const std::string answer = (*server)->command("stuck " + channel + " on"); answer != "ok") return wrong(answer);
   std::unique_ptr<rigsim::SyncPulses> sync;
   if (!arguments.sync.file.empty()) {
     auto started = rigsim::SyncPulses::start(arguments.sync, **server);

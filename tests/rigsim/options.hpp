@@ -10,6 +10,7 @@
 
 #include "core/chain.hpp"
 #include "core/driven_chain.hpp"
+#include "tests/rigsim/bent_chain.hpp"
 
 namespace rigsim {
 
@@ -48,10 +49,12 @@ struct FaultName {
 struct Options {
   dwell::Chain chain{dwell::Boundary::clamped, {12, 8, 5}, {24000, 8000, 6000, 8000}, {60, 45, 30, 40}};
   dwell::Drive drive{4.0, 0.005, 0.0, 0.25, {}};
-  bool from_steady = false;      // begin in the steady state instead of at rest
-  bool stopped = false;          // the drive awaits `start`
-  bool millimetres = false;      // float stations deliver mm instead of m
-  double clock_drift_ppm = 0.0;  // of the rig's clock against the host's
+  Bend bend;                       // what the chain has beside masses, springs and dampers
+  std::vector<std::string> lines;  // control lines of the device that hold from the beginning
+  bool from_steady = false;        // begin in the steady state instead of at rest
+  bool stopped = false;            // the drive awaits `start`
+  bool millimetres = false;        // float stations deliver mm instead of m
+  double clock_drift_ppm = 0.0;    // of the rig's clock against the host's
   Faults faults;
   std::uint64_t seed = 1;
 

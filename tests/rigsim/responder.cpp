@@ -52,7 +52,7 @@ Fate Responder::decide(const Request& request, double now_s, const Line* line) {
     before = per_byte * static_cast<double>(request.size);
     behind = per_byte * (refused ? 5.0 : 5.0 + 2.0 * request.count);
   }
-  fate.sample_s = before + 0.5 * turnaround;
+  fate.sample_s = before + device.reading_faults().sampled_at(request.unit) * turnaround;
   fate.send_s = before + turnaround + behind;
   if (happens(faults.late)) {
     fate.send_s += faults.late_by_s;
@@ -69,7 +69,7 @@ Bytes Responder::pdu(const Request& request, const Fate& fate, double t_s) {
   const auto words = static_cast<std::size_t>(type->words());
   const std::size_t all = words * values_.size();
   if (std::size_t{request.address} + request.count > all) return exception_pdu(request, kIllegalAddress);
-  device.read(t_s, values_);
+  device.read(t_s, values_, request.unit);
   registers_.resize(all);
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const bool force = device.is_force(i);

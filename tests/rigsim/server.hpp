@@ -1,11 +1,11 @@
 // A simulated rig, served: Modbus TCP and RTU, from a thread of its own. Usable in-process by tests, and by the
 // program.
 //
-// Of one request every register is read at one instant: the middle of the device's turnaround, that is (for RTU: after
-// the request's wire time) latency/2 after the request's arrival. Simulated time is the host's CLOCK_MONOTONIC_RAW
-// since the start times 1 + clock drift. On a pseudo-terminal bytes take no time, so the wire time of request and
-// answer (at the speed the client has set) is waited for. Each connection's requests are answered in order, one at a
-// time; only late answers come out of turn.
+// Of one request every register is read at one instant (unless --sample or --refresh say otherwise): the middle of the
+// device's turnaround, that is (for RTU: after the request's wire time) latency/2 after the request's arrival.
+// Simulated time is the host's CLOCK_MONOTONIC_RAW since the start times 1 + clock drift. On a pseudo-terminal bytes
+// take no time, so the wire time of request and answer (at the speed the client has set) is waited for. Each
+// connection's requests are answered in order, one at a time; only late answers come out of turn.
 #pragma once
 
 #include <cstdint>

@@ -1,0 +1,193 @@
+// What devices and gateways do to readings, on the simulated device itself and in recordings.
+#include "tests/rigsim/reading_faults.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "tests/rigsim/device.hpp"
+#include "tests/rigsim/recording.hpp"
+#include "tests/rigsim/responder.hpp"
+#include "tests/rigsim/rig_fixture.hpp"
+
+namespace rigsim {
+namespace {
+
+constexpr std::size_t kForce = 4;
+
+Options steady(std::vector<std::string> lines) {
+  Options options;
+  options.from_steady = true;
+  options.lines = std::move(lines);
+  EXPECT_EQ(Device::fault(options), "");
+  return options;
+}
+
+// One channel at 1 kHz for a second, at no instant of a refresh.
+std::vector<double> readings(Device& device, std::size_t channel, int station = 0) {
+  std::vector<double> values(device.channels().size()), of;
+  for (int i = 0; i < 1000; ++i) {
+    device.read(0.0005 + 0.001 * i, values, station);
+    of.push_back(values[channel]);
+  }
+  return of;
+}
+
+std::size_t different(const std::vector<double>& values) {
+  return std::set<double>(values.begin(), values.end()).size();
+}
+
+double largest(const std::vector<double>& values) {
+  double most = 0.0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  return most;
+}
+
+TEST(ReadingFaults, AChannelRefreshedSlowlyHoldsTheValueOfItsLastRefresh) {
+  Options options = steady({"refresh reaction 0.005"});
+  options.faults.noise = 0.001;
+  Device device(options), exact(steady({}));
+  const std::vector<double> force = readings(device, kForce), truth = readings(exact, kForce);
+  EXPECT_EQ(different(force), 200U);
+  for (std::size_t i = 0; i < force.size(); ++i)
+    EXPECT_LT(std::abs(force[i] - truth[i - i % 5]), 0.02 * largest(truth));
+  EXPECT_GT(different(readings(device, 0)), 900U);
+}
+
+TEST(ReadingFaults, AStationIsRefreshedByItself) {
+  Options options = steady({"refresh 2 0.01"});
+  options.faults.noise = 0.001;  // so that no two values are equal by themselves
+  Device device(options), other(options);
+  EXPECT_EQ(different(readings(device, 0, 2)), 100U);
+  EXPECT_EQ(different(readings(other, 0, 1)), 1000U);
+}
+
+TEST(ReadingFaults, ClippingEndsOnEachSideWhereItIsTold) {
+  Device device(steady({"clip reaction -0.5 0.9"})), exact(steady({}));
+  const std::vector<double> clipped = readings(device, kForce), truth = readings(exact, kForce);
+  const double amplitude = largest(truth);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    EXPECT_NEAR(clipped[i], std::clamp(truth[i], -0.5 * amplitude, 0.9 * amplitude), 1e-3 * amplitude);
+}
+
+TEST(ReadingFaults, AConverterHasItsStepsAndItsEndCodes) {
+  Device device(steady({"converter reaction 8 0.9"})), exact(steady({}));
+  const double amplitude = largest(readings(exact, kForce)), step = 0.9 * amplitude / 128;
+  const std::vector<double> force = readings(device, kForce);
+  const auto [low, high] = std::minmax_element(force.begin(), force.end());
+  EXPECT_NEAR(*low, -128 * step, 1e-3 * amplitude);
+  EXPECT_NEAR(*high, 127 * step, 1e-3 * amplitude);
+  EXPECT_LE(different(force), 256U);
+}
+
+TEST(ReadingFaults, ZerosAndRepeatsOfAGatewayBefallWholeScansAndThoseOfAChannelThatAlone) {
+  for (const bool all : {true, false}) {
+    Device device(steady({std::string("zeros ") + (all ? "all" : "y1") + " 0.1",
+                          std::string("repeats ") + (all ? "all" : "y1") + " 0.1"}));
+    std::vector<double> values(device.channels().size()), before;
+    int zeros = 0, repeats = 0, others = 0;
+    for (int i = 0; i < 2000; ++i) {
+      device.read(0.01 + 0.001 * i, values);
+      zeros += values[1] == 0.0;
+      repeats += !before.empty() && values[1] == before[1] && values[1] != 0.0;
+      others += values[2] == 0.0 || (!before.empty() && values[2] == before[2]);
+      before = values;
+    }
+    EXPECT_NEAR(zeros, 200, 60);
+    EXPECT_NEAR(repeats, 180, 60);
+    if (all) {
+      EXPECT_NEAR(others, zeros + repeats, 5);
+    } else {
+      EXPECT_EQ(others, 0);
+    }
+  }
+}
+
+TEST(ReadingFaults, EachStationSamplesWhereInItsTurnaroundItIsTold) {
+  Options options = steady({"sample all answer", "sample 2 request", "sample 3 middle"});
+  options.faults.latency_s = 0.002;
+  Responder responder(options);
+  for (const auto& [unit, expected] : {std::pair{1, 0.002}, {2, 0.0}, {3, 0.001}}) {
+    Request request{};
+    request.unit = static_cast<std::uint8_t>(unit);
+    EXPECT_NEAR(responder.decide(request, 0.0, nullptr).sample_s, expected, 1e-12) << unit;
+  }
+}
+
+TEST(ReadingFaults, WhatIsWrongWithALineIsSaid) {
+  for (const char* line : {"refresh", "refresh y9 1", "refresh all -1", "sample y1 request", "sample 1 never",
+                           "clip y1 1 0.5", "clip all 0 1", "converter y1 40 1", "converter y1 8 0", "zeros 2 0.1",
+                           "zeros all 2", "repeats y1 x", "nonsense 1", ""}) {
+    Options options;
+    options.lines = {line};
+    EXPECT_NE(Device::fault(options), "") << line;
+  }
+}
+
+std::vector<std::vector<double>> recorded(const Options& options) {
+  std::stringstream text;
+  EXPECT_EQ(write_recording(text, options, {.duration_s = 1.0, .rate_hz = 100}), "");
+  std::vector<std::vector<double>> rows;
+  std::string line;
+  std::getline(text, line);
+  while (std::getline(text, line)) {
+    std::stringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(std::stod(cell));
+  }
+  return rows;
+}
+
+TEST(Recording, HasTheFaultsOfReadingsAndTheStuckChannelsOfTheCommandLine) {
+  const auto rows = recorded(steady({"stuck y1 on", "refresh reaction 0.05", "clip y2 -0.5 0.5"}));
+  const auto exact = recorded(steady({}));
+  std::set<double> y1, force;
+  double most = 0.0, most_exact = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    y1.insert(rows[i][2]);
+    force.insert(rows[i][5]);
+    most = std::max(most, std::abs(rows[i][3]));
+    most_exact = std::max(most_exact, std::abs(exact[i][3]));
+  }
+  EXPECT_EQ(y1.size(), 1U);
+  EXPECT_LE(force.size(), 21U);
+  EXPECT_NEAR(most, 0.5 * most_exact, 0.02 * most_exact);
+}
+
+TEST(Recording, HasFrictionASideSpringAndAHuntingAmplitude) {
+  Options bent = steady({});
+  bent.bend.elements.push_back({4, 10.0, 0.0});
+  bent.bend.side.push_back({2, -1, 500, 0});
+  bent.bend.hunt = 0.05;
+  bent.bend.hunt_hz = 0.5;
+  const auto rows = recorded(bent), exact = recorded(steady({}));
+  double table = 0.0, force = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    table = std::max(table, std::abs(rows[i][1] - exact[i][1]));
+    force = std::max(force, std::abs(rows[i][5] - exact[i][5]));
+  }
+  EXPECT_NEAR(table, 0.05 * 0.005, 0.01 * 0.005);
+  EXPECT_GT(force, 5.0);
+}
+
+class ServedFaults : public test::Rig {};
+
+TEST_F(ServedFaults, AControlLineChangesWhatARegisterHolds) {
+  start();
+  set_time(1.0);
+  ok("refresh reaction 0.5");
+  ok("clip y1 -0.1 0.1");
+  set_time(1.3);
+  EXPECT_NEAR(read(1)[kForce], truth(1.0)[kForce], 1e-5 * 50);
+  set_time(1.49);
+  EXPECT_NEAR(read(1)[kForce], truth(1.0)[kForce], 1e-5 * 50);
+  set_time(1.51);
+  EXPECT_NEAR(read(1)[kForce], truth(1.5)[kForce], 1e-5 * 50);
+  EXPECT_LT(std::abs(read(1)[1]), 0.0025);
+  EXPECT_EQ(server->command("clip y1 1 0").substr(0, 5), "error");
+}
+
+}  // namespace
+}  // namespace rigsim
