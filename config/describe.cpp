@@ -48,6 +48,7 @@ void describe_devices(Draft& draft) {
   for (std::size_t i = 0; i < draft.devices.size(); ++i) {
     DeviceSettings& settings = draft.file.devices[i];
     const dwell_traits traits = traits_of(draft.devices[i], settings, draft.file.directory);
+    settings.leads = traits.leads != 0;
     settings.age_ns = std::max<std::int64_t>(0, traits.age_ns);
     if (!settings.rate_hz && traits.rate_hz > 0.0 && std::isfinite(traits.rate_hz)) settings.rate_hz = traits.rate_hz;
     if (traits.rate_may_shift != 0 && settings.rate_hz && draft.frequency_known) {

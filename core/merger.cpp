@@ -10,7 +10,7 @@ constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 }
 
 Merger::Merger(std::size_t sources, std::int64_t hold_back_ns, std::size_t capacity)
-    : sources_(sources, Source{std::vector<Record>(capacity), 0, 0, kNever, false}),
+    : sources_(sources, Source{std::vector<Record>(capacity), 0, 0, kNever}),
       hold_back_ns_(hold_back_ns),
       newest_ns_(kNever),
       released_ns_(kNever) {
@@ -28,7 +28,7 @@ Merger::Admission Merger::push(std::size_t source, const Record& record) noexcep
   from.at(place) = record;
   ++held_;
   from.newest_ns = std::max(from.newest_ns, record.t_ns);
-  newest_ns_ = std::max(newest_ns_, record.t_ns);
+  newest_ns_ = std::max(newest_ns_, from.leading ? record.t_ns : std::min(record.t_ns, now_ns_));
   return Admission::queued;
 }
 

@@ -34,6 +34,8 @@ const char* to_string(Fault fault) noexcept {
       return "bus error";
     case Fault::bus_off:
       return "bus off";
+    case Fault::untimely:
+      return "untimely";
   }
   return "unknown";
 }

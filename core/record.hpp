@@ -45,8 +45,9 @@ enum class Fault : std::uint8_t {
   overflow = 12,        // lost for lack of room: on the way in (kernel, controller), or waiting to be sent
   bus_error = 13,       // the bus controller reports errors on the line
   bus_off = 14,         // the bus controller has left the bus for too many of them
+  untimely = 15,        // readings come that cannot be put in order: too late, or stamped ahead of the clock
 };
-inline constexpr int kFaultCount = 15;
+inline constexpr int kFaultCount = 16;
 
 // Short name of a fault as shown to people and in JSON, for instance "timeout".
 [[nodiscard]] const char* to_string(Fault fault) noexcept;

@@ -1,7 +1,10 @@
 #include "daemon/session.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -19,11 +22,13 @@ namespace {
 
 constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
 constexpr std::int64_t kDeviceBound_ns = 3'000'000'000;  // the interface asks for a turn every 0.5 s
+constexpr std::chrono::seconds kStopWithin{1};           // the interface asks for half of that
 constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
 
 EstimatorOptions options_for(const config::RigFile& file) {
   EstimatorOptions options;
   options.hold_back_ns = hold_back_ns(file);
+  for (const config::DeviceSettings& device : file.devices) options.leads.push_back(device.leads);
   options.nominal_rate_hz.assign(file.rig.channels.size(), 0.0);
   for (const config::DeviceSettings& device : file.devices)
     for (const config::ChannelSettings& channel : device.channels)
@@ -119,11 +124,43 @@ tl::expected<void, std::string> Session::start() {
 }
 
 Session::~Session() {
+  // What waits for a driver that may never return must not be this object's.
+  struct Stopping {
+    std::mutex mutex;
+    std::condition_variable change;
+    std::vector<bool> done;
+  };
+  const auto stopping = std::make_shared<Stopping>();
+  std::vector<std::thread> threads;
+  stopping->done.resize(impl_->devices.size());
   // Each may take half a second; together they must not take longer.
-  std::vector<std::thread> stopping;
-  for (const auto& device : impl_->devices) stopping.emplace_back([&device] { device->stop(); });
-  for (std::thread& thread : stopping) thread.join();
+  for (std::size_t i = 0; i < impl_->devices.size(); ++i)
+    threads.emplace_back([stopping, i, device = impl_->devices[i].get()] {
+      device->stop();
+      const std::lock_guard lock(stopping->mutex);
+      stopping->done[i] = true;
+      stopping->change.notify_one();
+    });
+  std::vector<bool> stopped;
+  {
+    std::unique_lock lock(stopping->mutex);
+    stopping->change.wait_for(lock, kStopWithin, [&stopping] {
+      return std::all_of(stopping->done.begin(), stopping->done.end(), [](bool done) { return done; });
+    });
+    stopped = stopping->done;
+  }
   impl_->thread.reset();
+  for (std::size_t i = 0; i < threads.size(); ++i) {
+    if (stopped[i]) {
+      threads[i].join();
+      continue;
+    }
+    DeviceHost* const abandoned = impl_->devices[i].release();  // its driver may still be in it, for ever
+    impl_->log.error("device " + abandoned->link().name() +
+                     ": its driver did not stop within 1 s and is left behind; the run is complete without it");
+    abandoned->link().abandon();
+    threads[i].detach();
+  }
 }
 
 const config::RigFile& Session::file() const noexcept { return impl_->file; }
@@ -159,7 +196,7 @@ std::vector<WatchedThread> Session::threads() const {
     const bool ended = !channels.empty() && std::all_of(channels.begin(), channels.end(), [&](std::uint16_t channel) {
       return channel < snapshot.channels.size() && snapshot.channels[channel].fault == Fault::end_of_data;
     });
-    if (!ended) threads.push_back({device->link().name(), device->link().last_turn_ns(), kDeviceBound_ns});
+    if (!ended) threads.push_back({device->link().name(), device->link().last_turn_ns(), kDeviceBound_ns, false});
   }
   return threads;
 }

@@ -24,7 +24,9 @@ class Session {
   static tl::expected<std::unique_ptr<Session>, std::string> make(config::RigFile file,
                                                                   const config::SchemaSource& drivers, Log& log,
                                                                   std::function<void()> published);
-  // Stops the devices, all at once, then ends the run; within about half a second.
+  // Stops the devices, all at once, then ends the run; within about half a second. A driver that does not stop within
+  // 1 s is left behind, cut off from everything: what it hangs in cannot be ended, and must not cost the end of the
+  // run.
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;

@@ -15,6 +15,7 @@ std::string Watchdog::judge(std::int64_t now_ns, const std::vector<WatchedThread
   };
   for (const WatchedThread& thread : threads) {
     const std::int64_t still_ns = now_ns - thread.last_turn_ns;
+    if (!thread.ours) continue;
     if (still_ns > thread.bound_ns) add("thread " + thread.name + " has not turned", still_ns);
   }
   for (const WatchedRing& ring : rings) {

@@ -1,5 +1,6 @@
-// Whether the service works, for systemd's watchdog: every thread has turned within its bound, and no ring holds
-// samples that nobody takes. Pure: the caller brings the instants; never fed by a timer alone. Bound to one thread.
+// Whether the service works, for systemd's watchdog: every thread of its own has turned within its bound, and no ring
+// holds samples that nobody takes. A driver that hangs is the fault of its device (Estimator), no reason to restart.
+// Pure: the caller brings the instants; never fed by a timer alone. Bound to one thread.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +14,7 @@ struct WatchedThread {
   std::string name;
   std::int64_t last_turn_ns = 0;  // CLOCK_MONOTONIC_RAW
   std::int64_t bound_ns = 0;      // it must have turned within this
+  bool ours = true;               // false: a driver's; shown, but the service works without it
 };
 
 struct WatchedRing {

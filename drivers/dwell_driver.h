@@ -49,7 +49,10 @@ typedef enum dwell_fault {
   DWELL_FAULT_SILENT = 11,
   DWELL_FAULT_OVERFLOW = 12,  /* lost for lack of room: on the way in (kernel, controller), or waiting to be sent */
   DWELL_FAULT_BUS_ERROR = 13, /* the bus controller reports errors on the line */
-  DWELL_FAULT_BUS_OFF = 14    /* the bus controller has left the bus for too many of them */
+  DWELL_FAULT_BUS_OFF = 14,   /* the bus controller has left the bus for too many of them */
+  DWELL_FAULT_UNTIMELY = 15, /* said by the host: readings come too late to be put in order, or stamped ahead of time */
+
+  DWELL_FAULT_RESERVED = 255 /* what lies between is for later versions */
 } dwell_fault;
 
 typedef enum dwell_type { DWELL_BOOLEAN = 0, DWELL_INTEGER = 1, DWELL_REAL = 2, DWELL_STRING = 3 } dwell_type;
@@ -144,6 +147,8 @@ typedef struct dwell_traits {
   double rate_hz;         /* readings of a channel per second, defaults applied */
   int64_t age_ns; /* how long after its stamp a sample may be pushed at most, the computer's own delays apart; the
                    * host waits that long for the device, and what comes still later is lost */
+  int32_t leads; /* 1: stamps may run ahead of the clock, as those of a recording played faster than time; of all others
+                  * a stamp in the future is a mistake, and its sample is dropped */
 } dwell_traits;
 
 typedef struct dwell_driver_table {

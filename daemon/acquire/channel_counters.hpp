@@ -19,11 +19,12 @@ struct Tally {
   std::uint64_t used = 0;      // taken into account by the pipeline
   std::uint64_t refused = 0;   // dropped: the ring had no room for the scan
   std::uint64_t late = 0;      // dropped: older than what the merger had released
+  std::uint64_t ahead = 0;     // dropped: stamped ahead of the clock
   std::uint64_t overflow = 0;  // dropped: the merger had no room
   std::uint64_t rejected = 0;  // dropped by the pipeline: not finite, overrange, not after the one before
   std::uint64_t queued = 0;    // on the way
 
-  [[nodiscard]] std::uint64_t dropped() const noexcept { return refused + late + overflow + rejected; }
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return refused + late + ahead + overflow + rejected; }
 };
 
 class ChannelCounters {
@@ -34,6 +35,7 @@ class ChannelCounters {
 
   // The estimation thread. settle: how many samples the pipeline has used and rejected so far, both ever growing.
   void late() noexcept { add(late_, 1); }
+  void ahead() noexcept { add(ahead_, 1); }
   void overflow() noexcept { add(overflow_, 1); }
   void settle(std::uint64_t used, std::uint64_t rejected) noexcept {
     used_.store(used, std::memory_order_release);
@@ -46,6 +48,7 @@ class ChannelCounters {
     t.used = used_.load(std::memory_order_acquire);
     t.rejected = rejected_.load(std::memory_order_acquire);
     t.late = late_.load(std::memory_order_acquire);
+    t.ahead = ahead_.load(std::memory_order_acquire);
     t.overflow = overflow_.load(std::memory_order_acquire);
     t.refused = refused_.load(std::memory_order_acquire);
     t.received = received_.load(std::memory_order_acquire);
@@ -66,6 +69,7 @@ class ChannelCounters {
   alignas(64) Count used_{0};
   Count rejected_{0};
   Count late_{0};
+  Count ahead_{0};
   Count overflow_{0};
 };
 

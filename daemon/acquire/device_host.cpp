@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "daemon/clock.hpp"
+
 namespace dwell {
 namespace {
 
@@ -52,7 +54,7 @@ DeviceHost::~DeviceHost() {
 
 tl::expected<void, std::string> DeviceHost::start() {
   ErrorText error{};
-  link_.turn();
+  link_.turn(raw_now_ns());
   if (table_.start(instance_, error.data(), error.size()) != 0)
     return tl::unexpected("device " + link_.name() + ": " + text_of(error, "the driver did not start"));
   started_ = true;

@@ -52,15 +52,19 @@ dwell_host DeviceLink::host() noexcept {
   host.log = [](void* context, dwell_level level, const char* message) noexcept {
     // What the log throws must not reach a driver, which may be C.
     try {
-      if (link_of(context).log_ && message != nullptr) link_of(context).log_(level, message);
+      DeviceLink& link = link_of(context);
+      if (link.log_ && message != nullptr && !link.abandoned_.load(std::memory_order_acquire))
+        link.log_(level, message);
     } catch (...) {  // NOLINT(bugprone-empty-catch): a line of log is lost, nothing else
     }
   };
-  host.turn = [](void* context) noexcept { link_of(context).turn(); };
+  host.turn = [](void* context) noexcept { link_of(context).turn(raw_now_ns()); };
+  host.room = [](void* context) noexcept -> std::size_t { return link_of(context).room(); };
   return host;
 }
 
 bool DeviceLink::push(const dwell_sample* samples, std::size_t count) noexcept {
+  if (abandoned_.load(std::memory_order_acquire)) return false;
   for (std::size_t i = 0; i < count; ++i) {
     if (position(samples[i].channel) < 0) {
       foreign_.fetch_add(1, std::memory_order_relaxed);
@@ -138,9 +142,9 @@ void DeviceLink::count(dwell_fault fault) noexcept {
   faults_[static_cast<std::size_t>(known_fault(fault))].fetch_add(1, std::memory_order_relaxed);
 }
 
-void DeviceLink::turn() noexcept {
+void DeviceLink::turn(std::int64_t now_ns) noexcept {
   offer_waiting();
-  last_turn_ns_.store(raw_now_ns(), std::memory_order_relaxed);
+  last_turn_ns_.store(now_ns, std::memory_order_relaxed);
 }
 
 std::size_t DeviceLink::pop_samples(Record* out, std::size_t room) noexcept {

@@ -54,7 +54,12 @@ class DeviceLink {
   bool push(const dwell_sample* samples, std::size_t count) noexcept;
   void state(std::int32_t channel, dwell_fault fault, const char* reason) noexcept;
   void count(dwell_fault fault) noexcept;
-  void turn() noexcept;
+  void turn(std::int64_t now_ns) noexcept;
+  // How many samples the next push is sure to find room for. Real-time safe.
+  [[nodiscard]] std::size_t room() const noexcept { return samples_.write_available(); }
+
+  // Any thread: from now on nothing that the driver says goes anywhere. For one that cannot be stopped.
+  void abandon() noexcept { abandoned_.store(true, std::memory_order_release); }
 
   // The estimation thread. Take the events before the samples: then every sample pushed before an event is seen with
   // it.
@@ -106,6 +111,7 @@ class DeviceLink {
   std::atomic<std::uint64_t> entered_{0};
   std::atomic<std::uint64_t> left_{0};
   std::atomic<std::int64_t> last_turn_ns_;
+  std::atomic<bool> abandoned_{false};
 };
 
 }  // namespace dwell

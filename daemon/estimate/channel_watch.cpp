@@ -26,8 +26,7 @@ ChannelWatch::ChannelWatch(const std::vector<double>& nominal_rate_hz, std::int6
 
 bool ChannelWatch::sample(std::size_t channel, std::int64_t t_ns, std::int64_t now_ns) noexcept {
   Channel& c = channels_[channel];
-  c.heard_ns = now_ns;
-  ++c.samples;
+  heard(channel, now_ns);
   if (c.fault == Fault::none || t_ns <= c.since_ns) return false;
   c.fault = Fault::none;
   c.reason.clear();

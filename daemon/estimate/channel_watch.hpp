@@ -32,6 +32,12 @@ class ChannelWatch {
   // of it; not if the sample is older than the fault.
   bool sample(std::size_t channel, std::int64_t t_ns, std::int64_t now_ns) noexcept;
 
+  // Something came of it, whatever it was worth.
+  void heard(std::size_t channel, std::int64_t now_ns) noexcept {
+    channels_[channel].heard_ns = now_ns;
+    ++channels_[channel].samples;
+  }
+
   // The driver says how it stands. true: this is new.
   bool said(std::size_t channel, std::int64_t t_ns, Fault fault, const char* reason);
 

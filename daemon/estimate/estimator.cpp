@@ -13,6 +13,13 @@ namespace {
 
 constexpr std::size_t kScratch = 1024;
 constexpr std::size_t kActions = 16;
+// A stamp further ahead of the clock is a mistake of its device. Far above any stall between the clock being read and
+// the rings being emptied: halved, a stall may cost good samples; doubled, a wrong stamp waits longer to be used.
+constexpr std::int64_t kAhead_ns = 1'000'000'000;
+// Nothing of a channel could be put in order for so long: it does not deliver.
+constexpr std::int64_t kUntimely_ns = 1'000'000'000;
+// The driver interface asks for a turn every 0.5 s; six times that is no stall.
+constexpr std::int64_t kHung_ns = 3'000'000'000;
 constexpr std::size_t kSpare = 4096;  // room in the merger for ticks, actions and states beside the samples
 
 // Of each source.
@@ -36,6 +43,12 @@ std::vector<ScanClocks> clocks_of(const Rig& rig, const std::vector<DeviceLink*>
 std::string seconds(std::int64_t ns) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
+  return text;
+}
+
+std::string milliseconds(std::int64_t ns) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f ms", static_cast<double>(ns) * 1e-6);
   return text;
 }
 
@@ -68,26 +81,32 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       actions_(kActions),
       scratch_(kScratch),
       channels_(rig.channels.size()),
-      devices_(links_.size(),
-               PerDevice{std::vector<Throttle>(kFaultCount), std::vector<std::uint64_t>(kFaultCount), 0}),
+      devices_(links_.size()),
       clocks_(clocks_of(rig, links_)),
       released_ns_(std::numeric_limits<std::int64_t>::min()),
       next_publish_ns_(now_ns),
-      finished_(std::make_shared<const FinishedDwells>()) {}
+      finished_(std::make_shared<const FinishedDwells>()) {
+  for (std::size_t i = 0; i < links_.size() && i < options_.leads.size(); ++i)
+    if (options_.leads[i]) merger_.set_leading(i);
+}
 
 Estimator::~Estimator() = default;
 
 void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped) {
   if (start_utc_ns_ == 0) start_utc_ns_ = utc_ns;
   skipped_ += skipped;
+  merger_.set_now(now_ns);
+  offer_states();
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
     take_events(device, now_ns);
     take_samples(device, now_ns);
     log_recoveries(device, now_ns);
   }
+  find_hung(now_ns);
   find_silence(now_ns);
-  take_edges();
+  find_untimely(now_ns);
+  take_edges(now_ns);
   // Actions and the tick last: a backlog in the rings must not look late beside them.
   Action action{};
   while (actions_.pop(action)) {
@@ -116,8 +135,10 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
     clocks_[device].flush();
-    admit_samples(device);
+    admit_samples(device, now_ns);
   }
+  release(true);
+  offer_states();
   release(true);
   note(pipeline_.finish());
   settle_counters();
@@ -151,27 +172,55 @@ void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
     left -= taken;
     for (std::size_t i = 0; i < taken; ++i) {
       const Record& record = scratch_[i];
-      PerChannel& own = channels_[record.channel];
-      const std::int64_t stale_ns = record.t_ns - watch_[record.channel].since_ns;
-      if (watch_.sample(record.channel, record.t_ns, now_ns)) {
-        own.recovered = true;
-        own.stale_ns = stale_ns;
-        admit_state(device, record.channel, record.t_ns, Fault::none);
-      }
+      if (stamped_ahead(device, record, now_ns)) continue;
+      heard(device, record, now_ns);
       clocks_[device].push(record);
-      admit_samples(device);
+      admit_samples(device, now_ns);
     }
   }
   clocks_[device].wait(now_ns);
   const bool live = std::any_of(link.channels().begin(), link.channels().end(),
                                 [this](std::uint16_t channel) { return watch_[channel].fault == Fault::none; });
   if (!live) clocks_[device].flush();
-  admit_samples(device);
+  admit_samples(device, now_ns);
   if (!live) merger_.set_live(device, false);
 }
 
+// A sample is proof that its channel delivers. One that delivers what cannot be put in order is not back before one
+// can.
+void Estimator::heard(std::size_t device, const Record& record, std::int64_t now_ns) {
+  if (watch_[record.channel].fault == Fault::untimely) {
+    watch_.heard(record.channel, now_ns);
+    return;
+  }
+  const std::int64_t stale_ns = record.t_ns - watch_[record.channel].since_ns;
+  if (!watch_.sample(record.channel, record.t_ns, now_ns)) return;
+  PerChannel& own = channels_[record.channel];
+  own.recovered = true;
+  own.stale_ns = stale_ns;
+  admit_state(device, record.channel, record.t_ns, Fault::none);
+}
+
+// Dropped before it reaches clocks and merger: at its stamp it would be a wrong reading, whenever that comes.
+bool Estimator::stamped_ahead(std::size_t device, const Record& record, std::int64_t now_ns) {
+  const bool leads = device < options_.leads.size() && options_.leads[device];
+  if (leads || record.t_ns - now_ns <= kAhead_ns) return false;
+  DeviceLink& link = *links_[device];
+  link.counters(link.position(record.channel)).ahead();
+  watch_.heard(record.channel, now_ns);
+  note_untimely(record.channel, record.t_ns, now_ns);
+  return true;
+}
+
+void Estimator::note_untimely(std::size_t channel, std::int64_t t_ns, std::int64_t now_ns) {
+  PerChannel& own = channels_[channel];
+  own.gap = 1;
+  own.untimely_by_ns = now_ns - t_ns;
+  if (own.untimely_since_ns == 0) own.untimely_since_ns = now_ns;
+}
+
 // Hands on what the device's clocks have decided on.
-void Estimator::admit_samples(std::size_t device) {
+void Estimator::admit_samples(std::size_t device, std::int64_t now_ns) {
   DeviceLink& link = *links_[device];
   Record record;
   while (clocks_[device].pop(record)) {
@@ -182,10 +231,16 @@ void Estimator::admit_samples(std::size_t device) {
     switch (merger_.push(device, record)) {
       case Merger::Admission::queued:
         own.gap = 0;
+        own.untimely_since_ns = 0;
+        if (watch_[record.channel].fault == Fault::untimely) {
+          own.recovered = true;
+          own.stale_ns = now_ns - watch_[record.channel].since_ns;
+          watch_.said(record.channel, now_ns, Fault::none, nullptr);
+        }
         break;
       case Merger::Admission::late:
-        own.gap = 1;
         counters.late();
+        note_untimely(record.channel, record.t_ns, now_ns);
         break;
       case Merger::Admission::full:
         own.gap = 1;
@@ -201,7 +256,71 @@ void Estimator::admit_state(std::size_t device, std::size_t channel, std::int64_
   record.channel = static_cast<std::uint16_t>(channel);
   record.kind = Kind::channel_state;
   record.flags = static_cast<std::uint8_t>(fault);
-  merger_.push(device, record);
+  // Only the newest counts: where there is no room it waits.
+  std::optional<Record>& waiting = channels_[channel].state;
+  waiting.reset();
+  if (merger_.push(device, record) == Merger::Admission::full) waiting = record;
+}
+
+// What the merger had no room for; a state is never lost.
+void Estimator::offer_states() {
+  for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
+    std::optional<Record>& waiting = channels_[channel].state;
+    if (!waiting) continue;
+    waiting->t_ns = std::max(waiting->t_ns, released_ns_);
+    if (merger_.push(static_cast<std::size_t>(rig_.channels[channel].device), *waiting) != Merger::Admission::full)
+      waiting.reset();
+  }
+}
+
+// A driver that hangs in a call takes its own channels with it and nothing else.
+void Estimator::find_hung(std::int64_t now_ns) {
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    const std::int64_t still_ns = now_ns - links_[device]->last_turn_ns();
+    const auto& channels = links_[device]->channels();
+    // A source that has been played to its end has nothing left to turn for.
+    const bool ended = std::all_of(channels.begin(), channels.end(), [this](std::uint16_t channel) {
+      return watch_[channel].fault == Fault::end_of_data;
+    });
+    if (still_ns <= kHung_ns || ended) {
+      devices_[device].hangs = false;
+      continue;
+    }
+    if (std::exchange(devices_[device].hangs, true)) continue;
+    ++devices_[device].silences;
+    const std::string reason = "its driver hangs: no turn of its thread for " + seconds(still_ns);
+    for (const std::uint16_t channel : channels) {
+      if (!watch_.said(channel, now_ns, Fault::silent, reason.c_str())) continue;
+      admit_state(device, channel, now_ns, Fault::silent);
+      channels_[channel].stale = true;
+    }
+    log_stale(device, now_ns);
+  }
+}
+
+void Estimator::find_untimely(std::int64_t now_ns) {
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    if (links_[device] == nullptr) continue;
+    for (const std::uint16_t channel : links_[device]->channels()) {
+      PerChannel& own = channels_[channel];
+      const Fault fault = watch_[channel].fault;
+      const bool coming = now_ns - watch_[channel].heard_ns < kUntimely_ns;
+      if (own.untimely_since_ns == 0 || now_ns - own.untimely_since_ns < kUntimely_ns || !coming ||
+          (fault != Fault::none && fault != Fault::silent))
+        continue;
+      const std::string reason =
+          own.untimely_by_ns < 0
+              ? "every reading is stamped ahead of the clock, the newest by " + seconds(-own.untimely_by_ns)
+              : "every reading comes too late to be put in order: the newest " + milliseconds(own.untimely_by_ns) +
+                    " after its stamp, and " + milliseconds(options_.hold_back_ns) + " are waited for";
+      watch_.said(channel, now_ns, Fault::untimely, reason.c_str());
+      admit_state(device, channel, now_ns, Fault::untimely);
+      own.stale = true;
+      ++devices_[device].untimely;
+    }
+    log_stale(device, now_ns);
+  }
 }
 
 void Estimator::find_silence(std::int64_t now_ns) {
@@ -218,13 +337,14 @@ void Estimator::find_silence(std::int64_t now_ns) {
 }
 
 // The edges' source is heard of although nothing happens there, so that the merger need not guess how long to wait.
-void Estimator::take_edges() {
+void Estimator::take_edges(std::int64_t now_ns) {
   if (options_.gpio == nullptr) return;
   const std::int64_t seen_to_ns = options_.gpio->seen_to_ns();
   Record edge;
   while (options_.gpio->pop(edge)) {
-    // The interlock is never too late to matter; a pulse with a wrong instant is worse than none.
-    if (edge.channel == static_cast<std::uint16_t>(Line::interlock)) edge.t_ns = std::max(edge.t_ns, released_ns_);
+    // The interlock is never too late to matter, nor may it wait; a pulse with a wrong instant is worse than none.
+    if (edge.channel == static_cast<std::uint16_t>(Line::interlock))
+      edge.t_ns = std::max(std::min(edge.t_ns, now_ns), released_ns_);
     if (merger_.push(edge_source_, edge) != Merger::Admission::queued) options_.gpio->late();
   }
   Record heard;
@@ -316,7 +436,9 @@ void Estimator::publish(std::int64_t now_ns) {
 }
 
 std::uint64_t Estimator::occurrences(std::size_t device, Fault fault) const {
-  return links_[device]->faults(fault) + (fault == Fault::silent ? devices_[device].silences : 0);
+  return links_[device]->faults(fault) + (fault == Fault::silent     ? devices_[device].silences
+                                          : fault == Fault::untimely ? devices_[device].untimely
+                                                                     : 0);
 }
 
 // One line for all channels of the device that went stale together, for the same reason.
@@ -379,10 +501,29 @@ void Estimator::log_counted_faults(std::int64_t now_ns) {
     if (links_[device] == nullptr) continue;
     for (int kind = 1; kind < kFaultCount; ++kind) {
       const auto fault = static_cast<Fault>(kind);
+      if (fault == Fault::missed_deadline) continue;
       const std::uint64_t fresh = occurrences(device, fault) - devices_[device].told[static_cast<std::size_t>(kind)];
       if (fresh > 0) log_fault(device, fault, fresh, to_string(fault), now_ns);
     }
+    log_missed_polls(device, now_ns);
   }
+}
+
+// A poll that is skipped now and then is counted and no news.
+void Estimator::log_missed_polls(std::size_t device, std::int64_t now_ns) {
+  const DeviceLink& link = *links_[device];
+  if (link.channels().empty()) return;
+  const double rate_hz = options_.nominal_rate_hz[link.channels().front()];
+  const std::uint64_t missed = occurrences(device, Fault::missed_deadline);
+  const auto part = devices_[device].polls.look(now_ns, missed, rate_hz);
+  if (!part || !devices_[device].throttles[static_cast<std::size_t>(Fault::missed_deadline)].admit(now_ns)) return;
+  char words[160];
+  std::snprintf(
+      words, sizeof words,
+      ": %.0f %% of its polls began too late and were skipped in the last minute; a rate below %.3g Hz can be "
+      "kept",
+      100.0 * *part, rate_hz * std::max(0.0, 1.0 - *part));
+  log_.warning("device " + link.name() + words, {{"DWELL_DEVICE", link.name()}, {"DWELL_FAULT", "missed deadline"}});
 }
 
 }  // namespace dwell

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "core/scan_clocks.hpp"
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
+#include "daemon/estimate/missed_polls.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/estimate/triple_buffer.hpp"
 #include "daemon/gpio/link.hpp"
@@ -30,6 +32,7 @@ struct EstimatorOptions {
   std::int64_t hold_back_ns = 100'000'000;  // how far the merger waits for the slowest source
   std::size_t kept_dwells = 1000;           // finished dwells kept
   std::vector<double> nominal_rate_hz;      // per channel, 0: not known
+  std::vector<bool> leads;                  // per device: stamps may run ahead of the clock; missing: they may not
   gpio::Link* gpio = nullptr;               // where edges come from; must outlive the estimator; null: none
 };
 
@@ -58,10 +61,16 @@ class Estimator {
  private:
   void take_events(std::size_t device, std::int64_t now_ns);
   void take_samples(std::size_t device, std::int64_t now_ns);
-  void admit_samples(std::size_t device);
+  void admit_samples(std::size_t device, std::int64_t now_ns);
+  void heard(std::size_t device, const Record& record, std::int64_t now_ns);
+  [[nodiscard]] bool stamped_ahead(std::size_t device, const Record& record, std::int64_t now_ns);
+  void note_untimely(std::size_t channel, std::int64_t t_ns, std::int64_t now_ns);
+  void find_untimely(std::int64_t now_ns);
+  void find_hung(std::int64_t now_ns);
+  void offer_states();
   void admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault);
   void find_silence(std::int64_t now_ns);
-  void take_edges();
+  void take_edges(std::int64_t now_ns);
   void release(bool everything);
   void feed(const Record& record);
   void note(std::uint8_t change);
@@ -69,6 +78,7 @@ class Estimator {
   void publish(std::int64_t now_ns);
   void log_recoveries(std::size_t device, std::int64_t now_ns);
   void log_counted_faults(std::int64_t now_ns);
+  void log_missed_polls(std::size_t device, std::int64_t now_ns);
   void log_stale(std::size_t device, std::int64_t now_ns);
   void log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words, std::int64_t now_ns);
   [[nodiscard]] std::uint64_t occurrences(std::size_t device, Fault fault) const;
@@ -81,11 +91,18 @@ class Estimator {
     bool stale = false;         // likewise
     std::int64_t stale_ns = 0;  // for how long it had been stale
     bool ever_heard = false;
+    std::int64_t untimely_since_ns = 0;  // since when none of its samples could be put in order; 0: they can
+    std::int64_t untimely_by_ns = 0;     // by which the newest was too old; negative: stamped ahead of the clock
+    std::optional<Record> state;         // its newest change of state, for which the merger had no room
   };
   struct PerDevice {
-    std::vector<Throttle> throttles;  // by Fault
-    std::vector<std::uint64_t> told;  // by Fault: occurrences when the last line was written
-    std::uint64_t silences = 0;       // times that channels fell silent
+    std::vector<Throttle> throttles = std::vector<Throttle>(kFaultCount);  // by Fault
+    std::vector<std::uint64_t> told =
+        std::vector<std::uint64_t>(kFaultCount);  // by Fault: occurrences when the last line was written
+    std::uint64_t silences = 0;                   // times that channels fell silent
+    std::uint64_t untimely = 0;                   // times that nothing of a channel could be put in order
+    MissedPolls polls;
+    bool hangs = false;  // its driver has not turned for too long
   };
 
   const Rig rig_;

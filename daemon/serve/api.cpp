@@ -59,6 +59,7 @@ Json channels_json(const ServiceView& view) {
                     {"dropped_by",
                      {{"refused", tally.refused},
                       {"late", tally.late},
+                      {"ahead", tally.ahead},
                       {"overflow", tally.overflow},
                       {"rejected", tally.rejected}}}});
   }

@@ -54,6 +54,10 @@ class Replay {
     scan_.reserve(channels_.size());
   }
 
+  static void describe(const Settings& settings, dwell_traits& traits) {
+    traits.leads = settings.get<double>("speed", 1.0) != 1.0 ? 1 : 0;
+  }
+
   void run(Stop& stop) {
     const auto recording = read_file(path_, [&] {
       stop.turn();

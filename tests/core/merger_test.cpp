@@ -67,6 +67,36 @@ TEST(Merger, DoesNotWaitForASourceThatIsNotLiveNorLongerThanTheHoldBack) {
   EXPECT_EQ(slow.push(1, at(50)), Merger::Admission::queued);
 }
 
+TEST(Merger, OneStampFarInTheFutureMakesNoOtherSourceLate) {
+  Merger merger(3, 100, 100);
+  Record out;
+  merger.set_now(1000);
+  merger.push(0, at(1'000'000'000));
+  merger.push(1, at(990));
+  merger.push(2, at(1000));
+  while (merger.pop(out)) EXPECT_LT(out.t_ns, 1000);
+  EXPECT_EQ(merger.push(1, at(995)), Merger::Admission::queued);
+  // It comes out when its time has come.
+  merger.set_now(1'000'000'200);
+  for (const std::size_t source : {0, 1, 2}) merger.push(source, at(1'000'000'200));
+  while (merger.pop(out)) {
+  }
+  EXPECT_EQ(out.t_ns, 1'000'000'000);
+}
+
+TEST(Merger, ASourceThatMayLeadIsNotHeldBack) {
+  Merger merger(2, 100, 100);
+  Record out;
+  merger.set_leading(0);
+  merger.set_now(1000);
+  merger.push(1, at(1000));
+  merger.push(0, at(5000));
+  merger.push(0, at(6000));
+  ASSERT_TRUE(merger.pop(out));
+  ASSERT_TRUE(merger.pop(out));
+  EXPECT_EQ(out.t_ns, 5000);
+}
+
 TEST(Merger, RefusesWhatItHasNoRoomFor) {
   Merger merger(1, 100, 2);
   EXPECT_EQ(merger.push(0, at(1)), Merger::Admission::queued);

@@ -49,6 +49,16 @@ TEST_F(DeviceLinkTest, AScanThatDoesNotFitWholeIsRefusedWhole) {
   EXPECT_EQ(records.size() % 2, 0u) << "no half scan";
 }
 
+TEST_F(DeviceLinkTest, TellsTheRoomThatTheNextPushFinds) {
+  const dwell_host host = link.host();
+  ASSERT_NE(host.room, nullptr);
+  for (std::size_t room = host.room(host.context); room >= 2; room -= 2) {
+    EXPECT_EQ(host.room(host.context), room);
+    ASSERT_TRUE(scan());
+  }
+  EXPECT_FALSE(scan());
+}
+
 TEST_F(DeviceLinkTest, EverySampleIsAccountedFor) {
   int refused = 0;
   for (int i = 0; i < 40; ++i) refused += scan() ? 0 : 1;
@@ -99,7 +109,7 @@ TEST_F(DeviceLinkTest, AStateSaidTooOftenEndsInTheLastOne) {
       for (const int channel : {3, 7})
         if (event.channel < 0 || event.channel == channel) last[static_cast<std::size_t>(channel)] = event.fault;
     }
-    link.turn();
+    link.turn(t_ns);
   }
   EXPECT_EQ(last[3], Fault::disconnected);
   EXPECT_EQ(last[7], Fault::none);

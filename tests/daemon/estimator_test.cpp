@@ -238,6 +238,9 @@ TEST_F(EstimatorTest, TheEndOfTheRunUsesWhatWaitsAndCompletesTheDwell) {
 }
 
 TEST_F(EstimatorTest, ARecordingPlayedFasterThanTimeIsUsedWhole) {
+  EstimatorOptions played;
+  played.leads = {true};  // as the driver says of it
+  begin(played);
   // Ten seconds of stamps within one second.
   for (int i = 0; i < 100; ++i) {
     now_ns += 10 * kMs_ns;

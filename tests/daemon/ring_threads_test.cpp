@@ -107,7 +107,7 @@ TEST(DeviceLinkThreads, TheLastStateAlwaysArrives) {
   device.join();
   for (int turn = 0; turn < 3; ++turn) {
     drain();
-    link.turn();
+    link.turn(0);
   }
   for (const Fault fault : seen) EXPECT_EQ(fault, Fault::disconnected);
 }

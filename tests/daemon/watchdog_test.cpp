@@ -25,6 +25,11 @@ TEST(Watchdog, NamesTheThreadThatHasNotTurnedWithinItsBound) {
   EXPECT_NE(watchdog.judge(6 * kSecond_ns, threads, {}).find("amplifier"), std::string::npos);
 }
 
+TEST(Watchdog, ADriverThatHangsIsNoReasonToRestart) {
+  Watchdog watchdog;
+  EXPECT_EQ(watchdog.judge(60 * kSecond_ns, {{"amplifier", 0, 3 * kSecond_ns, false}}, {}), "");
+}
+
 TEST(Watchdog, NoticesSamplesThatNobodyTakes) {
   Watchdog watchdog;
   EXPECT_EQ(watchdog.judge(0, {}, {{"amplifier", 100, 60}}), "");
