@@ -1,5 +1,6 @@
 #include "core/report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/angle.hpp"
@@ -47,6 +48,31 @@ void warn_of_contradictions(const Rig& rig, const Eigen::MatrixXd& G, const Gain
   }
 }
 
+// The variance that the phases of two channels share, rad²: that of a delay which moves both alike.
+double shared_phase_variance(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, std::size_t a,
+                             std::size_t b) {
+  double variance_s2 = 0.0;
+  if (const int device = rig.channels[a].device; device >= 0 && device == rig.channels[b].device)
+    variance_s2 += std::pow(rig.devices[static_cast<std::size_t>(device)].delay_u_s, 2);
+  if (channels[a].transaction >= 0 && channels[a].transaction == channels[b].transaction)
+    variance_s2 += channels[a].turnaround_u_s * channels[b].turnaround_u_s;
+  return omega * omega * variance_s2;
+}
+
+void report_relative_phases(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, Dwell& dwell) {
+  const auto valid = [](const ChannelPhasor& p) { return p.valid && std::abs(p.Y) > 0.0; };
+  const auto first = std::find_if(dwell.phasors.begin(), dwell.phasors.end(), valid);
+  if (first == dwell.phasors.end()) return;
+  const auto reference = static_cast<std::size_t>(first - dwell.phasors.begin());
+  for (std::size_t c = reference; c < dwell.phasors.size(); ++c) {
+    ChannelPhasor& p = dwell.phasors[c];
+    const double shared = shared_phase_variance(rig, channels, omega, c, reference);
+    p.u_relative_phase_rad = c == reference ? 0.0
+                                            : std::sqrt(std::max(0.0, std::pow(p.u_phase_rad, 2) - shared) +
+                                                        std::max(0.0, std::pow(first->u_phase_rad, 2) - shared));
+  }
+}
+
 }  // namespace
 
 void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, double u_omega,
@@ -85,6 +111,7 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
     }
     dwell.phasors.push_back(std::move(out));
   }
+  report_relative_phases(rig, channels, omega, dwell);
 }
 
 void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector<ChannelResult>& channels, double omega,

@@ -35,6 +35,7 @@ Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
                  {"phase_rad", number(std::arg(p.Y))},
                  {"u_amplitude", number(p.u_amplitude)},
                  {"u_phase_rad", number(p.u_phase_rad)},
+                 {"u_relative_phase_rad", number(p.u_relative_phase_rad)},
                  {"mean", number(p.mean)},
                  {"harmonics", numbers(p.harmonics)},
                  {"sigma", number(p.sigma)},

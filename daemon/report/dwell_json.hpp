@@ -3,7 +3,8 @@
 // SI units. A number that does not exist (NaN, infinite) is null. `index` is null while idle, `ended_by` is there only
 // for a complete dwell, `elements` is empty until the dwell has settled; then `warnings` says why. An element that is
 // not identifiable has `stiffness`, `damping` and `loss_factor` null and a `reason`, as has a channel without a valid
-// phasor. Beyond the interface's fields: `settling_reason`, `memory_time_predicted_s`; per phasor `sigma` (standard
+// phasor. Beyond the interface's fields: `settling_reason`, `memory_time_predicted_s`; per phasor
+// `u_relative_phase_rad` (of the phase against the first valid channel's, without what both share), `sigma` (standard
 // deviation of the residuals), `samples`, `valid`.
 //
 // Bound to one thread, not real-time: allocates. No function throws on what the data hold.

@@ -100,6 +100,7 @@ ChannelPhasor phasor(const Json& value) {
   p.Y = {amplitude * std::cos(phase_rad), amplitude * std::sin(phase_rad)};
   p.u_amplitude = real_of(value, "u_amplitude");
   p.u_phase_rad = real_of(value, "u_phase_rad");
+  p.u_relative_phase_rad = real_of(value, "u_relative_phase_rad");
   p.mean = real_of(value, "mean");
   for (const Json& h : array_of(value, "harmonics")) p.harmonics.push_back(real(h, "harmonics"));
   p.sigma = real_of(value, "sigma");

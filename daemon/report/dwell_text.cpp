@@ -22,11 +22,11 @@ std::string format(const char* pattern, double value) {
 
 bool settled(const Dwell& dwell) { return std::isfinite(dwell.settled_s); }
 
-// The phase of `p` relative to `reference`, in (-180, 180] degrees; the uncertainties taken as independent.
+// The phase of `p` relative to `reference`, in (-180, 180] degrees.
 NumberText relative_phase(const ChannelPhasor& p, const ChannelPhasor& reference) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   if (&p == &reference) return {"0", "", "°"};
-  const double U = kNormal95 * std::hypot(p.u_phase_rad, reference.u_phase_rad);
+  const double U = kNormal95 * p.u_relative_phase_rad;
   return number_text(degrees * std::arg(p.Y / reference.Y), degrees * U, "°");
 }
 

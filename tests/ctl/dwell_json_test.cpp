@@ -23,8 +23,8 @@ Json sample_json() { return json_value(make_view(test::sample_dwell(), test::sam
 
 using Names = std::vector<std::string>;
 
-// The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `sigma`, `samples`, `valid`, `doubts`,
-// `unstated` extend it.
+// The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `u_relative_phase_rad`, `sigma`,
+// `samples`, `valid`, `doubts`, `unstated` extend it.
 TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   const Json dwell = sample_json();
   EXPECT_EQ(names_of(dwell), (Names{"index",        "state",           "start_s",
@@ -35,8 +35,9 @@ TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
                                     "phasors",      "elements",        "covariance",
                                     "warnings",     "doubts",          "unstated"}));
   EXPECT_EQ(names_of(dwell["frequency_hz"]), (Names{"value", "u"}));
-  EXPECT_EQ(names_of(dwell["phasors"][0]), (Names{"channel", "unit", "amplitude", "phase_rad", "u_amplitude",
-                                                  "u_phase_rad", "mean", "harmonics", "sigma", "samples", "valid"}));
+  EXPECT_EQ(names_of(dwell["phasors"][0]),
+            (Names{"channel", "unit", "amplitude", "phase_rad", "u_amplitude", "u_phase_rad", "u_relative_phase_rad",
+                   "mean", "harmonics", "sigma", "samples", "valid"}));
   const Json& element = dwell["elements"][0];
   EXPECT_EQ(names_of(element),
             (Names{"k", "identifiable", "deformation", "stiffness", "damping", "loss_factor", "budget"}));

@@ -45,6 +45,7 @@ Dwell sample_dwell() {
     p.Y = std::polar(amplitude, phase_rad);
     p.u_amplitude = u_amplitude;
     p.u_phase_rad = u_phase_rad;
+    p.u_relative_phase_rad = std::hypot(u_phase_rad, 2e-5);
     p.mean = 0.0012;
     p.harmonics = {0.002, 0.0007};
     p.sigma = 1e-6;
