@@ -131,6 +131,7 @@ void Pipeline::Impl::begin_hold(int from) {
   for (Noise& noise : noises) noise = {};
   modal_refit_at_ns = 0;
   modal_fitted = false;
+  seen_modes.clear();
   believe_at_ns = INT64_MIN;
   quiet_ns = INT64_MIN;
   settling.restart();

@@ -192,7 +192,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     return dwell;
   }
   warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
-  report_elements(rig, G, results, w, u, dwell);
+  report_elements(rig, G, results, w, u, seen_modes.modes(), dwell);
   return dwell;
 }
 

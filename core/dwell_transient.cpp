@@ -139,6 +139,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     take_transient_out(end_ns);
     count_anew();
   }
+  remember_modes();
   return true;
 }
 
@@ -203,6 +204,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
+  remember_modes();
   if (last) modal_refit_at_ns = INT64_MAX;
 }
 

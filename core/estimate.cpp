@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <tuple>
 
 #include "core/angle.hpp"
@@ -44,6 +45,8 @@ struct Source {
   VectorXcd on_Z;         // to Z directly, beside what it does through x
   double on_omega;        // to ω, rad/s
   bool residual = false;  // of residuals: where these are not white it is widened, element by element
+  int mass = 0;           // as SourceEffect
+  bool of_clock = false;
 };
 
 class Propagation {
@@ -84,6 +87,9 @@ class Propagation {
     }
     v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined are left out later
     covariance_ += v * v.transpose();
+    effects_.push_back({v, source.mass,
+                        source.mass > 0 ? chain_.rig.mass_u[static_cast<std::size_t>(source.mass - 1)] : 0.0,
+                        source.of_clock});
     auto& of_name = by_name_
                         .try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_),
                                                                VectorXd::Constant(2 * elements_, source.dof)})
@@ -96,6 +102,9 @@ class Propagation {
 
   [[nodiscard]] double deformation_u(Index e) const { return std::sqrt(deformation_variance_(e)); }
   [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
+  [[nodiscard]] std::vector<SourceEffect>& effects() { return effects_; }
+  // δZ of all elements by a change of x.
+  [[nodiscard]] VectorXcd on_Z(const VectorXcd& change) const { return through_x_ * change; }
 
   [[nodiscard]] Coefficient coefficient(Index i, double value) const {
     Coefficient out;
@@ -134,6 +143,7 @@ class Propagation {
   Eigen::MatrixXd covariance_;
   VectorXd deformation_variance_;
   std::vector<Scatter> scatter_;  // per element
+  std::vector<SourceEffect> effects_;
   std::map<std::string, Contribution> by_name_;
 };
 
@@ -260,7 +270,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     VectorXcd on_Z = nothing;
     for (Index e = 0; e <= static_cast<Index>(i) && e < chain.n; ++e)
       on_Z(e) = omega * omega * chain.Y(static_cast<int>(i) + 1) * rig.mass_u[i] / d(e);
-    out.push_back({"mass " + std::to_string(i + 1), kInfinity, VectorXcd::Zero(chain.n + 2), on_Z, 0.0});
+    out.push_back({"mass " + std::to_string(i + 1), kInfinity, VectorXcd::Zero(chain.n + 2), on_Z, 0.0, false,
+                   static_cast<int>(i) + 1});
   }
 
   VectorXcd by_omega = nothing;  // 2ω Σ_{i>=k} m_i Y_i / d_k
@@ -277,7 +288,9 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
   if (const auto change = change_within(rig, gain, evidence, chain, Z, d)) out.push_back(*change);
   for (const auto& [name, u] : {std::pair<const char*, double>{"frequency", frequency.u},
                                 std::pair<const char*, double>{"clock rate", frequency.clock_u * omega}})
-    if (u > 0) out.push_back({name, kInfinity, relative_omega * u, by_omega * u, u});
+    if (u > 0)
+      out.push_back(
+          {name, kInfinity, relative_omega * u, by_omega * u, u, false, 0, std::string_view(name) == "clock rate"});
   return out;
 }
 
@@ -443,6 +456,14 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
   std::vector<Index> rows;
   for (Index e = 0; e < elements; ++e)
     if (result.elements[static_cast<std::size_t>(e)].identifiable) rows.insert(rows.end(), {2 * e, 2 * e + 1});
+  result.effects = std::move(propagation.effects());
+  result.by_channel.resize(elements, channels);
+  for (Index c = 0; c < channels; ++c) result.by_channel.col(c) = propagation.on_Z(gain.gain.col(c) * o(c));
+  result.by_mass = MatrixXcd::Zero(elements, n);
+  for (Index i = 0; i < n; ++i)
+    for (Index e = 0; e <= i; ++e)
+      result.by_mass(e, i) = frequency.omega * frequency.omega * rig.masses[static_cast<std::size_t>(i)] *
+                             chain.Y(static_cast<int>(i) + 1) / d(e);
   for (const Index i : rows)
     for (const Index j : rows) result.covariance.push_back(propagation.covariance()(i, j));
   return result;

@@ -51,12 +51,23 @@ struct Frequency {
   double clock_u = 0.0;  // relative, of the clock
 };
 
+// What one standard deviation of a source of error does to [c_1, r_1, c_2, …] of all elements; 0 where not determined.
+struct SourceEffect {
+  Eigen::VectorXd on_coefficients;
+  int mass = 0;           // k of the mass that it is the uncertainty of; 0: of none
+  double mass_u = 0.0;    // that uncertainty, kg (kg·m²)
+  bool of_clock = false;  // the rate of the host's clock, which all times share
+};
+
 struct ElementsResult {
   std::vector<ElementEstimate> elements;  // one per element of the chain
   std::vector<double> covariance;         // row-major, of [c, r] of the identifiable ones
   std::vector<std::string> warnings;
   std::vector<Doubt> doubts;
   std::vector<std::complex<double>> Z;  // N/m; NaN where not determined
+  std::vector<SourceEffect> effects;    // the covariance source by source, for what is derived from the coefficients
+  Eigen::MatrixXcd by_channel;          // elements × channels: δZ by a relative change of a channel's phasor
+  Eigen::MatrixXcd by_mass;             // elements × masses: δZ by a relative change of a mass
 };
 
 // The channel's reading turned into what the chain sees: displacement or force on the ground, harmonic h of omega.

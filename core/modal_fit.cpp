@@ -33,6 +33,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   columns_.resize(harmonic_ + most, most + 2);
   slopes_.resize(most + 2, most + 2);
   hessian_.resize(most + 1, most + 1);
+  relative_covariance_.setZero(most + 1, most + 1);
   gradient_.resize(most + 1);
   product_.resize(harmonic_ + most);
   channels_.resize(static_cast<std::size_t>(channels));
@@ -217,6 +218,17 @@ double ModalFit::misfit() const noexcept {
 Complex ModalFit::phasor(int channel, int h) const noexcept {
   const PerChannel& of = at(channel);
   return {of.theta(h), of.theta(harmonics_ + h)};
+}
+
+Complex ModalFit::amplitude(int channel, std::size_t mode) const noexcept {
+  const auto i = harmonic_ + 2 * static_cast<Index>(mode);
+  return {at(channel).theta(i), at(channel).theta(i + 1)};
+}
+
+double ModalFit::u_amplitude(int channel, std::size_t mode) const noexcept {
+  const auto i = 2 * static_cast<Index>(mode);
+  const Eigen::MatrixXd& covariance = at(channel).covariance;
+  return std::sqrt(std::max(0.0, 0.5 * (covariance(i, i) + covariance(i + 1, i + 1))));
 }
 
 bool ModalFit::shows(std::size_t mode) const noexcept {

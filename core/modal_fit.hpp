@@ -59,6 +59,8 @@ class ModalFit {
 
   // Standard uncertainty of a pole at the last step, rad/s, either component.
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
+  // Covariance of (Re, Im) of a pole at the last step, (rad/s)², from the data alone: an open pole has a large one.
+  [[nodiscard]] Eigen::Matrix2d pole_covariance(std::size_t m) const noexcept;
   // How far the last step went, in standard deviations of the poles and of ω.
   [[nodiscard]] double converged() const noexcept { return converged_; }
 
@@ -74,6 +76,10 @@ class ModalFit {
   [[nodiscard]] double variance(int channel) const noexcept { return at(channel).sigma2; }
   [[nodiscard]] int parameters() const noexcept { return static_cast<int>(linear()); }
   [[nodiscard]] double samples(int channel) const noexcept { return at(channel).samples; }
+
+  // Amplitude of a mode in a channel at t_0, and its standard deviation, either component.
+  [[nodiscard]] std::complex<double> amplitude(int channel, std::size_t mode) const noexcept;
+  [[nodiscard]] double u_amplitude(int channel, std::size_t mode) const noexcept;
 
   // Whether the amplitude of a mode stands out of the noise in any channel.
   [[nodiscard]] bool shows(std::size_t mode) const noexcept;
@@ -127,6 +133,7 @@ class ModalFit {
   void turn_by(std::int64_t dt_ns) noexcept;
   void turn_to(std::int64_t t_ns) noexcept;
   void add_pending(PerChannel& to) noexcept;
+  void invert_information() noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
   // Beside these the derivatives: two for each mode, two for ω.
   [[nodiscard]] Eigen::Index slopes() const noexcept { return modal_ + 2; }
@@ -150,6 +157,7 @@ class ModalFit {
   Eigen::VectorXd x_;
   std::vector<PerChannel> channels_;
   Eigen::MatrixXd work_, columns_, slopes_, hessian_;
+  Eigen::MatrixXd relative_covariance_;  // of the poles' relative changes, then of that of ω, at the last step
   Eigen::VectorXd gradient_, product_;
 };
 

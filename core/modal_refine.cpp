@@ -12,6 +12,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kKnown = 1e-12;        // relative, of a frequency that is given
+constexpr double kOpen = 1.0;           // relative: a pole of which the data tell nothing
 constexpr double kLeastDamping = 1e-5;  // of critical: what decays less is steady, as far as anyone sees
 
 }  // namespace
@@ -68,11 +69,12 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     H(modal_, modal_) += turned.dot(S.block<2, 2>(modal_, modal_) * turned) / channel.sigma2;
   }
   H.row(modal_).head(modal_) = H.col(modal_).head(modal_).transpose();
-  H.diagonal().head(modal_).array() += 1 / (trust * trust);
   H(modal_, modal_) += 1 / std::max(trust_omega * trust_omega, kKnown * kKnown);
   // The derivative is by a relative change of ω.
   g(modal_) += omega_ * stated_.score(omega_);
   H(modal_, modal_) += omega_ * omega_ * stated_.information();
+  invert_information();
+  H.diagonal().head(modal_).array() += 1 / (trust * trust);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
   std::copy_n(poles_.begin(), count_, moved_.begin());
   moved_omega_ = omega_;
@@ -103,6 +105,23 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     converged_ = std::max(converged_, std::abs(g(modal_)) / std::sqrt(std::max(1e-300, unit(modal_, modal_))));
   }
   return {moved_.data(), count_};
+}
+
+// What the data alone tell of the poles, from hessian_ before any trust is added.
+void ModalFit::invert_information() noexcept {
+  const Index all = modal_ + 1;
+  auto factor = slopes_.topLeftCorner(all, all);
+  factor = hessian_.topLeftCorner(all, all);
+  factor.diagonal().head(modal_).array() += 1 / (kOpen * kOpen);
+  auto inverse = relative_covariance_.topLeftCorner(all, all);
+  inverse.setIdentity();
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
+  if (llt.info() == Eigen::Success) llt.solveInPlace(inverse);
+}
+
+Eigen::Matrix2d ModalFit::pole_covariance(std::size_t m) const noexcept {
+  const auto i = 2 * static_cast<Index>(m);
+  return sizes_[m] * sizes_[m] * relative_covariance_.block<2, 2>(i, i);
 }
 
 }  // namespace dwell

@@ -28,6 +28,7 @@
 #include "core/refine.hpp"
 #include "core/report.hpp"
 #include "core/sample_history.hpp"
+#include "core/seen_modes.hpp"
 #include "core/settling.hpp"
 #include "core/spike_gate.hpp"
 #include "core/step_watch.hpp"
@@ -81,6 +82,7 @@ struct Pipeline::Impl {
         transactions(given),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
+        seen_modes(channel_count),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
@@ -177,6 +179,7 @@ struct Pipeline::Impl {
   std::vector<double> ranges;  // per channel, largest distance from the reference over the modal fit
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
+  SeenModes seen_modes;  // of this hold
   DecayRate decay;
   const Eigen::MatrixXd G;
   int drive_channel = -1;
@@ -325,6 +328,8 @@ struct Pipeline::Impl {
   // Everything again: where the hold's data may begin, the poles, what they leave over. false: no poles are known.
   bool refit_modes();
   [[nodiscard]] double slowest_rate() const;
+  // Keeps what the fit now shows of the natural oscillations, for the check of the model.
+  void remember_modes();
 
   // dwell_residuals.cpp: what the fit leaves over.
   [[nodiscard]] bool explained() const;

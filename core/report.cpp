@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
+#include "core/pole_check.hpp"
 #include "core/transducer.hpp"
 
 namespace dwell {
@@ -115,7 +116,7 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
 }
 
 void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector<ChannelResult>& channels, double omega,
-                     double u_omega, Dwell& dwell) {
+                     double u_omega, std::span<const SeenMode> seen, Dwell& dwell) {
   std::vector<Evidence> evidence(channels.size());
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const HarmonicFit& fit = channels[c].fit;
@@ -136,6 +137,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
   const Gain gain = solve_observation(G, observation_weights(rig, evidence, omega));
   warn_of_contradictions(rig, G, gain, evidence, omega, dwell);
   ElementsResult result = estimate_elements(rig, gain, evidence, {omega, u_omega, rig.excitation.clock_u});
+  check_poles(rig, result, omega, seen, dwell);
   dwell.elements = std::move(result.elements);
   dwell.covariance = std::move(result.covariance);
   for (Doubt& doubt : result.doubts) dwell.doubts.push_back(std::move(doubt));

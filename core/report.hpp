@@ -1,6 +1,7 @@
 // From the fits of a dwell to what is reported of it: phasors of the motion, elements, frequency.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "core/estimate.hpp"
 #include "core/harmonic_fit.hpp"
 #include "core/rig.hpp"
+#include "core/seen_modes.hpp"
 
 namespace dwell {
 
@@ -31,8 +33,9 @@ struct ChannelResult {
 void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, double u_omega,
                     Dwell& dwell);
 
-// Fills dwell.elements, dwell.covariance and the elements' doubts and warnings. G: observation_matrix(rig). Allocates.
+// Fills dwell.elements, dwell.covariance and the elements' warnings and doubts. G: observation_matrix(rig). seen: the
+// natural oscillations of the transient, which the chain identified is held against. Allocates.
 void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector<ChannelResult>& channels, double omega,
-                     double u_omega, Dwell& dwell);
+                     double u_omega, std::span<const SeenMode> seen, Dwell& dwell);
 
 }  // namespace dwell

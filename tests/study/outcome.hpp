@@ -25,6 +25,7 @@ struct Outcome {
   bool settled = false;    // before the study gave up
   bool rearmed = false;    // measuring was left although the drive was steady
   bool completed = false;  // there is a result
+  bool doubted = false;    // although the rig is as its file says
   bool hum_inseparable = false, hum_warned = false;
   std::string blamed;  // what a channel, an element or the drive is blamed for; empty: nothing
   double tau_periods = 0.0, period_s = 0.0;

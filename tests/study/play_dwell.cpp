@@ -127,6 +127,7 @@ void tell(const Case& about, const Dwell& dwell, const Outcome& outcome, const T
       }
   }
   for (const std::string& warning : dwell.warnings) trace("warning: " + warning);
+  for (const Doubt& doubt : dwell.doubts) trace("doubt: " + doubt.what);
 }
 
 // Of this thread.
@@ -187,6 +188,7 @@ Outcome play(const Case& about, const Trace& trace) {
   Dwell dwell = pipeline.completed();
   if (!std::isfinite(dwell.settled_s)) return outcome;
   outcome.completed = true;
+  outcome.doubted = !dwell.doubts.empty();
   judge_elements(about, dwell, outcome);
   if (trace) tell(about, dwell, outcome, trace);
   return outcome;

@@ -40,6 +40,7 @@ const std::vector<Measure>& measures() {
        [](const Outcome& o) {
          return over_elements(o, [](const ElementOutcome& e) { return e.reported && e.snr_d < 1 ? 1.0 : 0.0; });
        }},
+      {"doubt of a healthy rig", 0.5, [](const Outcome& o) { return o.doubted ? 1.0 : 0.0; }},
       {"left measuring in a steady drive", 0.5, [](const Outcome& o) { return o.rearmed ? 1.0 : 0.0; }},
       {"processor seconds", 1.0, [](const Outcome& o) { return o.cpu_s; }}};
   return all;
