@@ -85,7 +85,7 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       clocks_(clocks_of(rig, links_)),
       released_ns_(std::numeric_limits<std::int64_t>::min()),
       next_publish_ns_(now_ns),
-      finished_(std::make_shared<const FinishedDwells>()) {
+      finished_(options.kept_dwells, options.kept_bytes) {
   for (std::size_t i = 0; i < links_.size() && i < options_.leads.size(); ++i)
     if (options_.leads[i]) merger_.set_leading(i);
 }
@@ -366,14 +366,8 @@ void Estimator::feed(const Record& record) {
 
 void Estimator::note(std::uint8_t change) {
   if ((change & kCompleted) != 0) {
-    auto kept = std::make_shared<FinishedDwells>(*finished_);
-    kept->push_back(std::make_shared<const Dwell>(pipeline_.completed()));
-    if (kept->size() > options_.kept_dwells) {
-      kept->erase(kept->begin());
-      ++forgotten_;
-    }
-    log_.info(finished_line(*kept->back(), rig_));
-    finished_ = std::move(kept);
+    finished_.push(pipeline_.completed());
+    log_.info(finished_line(*finished_.list()->back(), rig_));
   }
   if ((change & kStateChanged) != 0 && pipeline_.state() != state_) {
     const Dwell now = pipeline_.current();
@@ -399,8 +393,8 @@ void Estimator::publish(std::int64_t now_ns) {
   to.t_ns = now_ns;
   to.start_utc_ns = start_utc_ns_;
   to.dwell = pipeline_.current();
-  to.finished = finished_;
-  to.forgotten = forgotten_;
+  to.finished = finished_.list();
+  to.forgotten = finished_.forgotten();
   to.skipped_turns = skipped_;
   to.channels.resize(channels_.size());
   to.devices.assign(links_.size(), DeviceView{});

@@ -19,6 +19,7 @@
 #include "core/scan_clocks.hpp"
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
+#include "daemon/estimate/kept_dwells.hpp"
 #include "daemon/estimate/missed_polls.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/estimate/triple_buffer.hpp"
@@ -30,10 +31,13 @@ namespace dwell {
 
 struct EstimatorOptions {
   std::int64_t hold_back_ns = 100'000'000;  // how far the merger waits for the slowest source
-  std::size_t kept_dwells = 1000;           // finished dwells kept
-  std::vector<double> nominal_rate_hz;      // per channel, 0: not known
-  std::vector<bool> leads;                  // per device: stamps may run ahead of the clock; missing: they may not
-  gpio::Link* gpio = nullptr;               // where edges come from; must outlive the estimator; null: none
+  std::size_t kept_dwells = 1000;           // finished dwells kept, at most …
+  // … and at most so much memory for them: a twelfth of what the unit allows the service. About 350 dwells of 30
+  // elements; of a usual rig the number above is reached first.
+  std::size_t kept_bytes = 80'000'000;
+  std::vector<double> nominal_rate_hz;  // per channel, 0: not known
+  std::vector<bool> leads;              // per device: stamps may run ahead of the clock; missing: they may not
+  gpio::Link* gpio = nullptr;           // where edges come from; must outlive the estimator; null: none
 };
 
 class Estimator {
@@ -123,8 +127,7 @@ class Estimator {
   std::int64_t next_publish_ns_ = 0;
   std::int64_t start_utc_ns_ = 0;
   State state_ = State::idle;
-  std::shared_ptr<const FinishedDwells> finished_;
-  std::uint64_t forgotten_ = 0;
+  KeptDwells finished_;
   std::uint64_t sequence_ = 0;
   std::uint64_t skipped_ = 0;
   TripleBuffer<Snapshot> snapshots_;
