@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "daemon/clock.hpp"
+#include "daemon/log/throttle.hpp"
 #include "daemon/notifier.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/control_server.hpp"
@@ -54,10 +55,8 @@ std::string iso_utc(std::int64_t utc_ns) {
   return text;
 }
 
-std::string status_line(const Snapshot& snapshot, const std::string& trouble) {
-  if (!trouble.empty()) return "not working: " + trouble;
-  const auto stale = std::count_if(snapshot.channels.begin(), snapshot.channels.end(),
-                                   [](const ChannelView& channel) { return channel.fault != Fault::none; });
+std::string status_line(const Snapshot& snapshot, const Health& health) {
+  if (health.status == Health::Status::fault) return "not working: " + reason_of(health);
   std::string line = to_string(snapshot.dwell.state);
   if (snapshot.dwell.index) line += ", dwell " + std::to_string(*snapshot.dwell.index);
   if (snapshot.dwell.state == State::measuring && std::isfinite(snapshot.dwell.frequency_hz.value)) {
@@ -65,7 +64,7 @@ std::string status_line(const Snapshot& snapshot, const std::string& trouble) {
     std::snprintf(text, sizeof text, ", %.4g Hz", snapshot.dwell.frequency_hz.value);
     line += text;
   }
-  if (stale > 0) line += ", " + std::to_string(stale) + " channels stale";
+  if (health.status != Health::Status::ok) line += "; " + reason_of(health);
   return line;
 }
 
@@ -81,6 +80,8 @@ struct Service::Impl {
   Notifier notifier;
   Watchdog watchdog;
   std::string trouble;
+  bool log_failing = false;
+  Throttle log_failures;
   RunInfo run;
   std::vector<std::string> drivers;
   config::SchemaSource driver_source;
@@ -119,12 +120,28 @@ struct Service::Impl {
     const std::uint64_t sequence = session->latest().sequence;
     if (sequence == told_sequence) return;
     told_sequence = sequence;
-    session->light_lamps(trouble.empty());
-    notifier.status(status_line(session->latest(), trouble));
+    tell_health();
     if (!http || http->stats().streams == 0) return;
     const ServiceView now = view();
     const DwellStream::Event event = stream.next(make_view(now.snapshot.dwell, now.rig, now.run), now.snapshot.t_ns);
     http->broadcast(event.name, event.data);
+  }
+
+  void tell_health() {
+    const Health health = judge_health(session->file().rig, session->latest(), session->gpio(), log.stats(), trouble);
+    session->light_lamps(health);
+    notifier.status(status_line(session->latest(), health));
+  }
+
+  // Said where there is another place than the file, and in the file once it takes lines again.
+  void watch_log() {
+    const LogStats stats = log.stats();
+    const std::string lost = std::to_string(stats.dropped) + " lines lost so far";
+    // Each such line tries the file anew.
+    if (stats.failing && log_failures.admit(raw_now_ns()))
+      log.error("the log file does not take lines: " + stats.reason + "; " + lost);
+    if (!stats.failing && log_failing) log.warning("the log file takes lines again; " + lost);
+    log_failing = stats.failing;
   }
 
   // The loop turns, or this would not be called; the rest is looked at.
@@ -136,10 +153,10 @@ struct Service::Impl {
       } else {
         log.error("the service does not work: " + found);
       }
-      notifier.status(status_line(session->latest(), found));
     }
     trouble = found;
-    session->light_lamps(trouble.empty());
+    watch_log();
+    tell_health();
     if (trouble.empty()) notifier.feed_watchdog();
   }
 

@@ -170,19 +170,8 @@ bool Session::rearm() noexcept { return impl_->estimator->rearm(); }
 
 gpio::Status Session::gpio() const { return impl_->gpio ? impl_->gpio->link().status() : gpio::Status{}; }
 
-void Session::light_lamps(bool works) {
-  if (!impl_->gpio) return;
-  const Dwell& dwell = latest().dwell;
-  const gpio::Status lines = impl_->gpio->link().status();
-  const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
-  const bool valid = dwell.state == State::measuring && trustworthy(dwell);
-  const bool stale = std::any_of(latest().channels.begin(), latest().channels.end(),
-                                 [](const ChannelView& channel) { return channel.fault != Fault::none; });
-  const bool broken =
-      std::any_of(lines.begin(), lines.end(), [](const auto& line) { return line.configured && !line.works; });
-  impl_->gpio->link().order(
-      {works && valid && interlock.level.value_or(true), !works || stale || broken || dwell.state == State::fault},
-      raw_now_ns());
+void Session::light_lamps(const Health& health) {
+  if (impl_->gpio) impl_->gpio->link().order({health.ready, health.status != Health::Status::ok}, raw_now_ns());
 }
 
 std::vector<WatchedThread> Session::threads() const {

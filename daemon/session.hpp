@@ -12,6 +12,7 @@
 #include "config/rig_file.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
+#include "daemon/health.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -43,9 +44,8 @@ class Session {
 
   // How the rig's GPIO lines stand; none is configured where there is no [gpio].
   [[nodiscard]] gpio::Status gpio() const;
-  // Of the event loop: what the lamps are to show, from the newest snapshot; at least once a second. works: the
-  // watchdog found nothing.
-  void light_lamps(bool works);
+  // Of the event loop: what the lamps are to show; at least once a second.
+  void light_lamps(const Health& health);
 
   // What the watchdog looks at.
   [[nodiscard]] std::vector<WatchedThread> threads() const;

@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 
 #include "daemon/log/journal_sink.hpp"
 #include "daemon/log/log_payload.hpp"
@@ -33,10 +34,32 @@ spdlog::level::level_enum to_spdlog(Level level) {
   return spdlog::level::err;
 }
 
-// Shows the message alone to a sink that has no use for fields.
+// Whether the newest line was taken, and why not. Thread-safe.
+class Trouble {
+ public:
+  void set(const char* reason) {
+    const std::lock_guard lock(mutex_);
+    reason_ = reason;
+  }
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    reason_.clear();
+  }
+  [[nodiscard]] std::string reason() const {
+    const std::lock_guard lock(mutex_);
+    return reason_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::string reason_;  // empty: it was taken
+};
+
+// Shows the message alone to a sink that has no use for fields, and notes what becomes of it.
 class WithoutFields final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
-  explicit WithoutFields(spdlog::sink_ptr inner) : inner_(std::move(inner)) {
+  WithoutFields(spdlog::sink_ptr inner, std::shared_ptr<Trouble> trouble)
+      : inner_(std::move(inner)), trouble_(std::move(trouble)) {
     inner_->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
   }
 
@@ -45,11 +68,29 @@ class WithoutFields final : public spdlog::sinks::base_sink<spdlog::details::nul
     spdlog::details::log_msg plain = message;
     const std::string_view text = message_of({message.payload.data(), message.payload.size()});
     plain.payload = spdlog::string_view_t(text.data(), text.size());
-    inner_->log(plain);
+    try {
+      inner_->log(plain);
+    } catch (const std::exception& failure) {
+      failed_ = true;
+      trouble_->set(failure.what());
+      throw;
+    }
   }
-  void flush_() override { inner_->flush(); }
+  // After each line: what was only buffered until now is lost here if there is no room.
+  void flush_() override {
+    const bool failed = std::exchange(failed_, false);
+    try {
+      inner_->flush();
+      if (!failed) trouble_->clear();
+    } catch (const std::exception& failure) {
+      trouble_->set(failure.what());
+      if (!failed) throw;  // one line lost, one failure counted
+    }
+  }
 
   spdlog::sink_ptr inner_;
+  std::shared_ptr<Trouble> trouble_;
+  bool failed_ = false;  // the line before this flush
 };
 
 }  // namespace
@@ -57,6 +98,7 @@ class WithoutFields final : public spdlog::sinks::base_sink<spdlog::details::nul
 struct Log::Impl {
   std::atomic<std::uint64_t> lines{0};
   std::atomic<std::uint64_t> failed{0};
+  std::shared_ptr<Trouble> trouble = std::make_shared<Trouble>();
   std::shared_ptr<spdlog::details::thread_pool> pool;
   std::shared_ptr<spdlog::async_logger> logger;
 };
@@ -76,11 +118,13 @@ tl::expected<std::unique_ptr<Log>, std::string> Log::make(const LogOptions& opti
     if (options.console && is_journal(std::getenv("JOURNAL_STREAM"), STDERR_FILENO)) {
       sinks.push_back(std::make_shared<JournalSink>());
     } else if (options.console) {
-      sinks.push_back(std::make_shared<WithoutFields>(std::make_shared<spdlog::sinks::stderr_color_sink_st>()));
+      sinks.push_back(std::make_shared<WithoutFields>(std::make_shared<spdlog::sinks::stderr_color_sink_st>(),
+                                                      std::make_shared<Trouble>()));
     }
     if (!options.file.empty()) {
       sinks.push_back(std::make_shared<WithoutFields>(
-          std::make_shared<spdlog::sinks::rotating_file_sink_st>(options.file, options.file_bytes, options.files)));
+          std::make_shared<spdlog::sinks::rotating_file_sink_st>(options.file, options.file_bytes, options.files),
+          impl->trouble));
     }
     impl->pool = std::make_shared<spdlog::details::thread_pool>(options.queue, 1,
                                                                 [] { pthread_setname_np(pthread_self(), "log"); });
@@ -110,6 +154,8 @@ LogStats Log::stats() const noexcept {
   stats.lines = impl_->lines.load(std::memory_order_relaxed);
   stats.dropped = impl_->failed.load(std::memory_order_relaxed);
   try {
+    stats.reason = impl_->trouble->reason();
+    stats.failing = !stats.reason.empty();
     stats.dropped += impl_->pool->overrun_counter();
   } catch (...) {  // NOLINT(bugprone-empty-catch): a lock that fails; the count is then that of the failures alone
   }

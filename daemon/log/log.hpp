@@ -32,7 +32,9 @@ struct LogOptions {
 
 struct LogStats {
   std::uint64_t lines = 0;    // handed in
-  std::uint64_t dropped = 0;  // never written: the queue was full, or the write failed
+  std::uint64_t dropped = 0;  // not written: the queue was full, or the write failed
+  bool failing = false;       // the file did not take the newest line …
+  std::string reason;         // … for this reason
 };
 
 class Log {

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "daemon/report/dwell_json.hpp"
 
@@ -106,8 +108,8 @@ Json gpio_json(const ServiceView& view) {
   return lines;
 }
 
-// "fault": the service itself does not work; "degraded": a channel does not deliver, or a GPIO line does not work.
 Json health_json(const ServiceView& view) {
+  const Health health = judge_health(view.rig, view.snapshot, view.gpio, view.log, view.trouble);
   const Json stale = stale_json(view);
   Json threads = Json::array();
   for (const WatchedThread& thread : view.threads) {
@@ -116,12 +118,9 @@ Json health_json(const ServiceView& view) {
                        {"turned_s_ago", number(static_cast<double>(still_ns) * 1e-9)},
                        {"ok", still_ns <= thread.bound_ns}});
   }
-  const bool broken =
-      std::any_of(view.gpio.begin(), view.gpio.end(), [](const auto& line) { return line.configured && !line.works; });
-  return {{"status", !view.trouble.empty()      ? "fault"
-                     : stale.empty() && !broken ? "ok"
-                                                : "degraded"},
-          {"reason", view.trouble.empty() ? Json(nullptr) : Json(view.trouble)},
+  return {{"status", to_string(health.status)},
+          {"reason", health.reasons.empty() ? Json(nullptr) : Json(reason_of(health))},
+          {"ready", health.ready},
           {"state", to_string(view.snapshot.dwell.state)},
           {"rig", view.rig.name},
           {"rig_sha256", view.run.rig_sha256},
@@ -137,36 +136,100 @@ Json health_json(const ServiceView& view) {
             {"streams", view.http.streams},
             {"requests", view.http.requests},
             {"refused", view.http.refused},
+            {"displaced", view.http.displaced},
             {"events_dropped", view.http.events_dropped}}},
-          {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}}}};
+          {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}, {"failing", view.log.failing}}}};
 }
 
-// Oldest first; the newest kDwellsPerAnswer, or as many from an index on.
-HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
+const FinishedDwells& finished(const ServiceView& view) {
   static const FinishedDwells kNone;
-  const FinishedDwells& all = view.snapshot.finished ? *view.snapshot.finished : kNone;
-  std::size_t first = all.size() - std::min(all.size(), kDwellsPerAnswer);
-  if (!query.empty()) {
-    constexpr std::string_view kFrom = "from=";
-    int from = 0;
-    const char* const end = query.data() + query.size();
-    const bool known = query.substr(0, kFrom.size()) == kFrom;
-    const auto parsed = std::from_chars(query.data() + (known ? kFrom.size() : query.size()), end, from);
-    if (parsed.ec != std::errc{} || parsed.ptr != end)
-      return http_error(400, "the query is not understood: expected from=INDEX");
-    for (first = 0; first < all.size() && all[first]->index.value_or(0) < from;) ++first;
+  return view.snapshot.finished ? *view.snapshot.finished : kNone;
+}
+
+std::optional<int> integer(std::string_view text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+// Which finished dwells are asked for.
+struct Page {
+  std::optional<int> from;  // index of the first; none: the newest
+  std::size_t count = kDwellsPerAnswer;
+};
+
+std::optional<Page> page_of(std::string_view query) {
+  Page page;
+  bool counted = false;
+  while (!query.empty()) {
+    const std::string_view term = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(term.size() + 1, query.size()));
+    const auto equals = std::min(term.find('='), term.size());
+    const std::string_view key = term.substr(0, equals);
+    const auto value = integer(term.substr(std::min(equals + 1, term.size())));
+    if (!value) return std::nullopt;
+    if (key == "from" && !page.from) {
+      page.from = *value;
+    } else if (key == "count" && !std::exchange(counted, true) && *value >= 1) {
+      page.count = std::min(static_cast<std::size_t>(*value), kDwellsPerAnswer);
+    } else {
+      return std::nullopt;
+    }
+  }
+  return page;
+}
+
+// Oldest first: those from an index on, or the newest; as many as one answer may hold.
+HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
+  const auto page = page_of(query);
+  if (!page)
+    return http_error(400, "the query is not understood: expected from=INDEX, count=1 to " +
+                               std::to_string(kDwellsPerAnswer) + ", or both joined by &");
+  const FinishedDwells& all = finished(view);
+  std::vector<std::string> texts;
+  std::size_t bytes = 0;
+  const auto take = [&](const Dwell& dwell) {
+    std::string text = to_json(dwell, view.rig, view.run);
+    if (texts.size() == page->count || (!texts.empty() && bytes + text.size() > kBytesOfDwells)) return false;
+    bytes += text.size();
+    texts.push_back(std::move(text));
+    return true;
+  };
+  std::optional<int> next;
+  if (page->from) {
+    auto dwell =
+        std::find_if(all.begin(), all.end(), [&](const auto& d) { return d->index.value_or(0) >= *page->from; });
+    while (dwell != all.end() && take(**dwell)) ++dwell;
+    if (dwell != all.end()) next = (*dwell)->index;
+  } else {
+    for (auto dwell = all.rbegin(); dwell != all.rend() && take(**dwell);) ++dwell;
+    std::reverse(texts.begin(), texts.end());
   }
   HttpReply reply;
   reply.body = "{\"rig\":" + dump(view.rig.name) +
                ",\"total\":" + std::to_string(all.size() + view.snapshot.forgotten) +
-               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) + ",\"dwells\":[";
-  const std::size_t last = std::min(all.size(), first + kDwellsPerAnswer);
-  for (std::size_t i = first; i < last; ++i) {
-    if (i > first) reply.body += ',';
-    reply.body += to_json(*all[i], view.rig, view.run);
-  }
+               ",\"forgotten\":" + std::to_string(view.snapshot.forgotten) +
+               ",\"next\":" + (next ? std::to_string(*next) : "null") + ",\"dwells\":[";
+  for (std::size_t i = 0; i < texts.size(); ++i) (reply.body += i > 0 ? "," : "") += texts[i];
   reply.body += "]}";
   return reply;
+}
+
+// One dwell by its index, finished or current.
+HttpReply dwell_answer(const ServiceView& view, std::string_view index_text) {
+  const auto index = integer(index_text);
+  if (!index || *index < 1)
+    return http_error(404, "expected /api/v1/dwells/INDEX, the index of a dwell: a number from 1");
+  if (view.snapshot.dwell.index == *index) return {200, dwell_text_json(view)};
+  const FinishedDwells& all = finished(view);
+  for (const auto& dwell : all)
+    if (dwell->index == *index) return {200, to_json(*dwell, view.rig, view.run)};
+  const std::string which = "dwell " + std::to_string(*index);
+  if (!all.empty() && *index < all.front()->index.value_or(0))
+    return http_error(404, which + " is no longer kept; the oldest that is has the index " +
+                               std::to_string(all.front()->index.value_or(0)));
+  return http_error(404, which + " has not been measured");
 }
 
 std::string control_error(std::string_view reason) { return dump(Json{{"error", reason}}); }
@@ -200,11 +263,13 @@ std::string dwell_text_json(const ServiceView& view) { return to_json(view.snaps
 HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query) {
   if (path == "/api/v1/dwell") return {200, dwell_text_json(view)};
   if (path == "/api/v1/dwells") return dwells_answer(view, query);
+  constexpr std::string_view kOne = "/api/v1/dwells/";
+  if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
   if (path == "/api/v1/health") return {view.trouble.empty() ? 200 : 503, dump(health_json(view))};
   return http_error(404,
-                    "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/channels, "
-                    "/api/v1/health and /api/v1/stream");
+                    "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
+                    "/api/v1/channels, /api/v1/health and /api/v1/stream");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const std::function<bool()>& rearm) {

@@ -11,6 +11,7 @@
 #include "core/rig.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
+#include "daemon/health.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/serve/http_server.hpp"
@@ -33,8 +34,11 @@ struct ServiceView {
   gpio::Status gpio{};  // of the lines that are configured
 };
 
-// Finished dwells in one answer at most; further ones with ?from=INDEX.
+// Finished dwells in one answer of /api/v1/dwells at most, and unless ?count= asks for fewer …
 inline constexpr std::size_t kDwellsPerAnswer = 100;
+// … and at most so many bytes of them, but always one. Larger: 128 clients that ask at once and read slowly hold more
+// memory; smaller: more requests for many large dwells (of 30 elements one has 0.4 to 0.6 MB).
+inline constexpr std::size_t kBytesOfDwells = 4'000'000;
 
 // GET `path`.
 [[nodiscard]] HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query);

@@ -51,6 +51,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   std::unordered_set<Connection*> connections;
   std::unordered_set<Connection*> streams;
   bool awaits_address = false;
+  std::size_t large_bytes = 0;  // of large answers on their way
   std::uint64_t requests = 0;
   std::uint64_t refused = 0;
   std::uint64_t displaced = 0;
@@ -184,6 +185,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void answer(HttpReply reply, bool head, bool keep_alive) {
     phase_ = Phase::answered;
+    std::shared_ptr<void> share;
+    if (const std::size_t size = reply.body.size(); size > server_->options.large_bytes) {
+      if (server_->large_bytes + size > server_->options.answers_bytes) {
+        reply = http_error(503, "too many large answers are on their way; try again, or ask for less at once");
+      } else {
+        server_->large_bytes += size;
+        share = std::shared_ptr<void>(nullptr, [server = server_, size](void*) { server->large_bytes -= size; });
+      }
+    }
     // HTTP/1.1 in the status line even where 1.0 was asked, as RFC 9110 has it; the connection is as the client wants.
     auto response = std::make_shared<http::response<http::string_body>>();
     response->result(static_cast<unsigned>(reply.status));
@@ -192,11 +202,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     response->content_length(reply.body.size());
     if (!head) response->body() = std::move(reply.body);
     stream_.expires_after(server_->options.request_time);
-    http::async_write(stream_, *response, [self = shared_from_this(), response](const error_code& error, std::size_t) {
-      if (error) return;
-      self->served_ = true;
-      self->or_close([&] { response->keep_alive() ? self->read() : self->shut(); });
-    });
+    http::async_write(stream_, *response,
+                      [self = shared_from_this(), response, share](const error_code& error, std::size_t) {
+                        if (error) return;
+                        self->served_ = true;
+                        self->or_close([&] { response->keep_alive() ? self->read() : self->shut(); });
+                      });
   }
 
   // Says that nothing more comes, then waits a little for what the client still sends: closing on unread bytes would

@@ -32,12 +32,14 @@ struct HttpOptions {
   std::uint16_t port = 8380;       // 0: the kernel chooses
   std::string server = "dwelld";   // Server field
   std::string stream_path = "/api/v1/stream";
-  std::vector<std::string> names;       // by which clients may ask for it beside numeric addresses and "localhost"
-  std::size_t clients = 128;            // connections at once; more are answered 503 where nobody can make room
-  std::size_t streams = 96;             // of which live streams; the rest stays free for requests
-  std::size_t header_bytes = 8 * 1024;  // beyond: 431
-  std::size_t body_bytes = 16 * 1024;   // beyond: 413
-  std::size_t events_waiting = 16;      // per stream; beyond, the oldest is dropped
+  std::vector<std::string> names;          // by which clients may ask for it beside numeric addresses and "localhost"
+  std::size_t clients = 128;               // connections at once; more are answered 503 where nobody can make room
+  std::size_t streams = 96;                // of which live streams; the rest stays free for requests
+  std::size_t header_bytes = 8 * 1024;     // beyond: 431
+  std::size_t body_bytes = 16 * 1024;      // beyond: 413
+  std::size_t large_bytes = 1'000'000;     // an answer beyond this is large …
+  std::size_t answers_bytes = 64'000'000;  // … and all large ones on their way together hold this at most; beyond: 503
+  std::size_t events_waiting = 16;         // per stream; beyond, the oldest is dropped
   std::chrono::milliseconds request_time{
       10'000};  // from its first chance to be sent until it is here, and for the answer
   // A client that has been answered keeps its place for so long at least. Shorter: pages that poll connect anew each

@@ -129,8 +129,79 @@ TEST_F(ApiTest, FinishedDwellsComeInBoundedPortions) {
   ASSERT_EQ(first["dwells"].size(), kDwellsPerAnswer);
   EXPECT_EQ(first["dwells"].back()["index"], 100);
   EXPECT_EQ(get("/api/v1/dwells", "from=251")["dwells"].size(), 0u);
-  for (const char* wrong : {"from=", "from=x", "from=1&x=2", "to=3", "from=99999999999999999999"})
+  EXPECT_EQ(first["next"], 101);
+  EXPECT_TRUE(newest["next"].is_null()) << "the newest is there";
+  const Json some = get("/api/v1/dwells", "from=11&count=5");
+  ASSERT_EQ(some["dwells"].size(), 5u);
+  EXPECT_EQ(some["dwells"].front()["index"], 11);
+  EXPECT_EQ(some["next"], 16);
+  EXPECT_EQ(get("/api/v1/dwells", "count=2")["dwells"].front()["index"], 249);
+  EXPECT_EQ(get("/api/v1/dwells", "count=1000")["dwells"].size(), kDwellsPerAnswer);
+  EXPECT_TRUE(get("/api/v1/dwells", "from=250")["next"].is_null());
+  for (const char* wrong : {"from=", "from=x", "from=1&x=2", "to=3", "from=99999999999999999999", "count=0", "count=-1",
+                            "from=1&from=2", "count=1&count=1", "from", "count=1x"})
     EXPECT_EQ(http_answer(view(), "/api/v1/dwells", wrong).status, 400) << wrong;
+}
+
+TEST_F(ApiTest, AnAnswerOfManyLargeDwellsStaysWithinItsBytesAndSaysHowToGoOn) {
+  auto list = std::make_shared<FinishedDwells>();
+  for (int i = 1; i <= 40; ++i) {
+    Dwell dwell;
+    dwell.index = i;
+    dwell.state = State::complete;
+    dwell.settled_s = 1.0;
+    dwell.covariance.assign(3600, 196.0 / 7.0);  // of 30 elements
+    dwell.elements.resize(30);
+    for (ElementEstimate& element : dwell.elements) {
+      element.identifiable = true;
+      element.budget.assign(90, BudgetShare{"scale of y1", 1.0 / 7.0, 1.0 / 7.0});
+    }
+    list->push_back(std::make_shared<const Dwell>(dwell));
+  }
+  snapshot.finished = list;
+  int seen = 0;
+  for (Json next = 1; !next.is_null();) {
+    const HttpReply reply = http_answer(view(), "/api/v1/dwells", "from=" + std::to_string(next.get<int>()));
+    EXPECT_LT(reply.body.size(), kBytesOfDwells + 10'000);
+    const Json answer = Json::parse(reply.body);
+    for (const Json& dwell : answer["dwells"]) EXPECT_EQ(dwell["index"], ++seen);
+    next = answer["next"];
+  }
+  EXPECT_EQ(seen, 40);
+  const Json newest = get("/api/v1/dwells");
+  EXPECT_LT(newest["dwells"].size(), 40u);
+  EXPECT_EQ(newest["dwells"].back()["index"], 40) << "without a page it is the newest that are left";
+}
+
+TEST_F(ApiTest, OneDwellIsHadByItsIndex) {
+  finish(3);
+  snapshot.dwell.index = 4;
+  EXPECT_EQ(get("/api/v1/dwells/2")["index"], 2);
+  EXPECT_EQ(get("/api/v1/dwells/2")["state"], "complete");
+  EXPECT_EQ(get("/api/v1/dwells/4")["index"], 4) << "the current one too";
+  const auto refused = [this](const char* path) {
+    const HttpReply reply = http_answer(view(), path, "");
+    EXPECT_EQ(reply.status, 404) << path;
+    return Json::parse(reply.body)["error"].get<std::string>();
+  };
+  EXPECT_EQ(refused("/api/v1/dwells/99"), "dwell 99 has not been measured");
+  for (const char* wrong : {"/api/v1/dwells/", "/api/v1/dwells/0", "/api/v1/dwells/-1", "/api/v1/dwells/x",
+                            "/api/v1/dwells/1/", "/api/v1/dwells/99999999999999999999"})
+    EXPECT_NE(refused(wrong).find("expected /api/v1/dwells/INDEX"), std::string::npos) << wrong;
+  auto list = std::make_shared<FinishedDwells>(*snapshot.finished);
+  list->erase(list->begin());
+  snapshot.finished = list;
+  EXPECT_EQ(refused("/api/v1/dwells/1"), "dwell 1 is no longer kept; the oldest that is has the index 2");
+}
+
+TEST_F(ApiTest, HealthTellsOfLinesOfTheLogThatAreLost) {
+  snapshot.channels[0].fault = Fault::none;
+  ServiceView now = view();
+  now.log = {500, 29, true, "No space left on device"};
+  const Json health = Json::parse(http_answer(now, "/api/v1/health", "").body);
+  EXPECT_EQ(health["status"], "degraded");
+  EXPECT_EQ(health["log"]["dropped"], 29);
+  EXPECT_NE(health["reason"].get<std::string>().find("29"), std::string::npos) << health["reason"];
 }
 
 TEST_F(ApiTest, WhatIsNotServedYetIsNotFoundInWords) {

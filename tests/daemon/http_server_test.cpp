@@ -23,6 +23,7 @@ struct HttpServerTest : testing::Test {
         loop, options,
         [](std::string_view path, std::string_view query) {
           if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(query) + "\"}"};
+          if (path == "/large") return HttpReply{200, std::string(5'000'000, ' ')};
           if (path == "/throw") throw std::runtime_error("no");
           return http_error(404, "nothing here");
         },
@@ -223,6 +224,24 @@ TEST_F(HttpServerTest, OnlyNamesOfThisServiceAreAnsweredSoThatAForeignPageCannot
   expect_error(refused, 421);
   EXPECT_NE(refused.body.find("evil.example"), std::string::npos) << refused.body;
   EXPECT_EQ(ask("GET /api/v1/stream HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 421);
+}
+
+TEST_F(HttpServerTest, LargeAnswersThatNobodyTakesHoldNoMoreMemoryThanIsSetAside) {
+  HttpOptions options;
+  options.answers_bytes = 12'000'000;
+  begin(options);
+  std::vector<Client> lazy;  // ask for 5 MB each, and read nothing
+  for (int i = 0; i < 2; ++i) {
+    lazy.push_back(Client::tcp(port, 1024));
+    lazy.back().send("GET /large HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    ASSERT_NE(lazy.back().until("\r\n\r\n").find(" 200 "), std::string::npos);
+  }
+  expect_error(test::get(port, "/large"), 503);
+  EXPECT_EQ(test::get(port, "/hello").status, 200) << "what is small is answered all the same";
+  EXPECT_EQ(lazy.front().exactly(5'000'000).size(), 5'000'000u);
+  int status = 503;
+  for (int tries = 0; tries < 1000 && status == 503; ++tries) status = test::get(port, "/large").status;
+  EXPECT_EQ(status, 200) << "and what has been taken makes room";
 }
 
 TEST_F(HttpServerTest, ABodyThatAGetBringsAlongIsIgnored) {

@@ -4,10 +4,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "daemon/log/log_payload.hpp"
 
@@ -81,6 +83,27 @@ TEST_F(LogTest, WhenLinesComeTooFastTheOldestGoAndAreCounted) {
   const auto written = static_cast<std::uint64_t>(std::count(all.begin(), all.end(), '\n'));
   EXPECT_EQ(stats.lines, 20'000u);
   EXPECT_EQ(written + stats.dropped, stats.lines);
+}
+
+// Until the lines handed in have been written, or not.
+LogStats settled(const Log& log, bool failing) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (log.stats().failing != failing && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  return log.stats();
+}
+
+TEST_F(LogTest, AFullDiskIsToldWithTheNumberOfLinesLost) {
+  if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "there is no /dev/full to write to";
+  LogOptions full = options();
+  full.file = "/dev/full";
+  auto log = Log::make(full);
+  ASSERT_TRUE(log) << log.error();
+  EXPECT_FALSE((*log)->stats().failing);
+  for (int i = 0; i < 29; ++i) (*log)->info("a line that finds no room");
+  EXPECT_NE(settled(**log, true).reason.find("No space left"), std::string::npos) << (*log)->stats().reason;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while ((*log)->stats().dropped < 29 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  EXPECT_EQ((*log)->stats().dropped, 29u);
 }
 
 TEST_F(LogTest, AFileThatCannotBeOpenedIsSaid) {

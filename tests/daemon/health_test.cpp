@@ -1,0 +1,97 @@
+#include "daemon/health.hpp"
+
+#include <gtest/gtest.h>
+
+namespace dwell {
+namespace {
+
+struct HealthTest : testing::Test {
+  HealthTest() {
+    for (const char* name : {"y0", "y1"}) rig.channels.emplace_back().name = name;
+    snapshot.channels.resize(2);
+    for (ChannelView& channel : snapshot.channels) {
+      channel.fault = Fault::none;
+      channel.condition = Condition::ok;
+    }
+    snapshot.dwell.state = State::measuring;
+    snapshot.dwell.settled_s = 3.0;
+    snapshot.dwell.elements.resize(1);
+    snapshot.dwell.elements[0].identifiable = true;
+  }
+  [[nodiscard]] Health judge() const { return judge_health(rig, snapshot, lines, log, trouble); }
+  void expect(Health::Status status, bool ready, const std::string& reason) const {
+    const Health health = judge();
+    EXPECT_EQ(to_string(health.status), std::string(to_string(status)));
+    EXPECT_EQ(health.ready, ready);
+    EXPECT_EQ(reason_of(health), reason);
+  }
+
+  Rig rig;
+  Snapshot snapshot;
+  gpio::Status lines{};
+  LogStats log;
+  std::string trouble;
+};
+
+TEST_F(HealthTest, IsOkAndReadyWhereADwellMayBeReliedOn) { expect(Health::Status::ok, true, ""); }
+
+TEST_F(HealthTest, IsOkButNotReadyWhileNothingIsMeasured) {
+  snapshot.dwell.state = State::settling;
+  expect(Health::Status::ok, false, "");
+}
+
+TEST_F(HealthTest, IsNotReadyWhereTheCoefficientsMustNotBeReliedOn) {
+  snapshot.dwell.doubts.push_back({{1}, "the poles contradict the chain"});
+  expect(Health::Status::ok, false, "");
+}
+
+TEST_F(HealthTest, NamesTheChannelThatDoesNotDeliverOrDeliversNothingUsable) {
+  snapshot.channels[0].fault = Fault::timeout;
+  snapshot.channels[0].reason = "no answer within 0.1 s";
+  snapshot.channels[1].condition = Condition::stuck;
+  snapshot.channels[1].condition_reason = "the same reading for 12.0 s";
+  expect(Health::Status::degraded, true, "channel y0: no answer within 0.1 s; channel y1: the same reading for 12.0 s");
+}
+
+TEST_F(HealthTest, IsNotDegradedByReadingsThatAreModelledOrLeftOut) {
+  snapshot.channels[0].condition = Condition::held;
+  snapshot.channels[1].condition = Condition::gated;
+  expect(Health::Status::ok, true, "");
+}
+
+TEST_F(HealthTest, IsDegradedByLinesOfTheLogThatAreLost) {
+  log = {500, 29, true, "No space left on device"};
+  expect(Health::Status::degraded, true, "the log loses lines, 29 so far: No space left on device");
+  log.failing = false;
+  expect(Health::Status::ok, true, "");
+}
+
+TEST_F(HealthTest, IsDegradedWhereTheDwellsDataDoNotSuffice) {
+  snapshot.dwell.state = State::fault;
+  snapshot.dwell.settling_reason = "no sync pulse for 2.0 s";
+  expect(Health::Status::degraded, false, "no sync pulse for 2.0 s");
+}
+
+TEST_F(HealthTest, TellsOfGpioLinesAndIsNotReadyWhileTheInterlockIsOpen) {
+  lines[0] = {true, true, "", false, 0, 0, 0};
+  expect(Health::Status::ok, false, "");
+  lines[0] = {true, true, "", true, 0, 0, 0};
+  expect(Health::Status::ok, true, "");
+  lines[2] = {true, false, "there is no /dev/gpiochip0", std::nullopt, 0, 0, 0};
+  expect(Health::Status::degraded, true, "GPIO ready: there is no /dev/gpiochip0");
+}
+
+TEST_F(HealthTest, IsAFaultWhereTheServiceItselfDoesNotWork) {
+  trouble = "thread estimate has not turned for 3.0 s";
+  expect(Health::Status::fault, false, "thread estimate has not turned for 3.0 s");
+}
+
+TEST_F(HealthTest, CountsReasonsBeyondTheFirstFew) {
+  rig.channels.resize(100);
+  snapshot.channels.assign(100, ChannelView{});
+  const std::string reason = reason_of(judge());
+  EXPECT_NE(reason.find("; and 95 more"), std::string::npos) << reason;
+}
+
+}  // namespace
+}  // namespace dwell
