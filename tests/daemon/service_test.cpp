@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "daemon/acquire/plugin.hpp"
+#include "tests/api_schema.hpp"
 #include "tests/daemon/service_rig.hpp"
 
 namespace dwell {
@@ -85,6 +86,9 @@ TEST_F(ServiceTest, MeasuresARigOverModbusWithinItsOwnUncertainty) {
     EXPECT_GT(channel["used"].get<long>(), 0);
   }
   EXPECT_EQ(get_json(port, "/api/v1/health")["status"], "ok");
+  const test::ApiSchema schema;
+  for (const char* name : {"dwell", "dwells", "channels", "health"})
+    EXPECT_EQ(schema.faults(name, get_json(port, std::string("/api/v1/") + name)), "");
 }
 
 TEST_F(ServiceTest, ARigThatGoesAndComesBackIsAStateNotAFailure) {

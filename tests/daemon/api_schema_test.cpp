@@ -1,0 +1,129 @@
+// Every answer is what docs/api.schema.json says, and every member of it is documented there.
+#include "tests/api_schema.hpp"
+
+#include <gtest/gtest.h>
+
+#include "daemon/serve/api.hpp"
+#include "daemon/serve/dwell_stream.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+
+namespace dwell {
+namespace {
+
+using Json = nlohmann::json;
+
+// A service that has everything to tell: channels in every condition, lines, faults, finished dwells.
+struct ApiSchemaTest : testing::Test {
+  ApiSchemaTest() {
+    rig = test::sample_rig();
+    rig.devices = {{"amplifier", 0.0, 0.0}};
+    for (Channel& channel : rig.channels) channel.device = 0;
+    snapshot.channels.resize(rig.channels.size());
+    snapshot.channels[0].value = 1.25;
+    snapshot.channels[0].heard_ns = 1'900'000'000;
+    snapshot.channels[0].fault = Fault::none;
+    snapshot.channels[0].condition = Condition::ok;
+    snapshot.channels[0].clock = {Clock::device, 199.98, 1e-4, -100.0, 3};
+    snapshot.channels[0].tally = {10, 5, 1, 1, 0, 1, 2};
+    snapshot.channels[1].fault = Fault::none;
+    snapshot.channels[1].condition = Condition::stuck;
+    snapshot.channels[1].condition_reason = "the same reading for 12.0 s";
+    snapshot.channels[2].fault = Fault::timeout;
+    snapshot.channels[2].reason = "no answer within 0.1 s";
+    snapshot.devices.resize(1);
+    snapshot.devices[0].faults[2] = 7;
+    lines[0] = {true, true, "", true, 5, 1, 0};
+    lines[3] = {true, false, "there is no /dev/gpiochip0", std::nullopt, 0, 0, 0};
+    snapshot.dwell = test::sample_dwell();
+    snapshot.dwell.doubts = {{{1, 3}, "the poles contradict the chain"}};
+    snapshot.dwell.unstated = {"scale of y0"};
+    auto list = std::make_shared<FinishedDwells>();
+    Dwell finished = test::sample_dwell();
+    finished.state = State::complete;
+    finished.ended_by = EndedBy::drive_changed;
+    list->push_back(std::make_shared<const Dwell>(finished));
+    snapshot.dwell.index = 2;
+    snapshot.finished = list;
+  }
+  [[nodiscard]] ServiceView view() const {
+    return {rig, drivers, run, snapshot, 2'000'000'000, 3.5, {}, {}, {{"estimate", 1'990'000'000, 1'000'000'000}},
+            "",  lines};
+  }
+  [[nodiscard]] std::string get(const std::string& path) const { return http_answer(view(), path, "").body; }
+  [[nodiscard]] std::string control(const std::string& line) const {
+    return control_answer(view(), line, [] { return true; });
+  }
+  void expect_all() const {
+    EXPECT_EQ(schema.faults_of_text("dwell", get("/api/v1/dwell")), "");
+    EXPECT_EQ(schema.faults_of_text("dwells", get("/api/v1/dwells")), "");
+    EXPECT_EQ(schema.faults_of_text("channels", get("/api/v1/channels")), "");
+    EXPECT_EQ(schema.faults_of_text("health", get("/api/v1/health")), "");
+    EXPECT_EQ(schema.faults_of_text("status", control(R"({"verb":"status"})")), "");
+    EXPECT_EQ(schema.faults_of_text("check", control(R"({"verb":"check"})")), "");
+  }
+
+  test::ApiSchema schema;
+  Rig rig;
+  std::vector<std::string> drivers{"modbus"};
+  RunInfo run = test::sample_run();
+  Snapshot snapshot;
+  gpio::Status lines{};
+};
+
+TEST_F(ApiSchemaTest, DocumentsEveryMemberAndTheUnitOfEveryNumber) { EXPECT_EQ(schema.undocumented(), ""); }
+
+TEST_F(ApiSchemaTest, IsMetByEveryAnswer) {
+  expect_all();
+  EXPECT_EQ(schema.faults_of_text("dwell", get("/api/v1/dwells/1")), "");
+  EXPECT_EQ(schema.faults_of_text("error", get("/api/v1/nowhere")), "");
+  EXPECT_EQ(schema.faults_of_text("error", get("/api/v1/dwells/99")), "");
+  EXPECT_EQ(schema.faults_of_text("error", http_answer(view(), "/api/v1/dwells", "?").body), "");
+  EXPECT_EQ(schema.faults_of_text("done", control(R"({"verb":"rearm"})")), "");
+  EXPECT_EQ(schema.faults_of_text("control_error", control("x")), "");
+}
+
+TEST_F(ApiSchemaTest, IsMetWhereNothingIsKnownYet) {
+  snapshot = Snapshot();
+  snapshot.channels.resize(rig.channels.size());
+  snapshot.devices.resize(1);
+  run = {};
+  lines = {};
+  expect_all();
+  snapshot.dwell = test::settling_dwell();
+  expect_all();
+}
+
+TEST_F(ApiSchemaTest, IsMetByWhatALiveStreamIsTold) {
+  DwellStream stream;
+  EXPECT_EQ(schema.faults_of_text("dwell", stream.next(make_view(snapshot.dwell, rig, run), 0).data), "");
+  snapshot.dwell.end_s += 0.1;
+  snapshot.dwell.frequency_hz.u *= 0.9;
+  snapshot.dwell.phasors[0].u_amplitude *= 0.9;
+  snapshot.dwell.elements[0].stiffness.value += 1.0;
+  snapshot.dwell.elements[0].deformation.u *= 0.9;
+  snapshot.dwell.elements[1].deformation.u *= 0.9;
+  const DwellStream::Event event = stream.next(make_view(snapshot.dwell, rig, run), 1);
+  EXPECT_STREQ(event.name, "change");
+  EXPECT_EQ(schema.faults_of_text("change", event.data), "");
+}
+
+TEST_F(ApiSchemaTest, IsNotMetByAMemberThatIsNotDocumentedIsMissingOrOfAnotherType) {
+  const Json dwell = Json::parse(get("/api/v1/dwell"));
+  ASSERT_EQ(schema.faults("dwell", dwell), "");
+  Json more = dwell;
+  more["elements"][0]["stiffness"]["news"] = 1;
+  EXPECT_NE(schema.faults("dwell", more).find("dwell.elements[0].stiffness: \"news\" is not documented"),
+            std::string::npos)
+      << schema.faults("dwell", more);
+  Json less = dwell;
+  less["phasors"][0].erase("unit");
+  EXPECT_NE(schema.faults("dwell", less).find("dwell.phasors[0]: has no \"unit\""), std::string::npos);
+  Json other = dwell;
+  other["state"] = "resting";
+  other["end_s"] = "late";
+  EXPECT_NE(schema.faults("dwell", other).find("dwell.state: expected one of"), std::string::npos);
+  EXPECT_NE(schema.faults("dwell", other).find("dwell.end_s: expected"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dwell
