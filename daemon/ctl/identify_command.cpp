@@ -10,6 +10,7 @@
 #include "config/rig_file.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/identify.hpp"
+#include "daemon/ctl/table_motion.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/number_text.hpp"
@@ -25,15 +26,9 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string brief(double value) { return join(number_text(value, "", 6)); }
-
 // Why there is nothing to show, in one line.
-std::string reason(const Rig& rig, const std::vector<Dwell>& dwells) {
-  if (dwells.empty()) {
-    const Excitation& e = rig.excitation;
-    return "no dwell: nowhere did the table move by more than " + brief(e.minimum) + " (excitation.minimum) at " +
-           brief(e.search_low_hz) + " to " + brief(e.search_high_hz) + " Hz";
-  }
+std::string reason(const Rig& rig, const CsvRecording& recording, const std::vector<Dwell>& dwells) {
+  if (dwells.empty()) return why_no_dwell(rig, table_motion(rig, recording));
   for (auto dwell = dwells.rbegin(); dwell != dwells.rend(); ++dwell) {
     if (!dwell->settling_reason.empty()) return "no dwell settled: " + dwell->settling_reason;
     if (!dwell->warnings.empty()) return "no dwell settled: " + dwell->warnings.front();
@@ -101,7 +96,7 @@ int identify_recording(const IdentifyOptions& options) {
   const bool answered = std::any_of(dwells.begin(), dwells.end(), answers);
   const bool doubted = std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return !d.doubts.empty(); });
   if (!settled)
-    say(reason(file->rig, dwells));
+    say(reason(file->rig, *recording, dwells));
   else if (doubted)
     say("there are coefficients that must not be relied on; the reasons stand with the dwell");
   else if (!answered)
