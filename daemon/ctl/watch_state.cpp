@@ -15,6 +15,11 @@ std::string text_of(const Json& object, const char* name) {
   return it != object.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
+// Whether there are data that ought to move on: while idle, or where the drive is not seen, there are none.
+bool has_data(const Dwell& dwell) {
+  return std::isfinite(dwell.settled_s) || dwell.state == State::settling || dwell.state == State::measuring;
+}
+
 // Whether the dwell that came holds other data than the one before.
 bool moved(const Dwell& before, const Dwell& after) {
   return before.index != after.index || before.state != after.state || !(before.end_s == after.end_s);
@@ -40,8 +45,7 @@ std::vector<ChannelState> channel_states(const Json& list) {
 }
 
 void WatchState::take(DwellView dwell, double now_s) {
-  // Without data there is nothing to move on: what was heard is all there is to know.
-  if (!dwell_ || !std::isfinite(dwell.dwell.end_s) || moved(dwell_->dwell, dwell.dwell)) {
+  if (!dwell_ || !has_data(dwell.dwell) || moved(dwell_->dwell, dwell.dwell)) {
     std::rotate(turn_s_, turn_s_ + 2, turn_s_ + 3);
     turn_s_[0] = std::isfinite(moved_s_) ? now_s - moved_s_ : 0.0;
     moved_s_ = now_s;

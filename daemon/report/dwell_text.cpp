@@ -212,8 +212,9 @@ Section verdict_section(const DwellView& view, const TextOptions& options) {
   }
   if (!d.settling_reason.empty()) texts.push_back("reason     " + d.settling_reason);
   std::string transient;
-  if (std::isfinite(d.memory_time_s)) transient = "decayed in " + seconds_text(d.memory_time_s, 2);
-  if (std::isfinite(d.memory_time_predicted_s)) {
+  const bool some = settled(d) || d.state == State::settling;  // else the numbers are of a dwell that is over
+  if (some && std::isfinite(d.memory_time_s)) transient = "decayed in " + seconds_text(d.memory_time_s, 2);
+  if (some && std::isfinite(d.memory_time_predicted_s)) {
     transient += (transient.empty() ? "" : "; ") + seconds_text(d.memory_time_predicted_s, 2) +
                  " expected from the coefficients";
   }
@@ -254,6 +255,8 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
     ages.push_back(!note.age.empty() ? note.age : options.age);
     styles.push_back(ages.back().empty() ? Style::plain : Style::old);
     std::string text = p.valid ? "" : p.reason.empty() ? "no reason stated" : p.reason;
+    // The channel's own word on why it delivers nothing says more.
+    if (!note.status.empty() && text.rfind("stale", 0) == 0) text.clear();
     if (!note.status.empty() && text.find(note.status) == std::string::npos) {
       text += (text.empty() ? "now " : "; now ") + note.status;
     }

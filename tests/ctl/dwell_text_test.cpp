@@ -141,6 +141,13 @@ TEST(DwellText, OldNumbersAreMarkedWithTheirAge) {
   EXPECT_EQ(channels.body.at(4).text, "a1: now timeout: no answer");
 }
 
+TEST(DwellText, AStaleChannelSaysWhyInItsOwnWords) {
+  TextOptions options;
+  options.channels = {{}, {}, {"12 s", "disconnected: 192.0.2.10:502: Connection reset by peer"}, {}};
+  const std::string text = plain_text(dwell_sections(sample_view(), options));
+  EXPECT_NE(text.find("\ny2: now disconnected: 192.0.2.10:502: Connection reset by peer\n"), std::string::npos) << text;
+}
+
 TEST(Wrapped, BreaksAtBlanksAndLosesNothing) {
   using Lines = std::vector<std::string>;
   EXPECT_EQ(wrapped("a ± of two words", 8, 2), (Lines{"a ± of", "two", "words"})) << "too narrow to indent";

@@ -61,6 +61,16 @@ TEST(WatchState, IdleIsNotOldWhileTheServiceSaysSo) {
   EXPECT_TRUE(state.old(113.0));
 }
 
+// With all devices gone the service says "fault" as of now: that is no old news.
+TEST(WatchState, AFaultIsNotOldWhileTheServiceSaysSo) {
+  WatchState state;
+  Dwell fault;
+  fault.state = State::fault;
+  fault.end_s = 31.0;
+  for (int i = 0; i <= 10; ++i) state.take(make_view(fault, test::sample_rig(), {}), 100.0 + i);
+  EXPECT_FALSE(state.old(110.5));
+}
+
 TEST(WatchState, AChannelGrowsOlderFromWhatTheListSaid) {
   WatchState state;
   EXPECT_FALSE(state.channel("y0", 1.0));
