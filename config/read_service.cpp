@@ -9,7 +9,8 @@
 namespace dwell::config {
 namespace {
 
-constexpr const char* kListen = "\"HOST:PORT\", for instance \"127.0.0.1:8380\" or \"[::1]:8380\"";
+constexpr const char* kListen =
+    "\"ADDRESS:PORT\" with a numeric address or localhost, for instance \"127.0.0.1:8380\" or \"[::1]:8380\"";
 
 bool is_host_name(const std::string& host) {
   const bool letters = std::all_of(host.begin(), host.end(), [](char c) {
@@ -29,7 +30,7 @@ bool split_address(const std::string& address, ServerSettings& out) {
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
     host = host.substr(1, host.size() - 2);
     if (inet_pton(AF_INET6, host.c_str(), binary) != 1) return false;
-  } else if (inet_pton(AF_INET, host.c_str(), binary) != 1 && !is_host_name(host)) {
+  } else if (inet_pton(AF_INET, host.c_str(), binary) != 1 && host != "localhost") {
     return false;
   }
   const char* const first = address.data() + colon + 1;

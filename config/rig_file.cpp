@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "config/decimal_comma.hpp"
 #include "config/draft.hpp"
 #include "config/nesting.hpp"
 #include "config/sha256.hpp"
@@ -88,8 +89,11 @@ Result<RigFile> parse(std::string_view text, const std::string& path, const Sche
     document = toml::parse(text);
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
-    return tl::make_unexpected(Mistakes{{std::max(1, static_cast<int>(at.line)),
-                                         std::max(1, static_cast<int>(at.column)), one_line(error.description())}});
+    std::string what = one_line(error.description());
+    if (const auto number = decimal_comma(text, std::max(1, static_cast<int>(at.line))))
+      what += "; expected a decimal point: " + *number;
+    return tl::make_unexpected(
+        Mistakes{{std::max(1, static_cast<int>(at.line)), std::max(1, static_cast<int>(at.column)), std::move(what)}});
   }
   Draft draft;
   draft.file.path = path;

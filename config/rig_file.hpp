@@ -66,7 +66,8 @@ using SchemaSource = std::function<tl::expected<const dwell_driver_table*, std::
 inline constexpr std::size_t kMaxFileBytes = 1u << 20;
 inline constexpr std::size_t kMaxChannels = 65535;
 inline constexpr std::size_t kMaxDevices = 1000;
-inline constexpr std::size_t kMaxMasses = 1000;
+// The covariance of all coefficients is (2n + 2)² numbers, told ten times a second: 0.3 MB each at 100 masses.
+inline constexpr std::size_t kMaxMasses = 100;
 
 // Why a device's rate was shifted, one line for people; empty: it was not.
 [[nodiscard]] std::string rate_note(const RigFile& file, const DeviceSettings& device);

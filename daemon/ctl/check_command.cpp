@@ -1,5 +1,6 @@
 // check: every device probed once, either directly through its plugin or by asking the running service.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -83,9 +84,23 @@ int complain(int code, const std::string& why) {
   return code;
 }
 
+// Whether the service that runs serves this very rig file: then its devices are busy with it.
+bool serves(const Service& service, const config::RigFile& file) {
+  ControlLimits soon;
+  soon.time = std::chrono::seconds(2);
+  const auto line = control_exchange(service.control, R"({"verb":"status"})", soon);
+  const Json answer = line ? Json::parse(*line, nullptr, false) : Json();
+  const auto health = answer.is_object() ? answer.find("health") : answer.end();
+  return health != answer.end() && health->is_object() && health->contains("rig_sha256") &&
+         (*health)["rig_sha256"] == file.sha256;
+}
+
 int check_service(const Service& service) {
   const auto line = control_exchange(service.control, R"({"verb":"check"})");
-  if (!line) return complain(kUnreachable, line.error());
+  if (!line)
+    return complain(kUnreachable, line.error() +
+                                      "; where no service runs, dwellctl check --rig FILE asks the devices "
+                                      "themselves");
   const Json answer = Json::parse(*line, nullptr, false);
   const bool object = answer.is_object();
   if (object && answer.contains("error") && answer["error"].is_string()) {
@@ -107,6 +122,11 @@ int check(const Service& service, const std::string& rig) {
   if (!file) {
     std::fputs(config::to_string(rig, file.error()).c_str(), stderr);
     return kUsage;
+  }
+  if (serves(service, *file)) {
+    std::fprintf(stderr, "dwellctl: the service measures with %s and has its devices: what it reads is shown\n",
+                 printable(rig).c_str());
+    return check_service(service);
   }
   const std::vector<Probed> channels = probe_all(*file);
   return show(channels, check_json(channels), service.json);

@@ -58,13 +58,16 @@ std::string Link::open(const Stop& stop) {
     modbus_set_socket(context_.get(), descriptor);
     return {};
   }
-  if (modbus_connect(context_.get()) != 0) {
+  if (error = lock_.take(setup_.serial); !error.empty()) {
+    error = setup_.address() + ": " + error;
+  } else if (modbus_connect(context_.get()) != 0) {
     error = setup_.address() + ": " + modbus_strerror(errno);
   } else if (modbus_get_socket(context_.get()) >= FD_SETSIZE) {
     error = setup_.address() + ": too many files are open in this program";
     close();
   } else {
     ::fcntl(modbus_get_socket(context_.get()), F_SETFD, FD_CLOEXEC);
+    lock_.exclude_others();
     // Whoever used the port before may have left a request under way.
     free_ns_ = monotonic_ns() + setup_.late_ns;
   }
@@ -73,10 +76,11 @@ std::string Link::open(const Stop& stop) {
 
 void Link::close() noexcept {
   const int descriptor = modbus_get_socket(context_.get());
-  if (descriptor < 0) return;
+  if (descriptor < 0) return lock_.release();
   // A serial port with unsent bytes may take long to close.
   if (!connector_) ::tcflush(descriptor, TCIOFLUSH);
   modbus_close(context_.get());
+  lock_.release();
 }
 
 Answer Link::read(const Block& block, std::uint16_t* registers, const Stop& stop) noexcept {

@@ -15,6 +15,7 @@
 
 #include "drivers/dwell_driver.hpp"
 #include "drivers/modbus/connect.hpp"
+#include "drivers/modbus/serial_lock.hpp"
 #include "drivers/modbus/setup.hpp"
 
 namespace dwell::modbus {
@@ -59,6 +60,7 @@ class Link {
   const Setup& setup_;
   std::unique_ptr<modbus_t, decltype(&modbus_free)> context_;
   std::optional<Connector> connector_;  // tcp
+  SerialLock lock_;                     // rtu
   std::array<std::uint8_t, MODBUS_MAX_ADU_LENGTH> frame_{};
   std::size_t frame_size_ = 0;
   std::uint16_t transaction_ = 0;  // tcp: id of the newest request

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <string_view>
+#include <tuple>
 
 namespace dwell::modbus {
 namespace {
@@ -135,8 +137,19 @@ void check_setup(const driver::Settings& settings, driver::Report& report) {
     needs("host", "the device's address, for instance \"192.168.0.10\"");
     foreign({"serial", "baud", "parity", "stop_bits", "gap", "late"}, "rtu");
   }
+  std::map<std::tuple<std::uint8_t, Table, unsigned>, std::size_t> readers;  // of each register the first channel
   for (std::size_t i = 0; i < settings.channels().size(); ++i) {
     const Reading reading = read_channel(settings.channels()[i]);
+    for (unsigned number = reading.first; number < std::min(reading.end(), 65536U); ++number) {
+      const auto [first, fresh] = readers.try_emplace({reading.station, reading.table, number}, i);
+      if (fresh || reading.end() > 65536) continue;
+      report.channel(i, "register",
+                     "register " + std::to_string(number) + " (station " + std::to_string(reading.station) + ", " +
+                         (reading.table == Table::input ? "input" : "holding") + ") is read by channel \"" +
+                         std::string(settings.channels()[first->second].name) +
+                         "\" already; expected registers of its own");
+      break;
+    }
     if (reading.end() > 65536)
       report.channel(i, "register",
                      "the value ends beyond register 65535; expected at most " +

@@ -2,6 +2,7 @@
 // expected to be reported.
 #include <gtest/gtest.h>
 
+#include "config/decimal_comma.hpp"
 #include "tests/config/fake_drivers.hpp"
 
 namespace dwell::config::testing {
@@ -76,7 +77,7 @@ TEST(RigFileMistakes, OfMassesPointToTheMass) {
                  "the uncertainty of mass 2 is -0.02: expected a number 0 or more, in the unit of the mass");
   std::string many = "@[1";
   for (std::size_t i = 1; i < kMaxMasses + 1; ++i) many += ",1";
-  expect_mistake("[12.0, 8.0]", many + "]", "\"masses\" has 1001 entries: expected at most 1000");
+  expect_mistake("[12.0, 8.0]", many + "]", "\"masses\" has 101 entries: expected at most 100");
 }
 
 TEST(RigFileMistakes, OfTheExcitation) {
@@ -154,15 +155,29 @@ TEST(RigFileMistakes, OfAMemoryOfTooManyPeriods) {
             "s\n");
 }
 
+TEST(RigFileMistakes, ADecimalCommaIsNamed) {
+  expect_mistake("delay = 0.001", "delay = 0@,001",
+                 "Error while parsing key-value pair: expected a comment or whitespace, saw ','; expected a decimal "
+                 "point: 0.001");
+  EXPECT_EQ(decimal_comma("a = 1\nb =  -12,50 # mm\n", 2), "-12.50");
+  EXPECT_FALSE(decimal_comma("a = [1, 2\n", 1));
+  EXPECT_FALSE(decimal_comma("a = 1,\n", 1));
+  EXPECT_FALSE(decimal_comma("a", 3));
+  EXPECT_FALSE(decimal_comma("", 1));
+}
+
 TEST(RigFileMistakes, OfTheListeningAddress) {
-  const std::string expected = ": expected \"HOST:PORT\", for instance \"127.0.0.1:8380\" or \"[::1]:8380\"";
+  const std::string expected =
+      ": expected \"ADDRESS:PORT\" with a numeric address or localhost, for instance \"127.0.0.1:8380\" or "
+      "\"[::1]:8380\"";
   for (const char* wrong :
        {"127.0.0.1", "127.0.0.1:", ":8380", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x", "1.2.3.400:80",
-        "1.2.3:80", "::1:8380", "[::1]", "[::g]:80", "bad host:80", "-a:80", "a:8 0"}) {
+        "1.2.3:80", "::1:8380", "[::1]", "[::g]:80", "bad host:80", "-a:80", "a:8 0", "host:8380",
+        "bench-2.example.org:80"}) {  // the service binds addresses and looks up no names
     expect_mistake("\"[::1]:9000\"", "@\"" + std::string(wrong) + "\"",
                    "\"listen\" is \"" + std::string(wrong) + "\"" + expected);
   }
-  for (const char* right : {"0.0.0.0:1", "localhost:65535", "bench-2.example.org:80", "[::]:8380", "127.0.0.1:0"}) {
+  for (const char* right : {"0.0.0.0:1", "localhost:65535", "[::]:8380", "127.0.0.1:0"}) {
     expect_good("\"[::1]:9000\"", "\"" + std::string(right) + "\"");
   }
   expect_mistake("\"[::1]:9000\"", "@8380", "\"listen\" is an integer" + expected);

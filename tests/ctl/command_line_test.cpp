@@ -12,6 +12,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "config/rig_file.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
@@ -324,6 +325,35 @@ TEST(CommandLine, CheckProbesTheDevicesOfARigFileItself) {
   EXPECT_EQ(run({"check", "--rig", folder.file("bad.toml", "[rig]\nname = 3\n")}).code, 2);
 }
 
+// Two programs on one serial line would take each other's answers.
+TEST(CommandLine, CheckOfARigFileThatTheServiceServesAsksTheService) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig);
+  (void)folder.file("data.csv", recording(0.5, "t,y0,reaction"));
+  const std::string sha256 = config::load(rig, nullptr)->sha256;
+  const std::string status = R"({"health":{"rig_sha256":")" + sha256 + "\"}}\n";
+  const std::string foreign = R"({"health":{"rig_sha256":"0"}})"
+                              "\n";
+  const std::string served =
+      R"({"channels":[{"name":"y0","value":1.5,"unit":"mm","rate_hz":500,"latency_s":0.001,"status":"ok"}]})"
+      "\n";
+  ScriptedServer server({Reply{status, true}, Reply{served, true}, Reply{foreign, true}}, folder.path("control"));
+  const Outcome asked = run({"check", "--rig", rig, "--control", folder.path("control"), "--json"});
+  EXPECT_EQ(asked.code, 0) << asked.err;
+  EXPECT_EQ(Json::parse(asked.out)["channels"].size(), 1U);
+  EXPECT_NE(asked.err.find("the service measures with"), std::string::npos) << asked.err;
+  // Of another rig file the devices are free.
+  const Outcome probed = run({"check", "--rig", rig, "--control", folder.path("control"), "--json"});
+  EXPECT_EQ(probed.code, 0) << probed.err;
+  EXPECT_EQ(Json::parse(probed.out)["channels"].size(), 2U);
+}
+
+TEST(CommandLine, CheckWithoutAServiceHintsAtTheRigFile) {
+  const Outcome outcome = run({"check", "--control", "/nonexistent/control"});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("--rig FILE"), std::string::npos) << outcome.err;
+}
+
 TEST(CommandLine, CheckIsNoWhereADeviceDoesNotAnswer) {
   const test::TemporaryFolder folder;
   std::string port;
@@ -339,7 +369,10 @@ TEST(CommandLine, CheckIsNoWhereADeviceDoesNotAnswer) {
   };
   replace("driver = \"replay\"\nfile = \"data.csv\"",
           "driver = \"modbus\"\ntransport = \"tcp\"\nhost = \"127.0.0.1\"\nrate = 100\nport = " + port);
-  replace("device = \"recording\"\n", "device = \"recording\"\nregister = 0\ntype = \"float32\"\n");
+  replace("device = \"recording\"\nmeasures = \"d",
+          "device = \"recording\"\nregister = 0\ntype = \"float32\"\nmeasures = \"d");
+  replace("device = \"recording\"\nmeasures = \"f",
+          "device = \"recording\"\nregister = 2\ntype = \"float32\"\nmeasures = \"f");
   const Outcome outcome = run({"check", "--rig", folder.file("rig.toml", rig)});
   EXPECT_EQ(outcome.code, 1) << outcome.err;
   EXPECT_NE(outcome.out.find("refused"), std::string::npos) << outcome.out;

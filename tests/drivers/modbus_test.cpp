@@ -285,6 +285,45 @@ TEST(ModbusPlugin, LooksUpNamesWithoutMakingStopWait) {
   EXPECT_LT(lost.stop(), 0.5);
 }
 
+// Two programs on one line take each other's answers: the second one gets none, and the first loses none.
+TEST(ModbusPlugin, ASerialPortInUseIsRefusedToASecondProgram) {
+  ModbusDevice device(kSerial, honest);
+  Given given = over_serial(device);
+  add_word(given, "a", 5);
+  FakeHost host;
+  {
+    Instance instance(driver_table(), *given.settings(), host);
+    ASSERT_TRUE(instance.start());
+    ASSERT_TRUE(eventually([&] { return host.sample_count() > 5; }));
+    const auto results = probe(driver_table(), *given.settings());
+    EXPECT_NE(results.at(0).error.find("in use by another program"), std::string::npos) << results.at(0).error;
+    const std::size_t before = host.sample_count();
+    ASSERT_TRUE(eventually([&] { return host.sample_count() > before + 5; }));
+    EXPECT_EQ(host.counted(DWELL_FAULT_TIMEOUT), 0);
+    instance.stop();
+  }
+  EXPECT_EQ(probe(driver_table(), *given.settings()).at(0).error, "");
+}
+
+TEST(ModbusPlugin, TwoChannelsOfOneRegisterAreAMistake) {
+  Given given("amplifier");
+  given.set("transport", "tcp").set("host", "10.0.0.1");
+  given.channel("a").set("register", 0).set("type", "float32");
+  given.channel("b").set("register", 2).set("type", "float32");
+  given.channel("c").set("register", 1).set("type", "uint16");
+  given.channel("d").set("register", 0).set("type", "float32").set("table", "holding");
+  given.channel("e").set("register", 0).set("type", "float32").set("station", 2);
+  given.channel("f").set("register", 2).set("type", "float32");
+  const auto mistakes = mistakes_of(driver_table(), *given.settings());
+  ASSERT_EQ(mistakes.size(), 2U);
+  EXPECT_EQ(mistakes[0],
+            "channel 2, register: register 1 (station 1, input) is read by channel \"a\" already; expected registers "
+            "of its own");
+  EXPECT_EQ(mistakes[1],
+            "channel 5, register: register 2 (station 1, input) is read by channel \"b\" already; expected registers "
+            "of its own");
+}
+
 TEST(ModbusPlugin, WarnsOfARateThatTheLineCannotCarry) {
   ModbusDevice device(kSerial, honest);
   Given given = over_serial(device);
