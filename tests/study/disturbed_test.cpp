@@ -140,6 +140,29 @@ TEST(StudyDisturbed, RepeatsOfWholeScansBefallAllChannelsAtOnce) {
   EXPECT_EQ(alone, 0);
 }
 
+// One mode A exp(λt) seen until it has gone, its amplitude unknown: σ(Re λ) = σ(Im λ) = 4 σ α^(3/2) / (A √rate), α its
+// decay rate (the information is A² rate / (16 σ² α³)).
+TEST(StudyDisturbed, WhatATransientTellsOfAPoleIsTheBoundInClosedForm) {
+  Case about;
+  about.frequency_hz = 2.0;
+  about.chain = {Boundary::free, {10}, {10 * std::pow(kTwoPi * 9, 2)}, {2 * 0.02 * 10 * kTwoPi * 9}};
+  about.rig.boundary = Boundary::free;
+  about.rig.masses = about.chain.masses;
+  about.rig.excitation.harmonics = 1;
+  about.sensors = {{Quantity::displacement, 0, {}, 1.0, 0.0, {}}, {Quantity::displacement, 1, {}, 1.0, 0.0, {}}};
+  about.lines.assign(2, Line{});
+  for (Line& line : about.lines) line.rate_hz = 400, line.sigma = 1e-6;
+  about.motion = std::make_shared<Motion>(about.chain, about.sensors);
+  about.motion->drive(0.0, {2.0, {1e-3}}, MassState{{0.0}, {0.05}});
+  const Motion::Swing swing = about.motion->swings(1)[0];
+  const double alpha = -swing.lambda.real();
+  const double expected = 4 * 1e-6 * std::pow(alpha, 1.5) / (std::abs(swing.weight) * std::sqrt(400.0));
+  const std::vector<Complex> sigma = resolved_poles(about, 20 / alpha);
+  ASSERT_EQ(sigma.size(), 1U);
+  EXPECT_NEAR(sigma[0].real(), expected, 0.05 * expected);
+  EXPECT_NEAR(sigma[0].imag(), expected, 0.05 * expected);
+}
+
 TEST(StudyDisturbed, ASwappedPairShowsInThePolesAndAScaleOfAllDoesNot) {
   Case about;
   for (int index = static_cast<int>(Kind::mass_off);; index += kKinds) {

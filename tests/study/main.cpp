@@ -43,13 +43,13 @@ bool is_quick(const Case& about) {
 
 template <typename One, typename Play>
 std::vector<One> play_all(const Options& options, Population population, int count, const Play& play) {
-  std::vector<int> indices;
-  for (int index = 0; static_cast<int>(indices.size()) < count; ++index)
-    if (!options.is_short || is_quick(draw(population, options.seed, index))) indices.push_back(index);
+  std::vector<Case> quick;  // the short form draws until it has enough of them
+  for (int index = 0; options.is_short && static_cast<int>(quick.size()) < count; ++index)
+    if (Case about = draw(population, options.seed, index); is_quick(about)) quick.push_back(std::move(about));
   std::vector<One> outcomes(static_cast<std::size_t>(count));
   for_all(count, name_of(population), [&](int i) {
     const auto at = static_cast<std::size_t>(i);
-    outcomes[at] = play(draw(population, options.seed, indices[at]), Trace{});
+    outcomes[at] = play(options.is_short ? quick[at] : draw(population, options.seed, i), Trace{});
   });
   return outcomes;
 }

@@ -85,8 +85,49 @@ std::vector<Complex> stated_u(const Case& about, const std::vector<ElementBound>
   return squares;
 }
 
-// Standard deviations of real and imaginary parts of the poles, as (σ, σ): what the transient from the drive's start
-// to `end_s` tells at best.
+// Largest shift of a pole, from the true rig to the chain that the steady motion gives, over what is resolved.
+double poles_show(const Case& about, const std::vector<Complex>& Z, double omega, double end_s) {
+  if (about.chain.mass_count() == 0) return 0.0;
+  Chain identified{about.chain.boundary, about.rig.masses, {}, {}};
+  for (const Complex& of : Z) {
+    identified.stiffness.push_back(of.real());
+    identified.damping.push_back(of.imag() / omega);
+  }
+  std::vector<Complex> given;
+  for (const Complex& lambda : natural_values(identified))
+    if (lambda.imag() >= 0) given.push_back(lambda);
+  const std::vector<Complex> sigma = resolved_poles(about, end_s);
+  double most = 0.0;
+  for (std::size_t m = 0; m < sigma.size() && !given.empty(); ++m) {
+    const Complex truth = about.motion->natural()[m];
+    const auto nearest = std::min_element(
+        given.begin(), given.end(), [&](Complex a, Complex b) { return std::abs(a - truth) < std::abs(b - truth); });
+    const Complex off = *nearest - truth;
+    most = std::max({most, std::abs(off.real()) / sigma[m].real(), std::abs(off.imag()) / sigma[m].imag()});
+    if (given.size() > 1) given.erase(nearest);
+  }
+  return most;
+}
+
+// Third harmonic of an element's force that its own deformation does not explain, over its standard deviation.
+double third_shows(const Case& about, const std::vector<Complex>& X3, int k, double seconds) {
+  const double omega = 3 * kTwoPi * about.frequency_hz;
+  const ElementRows rows = true_rows(about, omega);
+  const auto e = static_cast<std::size_t>(k - 1);
+  const Complex Z{about.chain.stiffness[e], omega * about.chain.damping[e]};
+  const Eigen::RowVectorXcd row = rows.force.row(k - 1) - Z * rows.deformation.row(k - 1);
+  Complex force = 0.0;
+  double variance = 0.0;
+  for (int c = 0; c < about.channels(); ++c) {
+    const Line& line = about.lines[static_cast<std::size_t>(c)];
+    force += row(c) * X3[static_cast<std::size_t>(c)];
+    variance += std::norm(row(c)) * line.noise() * line.noise() * 2 / (line.rate_hz * seconds);
+  }
+  return std::abs(force) / std::sqrt(variance);
+}
+
+}  // namespace
+
 std::vector<Complex> resolved_poles(const Case& about, double end_s) {
   const std::vector<Complex>& poles = about.motion->natural();
   const auto M = static_cast<Eigen::Index>(poles.size());
@@ -134,49 +175,6 @@ std::vector<Complex> resolved_poles(const Case& about, double end_s) {
     sigma.emplace_back(std::sqrt(covariance(2 * m, 2 * m)), std::sqrt(covariance(2 * m + 1, 2 * m + 1)));
   return sigma;
 }
-
-// Largest shift of a pole, from the true rig to the chain that the steady motion gives, over what is resolved.
-double poles_show(const Case& about, const std::vector<Complex>& Z, double omega, double end_s) {
-  if (about.chain.mass_count() == 0) return 0.0;
-  Chain identified{about.chain.boundary, about.rig.masses, {}, {}};
-  for (const Complex& of : Z) {
-    identified.stiffness.push_back(of.real());
-    identified.damping.push_back(of.imag() / omega);
-  }
-  std::vector<Complex> given;
-  for (const Complex& lambda : natural_values(identified))
-    if (lambda.imag() >= 0) given.push_back(lambda);
-  const std::vector<Complex> sigma = resolved_poles(about, end_s);
-  double most = 0.0;
-  for (std::size_t m = 0; m < sigma.size() && !given.empty(); ++m) {
-    const Complex truth = about.motion->natural()[m];
-    const auto nearest = std::min_element(
-        given.begin(), given.end(), [&](Complex a, Complex b) { return std::abs(a - truth) < std::abs(b - truth); });
-    const Complex off = *nearest - truth;
-    most = std::max({most, std::abs(off.real()) / sigma[m].real(), std::abs(off.imag()) / sigma[m].imag()});
-    if (given.size() > 1) given.erase(nearest);
-  }
-  return most;
-}
-
-// Third harmonic of an element's force that its own deformation does not explain, over its standard deviation.
-double third_shows(const Case& about, const std::vector<Complex>& X3, int k, double seconds) {
-  const double omega = 3 * kTwoPi * about.frequency_hz;
-  const ElementRows rows = true_rows(about, omega);
-  const auto e = static_cast<std::size_t>(k - 1);
-  const Complex Z{about.chain.stiffness[e], omega * about.chain.damping[e]};
-  const Eigen::RowVectorXcd row = rows.force.row(k - 1) - Z * rows.deformation.row(k - 1);
-  Complex force = 0.0;
-  double variance = 0.0;
-  for (int c = 0; c < about.channels(); ++c) {
-    const Line& line = about.lines[static_cast<std::size_t>(c)];
-    force += row(c) * X3[static_cast<std::size_t>(c)];
-    variance += std::norm(row(c)) * line.noise() * line.noise() * 2 / (line.rate_hz * seconds);
-  }
-  return std::abs(force) / std::sqrt(variance);
-}
-
-}  // namespace
 
 bool Moved::harmless() const {
   bool any = false;

@@ -28,4 +28,8 @@ inline constexpr double kShows = 5.0;
 // them.
 [[nodiscard]] Moved moved_by(const Case& about, double from_s, double seconds);
 
+// Standard deviations of the real and the imaginary part of each pole (Motion::natural()), 1/s: what the transient from
+// the newest drive's start to `end_s` tells at best.
+[[nodiscard]] std::vector<Complex> resolved_poles(const Case& about, double end_s);
+
 }  // namespace dwell::study
