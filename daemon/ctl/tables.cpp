@@ -125,8 +125,10 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       numbers.push_back(first && d.index ? std::to_string(*d.index) : "");
       states.push_back(!first ? "" : d.state == State::complete ? to_string(d.ended_by) : to_string(d.state));
       data.push_back(!first ? "" : settled ? seconds_text(d.end_s - d.settled_s, 1) : kNoNumber);
-      frequencies.push_back(first ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
-                                  : NumberText{});
+      // Before settling, ± would be stated of a fit that holds part of the transient.
+      frequencies.push_back(!first    ? NumberText{}
+                            : settled ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
+                                      : number_text(d.frequency_hz.value, "Hz", 4));
       if (i >= d.elements.size()) {
         elements.emplace_back();
         stiffness.emplace_back();

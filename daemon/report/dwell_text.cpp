@@ -22,12 +22,17 @@ std::string format(const char* pattern, double value) {
 
 bool settled(const Dwell& dwell) { return std::isfinite(dwell.settled_s); }
 
+// Digits of a number before the dwell has settled: the fit takes part of the transient for steady motion, which its ±
+// does not cover, so none is shown.
+constexpr int kProvisional = 3;
+
 // The phase of `p` relative to `reference`, in (-180, 180] degrees.
-NumberText relative_phase(const ChannelPhasor& p, const ChannelPhasor& reference) {
+NumberText relative_phase(const ChannelPhasor& p, const ChannelPhasor& reference, bool provisional) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   if (&p == &reference) return {"0", "", "°"};
-  const double U = kNormal95 * p.u_relative_phase_rad;
-  return number_text(degrees * std::arg(p.Y / reference.Y), degrees * U, "°");
+  const double phase = degrees * std::arg(p.Y / reference.Y);
+  if (provisional) return number_text(phase, "°", kProvisional);
+  return number_text(phase, degrees * kNormal95 * p.u_relative_phase_rad, "°");
 }
 
 // The mean to the digits that the amplitude has: it is known no better.
@@ -220,7 +225,9 @@ Section verdict_section(const DwellView& view, const TextOptions& options) {
   }
   if (!transient.empty()) texts.push_back("transient  " + transient);
   if (std::isfinite(d.frequency_hz.value)) {
-    texts.push_back("frequency  " + join(number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")));
+    const NumberText frequency = settled(d) ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
+                                            : number_text(d.frequency_hz.value, "Hz", kProvisional + 1);
+    texts.push_back("frequency  " + join(frequency) + (settled(d) ? "" : " so far"));
   }
   return paragraphs(texts, options.columns, 11, options.age.empty() ? Style::plain : Style::old);
 }
@@ -234,6 +241,7 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
   for (std::size_t i = 0; i < count && !reference; ++i) {
     if (phasors[i].valid && std::abs(phasors[i].Y) > 0.0) reference = i;
   }
+  const bool provisional = !settled(view.dwell);
   std::vector<std::string> names;
   std::vector<std::string> ages;
   std::vector<NumberText> amplitudes;
@@ -248,8 +256,11 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
     const ChannelNote note = i < options.channels.size() ? options.channels[i] : ChannelNote{};
     names.push_back(label.name);
     const NumberText none{kNoNumber, "", ""};
-    amplitudes.push_back(p.valid ? number_text(std::abs(p.Y), kNormal95 * p.u_amplitude, label.unit) : none);
-    phases.push_back(p.valid && reference ? relative_phase(p, phasors[*reference]) : none);
+    const double amplitude = std::abs(p.Y);
+    amplitudes.push_back(!p.valid      ? none
+                         : provisional ? number_text(amplitude, label.unit, kProvisional)
+                                       : number_text(amplitude, kNormal95 * p.u_amplitude, label.unit));
+    phases.push_back(p.valid && reference ? relative_phase(p, phasors[*reference], provisional) : none);
     means.push_back(p.valid ? mean_text(p, label.unit) : none);
     harmonics.push_back(p.valid ? largest_harmonic(p) : kNoNumber);
     ages.push_back(!note.age.empty() ? note.age : options.age);
@@ -268,10 +279,16 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
   if (some_old) table.add("age", std::move(ages), Align::right);
   table.add("amplitude", join_aligned(amplitudes));
   table.add(reference ? "phase to " + names[*reference] : "phase", join_aligned(phases));
-  table.add("mean", join_aligned(means));
-  table.add("harmonic", harmonics, Align::right);
+  if (!provisional) {
+    table.add("mean", join_aligned(means));
+    table.add("harmonic", harmonics, Align::right);
+  }
   table.set_styles(std::move(styles));
   Section section = take_first(table.sections(options.columns), rest);
+  if (provisional && reference) {
+    append(section, paragraphs({"not settled: part of the transient is in these numbers, so they have no ±"},
+                               options.columns, 2, Style::plain));
+  }
   append(section, paragraphs(notes, options.columns, 2, Style::plain));
   return section;
 }

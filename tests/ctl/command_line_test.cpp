@@ -123,7 +123,9 @@ TEST(CommandLine, AServiceThatIsNotThereIsExitCode3) {
     EXPECT_EQ(outcome.err, "dwellctl: " + address + ": Connection refused\n") << verb;
     EXPECT_EQ(outcome.out, "") << verb;
   }
-  EXPECT_EQ(run({"check", "--control", "/nonexistent/control"}).code, 3);
+  const Outcome check = run({"check", "--control", "/nonexistent/control"});
+  EXPECT_EQ(check.code, 3);
+  EXPECT_NE(check.err.find("dwellctl check --rig FILE"), std::string::npos) << check.err;
 }
 
 TEST(CommandLine, StatusIsOneScreenAndNoUnlessMeasuring) {

@@ -89,17 +89,36 @@ TEST(DwellText, BeforeSettlingItSaysWhatIsAwaited) {
 
 settled    no
 reason     2.1 % of the transient of reaction is left, 0.5 % allowed
-frequency  4.00000 ± — Hz
+frequency  4.000 Hz so far
 
-channel   amplitude  phase  mean  harmonic
-y0        —          —      —            —
-a1        —          —      —            —
-y2        —          —      —            —
-reaction  —          —      —            —
+channel   amplitude  phase
+y0        —          —
+a1        —          —
+y2        —          —
+reaction  —          —
 y0: too few samples
 a1: too few samples
 y2: too few samples
 reaction: too few samples
+)");
+}
+
+// "4.689 ± 0.030 mm" stood there of a table that moved by 5 mm: a ± for noise, of a fit that took the transient for
+// motion.
+TEST(DwellText, BeforeSettlingNoIntervalIsShown) {
+  Dwell dwell = test::settling_dwell();
+  dwell.phasors = test::sample_dwell().phasors;
+  dwell.frequency_hz = {3.5, 0.008};
+  const std::string text = dwell_text(make_view(dwell, test::sample_rig(), {}));
+  EXPECT_EQ(text.substr(text.find("frequency")), R"(frequency  3.500 Hz so far
+
+channel   amplitude  phase to y0
+y0        5.00 mm        0 °
+a1        4.20 m/s²    174 °
+y2           —           —
+reaction  86.3 N     -20.1 °
+not settled: part of the transient is in these numbers, so they have no ±
+y2: stale: timeout
 )");
 }
 

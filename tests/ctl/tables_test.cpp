@@ -44,7 +44,7 @@ TEST(Tables, DwellsHaveOneLinePerElement) {
     1  drive changed  4.000300 ± 0.000039 Hz  24.6 s        1   24.010 ±   0.027 kN/m  60.20 ± 0.79 N·s/m
                                                             2        —                     —                     the deformation is less than three times its uncertainty
                                                             3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m n.s.
-    2  end             4.00000 ±        — Hz       —                                                             not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
+    2  end               4.000            Hz       —                                                             not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
 ± is the half width of the 95 % interval; n.s.: not significant, smaller than its standard uncertainty
 )");
 }
