@@ -243,10 +243,8 @@ void Blocks::compact() noexcept {
     const bool oldest_of_length = i == 0 || blocks_[order_[i - 1]].quarters != quarters;
     if (++of_this_length > (quarters == 1 ? kFine : kPerLength) && oldest_of_length) join(i);
   }
-  if (order_.size() > kCapacity) {
-    free_.push_back(order_.front());
-    order_.erase(order_.begin());
-  }
+  // What counts in running sums must not go: beyond all lengths the oldest two are one.
+  if (order_.size() > kCapacity) join(0);
 }
 
 void Blocks::join(std::size_t position) noexcept {

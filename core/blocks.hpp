@@ -25,7 +25,9 @@ class Blocks {
 
   static constexpr int kFine = 64;       // newest blocks that are never joined
   static constexpr int kPerLength = 12;  // blocks of one length kept before two of them are joined
-  static constexpr int kCapacity = kFine + 1 + 16 * kPerLength;
+  // Lengths of 2 … 2^26 quarters: 8e8 of them, twice the longest memory of a rig file (1e8 periods).
+  static constexpr int kLengths = 26;
+  static constexpr int kCapacity = kFine + 1 + kLengths * kPerLength;
 
   struct Block {
     std::int64_t begin_ns, end_ns;  // [begin, end)
@@ -52,7 +54,7 @@ class Blocks {
   // Adds one sample to the open block. t within it and after the channel's previous sample. Cost: 8 (2H+1)
   // multiply-adds per distinct instant, then 4 (H+1). Real-time safe.
   void add(int channel, std::int64_t t_ns, double value) noexcept { add_sample_(*this, channel, t_ns, value); }
-  // Closes the open block and joins old ones where there are too many. O(channels).
+  // Closes the open block and joins old ones where there are too many; none is ever dropped. O(channels).
   void close() noexcept;
   [[nodiscard]] bool is_open() const noexcept { return open_; }
   [[nodiscard]] std::int64_t open_end_ns() const noexcept { return blocks_[current_].end_ns; }

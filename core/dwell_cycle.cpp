@@ -42,9 +42,16 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
   // From few degrees of freedom the noise is itself uncertain.
   const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
-  const double u0 = few * std::sqrt(0.5 * table.covariance.trace()) * per_reading;
+  // While measuring it is known from the dwell; a window may have more.
+  const double more_noise =
+      state == State::measuring && counted_valid ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
+  const double u0 = few * std::sqrt(0.5 * more_noise * table.covariance.trace()) * per_reading;
 
   // One bad reading makes a window uncertain, but no drive small.
+  // Where no phase has told the frequency yet, the window's own, if it is known to a hundredth.
+  const bool acquired = omega != kTwoPi * rig.excitation.frequency_hz;
+  const double seen_omega = std::isfinite(drive.omega()) || !acquired ? drive.omega() : omega;
+  seen_drive.take(std::abs(Y0), seen_omega / kTwoPi, state != State::idle && state != State::fault);
   const bool uncertain =
       std::abs(Y0) < 3 * u0 && (state != State::measuring || std::abs(Y0) < kStopped * drive.amplitude());
   if (std::abs(Y0) < rig.excitation.minimum || uncertain) {
@@ -101,8 +108,10 @@ bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
   if (state != State::measuring || !counted_valid) return false;
   const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
   const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
-  const double u = std::hypot(std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]), hold.u_omega * since_s,
-                              hold.omega * watch.late_s());
+  // Few readings leave a window's own noise uncertain: that of the dwell is known, a window may have more.
+  const double more_noise = std::max(1.0, hold.sigma2 / table.sigma2);
+  const double u = std::hypot(std::sqrt(0.5 * more_noise * table.covariance.trace()) / std::abs(table.X[0]),
+                              hold.u_omega * since_s, hold.omega * watch.late_s());
   slips = std::abs(off) > kSlip_rad + 4 * u ? slips + 1 : 0;
   since_in_phase = std::abs(off) > kInPhase_rad + 4 * u ? since_in_phase + 1 : 0;
   return slips >= 2;
@@ -113,7 +122,8 @@ void Pipeline::Impl::arm(int from) {
   enter(State::settling);
   restarts = 0;
   begin_hold(from);
-  start_ns = steady_ns;
+  start_ns = armed_ns = steady_ns;
+  seen_drive.arm();
 }
 
 void Pipeline::Impl::begin_hold(int from) {
@@ -129,7 +139,7 @@ void Pipeline::Impl::begin_hold(int from) {
   modal_skipped = 0.0;
   extra_poles.clear();
   for (Noise& noise : noises) noise = {};
-  modal_refit_at_ns = 0;
+  modal_refit_at_ns = INT64_MIN;
   modal_fitted = false;
   seen_modes.clear();
   believe_at_ns = INT64_MIN;
@@ -149,10 +159,16 @@ void Pipeline::Impl::begin_hold(int from) {
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
 }
 
-// How many of the newest blocks may hold another drive.
 int Pipeline::Impl::doubtful_quarters() const {
-  const int quarters = watch.watches() ? watch.since_good() : std::min(drive.windows_since_good(), 2 * kQuarters);
-  return std::min(quarters, Blocks::kFine - 2 * kQuarters);
+  return watch.watches() ? watch.since_good() : std::min(drive.windows_since_good(), 2 * kQuarters);
+}
+
+int Pipeline::Impl::blocks_before(int newest_quarters) const {
+  int keep = blocks.count();
+  while (keep > 0 &&
+         blocks.block(keep - 1).first_serial + blocks.block(keep - 1).quarters > blocks.serials() - newest_quarters)
+    --keep;
+  return keep;
 }
 
 void Pipeline::Impl::change(int from) {
@@ -160,8 +176,7 @@ void Pipeline::Impl::change(int from) {
     // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
     // the amplitude, as far as the phase has been slipping away by that.
     // A change that begins as a ramp explains most a little after it has begun.
-    const int back = std::max(doubtful_quarters() + 2, std::min(since_in_phase + 1, Blocks::kFine - 2 * kQuarters));
-    conclude(std::max(0, blocks.count() - back), false);
+    conclude(blocks_before(std::max(doubtful_quarters() + 2, since_in_phase + 1)), false);
     pending_until_serial = blocks.serials() + kLongestPending;
     if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
     return arm(from);
@@ -176,8 +191,7 @@ void Pipeline::Impl::stop() {
     --index;  // what was armed after the change was no dwell
     emit(EndedBy::drive_stopped);
   } else if (state == State::settling || state == State::measuring) {
-    const int back = std::min(kQuarters * window_periods + doubtful_quarters() + 2, blocks.count());
-    conclude(blocks.count() - back, false);
+    conclude(blocks_before(kQuarters * window_periods + doubtful_quarters() + 2), false);
     emit(EndedBy::drive_stopped);
   }
   enter(State::idle);
@@ -193,9 +207,8 @@ void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
     // Windows in doubt do not count, whatever ends the dwell; nor does the quarter of a period before the interlock,
     // whose contact may lag what it tells of.
     const int least = ended_by == EndedBy::interlock ? 1 : 0;
-    const int doubtful =
-        doubtful_quarters() > 0 ? std::min(doubtful_quarters() + 1, blocks.count()) : std::min(least, blocks.count());
-    conclude(blocks.count() - doubtful, with_open && doubtful == 0);
+    const int doubtful = doubtful_quarters() > 0 ? doubtful_quarters() + 1 : least;
+    conclude(blocks_before(doubtful), with_open && doubtful == 0);
     emit(ended_by);
   }
   enter(next);
@@ -227,7 +240,7 @@ void Pipeline::Impl::refresh_reference() {
 void Pipeline::Impl::conclude(int to, bool with_open) {
   finished = evaluate(to, with_open, false);
   finished_omega = omega;
-  finished_start_ns = start_ns;
+  finished_armed_ns = armed_ns;
   finished.state = State::complete;
   finished.settles_in_s = kNaN;
   pending = true;
@@ -237,7 +250,7 @@ void Pipeline::Impl::emit(EndedBy ended_by) {
   pending = false;
   // What never settled and was hardly begun was no dwell.
   if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
-      to_s(now_ns - finished_start_ns) < kShortestTold * kTwoPi / finished_omega) {
+      to_s(now_ns - finished_armed_ns) < kShortestTold * kTwoPi / finished_omega) {
     --index;
     return;
   }

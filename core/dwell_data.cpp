@@ -1,4 +1,5 @@
 #include <Eigen/Cholesky>
+#include <array>
 
 #include "core/pipeline_impl.hpp"
 
@@ -38,7 +39,7 @@ void Pipeline::Impl::count_anew(bool follow) {
   const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
   const Complex X = fit.X[0];
   const double drift = blocks.drift().rate;
-  hold = {centroid_ns, std::arg(X), omega, u_omega};
+  hold = {centroid_ns, std::arg(X), omega, u_omega, fit.sigma2};
   drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
   if (fit.usable) {
@@ -71,23 +72,34 @@ double Pipeline::Impl::seen_drift(int first, double w, std::int64_t about_ns) co
   if (!from_motion() || blocks.count() - first < kStretches) return 0.0;
   const std::int64_t length_ns = blocks.block(blocks.count() - 1).end_ns - blocks.block(first).begin_ns;
   if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
-  // The table's phase in stretches of like length against the dwell's, a parabola through it.
-  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  double before = 0.0;
-  for (int from = first, to = first; from < blocks.count(); from = to) {
+  // The table's phase in stretches of like length against the dwell's, a parabola through it. All have one noise: that
+  // of few readings is itself uncertain.
+  struct Stretch {
+    double u, phase, information;  // of unit variance
+  };
+  std::array<Stretch, 2 * kStretches> stretches;
+  std::size_t count = 0;
+  double before = 0.0, squares = 0.0, freedom = 0.0;
+  for (int from = first, to = first; from < blocks.count() && count < stretches.size(); from = to) {
     const std::int64_t first_ns = blocks.block(from).begin_ns;
     while (to < blocks.count() && (to == from || blocks.block(to).begin_ns - first_ns < length_ns / kStretches)) ++to;
     blocks.sum_channel(drive_channel, from, to, w, about_ns, window);
     const HarmonicFit fit = fit_harmonics(window, drive_channel, H, 0.0);
-    if (!fit.usable) continue;
+    if (!fit.usable || !(fit.sigma2 > 0)) continue;
     const double u = to_s((blocks.block(to - 1).end_ns + first_ns) / 2 - about_ns) / to_s(length_ns);
     const double phase = before + std::remainder(std::arg(fit.X[0]) - before, kTwoPi);
     before = phase;
-    const double weight = std::norm(fit.X[0]) / (0.5 * fit.covariance.trace());
-    const Eigen::Vector3d x{1.0, u, 0.5 * u * u};
+    stretches[count++] = {u, phase, std::norm(fit.X[0]) * fit.sigma2 / (0.5 * fit.covariance.trace())};
+    squares += fit.sigma2 * (fit.samples - (2 * H + 1));
+    freedom += fit.samples - (2 * H + 1);
+  }
+  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double weight = stretches[i].information * freedom / squares;
+    const Eigen::Vector3d x{1.0, stretches[i].u, 0.5 * stretches[i].u * stretches[i].u};
     N += weight * x * x.transpose();
-    b += weight * phase * x;
+    b += weight * stretches[i].phase * x;
   }
   const Eigen::LLT<Eigen::Matrix3d> llt(N);
   if (llt.info() != Eigen::Success) return 0.0;
@@ -107,7 +119,7 @@ bool Pipeline::Impl::drop_misjudged() {
   const std::int64_t first = blocks.block(0).first_serial, all = blocks.serials() - first;
   if (all < kEnoughQuarters) return false;
   double loss = 0.0;
-  std::int64_t good_from_ns = 0;
+  std::int64_t good_from_ns = INT64_MIN;
   for (int i = 0; i < blocks.count(); ++i) {
     const Blocks::Block& block = blocks.block(i);
     const double turned = (block.omega / omega - 1) * std::numbers::pi / 4;
@@ -116,7 +128,8 @@ bool Pipeline::Impl::drop_misjudged() {
       good_from_ns = block.end_ns;
   }
   const HarmonicFit fit = fit_harmonics(totals, drive_channel, H, 0.0);
-  if (good_from_ns == 0 || !(loss * std::abs(fit.X[0]) > 0.1 * std::sqrt(0.5 * fit.covariance.trace()))) return false;
+  if (good_from_ns == INT64_MIN || !(loss * std::abs(fit.X[0]) > 0.1 * std::sqrt(0.5 * fit.covariance.trace())))
+    return false;
   return blocks.forget_before(good_from_ns);
 }
 

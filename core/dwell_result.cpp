@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 
 #include "core/pipeline_impl.hpp"
+#include "core/wording.hpp"
 
 namespace dwell {
 namespace {
@@ -19,12 +20,11 @@ std::string Pipeline::Impl::foreign_oscillations() const {
   return lines;
 }
 
-std::string Pipeline::Impl::settling_reason() const {
+std::string Pipeline::Impl::barred_reason() const {
   if (sparse)
     return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
-  if (state == State::idle)
-    return permitted ? "the table does not move by more than the minimum" : "the interlock is open";
+  if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
   if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
   if (state == State::fault) {
     const Live& table = live[static_cast<std::size_t>(drive_channel)];
@@ -32,13 +32,17 @@ std::string Pipeline::Impl::settling_reason() const {
            to_string(table.now.fault == Fault::none ? Fault::silent : table.now.fault);
   }
   if (out_of_search())
-    return "the drive is at " + std::to_string(drive.omega() / kTwoPi) + " Hz, outside the range that is searched";
+    return "the drive is at " + brief(drive.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
+           brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
+           " Hz (excitation.search)";
   if (const auto other = contradicting_omega()) return statement_reason(*other);
+  if (state == State::settling && restarts >= kManyRestarts) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
+  return "";
+}
+
+std::string Pipeline::Impl::settling_reason() const {
+  if (std::string reason = barred_reason(); !reason.empty()) return reason;
   if (state == State::settling) {
-    if (restarts >= kManyRestarts)
-      return "the drive is not steady, or not at a frequency between " +
-             std::to_string(rig.excitation.search_low_hz).substr(0, 6) + " and " +
-             std::to_string(rig.excitation.search_high_hz).substr(0, 6) + " Hz";
     if (believe_at_ns != INT64_MIN)
       return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
@@ -51,7 +55,8 @@ std::string Pipeline::Impl::settling_reason() const {
                   : "") +
              foreign_oscillations();
     }
-    return "too few periods seen";
+    if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
+    return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
   }
   const std::string since = std::to_string(axis_s(settled_ns)).substr(0, 8) + " s";
   return quiet_ns != INT64_MIN ? "what may be left of the natural oscillations since " + since + " is less than allowed"
@@ -170,7 +175,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
       dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     } else if (active) {
-      if (!contradicting_omega()) dwell.settles_in_s = verdict.settles_in_s;
+      if (barred_reason().empty()) dwell.settles_in_s = verdict.settles_in_s;
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     }
     return dwell;

@@ -1,6 +1,7 @@
 // Does the drive's frequency contradict what the rig file states of it (reference = "fixed")? Then nothing is reported:
 // either the statement is wrong or the clock is, and each coefficient depends on the square of the frequency.
 #include "core/pipeline_impl.hpp"
+#include "core/wording.hpp"
 
 namespace dwell {
 namespace {
@@ -8,11 +9,7 @@ namespace {
 constexpr int kShortest = 2 * kQuarters;  // quarters of a hold before its frequency is held against the statement
 constexpr int kSteps = 4;                 // of Gauss-Newton, from the windows' own frequency
 
-std::string hz(double omega) {
-  std::string text = std::to_string(omega / kTwoPi);
-  while (text.back() == '0' && text[text.size() - 2] != '.') text.pop_back();
-  return text;
-}
+std::string hz(double omega) { return brief(omega / kTwoPi, 7); }
 
 }  // namespace
 

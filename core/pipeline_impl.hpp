@@ -28,6 +28,7 @@
 #include "core/refine.hpp"
 #include "core/report.hpp"
 #include "core/sample_history.hpp"
+#include "core/seen_drive.hpp"
 #include "core/seen_modes.hpp"
 #include "core/settling.hpp"
 #include "core/spike_gate.hpp"
@@ -146,13 +147,15 @@ struct Pipeline::Impl {
   struct Hold {
     std::int64_t t_ref_ns;
     double phase_rad, omega, u_omega;
-  } hold{};  // the table's phasor in this dwell, as last counted anew
+    double sigma2;  // of the table's residuals
+  } hold{};         // the table's phasor in this dwell, as last counted anew
   int slips = 0, since_in_phase = 0, restarts = 0;
   bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;  // while settling
   StepWatch watch;     // while measuring
+  SeenDrive seen_drive;
   SyncReference sync;
   SyncReference::Counts pulses_before;  // this hold
   bool permitted = true;                // by the interlock; without one always
@@ -160,7 +163,7 @@ struct Pipeline::Impl {
   Transactions transactions;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
-  std::int64_t modal_refit_at_ns = 0, modal_from_ns = 0;
+  std::int64_t modal_refit_at_ns = INT64_MIN, modal_from_ns = 0;
   bool modal_fitted = false;               // in this hold
   std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
   double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
@@ -195,6 +198,7 @@ struct Pipeline::Impl {
   double omega;  // rad/s, best known
   std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
   int index = 0, low_windows = 0, window_periods = 1;
+  std::int64_t armed_ns = 0;  // since when a drive is looked at that has not settled
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
@@ -202,7 +206,7 @@ struct Pipeline::Impl {
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   Dwell finished;
-  std::int64_t finished_start_ns = 0;
+  std::int64_t finished_armed_ns = 0;
   double finished_omega = 1.0;
   bool pending = false;  // `finished` awaits its reason
   std::int64_t pending_until_serial = 0;
@@ -363,8 +367,12 @@ struct Pipeline::Impl {
   // A reading into the blocks, without what is known of the transient; what was added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
 
-  // Of the newest blocks, those that may hold another drive.
+  // Of the newest quarters, those that may hold another drive.
   [[nodiscard]] int doubtful_quarters() const;
+  // How many blocks end before the newest so many quarters; one that holds some of these does not count.
+  [[nodiscard]] int blocks_before(int newest_quarters) const;
+  // Why no transient is awaited but something else; empty: nothing else bars.
+  [[nodiscard]] std::string barred_reason() const;
   double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every

@@ -26,16 +26,18 @@ inline std::vector<Tone> hunting(double hz, double amplitude, double by, double 
   return {{hz, amplitude}, {hz + hunt_hz, side}, {hz - hunt_hz, other}};
 }
 
-// Streams the motion into a pipeline; returns the dwells that were completed and settled.
+// Streams the motion into a pipeline.
 struct Toned {
   Chain chain;
   Rig rig;
   std::vector<Tone> tones;
   double rate_hz = 500.0, noise = 1e-3;  // of each channel's carrier
-  std::uint64_t seed = 1;
-  std::function<void(double, const Dwell&)> at_end{};
+  std::mt19937_64 rng{1};
+  std::int64_t played = 0;  // scans
 
-  std::vector<Dwell> run(double seconds, const std::function<double(double)>& factor = {}) const {
+  // Goes on with a pipeline for so long; `pushed` is told what each record changed.
+  void play(Pipeline& pipeline, double seconds, const std::function<void(std::uint8_t)>& pushed,
+            const std::function<double(double)>& factor = {}) {
     struct Heard {
       double omega;
       std::complex<double> X;
@@ -50,16 +52,9 @@ struct Toned {
         if (heard[c].size() == 1) sigma.push_back(noise * std::abs(X));
       }
     }
-    std::mt19937_64 rng(seed);
     std::normal_distribution<double> normal;
-    Pipeline pipeline(rig);
-    std::vector<Dwell> dwells;
-    const auto keep = [&](std::uint8_t changes) {
-      if ((changes & kCompleted) && std::isfinite(pipeline.completed().settled_s))
-        dwells.push_back(pipeline.completed());
-    };
-    for (int i = 0; i < seconds * rate_hz; ++i) {
-      const double t_s = i / rate_hz;
+    for (const auto end = played + std::llround(seconds * rate_hz); played < end; ++played) {
+      const double t_s = static_cast<double>(played) / rate_hz;
       for (std::size_t c = 0; c < heard.size(); ++c) {
         Record record;
         record.t_ns = std::llround(t_s * 1e9);
@@ -67,9 +62,21 @@ struct Toned {
         for (const Heard& tone : heard[c]) record.value += (tone.X * std::polar(1.0, tone.omega * t_s)).imag();
         if (factor) record.value *= factor(t_s);
         record.value += sigma[c] * normal(rng);
-        keep(pipeline.push(record));
+        pushed(pipeline.push(record));
       }
     }
+  }
+
+  // A recording of its own: the dwells that settled.
+  std::vector<Dwell> run(double seconds, const std::function<double(double)>& factor = {}) const {
+    Toned anew = *this;
+    Pipeline pipeline(rig);
+    std::vector<Dwell> dwells;
+    const auto keep = [&](std::uint8_t changes) {
+      if ((changes & kCompleted) && std::isfinite(pipeline.completed().settled_s))
+        dwells.push_back(pipeline.completed());
+    };
+    anew.play(pipeline, seconds, keep, factor);
     keep(pipeline.finish());
     return dwells;
   }
