@@ -74,7 +74,8 @@ class Pager {
   // The page on which the section begins.
   std::size_t add(const Section& section) {
     const std::size_t between = pages_.back().empty() ? 0 : 1;
-    const std::size_t whole = section.head.size() + section.body.size();
+    const std::size_t kept = section.body.size() - section.notes;
+    const std::size_t whole = section.head.size() + kept;
     const std::size_t room = rows_ - std::min(rows_, pages_.back().size() + between);
     // What fits on a page of its own is not torn; what does not, begins where three of its lines fit.
     if (room < std::min(whole, rows_) && (whole <= rows_ || room < section.head.size() + 3)) {
@@ -84,13 +85,13 @@ class Pager {
     }
     const std::size_t first = pages_.size() - 1;
     put(section.head);
-    for (const Line& line : section.body) {
+    for (std::size_t i = 0; i < section.body.size(); ++i) {
       if (pages_.back().size() >= rows_) {
         turn();
         // A page of titles alone would go on for ever.
-        if (section.head.size() < rows_) put(section.head);
+        if (i < kept && section.head.size() < rows_) put(section.head);
       }
-      pages_.back().push_back(line);
+      pages_.back().push_back(section.body[i]);
     }
     return first;
   }

@@ -111,7 +111,10 @@ Section paragraphs(const std::vector<std::string>& texts, std::size_t columns, s
   return section;
 }
 
-void append(Section& to, const Section& lines) { to.body.insert(to.body.end(), lines.body.begin(), lines.body.end()); }
+void append_notes(Section& to, const Section& notes) {
+  to.body.insert(to.body.end(), notes.body.begin(), notes.body.end());
+  to.notes += notes.body.size();
+}
 
 // The first part of a table that may be broken into several; the rest is for the end of the text.
 Section take_first(std::vector<Section> tables, std::vector<Section>& rest) {
@@ -190,7 +193,7 @@ std::vector<Section> element_sections(const DwellView& view, const TextOptions& 
       sections = {take_first(table.sections(options.columns), rest)};
     }
   }
-  append(sections.back(), below(dwell, options));
+  append_notes(sections.back(), below(dwell, options));
   return sections;
 }
 
@@ -286,10 +289,10 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
   table.set_styles(std::move(styles));
   Section section = take_first(table.sections(options.columns), rest);
   if (provisional && reference) {
-    append(section, paragraphs({"not settled: part of the transient is in these numbers, so they have no ±"},
-                               options.columns, 2, Style::plain));
+    append_notes(section, paragraphs({"not settled: part of the transient is in these numbers, so they have no ±"},
+                                     options.columns, 2, Style::plain));
   }
-  append(section, paragraphs(notes, options.columns, 2, Style::plain));
+  append_notes(section, paragraphs(notes, options.columns, 2, Style::plain));
   return section;
 }
 

@@ -32,6 +32,7 @@ struct Section {
   std::vector<Line> head;
   std::vector<Line> body;
   std::string_view name;  // a literal: what it is, for those who must find it again
+  std::size_t notes = 0;  // so many lines at the end of `body` may go overleaf alone, without `head`
 };
 
 inline constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();  // width: no line is broken

@@ -286,6 +286,20 @@ space pause  n b page 1 of 5  q quit
   for (int i = 0; i < 50; ++i) EXPECT_NE(all.find(": doubt" + std::to_string(i) + "\n"), std::string::npos) << i;
 }
 
+// Two doubts of five lines each, and a legend, leave the first page to the coefficients; the legend goes on overleaf.
+TEST(WatchPage, ALegendThatDoesNotFitDoesNotTakeTheCoefficientsAlong) {
+  DwellView view = chain(4);
+  const std::string long_doubt = std::string(36, 'a') + " " + std::string(330, 'b');
+  view.dwell.doubts = {{{}, long_doubt}, {{1}, long_doubt}};
+  view.dwell.elements[1].identifiable = false;
+  view.dwell.elements[1].reason = std::string(600, 'c');
+  const std::vector<Page> pages = all_pages(watched(view), kUsual);
+  const std::string first = text_of(pages[0]);
+  for (int k = 1; k <= 4; ++k) EXPECT_NE(first.find("\n      " + std::to_string(k) + "  "), std::string::npos) << first;
+  EXPECT_NE(first.find("element 2 is not identifiable"), std::string::npos) << first;
+  EXPECT_NE(text_of(pages[1]).find("± is the half width"), std::string::npos) << text_of(pages[1]);
+}
+
 // 778 s after the service died, "measuring" stood above numbers at full strength.
 TEST(WatchPage, NumbersOfAServiceThatHasGoneAreGreyAndMarkedWithTheirAge) {
   WatchState state = watched(chain(4));
