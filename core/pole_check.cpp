@@ -146,15 +146,17 @@ std::string number(const char* format, double a) {
   return text;
 }
 
+std::string percent(double part) { return number(part < 0.995 ? "%.2g %%" : "%.0f %%", 100 * part); }
+
 std::string told(const Cause& cause, double size, const Rig& rig) {
   const std::string mass = "mass " + std::to_string(cause.at + 1);
   const std::string way = size > 0 ? " too large" : " too small";
   const double a = std::abs(size);
   switch (cause.kind) {
     case Cause::Kind::mass:
-      return mass + number(" stated %.2g %%", 100 * a) + way;
+      return mass + " stated " + percent(a) + way;
     case Cause::Kind::scale:
-      return rig.channels[static_cast<std::size_t>(cause.at)].name + number(" reading %.2g %%", 100 * a) + way;
+      return rig.channels[static_cast<std::size_t>(cause.at)].name + " reading " + percent(a) + way;
     case Cause::Kind::delay:
       return rig.channels[static_cast<std::size_t>(cause.at)].name + number(" %.2g ms", 1e3 * a) +
              (size > 0 ? " late" : " early");
