@@ -143,6 +143,13 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
   note(pipeline_.finish());
   settle_counters();
   publish(now_ns);
+  for (std::size_t device = 0; device < links_.size(); ++device) {
+    const std::uint64_t missed = links_[device] == nullptr ? 0 : occurrences(device, Fault::missed_deadline);
+    if (missed > 0)
+      log_.info("device " + links_[device]->name() + ": " + std::to_string(missed) +
+                    " polls of this run began too late and were skipped",
+                {{"DWELL_DEVICE", links_[device]->name()}});
+  }
 }
 
 void Estimator::take_events(std::size_t device, std::int64_t now_ns) {

@@ -120,6 +120,22 @@ TEST_F(UntimelyTest, ADriverThatHangsTakesItsOwnChannelsAlone) {
   EXPECT_EQ(latest().channels[1].fault, Fault::none);
 }
 
+// Counted while it runs, said once at its end; a healthy rig has no warning of it.
+TEST_F(UntimelyTest, PollsThatBeganTooLateAreSaidOnceAtTheEnd) {
+  const dwell_host host = links[1].host();
+  go_on(10'000 * kMs_ns);
+  ASSERT_EQ(latest().dwell.state, State::measuring);
+  const std::uint64_t lines = log->stats().lines;
+  for (int minute = 0; minute < 3; ++minute) {
+    go_on(60'000 * kMs_ns);
+    for (int i = 0; i < 100; ++i) host.count(host.context, DWELL_FAULT_MISSED_DEADLINE);
+  }
+  EXPECT_EQ(log->stats().lines, lines);
+  estimator->finish(now_ns, now_ns);
+  EXPECT_EQ(latest().devices[1].faults[static_cast<std::size_t>(Fault::missed_deadline)], 300u);
+  EXPECT_EQ(log->stats().lines, lines + 3) << "the dwell, the state, the polls";
+}
+
 // A state that finds the merger's queue full of samples waits for room.
 TEST_F(UntimelyTest, AStateIsNotLostWhereTheQueueIsFull) {
   go_on(3'000 * kMs_ns);
