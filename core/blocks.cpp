@@ -190,6 +190,7 @@ void Blocks::break_away(int c) noexcept {
   member.leader = c;
   member.next = -1;
   member.size = member.arrived = 1;
+  member.last_ns = INT64_MIN;  // the instant it missed is not in its set, and may still come
   add_instant_(missed, -1.0, -missed.u * missed.u, instants(current_, c));
 }
 

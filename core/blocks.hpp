@@ -51,8 +51,9 @@ class Blocks {
 
   // Opens a block [begin, end) at omega; none may be open.
   void open(std::int64_t begin_ns, std::int64_t end_ns, double omega) noexcept;
-  // Adds one sample to the open block. t within it and after the channel's previous sample. Cost: 8 (2H+1)
-  // multiply-adds per distinct instant, then 4 (H+1). Real-time safe.
+  // Adds one sample to the open block. t after the channel's previous sample; within the block, or a few readings
+  // before it: a reading may wait until those after it have come. Cost: 8 (2H+1) multiply-adds per distinct instant,
+  // then 4 (H+1). Real-time safe.
   void add(int channel, std::int64_t t_ns, double value) noexcept { add_sample_(*this, channel, t_ns, value); }
   // Closes the open block and joins old ones where there are too many; none is ever dropped. O(channels).
   void close() noexcept;
