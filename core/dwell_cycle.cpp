@@ -14,7 +14,7 @@ constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (blocks.serials() % kQuarters == 0)
-    for (Live& channel : live) channel.gate.next_period();
+    for (Live& channel : live) channel.intake.next_period();
   if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
   if (counted_valid) blocks.add_block(blocks.count() - 1, counted);
   const int quarters = kQuarters * window_periods;
@@ -77,6 +77,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     }
     arm(from);
   }
+  if (state == State::settling && holding_changed()) return begin_hold(blocks.count() - 1);
   if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
   const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
                                   omega_at(centre_ns, omega)),
@@ -153,8 +154,7 @@ void Pipeline::Impl::begin_hold(int from) {
   blocks.set_drift({});
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
-    channel.step = INFINITY;
-    channel.overrange = channel.spikes = 0;
+    channel.intake.begin_hold();
   }
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
 }

@@ -30,8 +30,11 @@ bool Pipeline::Impl::explained() const {
 
 double Pipeline::Impl::unexplained(int c) const {
   const Noise& noise = noises[static_cast<std::size_t>(c)];
-  const double by_noise =
-      modal.variance(c) - noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
+  // Instants that are known to ± the lag of a register make their own residuals, which beat with the polling.
+  const double by_refresh =
+      std::norm(omega * live[static_cast<std::size_t>(c)].intake.lag_s() * modal.phasor(c, 1)) / 6;
+  const double by_noise = modal.variance(c) - by_refresh -
+                          noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
   const double by_decay =
       noise.earlier - noise.later * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.in_earlier) +
                                                                   2 / std::max(1.0, noise.in_later)));

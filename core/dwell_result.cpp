@@ -53,7 +53,9 @@ std::string Pipeline::Impl::settling_reason() const {
                       blocks.serials() - steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
-             foreign_oscillations();
+             (live[static_cast<std::size_t>(verdict.worst_channel)].intake.held()
+                  ? ", which is " + live[static_cast<std::size_t>(verdict.worst_channel)].intake.held_reason()
+                  : foreign_oscillations());
     }
     if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
     return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
@@ -66,7 +68,7 @@ std::string Pipeline::Impl::settling_reason() const {
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
 // of the frequency: no more independent errors then than one period has samples.
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
-  const double step = live[static_cast<std::size_t>(c)].step;
+  const double step = live[static_cast<std::size_t>(c)].intake.step();
   if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
   const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
   const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
@@ -156,20 +158,12 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     warn_of_change(results, seconds, dwell);
     if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
   }
+  for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
   // The frequency of a drive that drifts is another at either end: its spread over the dwell.
   report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
-  for (int c = 0; c < channel_count; ++c) {
-    const Live& channel = live[static_cast<std::size_t>(c)];
-    if (channel.overrange > 0)
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " +
-                               std::to_string(channel.overrange) + " readings beyond its range were left out");
-    if (channel.spikes > 0)
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + std::to_string(channel.spikes) +
-                               (channel.spikes == 1 ? " reading far from all others was left out"
-                                                    : " readings far from all others were left out"));
-  }
+  warn_of_readings(dwell);
   if (!settled) {
     if (state == State::measuring) {
       dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";

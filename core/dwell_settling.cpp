@@ -44,7 +44,7 @@ bool Pipeline::Impl::look(int from, int to) {
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const HarmonicFit& fit = fits[i];
-    const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !stuck(live[i]);
+    const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !unfit(c);
     if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
       window_periods = 2;
       return false;

@@ -154,7 +154,7 @@ bool Pipeline::Impl::determined() const {
 // sudden where readings are rounded is asked of a second fit.
 bool Pipeline::Impl::believed(double left_before) {
   const auto rounds = [&](int c) {
-    const double step = live[static_cast<std::size_t>(c)].step;
+    const double step = live[static_cast<std::size_t>(c)].intake.step();
     return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
   };
   if (verdict.worst_left > 1) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <string_view>
 #include <tuple>
@@ -239,6 +240,14 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (kTwoPi));
     if (channel.scale_u > 0)
       out.push_back({"scale of " + channel.name, kInfinity, through_channel(c, o(c) * channel.scale_u), nothing, 0.0});
+    if (seen.refresh_u_s > 0) {
+      out.push_back(
+          {"refresh of " + channel.name, kInfinity, through_channel(c, delayed * seen.refresh_u_s), nothing, 0.0});
+      // To second order: within ± √3 u the phasor turns by at most φ = √3 ω u, and 1 - cos φ or sin φ / φ is lost of
+      // it.
+      const double lost = 1.5 * std::pow(omega * seen.refresh_u_s, 2) / std::numbers::sqrt3;
+      out.push_back({"refresh of " + channel.name, kInfinity, through_channel(c, o(c) * lost), nothing, 0.0});
+    }
     if (channel.delay_u_s > 0)
       out.push_back(
           {"delay of " + channel.name, kInfinity, through_channel(c, delayed * channel.delay_u_s), nothing, 0.0});

@@ -41,6 +41,7 @@ struct Evidence {
       absorbed;  // of X_1: the answer to a change of the drive that may have been taken for a transient
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  // covariance by what is not known of the transient
   double quantization_u = 0.0;                          // of the reading, either component, the device's rounding
+  double refresh_u_s = 0.0;                             // of the instants, by a slowly refreshed register, its own
   double turnaround_u_s = 0.0;                          // standard uncertainty of the instants …
   int transaction = -1;  // … shared by all channels of one transaction (Transactions::of); -1: by none
 };

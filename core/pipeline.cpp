@@ -9,17 +9,6 @@ namespace {
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
 constexpr double kHeldUp = 1.5;                             // of the usual turnaround
-constexpr double kOnGrid = 0.01, kNoGrid = 1e9;             // steps: off a multiple; a difference of so many
-
-// One step of Euclid's algorithm on two differences of readings: where they are of any value it ends at 0 within some
-// twenty of them.
-double common_step(double step, double difference) {
-  if (!std::isfinite(step)) return difference;
-  const double times = difference / step;
-  if (!(times < kNoGrid)) return 0.0;
-  const double off = std::abs(difference - step * static_cast<double>(std::llround(times)));
-  return off > kOnGrid * step ? off : step;
-}
 
 }  // namespace
 
@@ -30,7 +19,8 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
   }
   if (record.t_ns < now_ns ||
       record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
-    if (record.kind == Kind::sample && record.channel < live.size()) ++live[record.channel].now.rejected;
+    if (record.kind == Kind::sample && record.channel < live.size())
+      ++live[record.channel].received, ++live[record.channel].out_of_order;
     return changes;
   }
   now_ns = record.t_ns;
@@ -79,51 +69,47 @@ void Pipeline::Impl::advance() {
 void Pipeline::Impl::sample(const Record& record) {
   if (record.channel >= live.size()) return;
   Live& channel = live[record.channel];
+  ++channel.received;
   if (record.flags & kGap) ++channel.now.gaps;
-  const double value = channel.gain * record.value + channel.offset;
+  const double value = channel.intake.si(record.value);
   if (record.t_ns <= channel.last_ns || !std::isfinite(value)) {
-    ++channel.now.rejected;
+    ++channel.out_of_order;
     return;
   }
   transactions.sample(record);
   if (channel.last_ns != INT64_MIN) channel.sampling.add(to_s(record.t_ns - channel.last_ns));
   channel.last_ns = record.t_ns;
-  if (const double step = std::abs(value - channel.now.value); step != 0) {
-    channel.changed_ns = record.t_ns;
-    if (channel.step > 0) channel.step = common_step(channel.step, step);
-  }
+  const ChannelIntake::Reading reading{record.t_ns, record.value, record.t_half_ns};
+  const ChannelIntake::Says says = channel.intake.judge(reading, omega);
   channel.now.value = value;
   channel.now.t_ns = record.t_ns;
   channel.now.fault = Fault::none;
-  channel.now.overrange = value < channel.low || value > channel.high;
-  if (channel.now.overrange) {
-    ++channel.now.rejected;
-    ++channel.overrange;
-    return;
-  }
-  if (channel.gate.spike(value)) {
-    ++channel.now.rejected;
-    ++channel.spikes;
-    return;
-  }
+  channel.now.overrange = channel.intake.overrange();
+  if (says != ChannelIntake::Says::take && says != ChannelIntake::Says::give_back) return;
+  for (const ChannelIntake::Reading& waited : channel.intake.waiting()) take(record.channel, waited);
+  take(record.channel, reading);
+}
+
+void Pipeline::Impl::take(int c, const ChannelIntake::Reading& reading) {
+  Live& channel = live[static_cast<std::size_t>(c)];
   if (stuck(channel) && (state == State::settling || state == State::measuring)) {
-    ++channel.now.rejected;
+    ++channel.stuck;
     return;
   }
-  ++channel.now.used;
-  channel.half_ns_sum += record.t_half_ns;
+  const double value = channel.intake.si(reading.value);
+  channel.half_ns_sum += reading.half_ns;
   channel.half_count += 1.0;
-  last_sample_ns = record.t_ns;
+  last_sample_ns = std::max(last_sample_ns, reading.t_ns);
   if (!channel.referenced) {
-    blocks.set_reference(record.channel, value);
+    blocks.set_reference(c, value);
     channel.referenced = true;
   }
-  history.push(record.t_ns, record.channel, value);
-  const double cleaned = add_cleaned(record.t_ns, record.channel, value);
-  if (record.channel != drive_channel) return;
+  history.push(reading.t_ns, c, value);
+  const double cleaned = add_cleaned(reading.t_ns, c, value);
+  if (c != drive_channel) return;
   // A reading that was held up longer than usual tells less of the drive's phase.
-  const double late_ns = std::max(0.0, record.t_half_ns - kHeldUp * channel.half_ns_sum / channel.half_count);
-  watch.add(record.t_ns, cleaned, 1e-9 * late_ns);
+  const double late_ns = std::max(0.0, reading.half_ns - kHeldUp * channel.half_ns_sum / channel.half_count);
+  watch.add(reading.t_ns, cleaned, 1e-9 * late_ns);
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
@@ -163,21 +149,16 @@ std::complex<double> Pipeline::phasor(int channel) const noexcept {
 ChannelNow Pipeline::channel(int channel) const noexcept {
   const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
   ChannelNow now = live.now;
-  if (live.last_ns != INT64_MIN)
-    now.condition = impl_->stuck(live) ? Condition::stuck : now.overrange ? Condition::overrange : Condition::ok;
+  now.rejected = live.out_of_order + live.stuck + live.intake.left();
+  now.used = live.received - now.rejected;
+  now.condition = impl_->stuck(live) ? Condition::stuck : live.intake.condition();
   return now;
 }
 
 std::string Pipeline::condition_reason(int channel) const {
   const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
-  switch (this->channel(channel).condition) {
-    case Condition::stuck:
-      return "stuck at one reading for " + std::to_string(to_s(live.last_ns - live.changed_ns)).substr(0, 5) + " s";
-    case Condition::overrange:
-      return "the newest reading is beyond its range";
-    default:
-      return "";
-  }
+  if (!impl_->stuck(live)) return live.intake.condition_reason();
+  return "stuck at one reading for " + std::to_string(live.intake.same_for_s()).substr(0, 5) + " s";
 }
 
 }  // namespace dwell

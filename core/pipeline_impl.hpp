@@ -15,6 +15,7 @@
 
 #include "core/angle.hpp"
 #include "core/blocks.hpp"
+#include "core/channel_intake.hpp"
 #include "core/decay.hpp"
 #include "core/drive.hpp"
 #include "core/estimate.hpp"
@@ -31,7 +32,6 @@
 #include "core/seen_drive.hpp"
 #include "core/seen_modes.hpp"
 #include "core/settling.hpp"
-#include "core/spike_gate.hpp"
 #include "core/step_watch.hpp"
 #include "core/sync_reference.hpp"
 #include "core/transactions.hpp"
@@ -88,7 +88,7 @@ struct Pipeline::Impl {
         G(observation_matrix(given)),
         omega(kTwoPi * given.excitation.frequency_hz) {
     for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
-    live.resize(static_cast<std::size_t>(channel_count));
+    for (const Channel& channel : rig.channels) live.emplace_back(channel);
     fits.resize(live.size());
     readings.resize(live.size());
     transient.resize(live.size());
@@ -101,11 +101,6 @@ struct Pipeline::Impl {
       poles->reserve(2 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
-      Live& delivering = live[static_cast<std::size_t>(c)];
-      delivering.gain = channel.si_per_unit * channel.scale;
-      delivering.offset = channel.si_per_unit * channel.offset;
-      delivering.low = channel.range_low.value_or(-INFINITY) * channel.si_per_unit;
-      delivering.high = channel.range_high.value_or(INFINITY) * channel.si_per_unit;
       if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
     }
     for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
@@ -123,15 +118,12 @@ struct Pipeline::Impl {
 
   // One channel as it delivers.
   struct Live {
-    double gain = 1.0, offset = 0.0, low = -INFINITY, high = INFINITY;  // SI
+    explicit Live(const Channel& channel) : intake(channel) {}
+    ChannelIntake intake;
     ChannelNow now;
-    std::int64_t last_ns = INT64_MIN, changed_ns = INT64_MIN;
+    std::uint64_t received = 0, out_of_order = 0, stuck = 0;  // the latter two were not used
+    std::int64_t last_ns = INT64_MIN;
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
-    // The device's rounding, SI: what all differences of two readings one after the other in this hold are multiples
-    // of. INFINITY: no two have differed; 0: there is none.
-    double step = INFINITY;
-    std::uint64_t overrange = 0, spikes = 0;
-    SpikeGate gate;
     SamplingRegularity sampling;
     bool referenced = false;
   };
@@ -233,6 +225,14 @@ struct Pipeline::Impl {
   void open_block(std::int64_t begin_ns) { blocks.open(begin_ns, begin_ns + to_ns(period_s() / kQuarters), omega); }
 
   void sample(const Record& record);
+  // A reading that counts.
+  void take(int c, const ChannelIntake::Reading& reading);
+  // dwell_readings.cpp: what a channel's intake found, and what becomes of its phasor by that.
+  [[nodiscard]] bool unfit(int c) const;
+  void judge_readings(int c, ChannelResult& result) const;
+  void warn_of_readings(Dwell& dwell) const;
+  // Whether a register has come to be held, or no longer is, while settling: then what came before counts no more.
+  [[nodiscard]] bool holding_changed() const;
 
   // A GPIO edge. The loss of the interlock ends the dwell at once; nothing begins before its return, and nothing from
   // before that counts.
@@ -262,8 +262,7 @@ struct Pipeline::Impl {
 
   // The same reading for longer than a motion at the drive's frequency allows.
   [[nodiscard]] bool stuck(const Live& channel) const {
-    return channel.changed_ns != INT64_MIN &&
-           to_s(channel.last_ns - channel.changed_ns) > std::max(kStuck_s, kLostPeriods * period_s());
+    return channel.intake.same_for_s() > std::max(kStuck_s, kLostPeriods * period_s());
   }
 
   // A channel delivers while no fault is known of it and its newest sample is not too old.

@@ -29,10 +29,11 @@ void warn_of_contradictions(const Rig& rig, const Eigen::MatrixXd& G, const Gain
     const std::complex<double> per_reading = as_observed(rig, static_cast<int>(c), 1.0, omega, 1);
     o(c) = evidence[i].X[0] * per_reading;
     const double device_u = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s : 0.0;
-    variance(c) =
-        std::norm(per_reading) * evidence[i].widened * evidence[i].covariance.trace() +
-        std::norm(o(c)) * (channel.scale_u * channel.scale_u +
-                           std::pow(omega * std::hypot(channel.delay_u_s, device_u, evidence[i].turnaround_u_s), 2));
+    variance(c) = std::norm(per_reading) * evidence[i].widened * evidence[i].covariance.trace() +
+                  std::norm(o(c)) * (channel.scale_u * channel.scale_u +
+                                     std::pow(omega * std::hypot(std::hypot(channel.delay_u_s, evidence[i].refresh_u_s),
+                                                                 device_u, evidence[i].turnaround_u_s),
+                                              2));
   }
   const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(count, count) - G * gain.gain;
   const Eigen::VectorXcd left = rest * o;
@@ -104,7 +105,8 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       out.u_amplitude = std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude,
                                                                          channels[c].quantization_u / amplitude));
       out.u_phase_rad = std::hypot(u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
-                                   omega * std::hypot(channel.delay_u_s, device.delay_u_s, channels[c].turnaround_u_s));
+                                   omega * std::hypot(std::hypot(channel.delay_u_s, channels[c].refresh_u_s),
+                                                      device.delay_u_s, channels[c].turnaround_u_s));
       for (int h = 2; h <= H; ++h)
         out.harmonics.push_back(
             std::abs(fit.X[static_cast<std::size_t>(h - 1)] / response(channel, device.delay_s, h * omega / kTwoPi)) /
@@ -131,6 +133,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].absorbed = channels[c].absorbed;
     evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
+    evidence[c].refresh_u_s = channels[c].refresh_u_s;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
     evidence[c].transaction = channels[c].transaction;
   }

@@ -25,6 +25,7 @@ struct ChannelResult {
   // Covariance of (Re, Im) of the reading's phasor by what is not known of the transient, SI.
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();
   double quantization_u = 0.0;  // of the reading, SI, either component: the device's rounding
+  double refresh_u_s = 0.0;     // standard uncertainty of its instants by a register that is refreshed slowly, its own
   double turnaround_u_s = 0.0;  // standard uncertainty of its instants …
   int transaction = -1;         // … shared by its transaction (Transactions::of)
 };

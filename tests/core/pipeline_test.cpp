@@ -381,7 +381,8 @@ TEST(Pipeline, FindsTheHoldOfTheRealFrictionDamperAndNothingOfItsRamps) {
   std::vector<Dwell> settled;
   for (const Dwell& dwell : dwells)
     if (std::isfinite(dwell.settled_s)) settled.push_back(dwell);
-  ASSERT_EQ(settled.size(), 1u);
+  ASSERT_EQ(settled.size(), 1u) << pipeline.condition_reason(0) << "; " << pipeline.condition_reason(1) << "; "
+                                << (dwells.empty() ? "no dwell" : dwells.back().settling_reason);
   const Dwell& hold = settled[0];
   EXPECT_GE(hold.settled_s, 2.0);
   EXPECT_LE(hold.end_s, 4.95);

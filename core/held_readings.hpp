@@ -1,0 +1,104 @@
+// Does the device refresh its register more slowly than it is read? Then runs of identical readings end in a jump.
+//
+// Only runs count that interrupt a motion: both the jump before and the jump after go the same way, by more than two
+// rounding steps each. Readings of a turning point, of an element that sticks, of a clipped crest turn back after the
+// run; readings of a motion slower than the rounding go on by one step.
+//
+// How many such readings would chance bring? Differences of a smooth motion with noise have a density near 0 that no
+// rounding resolves: as many are 0 as are one step up, and as one step down. The step is taken as the third smallest
+// difference seen, which is never below the device's own, wherever its readings were rounded a second time. So E, half
+// the number of those within 1.5 steps, is expected; on top of it, for densities that rise towards 0, kDensity of all
+// changes times the step over the mean jump (a sine 0.20, Gaussian noise 0.32, a decaying sine up to 0.5). Twice E and
+// 6 √E + 6 more are passed by chance less than once in 10^7 holds (Poisson; E = 3: 23 or more, 1e-13; E = 10: 45,
+// 1e-15).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace dwell {
+
+// Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
+class HeldReadings {
+ public:
+  // The next reading. Whether it is the same as the one before.
+  bool add(double reading) noexcept {
+    const double jump = reading - value_;
+    if (std::isnan(value_)) {
+      value_ = reading;
+      return false;
+    }
+    ++pairs_;
+    if (jump == 0) {
+      ++run_;
+      ++same_;
+      return true;
+    }
+    const double size = std::abs(jump), least = kJump * step();
+    path_ += size;
+    see(size);
+    if (run_ > 1 && before_ * jump > 0 && std::abs(before_) > least && size > least) interrupting_ += run_ - 1;
+    before_ = jump;
+    value_ = reading;
+    run_ = 1;
+    judge();
+    return false;
+  }
+
+  // Of the newest reading: how many are identical up to it.
+  [[nodiscard]] std::int64_t run() const noexcept { return run_; }
+  // Mean difference of two readings one after the other; 0: nothing is known.
+  [[nodiscard]] double mean_difference() const noexcept {
+    return pairs_ > 0 ? path_ / static_cast<double>(pairs_) : 0.0;
+  }
+  // The third smallest difference that is not 0, at least the rounding step; INFINITY: not known.
+  [[nodiscard]] double step() const noexcept { return smallest_[2]; }
+  // The register is refreshed more slowly than it is read.
+  [[nodiscard]] bool held() const noexcept { return held_; }
+  // Readings for each refresh: the polling interval times this is that of the refresh.
+  [[nodiscard]] double reads_each() const noexcept {
+    return static_cast<double>(pairs_) / std::max(1.0, static_cast<double>(pairs_ - same_));
+  }
+
+  // A new hold of the drive: counts begin anew. What was found stands until as much is seen again.
+  void restart() noexcept {
+    pairs_ = same_ = one_step_ = interrupting_ = 0;
+    path_ = 0.0;
+    smallest_ = {INFINITY, INFINITY, INFINITY};
+  }
+
+ private:
+  static constexpr double kJump = 2.5, kDensity = 0.5;
+  // What was found before a hold is dropped after so many pairs with fewer such readings.
+  static constexpr std::int64_t kEnough = 4096, kHardlyAny = 8;
+
+  void see(double size) noexcept {
+    const double before = step();
+    if (size < smallest_[0]) {
+      smallest_ = {size, smallest_[0], smallest_[1]};
+    } else if (size < smallest_[1]) {
+      smallest_ = {smallest_[0], size, smallest_[1]};
+    } else if (size < smallest_[2]) {
+      smallest_[2] = size;
+    }
+    if (step() < before / 1.5) one_step_ = 2;  // the others were larger
+    if (size < 1.5 * step()) ++one_step_;
+  }
+  void judge() noexcept {
+    const double changes = static_cast<double>(pairs_ - same_);
+    if (changes < 3 || (interrupting_ == 0 && !held_)) return;
+    const double expected = 0.5 * static_cast<double>(one_step_) + kDensity * changes * changes * step() / path_;
+    const bool many = static_cast<double>(interrupting_) > 2 * expected + 6 * std::sqrt(expected) + 6;
+    if (many) held_ = true;
+    if (pairs_ >= kEnough && interrupting_ < kHardlyAny) held_ = false;
+  }
+
+  double value_ = NAN, before_ = 0.0, path_ = 0.0;
+  std::int64_t run_ = 1, pairs_ = 0, same_ = 0, one_step_ = 0, interrupting_ = 0;
+  std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
+  bool held_ = false;
+};
+
+}  // namespace dwell

@@ -1,0 +1,71 @@
+// The rounding step of a device: what all differences of its readings are multiples of.
+//
+// Euclid's algorithm, one step a difference, ends at it within some twenty differences; kSure of them in a row that are
+// multiples end a batch. One reading off the grid spoils its batch alone: the batches vote, and the step changes only
+// where more of them contradict it than agree.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace dwell {
+
+// Of one channel, in any unit. Bound to one thread; real-time safe; a division a difference.
+class RoundingStep {
+ public:
+  // The difference of two good readings, one after the other.
+  void add(double difference) noexcept {
+    difference = std::abs(difference);
+    if (!(difference > 0) || !std::isfinite(difference)) return;
+    const double before = batch_;
+    batch_ = common(batch_, difference);
+    in_row_ = batch_ == before ? in_row_ + 1 : 0;
+    if (in_row_ < kSure) return;
+    vote(batch_);
+    batch_ = INFINITY;
+    in_row_ = 0;
+  }
+
+  // INFINITY: no two readings have differed; 0: there is no step.
+  [[nodiscard]] double step() const noexcept { return std::isfinite(step_) ? step_ : batch_; }
+
+ private:
+  // A grid finer than its readings by kNoGrid is none: Euclid's algorithm on arbitrary numbers ends at 0.
+  static constexpr double kOnGrid = 0.01, kNoGrid = 1e9;
+  // Multiples in a row. A multiple of the true step is taken for it once in 2^8 batches, arbitrary numbers for a grid
+  // once in 10^13. Twice as many: one reading in 30 off the grid spoils every batch.
+  static constexpr int kSure = 8;
+  static constexpr double kMultiple = 8.0;  // a batch's divisor of more steps contradicts the step
+  static constexpr int kMemory = 16;        // batches that have a vote: a device set to another range is followed
+
+  static double common(double step, double difference) noexcept {
+    if (!std::isfinite(step)) return difference;
+    const double times = difference / step;
+    if (!(times < kNoGrid)) return 0.0;
+    const double off = std::abs(difference - step * std::round(times));
+    return off > kOnGrid * step ? off : step;
+  }
+  [[nodiscard]] bool agrees(double divisor) const noexcept {
+    if (step_ == 0 || divisor == 0) return step_ == divisor;
+    const double times = divisor / step_, whole = std::round(times);
+    return whole >= 1 && whole <= kMultiple && std::abs(times - whole) < kOnGrid * whole;
+  }
+  void vote(double divisor) noexcept {
+    if (!std::isfinite(step_)) step_ = divisor;
+    agrees(divisor) ? ++for_ : ++against_;
+    if (against_ > for_) {
+      const double finer = common(step_, divisor);
+      step_ = finer * kMultiple > divisor ? finer : divisor;
+      for_ = 1;
+      against_ = 0;
+    } else if (for_ + against_ > kMemory) {
+      for_ /= 2;
+      against_ /= 2;
+    }
+  }
+
+  double step_ = INFINITY, batch_ = INFINITY;
+  int in_row_ = 0, for_ = 0, against_ = 0;
+};
+
+}  // namespace dwell

@@ -1,0 +1,59 @@
+// Is one number among the readings far too often, wherever the motion is? Zeros of a gateway, a code for "no value".
+//
+// The candidate is found among readings that repeat one of the last eight. It is a cluster where it makes up more than
+// kPart of the readings, while the readings before it come from all over the range, and the range is kLevels rounding
+// steps or more. A sine of that range with noise has at most 2 % of its readings at one number, those of its crest; and
+// those come from beside it, also where sampling at a whole fraction of the period repeats every number.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace dwell {
+
+// Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
+class ValueCluster {
+ public:
+  // The next reading and the one before it.
+  void add(double reading, double before) noexcept {
+    ++seen_;
+    low_ = std::min(low_, reading);
+    high_ = std::max(high_, reading);
+    if (std::find(recent_.begin(), recent_.end(), reading) == recent_.end()) {
+      recent_[next_] = reading;
+      next_ = (next_ + 1) % recent_.size();
+    } else if (reading != value_ && --votes_ < 0) {
+      *this = ValueCluster(*this, reading);
+    }
+    if (reading != value_) return;
+    ++votes_;
+    ++count_;
+    if (before == value_) return;
+    from_low_ = std::min(from_low_, before);
+    from_high_ = std::max(from_high_, before);
+  }
+  [[nodiscard]] double value() const noexcept { return value_; }
+  // Part of the readings since the candidate was chosen.
+  [[nodiscard]] double part() const noexcept { return static_cast<double>(count_) / static_cast<double>(seen_); }
+  [[nodiscard]] bool found(double step) const noexcept {
+    const double range = high_ - low_;
+    return count_ >= kFewest && part() > kPart && from_high_ - from_low_ > kAllOver * range && range > kLevels * step;
+  }
+  void restart() noexcept { *this = {}; }
+  ValueCluster() = default;
+
+ private:
+  static constexpr double kPart = 0.05, kAllOver = 0.5, kLevels = 1000.0;
+  static constexpr std::int64_t kFewest = 20;
+  ValueCluster(const ValueCluster& before, double value) noexcept
+      : recent_(before.recent_), next_(before.next_), low_(before.low_), high_(before.high_), value_(value), seen_(1) {}
+
+  std::array<double, 8> recent_{NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+  std::size_t next_ = 0;
+  double low_ = INFINITY, high_ = -INFINITY, from_low_ = INFINITY, from_high_ = -INFINITY, value_ = NAN;
+  std::int64_t seen_ = 0, count_ = 0, votes_ = 0;
+};
+
+}  // namespace dwell

@@ -1,0 +1,315 @@
+// What real devices do to readings: held, clipped, repeated, zero, rounded with a glitch. None gives a wrong number
+// without a word, none keeps the other channels from being measured, and a healthy channel is never blamed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+
+#include "core/forward.hpp"
+#include "core/pipeline.hpp"
+#include "tests/core/bench_rig.hpp"
+#include "tests/core/expect.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::uint16_t kCell = 3;  // the load cell of clamped_chain()
+
+// clamped_chain() driven at 4 Hz, polled at 500 Hz, noise 1e-3 of each amplitude.
+struct DisturbedReadings : testing::Test {
+  Chain chain = clamped_chain();
+  Rig rig = rig_of(chain, 4);
+  double rate_hz = 500.0;
+  std::mt19937_64 rng{4};
+  std::uniform_real_distribution<double> uniform{0, 1};
+
+  std::vector<double> sigma(double part = 1e-3) const {
+    const auto steady = steady_response(chain, 2 * M_PI * 4, 0.002);
+    std::vector<double> out;
+    for (const auto& y : steady.Y) out.push_back(part * std::abs(y));
+    out.push_back(part * std::abs(steady.F));
+    return out;
+  }
+  double force() const { return std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).F); }
+
+  Dwell measured(const std::function<void(Record&, double)>& alter, double until_s = 30, double noise = 1e-3) {
+    Bench bench(chain, rig, steady_drive(4), DrivenChain::Start::rest,
+                {.rate_hz = rate_hz, .sigma = noise > 0 ? sigma(noise) : std::vector<double>{}}, 7);
+    bench.alter = alter;
+    bench.run(until_s);
+    conditions.clear();
+    for (int c = 0; c < 4; ++c) conditions.emplace_back(to_string(bench.pipeline.channel(c).condition));
+    bench.finish();
+    return bench.dwells.empty() ? bench.pipeline.current() : bench.dwells.back();
+  }
+  std::vector<std::string> conditions;
+
+  // No coefficient is more than k u off.
+  void expect_no_wrong_number(const Dwell& dwell, const std::string& what, double k = 5) const {
+    for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
+      const ElementEstimate& element = dwell.elements[e];
+      if (!element.identifiable) continue;
+      EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[e]) / element.stiffness.u, k)
+          << what << ", c_" << e + 1;
+      EXPECT_LT(std::abs(element.damping.value - chain.damping[e]) / element.damping.u, k) << what << ", r_" << e + 1;
+    }
+  }
+  static bool says(const Dwell& dwell, const std::string& words) {
+    const auto in = [&](const std::string& line) { return line.find(words) != std::string::npos; };
+    return std::any_of(dwell.warnings.begin(), dwell.warnings.end(), in);
+  }
+  static std::string all(const Dwell& dwell) {
+    std::string out = dwell.settling_reason;
+    for (const std::string& line : dwell.warnings) out += "\n  " + line;
+    for (const ElementEstimate& element : dwell.elements) out += "\n  " + element.reason;
+    return out;
+  }
+};
+
+// The value that a refresh finds is that of its own instant, so the motion is evaluated there.
+struct HeldCell {
+  const Rig& rig;
+  DrivenChain motion;
+  double refresh_hz;
+  std::mt19937_64 rng{9};
+  std::normal_distribution<double> normal;
+  double sigma;
+  std::map<int, std::pair<std::int64_t, double>> held;
+  HeldCell(const Chain& chain, const Rig& given, double hz, double noise)
+      : rig(given), motion(chain, steady_drive(4), DrivenChain::Start::rest), refresh_hz(hz), sigma(noise) {}
+  void read(Record& record, double t, double amplitude) {
+    auto& [count, value] = held.try_emplace(record.channel, -1, 0.0).first->second;
+    const auto now = static_cast<std::int64_t>(std::floor(t * refresh_hz + 0.3));
+    if (now != count) {
+      const double at = std::max(0.0, (static_cast<double>(now) - 0.3) / refresh_hz);
+      value = exact_reading(rig, motion.at(at), record.channel) + sigma * amplitude * normal(rng);
+      count = now;
+    }
+    record.value = value;
+  }
+};
+
+TEST_F(DisturbedReadings, ALoadCellRefreshedSlowerThanPolledIsNamedAndItsInstantsAreInTheUncertainty) {
+  for (const double refresh_hz : {25.0, 62.5, 125.0, 200.0, 333.0, 480.0}) {
+    HeldCell cell(chain, rig, refresh_hz, 1e-3);
+    const Dwell dwell = measured([&](Record& record, double t) {
+      if (record.channel == kCell) cell.read(record, t, force());
+    });
+    const std::string what = std::to_string(refresh_hz) + " Hz";
+    expect_no_wrong_number(dwell, what);
+    // 25 Hz are six new values a period, for the seven parameters of three harmonics; from 333 Hz on what the refresh
+    // beats with at looks like an oscillation beside the drive.
+    EXPECT_TRUE(std::isfinite(dwell.settled_s) || refresh_hz == 25.0 || refresh_hz > 300) << what << ": " << all(dwell);
+    EXPECT_TRUE(says(dwell, "reaction: refreshed every")) << what << all(dwell);
+    EXPECT_EQ(conditions[kCell], "held") << what;
+    EXPECT_TRUE(refresh_hz != 200.0 || says(dwell, "reaction: refreshed every 5 ms, polled every 2 ms")) << all(dwell);
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(conditions[static_cast<std::size_t>(c)], "ok") << what;
+  }
+}
+
+TEST_F(DisturbedReadings, AStationRefreshedSlowerThanPolledIsNamedInEveryChannel) {
+  for (const double refresh_hz : {90.0, 200.0}) {
+    HeldCell station(chain, rig, refresh_hz, 1e-3);
+    const std::vector<double> amplitude = sigma(1.0);
+    const Dwell dwell = measured([&](Record& record, double t) { station.read(record, t, amplitude[record.channel]); });
+    expect_no_wrong_number(dwell, std::to_string(refresh_hz));
+    for (const char* name : {"y0", "y1", "y2", "reaction"})
+      EXPECT_TRUE(says(dwell, std::string(name) + ": refreshed every")) << refresh_hz << all(dwell);
+  }
+}
+
+TEST_F(DisturbedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasured) {
+  for (const double level : {0.5, 0.8, 0.9, 0.97})
+    for (const bool both : {true, false})
+      for (const double noise : {1e-4, 1e-3, 1e-2}) {
+        const double limit = level * force();
+        const Dwell dwell = measured(
+            [&](Record& record, double) {
+              if (record.channel == kCell) record.value = std::clamp(record.value, both ? -limit : -1e9, limit);
+            },
+            30, noise);
+        const std::string what =
+            std::to_string(level) + (both ? " both, noise " : " above, noise ") + std::to_string(noise);
+        expect_no_wrong_number(dwell, what);
+        EXPECT_TRUE(says(dwell, "reaction: clipped")) << what << all(dwell);
+        EXPECT_EQ(conditions[kCell], "clipped") << what;
+      }
+}
+
+TEST_F(DisturbedReadings, EndCodesOfIntegerTypesAreOverrange) {
+  for (const double code : {32767.0, -32768.0, 65535.0, 32768.0, 2147483647.0}) {
+    rig.channels[kCell].scale = 1e-2;
+    const Dwell dwell = measured([&](Record& record, double) {
+      if (record.channel != kCell) return;
+      record.value = std::round(record.value / 1e-2);
+      if (uniform(rng) < 0.01) record.value = code;
+    });
+    expect_no_wrong_number(dwell, std::to_string(code));
+    EXPECT_TRUE(says(dwell, "end codes of an integer type")) << code << all(dwell);
+    ASSERT_EQ(dwell.elements.size(), 3u) << code << all(dwell);
+    for (const ElementEstimate& element : dwell.elements) EXPECT_TRUE(element.identifiable) << code << element.reason;
+  }
+}
+
+TEST_F(DisturbedReadings, ZerosOfAFlakyGatewayAreLeftOutOrTheChannelIsWithheld) {
+  for (const double share : {0.001, 0.01, 0.1, 0.3})
+    for (const double noise : {1e-3, 1e-2})
+      for (const std::uint16_t channel : {std::uint16_t{0}, std::uint16_t{2}, kCell}) {
+        const Dwell dwell = measured(
+            [&](Record& record, double) {
+              if (record.channel == channel && uniform(rng) < share) record.value = 0.0;
+            },
+            30, noise);
+        const std::string what =
+            std::to_string(share) + " of " + rig.channels[channel].name + ", noise " + std::to_string(noise);
+        expect_no_wrong_number(dwell, what);
+        EXPECT_TRUE(says(dwell, rig.channels[channel].name + ": left out of") ||
+                    says(dwell, rig.channels[channel].name + ": a cluster of readings"))
+            << what << all(dwell);
+        EXPECT_TRUE(std::isfinite(dwell.settled_s) || share > 0.2) << what << all(dwell);
+      }
+}
+
+TEST_F(DisturbedReadings, RepeatsOfOlderReadingsAreFoundByTheirBits) {
+  for (const int back : {1, 2, 5})
+    for (const double share : {0.01, 0.05})
+      for (const double noise : {1e-4, 1e-3}) {
+        std::vector<double> old;
+        const Dwell dwell = measured(
+            [&](Record& record, double) {
+              if (record.channel != kCell) return;
+              old.push_back(record.value);
+              if (old.size() > 10 && uniform(rng) < share)
+                record.value = old[old.size() - 1 - static_cast<std::size_t>(back)];
+            },
+            30, noise);
+        const std::string what =
+            std::to_string(share) + ", " + std::to_string(back) + " back, noise " + std::to_string(noise);
+        expect_no_wrong_number(dwell, what);
+        EXPECT_TRUE(says(dwell, "reaction: refreshed every") || says(dwell, "repeats of an older reading"))
+            << what << all(dwell);
+      }
+}
+
+TEST_F(DisturbedReadings, AFrozenGatewayLeavesNoTailInTheDwell) {
+  for (const double share : {0.001, 0.01}) {
+    std::map<int, double> frozen;
+    int left = 0;
+    const Dwell dwell = measured([&](Record& record, double) {
+      if (record.channel == 0) {
+        if (left > 0) --left;
+        if (left == 0 && uniform(rng) < share) left = 25;
+      }
+      if (left > 0 && frozen.contains(record.channel))
+        record.value = frozen[record.channel];
+      else
+        frozen[record.channel] = record.value;
+    });
+    expect_no_wrong_number(dwell, std::to_string(share));
+    EXPECT_TRUE(says(dwell, "refreshed every") || says(dwell, "repeats of an older reading")) << share << all(dwell);
+  }
+}
+
+TEST_F(DisturbedReadings, AStuckChannelLeavesNoTailInTheDwell) {
+  rate_hz = 200;
+  const Dwell dwell = measured(
+      [&](Record& record, double t) {
+        if (record.channel == 1 && t > 20 && t < 25) record.value = 1.234e-3;
+      },
+      60);
+  expect_no_wrong_number(dwell, "after the channel was stuck", 4);
+  for (const ElementEstimate& element : dwell.elements) {
+    ASSERT_TRUE(element.identifiable) << element.reason;
+    EXPECT_LT(element.stiffness.u, 1e-3 * element.stiffness.value) << "the tail of stuck readings is no noise";
+  }
+}
+
+TEST_F(DisturbedReadings, OneReadingOffTheGridDoesNotEndTheDetectionOfRounding) {
+  rate_hz = 100;  // 25 readings a period: rounding repeats
+  int holds = 0, inside = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    chain = clamped_chain();
+    bool glitched = false;
+    const double offset = 1e-5 * uniform(rng);
+    const Dwell dwell = measured(
+        [&](Record& record, double t) {
+          const double step = record.channel == kCell ? 0.2 : 2e-5;
+          record.value = step * std::round((record.value + offset * step * 1e5) / step);
+          if (t > 10 && !glitched && record.channel == kCell) {
+            record.value += 0.37 * step;
+            glitched = true;
+          }
+        },
+        40, 0.0);
+    ASSERT_EQ(dwell.elements.size(), 3u) << all(dwell);
+    for (std::size_t e = 0; e < 3; ++e) {
+      if (!dwell.elements[e].identifiable) continue;
+      holds += 2;
+      const Coefficient &c = dwell.elements[e].stiffness, &r = dwell.elements[e].damping;
+      inside += std::abs(c.value - chain.stiffness[e]) < c.U95;
+      inside += std::abs(r.value - chain.damping[e]) < r.U95;
+    }
+  }
+  EXPECT_GT(inside, 0.9 * holds);
+}
+
+TEST_F(DisturbedReadings, AChannelFirstHeardDuringAHoldHasARoundingStep) {
+  rate_hz = 100;
+  const Dwell dwell = measured(
+      [&](Record& record, double t) {
+        if (record.channel == kCell && t < 5) record.kind = Kind::tick;
+        const double step = record.channel == kCell ? 0.2 : 2e-5;
+        record.value = step * std::round(record.value / step);
+      },
+      40, 0.0);
+  ASSERT_EQ(dwell.elements.size(), 3u) << all(dwell);
+  expect_no_wrong_number(dwell, "first heard at 5 s");
+}
+
+// Swapped words, a byte read from elsewhere: any number at all.
+TEST_F(DisturbedReadings, GarbageAmongTheReadingsIsLeftOut) {
+  for (const double share : {0.002, 0.02, 0.2}) {
+    const Dwell dwell = measured([&](Record& record, double) {
+      if (record.channel != kCell || uniform(rng) >= share) return;
+      record.value = uniform(rng) < 0.5 ? force() * (4 * uniform(rng) - 2) : std::ldexp(uniform(rng), 110);
+    });
+    expect_no_wrong_number(dwell, std::to_string(share));
+    EXPECT_TRUE(says(dwell, "reaction: left out of")) << share << all(dwell);
+  }
+}
+
+TEST_F(DisturbedReadings, HealthyChannelsAreNeverBlamed) {
+  int blamed = 0, dwells = 0;
+  std::string what;
+  std::mt19937_64 seeds(5);
+  for (int trial = 0; trial < 60; ++trial) {
+    const double step = std::pow(10.0, -1 - 5 * uniform(seeds));  // of the amplitude
+    const double noise = trial % 3 == 0 ? 0.0 : std::pow(10.0, -1.5 - 4 * uniform(seeds));
+    rate_hz = 40 * std::pow(25.0, uniform(seeds));
+    if (trial % 4 == 0) rate_hz = 4 * std::round(rate_hz / 4);
+    chain = random_chain(seeds, 2, Boundary::clamped, 4);
+    rig = rig_of(chain, 4);
+    const std::vector<double> amplitude = sigma(1.0);
+    const Dwell dwell = measured(
+        [&](Record& record, double) {
+          const double q = step * amplitude[record.channel];
+          record.value = q * std::round(record.value / q);
+        },
+        20, noise);
+    ++dwells;
+    for (int c = 0; c < 4; ++c)
+      if (conditions[static_cast<std::size_t>(c)] != "ok") {
+        ++blamed;
+        what += "\n" + std::to_string(trial) + " step " + std::to_string(step) + " noise " + std::to_string(noise) +
+                " rate " + std::to_string(rate_hz) + " " + conditions[static_cast<std::size_t>(c)] + all(dwell);
+        break;
+      }
+  }
+  EXPECT_EQ(blamed, 0) << what;
+}
+
+}  // namespace
+}  // namespace dwell
