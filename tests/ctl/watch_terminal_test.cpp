@@ -33,7 +33,7 @@ constexpr const char* kLeave = "\x1b[?25h\x1b[?1049l";
 // dwellctl with a pseudo terminal of 24 x 80 as its controlling one; this side is the operator's.
 class OnTerminal {
  public:
-  explicit OnTerminal(std::vector<std::string> arguments, const char* kind = "xterm") {
+  explicit OnTerminal(std::vector<std::string> arguments, const char* kind = "xterm", const char* no_color = "") {
     arguments.insert(arguments.begin(), DWELLCTL);
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
@@ -43,7 +43,7 @@ class OnTerminal {
     if (process_ < 0) throw std::runtime_error("no pseudo terminal");
     if (process_ == 0) {
       ::setenv("TERM", kind, 1);
-      ::unsetenv("NO_COLOR");
+      ::setenv("NO_COLOR", no_color, 1);
       ::execv(DWELLCTL, pointers.data());
       _exit(98);
     }
@@ -74,6 +74,11 @@ class OnTerminal {
   void resize(unsigned short rows, unsigned short columns) const {
     winsize size{rows, columns, 0, 0};
     ::ioctl(terminal_, TIOCSWINSZ, &size);
+  }
+  // Whether it stops, as by Ctrl-Z.
+  [[nodiscard]] bool stops() const {
+    int status = 0;
+    return ::waitpid(process_, &status, WUNTRACED) == process_ && WIFSTOPPED(status);
   }
   // Until it has ended: its status as waitpid tells it.
   int end() {
@@ -203,6 +208,32 @@ TEST(WatchOnATerminal, NumbersTurnOldWhenTheServiceGoes) {
   ASSERT_TRUE(watch.await("NO CONNECTION")) << watch.out();
   EXPECT_TRUE(watch.await("last seen: dwell 1")) << watch.out();
   EXPECT_TRUE(watch.await("OLD NUMBERS")) << watch.out();
+}
+
+TEST(WatchOnATerminal, CtrlZGivesTheTerminalBackForAWhile) {
+  ScriptedServer server({measuring()});
+  OnTerminal watch({"watch", "--url", server.url()});
+  ASSERT_TRUE(watch.await("q quit"));
+  watch.send(SIGTSTP);
+  ASSERT_TRUE(watch.stops());
+  EXPECT_TRUE(watch.await(kLeave));
+  EXPECT_TRUE(watch.as_before());
+  watch.forget();
+  watch.send(SIGCONT);
+  EXPECT_TRUE(watch.await(kEnter));
+  EXPECT_TRUE(watch.await("q quit"));
+  EXPECT_FALSE(watch.echoes());
+}
+
+TEST(WatchOnATerminal, WithoutColoursOldNumbersAreFaint) {
+  for (const bool colour : {true, false}) {
+    ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text())}});
+    OnTerminal watch({"watch", "--url", server.url()}, "xterm", colour ? "" : "1");
+    ASSERT_TRUE(watch.await("OLD NUMBERS"));
+    ASSERT_TRUE(watch.await("q quit"));
+    EXPECT_EQ(watch.out().find("\x1b[90m") != std::string::npos, colour);
+    EXPECT_EQ(watch.out().find("\x1b[1;31m") != std::string::npos, colour);
+  }
 }
 
 TEST(WatchOnATerminal, ADumbOneGetsLines) {
