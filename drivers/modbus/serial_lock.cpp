@@ -13,7 +13,7 @@ namespace dwell::modbus {
 namespace {
 
 constexpr const char* kTaken =
-    "is in use by another program; end that, or ask the service that runs (`dwellctl check` without --rig)";
+    "in use by another program; end that, or ask the service that runs (`dwellctl check` without --rig)";
 
 }  // namespace
 
