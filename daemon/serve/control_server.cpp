@@ -32,12 +32,14 @@ struct ControlServer::Impl : std::enable_shared_from_this<ControlServer::Impl> {
       : options(std::move(asked)), handler(std::move(answers)), acceptor(context) {}
 
   void accept();
+  bool make_room();
 
   const ControlOptions options;
   const Handler handler;
   Local::acceptor acceptor;
   std::weak_ptr<void> accepting;  // expired: nobody waits for the next caller
   std::unordered_set<Caller*> callers;
+  std::uint64_t came = 0;
 };
 
 namespace {
@@ -45,7 +47,10 @@ namespace {
 class Caller : public std::enable_shared_from_this<Caller> {
  public:
   Caller(std::shared_ptr<ControlServer::Impl> server, Local::socket socket)
-      : server_(std::move(server)), socket_(std::move(socket)), deadline_(socket_.get_executor()) {
+      : server_(std::move(server)),
+        socket_(std::move(socket)),
+        deadline_(socket_.get_executor()),
+        number_(server_->came++) {
     server_->callers.insert(this);
     ucred who{};
     socklen_t size = sizeof who;
@@ -63,10 +68,15 @@ class Caller : public std::enable_shared_from_this<Caller> {
   }
 
   void close() {
+    server_->callers.erase(this);
     error_code ignored;
     socket_.close(ignored);
     deadline_.cancel();
   }
+
+  // Has sent a whole line.
+  [[nodiscard]] bool asked() const noexcept { return asked_; }
+  [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
 
  private:
   void limit_time() {
@@ -80,6 +90,7 @@ class Caller : public std::enable_shared_from_this<Caller> {
   void received(const error_code& error, std::size_t size) {
     if (error == asio::error::not_found) return answer(R"({"error":"the line is too long"})", false);
     if (error) return close();
+    asked_ = true;
     std::string_view line(line_.data(), size - 1);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     std::string reply;
@@ -108,6 +119,8 @@ class Caller : public std::enable_shared_from_this<Caller> {
   asio::steady_timer deadline_;
   std::string line_;
   Peer peer_;
+  const std::uint64_t number_;  // in the order of their coming
+  bool asked_ = false;
 };
 
 // Removes what a dead process left behind; the reason why not, or nothing.
@@ -131,9 +144,24 @@ void ControlServer::Impl::accept() {
   accepting = waiting;
   acceptor.async_accept([self = shared_from_this(), waiting](const error_code& error, Local::socket socket) {
     if (error || !self->acceptor.is_open()) return;
-    if (self->callers.size() < self->options.clients) std::make_shared<Caller>(self, std::move(socket))->read();
+    // Whatever befalls this caller must not keep the next one out.
+    try {
+      if (self->callers.size() < self->options.clients || self->make_room())
+        std::make_shared<Caller>(self, std::move(socket))->read();
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): memory has ended; the caller sees it closed
+    }
     self->accept();
   });
+}
+
+// Closes the oldest connection that has not asked anything; false: all have.
+bool ControlServer::Impl::make_room() {
+  Caller* oldest = nullptr;
+  for (Caller* caller : callers)
+    if (!caller->asked() && (oldest == nullptr || caller->number() < oldest->number())) oldest = caller;
+  if (oldest == nullptr) return false;
+  oldest->close();
+  return true;
 }
 
 tl::expected<std::unique_ptr<ControlServer>, std::string> ControlServer::make(EventLoop& loop,
@@ -169,7 +197,8 @@ ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)
 ControlServer::~ControlServer() {
   error_code ignored;
   impl_->acceptor.close(ignored);
-  for (Caller* caller : impl_->callers) caller->close();
+  const auto callers = impl_->callers;
+  for (Caller* caller : callers) caller->close();
   unlink(impl_->options.path.c_str());
 }
 

@@ -18,8 +18,8 @@ class EventLoop;
 
 struct ControlOptions {
   std::string path;
-  std::size_t clients = 16;                     // at once; more are closed at once
-  std::size_t line_bytes = 64 * 1024;           // beyond: an error, and the connection ends
+  std::size_t clients = 16;            // at once; more take the place of one that has not asked anything, or are closed
+  std::size_t line_bytes = 64 * 1024;  // beyond: an error, and the connection ends
   std::chrono::milliseconds idle_time{60'000};  // without a whole line, or with an answer not taken
 };
 

@@ -103,6 +103,22 @@ TEST_F(ControlServerTest, TooManyCallersAreTurnedAway) {
   EXPECT_EQ(third.all(), "");
 }
 
+TEST_F(ControlServerTest, CallersThatAskNothingMakeRoomForOneThatDoes) {
+  options.clients = 2;
+  begin();
+  Client first = Client::local(options.path);
+  first.send("x\n");
+  ASSERT_EQ(first.until("\n"), "x!\n");
+  Client silent = Client::local(options.path);
+  silent.send("never a whole line");
+  Client third = Client::local(options.path);
+  third.send("x\n");
+  EXPECT_EQ(third.until("\n"), "x!\n");
+  EXPECT_EQ(silent.all(), "");
+  first.send("y\n");
+  EXPECT_EQ(first.until("\n"), "y!\n");
+}
+
 TEST_F(ControlServerTest, ReplacesWhatADeadProcessLeftBehind) {
   const int left = socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{};
