@@ -12,6 +12,10 @@ constexpr double kTold = 0.1;  // tolerances, rms of the stretches: what varies 
 // uncertainties off had 0.4 and more; half of it would doubt what a slope describes well.
 constexpr double kDoubted = 0.25;
 
+// Of |slope|² over its variance, from which it is told in words: once in 10 000 dwells by chance, exp(-9.2). The
+// uncertainty heeds smaller ones (PhasorSlope::shows), and nobody is blamed for these: one healthy dwell in a hundred.
+constexpr double kToldSlope = 9.2;
+
 // Rms of a stretch's deviation, relative to the phasor: along it and across.
 struct Wander {
   double amplitude = 0.0, phase_rad = 0.0;
@@ -33,6 +37,11 @@ Wander wander_of(const ChannelResult& result) {
 
 std::string percent(double part) { return brief(100 * part, 2) + " %"; }
 
+// The table's phasor over the data that count, relative to that over the modal fit, minus one.
+Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channel, std::int64_t t_ref_ns) {
+  return table.X[0] / (modal.phasor(channel, 1) * std::polar(1.0, modal.angle(t_ref_ns))) - 1.0;
+}
+
 }  // namespace
 
 void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result) const {
@@ -50,8 +59,7 @@ void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result)
 void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel)].fit;
   if (quiet_ns == INT64_MIN || !table.usable || !modal.usable(drive_channel)) return;
-  const Complex before = modal.phasor(drive_channel, 1) * std::polar(1.0, modal.angle(totals.t_ref_ns()));
-  const Complex change = table.X[0] / before - 1.0;
+  const Complex change = since_fitted(table, modal, drive_channel, totals.t_ref_ns());
   if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
   for (int c = 0; c < channel_count; ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
@@ -90,7 +98,21 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   }
   const Complex rate = results[table].slope.value / results[table].fit.X[0];
   const double changed = std::abs(rate) * seconds;
-  if (!results[table].slope.shows() || !(changed > kTold * rig.tolerance)) return;
+  // In data too short for stretches the slope is all that there is to tell.
+  const double told = results[table].scatter.dof > 0 ? kToldSlope : PhasorSlope::kShows;
+  const bool sure = std::norm(results[table].slope.value) > told * results[table].slope.variance;
+  if (!results[table].slope.shows() || !sure || !(changed > kTold * rig.tolerance)) {
+    double absorbed = 0.0;  // the largest part of a phasor
+    for (const ChannelResult& result : results)
+      if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
+    if (!(absorbed > kTold * rig.tolerance)) return;
+    const Complex change = since_fitted(results[table].fit, modal, drive_channel, totals.t_ref_ns());
+    if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
+      dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
+                               percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
+                               " rad; the uncertainties allow for it (\"drive's change while settling\")");
+    return;
+  }
   const std::string seen = "the drive is not steady: its amplitude changes by " + percent(rate.real()) +
                            " and its phase by " + brief(rate.imag(), 2) + " rad in a second";
   if (rig.mass_count() > 0 && results[table].scatter.dof == 0 && changed > kDoubted * rig.tolerance)

@@ -93,6 +93,24 @@ TEST(UnsteadyDrive, ADriftOfAmplitudeThatAllChannelsShareWidensNoCoefficient) {
   }
 }
 
+// The slope of a steady drive passes what chance does once in a hundred dwells: no reason to blame it.
+TEST(UnsteadyDrive, ASteadyDriveIsNotBlamed) {
+  const Chain chain = clamped_chain();
+  int blamed = 0, dwells = 0;
+  Toned toned = under(chain, 4.0, {{4.0, 0.002}});
+  toned.rate_hz = 80;
+  toned.noise = 0.01;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    toned.rng.seed(seed);
+    for (const Dwell& dwell : toned.run(8)) {
+      ++dwells;
+      blamed += speaks_of_the_drive(dwell);
+    }
+  }
+  EXPECT_EQ(dwells, 150);
+  EXPECT_EQ(blamed, 0);
+}
+
 // A transducer that changes is no drive that does.
 TEST(UnsteadyDrive, WhatChangesInOneChannelAloneStillWidensWhatRestsOnIt) {
   const Chain chain = clamped_chain();
