@@ -7,6 +7,8 @@ namespace dwell {
 namespace {
 
 constexpr double kTold = 0.1;  // tolerances, rms of the stretches: what varies by less is not told
+// The same for a slope over data that have stretches, which tell of all that is worth a word but a slow drift.
+constexpr double kToldOfLong = 0.5;
 // Tolerances, within a dwell too short for stretches to show what the masses make of it: beyond it, the slope alone is
 // no longer all that matters. Of 400 dwells of 0.4 s under an amplitude that hunts by 1 %, those five standard
 // uncertainties off had 0.4 and more; half of it would doubt what a slope describes well.
@@ -100,8 +102,9 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   const double changed = std::abs(rate) * seconds;
   // In data too short for stretches the slope is all that there is to tell.
   const double told = results[table].scatter.dof > 0 ? kToldSlope : PhasorSlope::kShows;
+  const double least = results[table].scatter.dof > 0 ? kToldOfLong : kTold;
   const bool sure = std::norm(results[table].slope.value) > told * results[table].slope.variance;
-  if (!results[table].slope.shows() || !sure || !(changed > kTold * rig.tolerance)) {
+  if (!results[table].slope.shows() || !sure || !(changed > least * rig.tolerance)) {
     double absorbed = 0.0;  // the largest part of a phasor
     for (const ChannelResult& result : results)
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
