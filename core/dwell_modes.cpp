@@ -69,11 +69,12 @@ void Pipeline::Impl::solve_modes() {
 
 // The poles of the chain that the steady motion tells of, as far as known; where there are none, nothing.
 std::span<const Complex> Pipeline::Impl::chain_poles() {
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    if (rig.channels[i].measures != Quantity::auxiliary && !modal.usable(c)) return {};
-    observed(c) = modal.usable(c) ? as_observed(rig, c, modal.phasor(c, 1), modal.omega(), 1) : Complex{};
-  }
+  for (int c = 0; c < channel_count; ++c)
+    if (modal.usable(c))
+      usable_observation.observe(c, as_observed(rig, c, modal.phasor(c, 1), modal.omega(), 1));
+    else
+      usable_observation.leave_out(c);
+  if (!usable_observation.solve(state_x)) return {};
   time_constant_s = identified_time_constant(modal.omega());
   return decay.poles();
 }

@@ -96,17 +96,17 @@ void Pipeline::Impl::provisional() {
   time_constant_s = kNaN;
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    if (rig.channels[i].measures != Quantity::auxiliary && !readings[i].usable) return;
     const Complex seen = settling.later_mean(c);
-    observed(c) =
-        readings[i].usable ? as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1) : Complex{};
+    if (readings[i].usable)
+      usable_observation.observe(c, as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1));
+    else
+      usable_observation.leave_out(c);
   }
-  time_constant_s = identified_time_constant(omega);
+  if (usable_observation.solve(state_x)) time_constant_s = identified_time_constant(omega);
 }
 
-// From what the transducers observe, in `observed`.
+// From the chain's state in `state_x`.
 double Pipeline::Impl::identified_time_constant(double w) {
-  state_x.noalias() = provisional_gain.gain * observed;
   const int n = rig.mass_count();
   Y[0] = state_x(0);
   for (int k = 1; k <= n; ++k) {

@@ -35,6 +35,7 @@
 #include "core/step_watch.hpp"
 #include "core/sync_reference.hpp"
 #include "core/transactions.hpp"
+#include "core/usable_observation.hpp"
 
 namespace dwell {
 
@@ -86,6 +87,7 @@ struct Pipeline::Impl {
         seen_modes(channel_count),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
+        usable_observation(given, G),
         omega(kTwoPi * given.excitation.frequency_hz) {
     for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
     for (const Channel& channel : rig.channels) live.emplace_back(channel);
@@ -108,8 +110,6 @@ struct Pipeline::Impl {
       if (measures != Quantity::force && measures != Quantity::auxiliary) drive_channel = c;
     }
     const auto unknowns = static_cast<std::size_t>(rig.mass_count());
-    provisional_gain = solve_observation(G, Eigen::VectorXd::Ones(G.rows()));
-    observed.resize(G.rows());
     state_x.resize(G.cols());
     Y.resize(unknowns + 1);
     d.resize(unknowns);
@@ -181,8 +181,8 @@ struct Pipeline::Impl {
   std::vector<Live> live;
   std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
-  Gain provisional_gain;
-  Eigen::VectorXcd observed, state_x;
+  UsableObservation usable_observation;
+  Eigen::VectorXcd state_x;
   std::vector<Complex> Y, d, Z;
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
 
