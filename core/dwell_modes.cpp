@@ -17,6 +17,8 @@ constexpr double kPenalty = 50.0;                   // of the misfit, for each p
 constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
 constexpr double kSame = 0.3;                       // rad over the fit, by which two poles must differ
 constexpr double kNear = 0.1;                       // relative, of a chain's pole to one that the data show
+constexpr double kShorter = 0.3;                    // a step that made things worse is tried again by this part …
+constexpr int kShortened = 2;                       // … so many times: to a tenth, beyond which it is another optimum
 constexpr double kConverged = 0.1;                  // of the uncertainty of a pole
 
 }  // namespace
@@ -202,8 +204,16 @@ double Pipeline::Impl::refine_poles(double misfit, int steps) {
   for (int i = 0; i < steps && fits_left > 0; ++i) {
     const auto moved = modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0);
     if (modal.converged() < kConverged) break;
+    const double w = modal.omega(), by = (from_motion() ? within_search(rig, modal.refined_omega()) : w) - w;
     trial_poles.assign(moved.begin(), moved.end());
-    const double better = try_poles(from_motion() ? within_search(rig, modal.refined_omega()) : modal.omega(), best);
+    double better = try_poles(w + by, best);
+    // A drive beside a pole is far from linear in both: a step that goes too far is shortened.
+    double part = kShorter;
+    for (int shorter = 0; shorter < kShortened && !(better < best) && fits_left > 0; ++shorter, part *= kShorter) {
+      const auto poles = modal.poles(), whole = modal.moved_poles();
+      for (std::size_t m = 0; m < poles.size(); ++m) trial_poles[m] = poles[m] + part * (whole[m] - poles[m]);
+      better = try_poles(w + part * by, best);
+    }
     if (!(better < best)) break;
     best = better;
   }

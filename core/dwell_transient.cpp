@@ -134,8 +134,8 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   take_transient_out(end_ns);
   count_anew();
   // Again, where the data that count contradict the frequency at which the transient was taken out of them.
-  for (int i = 0; i < kRefits && tracked() && !same_drive(); ++i) {
-    follow_drive(modal.poles());
+  fits_left = std::max(fits_left, kRefits);
+  for (int i = 0; i < kRefits && tracked() && !same_drive() && follow_drive(); ++i) {
     take_transient_out(end_ns);
     count_anew();
   }
@@ -191,15 +191,10 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   fits_left = 3;
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
-  double misfit = NAN;
-  if (same_drive()) {
-    feed_modes();
-    solve_modes();
-    misfit = modal.misfit();
-  } else {
-    misfit = follow_drive(best_poles);
-  }
-  refine_poles(misfit, 1);
+  feed_modes();
+  solve_modes();
+  if (!same_drive()) static_cast<void>(follow_drive());
+  refine_poles(modal.misfit(), 1);
   take_best_poles();
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
@@ -208,9 +203,14 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (last) modal_refit_at_ns = INT64_MAX;
 }
 
-double Pipeline::Impl::follow_drive(std::span<const Complex> poles) {
+// The data that count are the newest part of what the modal fit has seen: their frequency is taken only if it explains
+// the whole better.
+bool Pipeline::Impl::follow_drive() {
+  best_poles.assign(modal.poles().begin(), modal.poles().end());
+  trial_poles = best_poles;
   modal_rate = blocks.drift().rate;
-  return fit_modes(omega_at(modal_from_ns, omega), poles);
+  const double before = modal.misfit();
+  return try_poles(omega_at(modal_from_ns, omega), before) < before;
 }
 
 // Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows, or

@@ -54,6 +54,8 @@ class ModalFit {
   // within `trust` of each pole's magnitude; returns the poles moved. Leaves the sums as they are: restart and add
   // again.
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust, double trust_omega) noexcept;
+  // Those poles again.
+  [[nodiscard]] std::span<const std::complex<double>> moved_poles() const noexcept { return {moved_.data(), count_}; }
   // ω after that step, rad/s.
   [[nodiscard]] double refined_omega() const noexcept { return moved_omega_; }
 

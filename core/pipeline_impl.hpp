@@ -356,8 +356,9 @@ struct Pipeline::Impl {
   void refit_later(double growth);
   void refit_soon();
   void refit_measuring(std::int64_t end_ns);
-  // The modal fit anew, at the frequency and drift of the data that count; its misfit.
-  double follow_drive(std::span<const Complex> poles);
+  // The modal fit anew, at the frequency and drift of the data that count, where that explains the hold better: whether
+  // it does.
+  bool follow_drive();
   [[nodiscard]] bool same_drive() const;
   [[nodiscard]] bool transient_matters() const;
   [[nodiscard]] Eigen::Matrix2d transient_covariance(int c, double samples) const;

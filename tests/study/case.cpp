@@ -39,6 +39,8 @@ const char* name_of(Population population) {
       return "steady";
     case Population::ramps:
       return "ramps";
+    case Population::resonance:
+      return "resonance";
     case Population::disturbed:
       return "disturbed";
   }

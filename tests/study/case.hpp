@@ -32,8 +32,9 @@ enum class Population {
   steady,     // a long time of an unchanged drive, every disturbance of the transducers
   ramps,      // n = 0, three periods between ramps
   disturbed,  // what devices, drives and rigs do that a rig file does not know of
+  resonance,  // the drive within the half-power width of a lightly damped mode
 };
-inline constexpr int kPopulations = 14;
+inline constexpr int kPopulations = 15;
 [[nodiscard]] const char* name_of(Population population);
 
 // How a channel is sampled, and what is added to what it reads.

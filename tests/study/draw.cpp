@@ -125,6 +125,9 @@ Case draw(Population population, std::uint64_t seed, int index) {
     case Population::ramps:
       draw_ramps(draws, about);
       break;
+    case Population::resonance:
+      draw_resonance(draws, about);
+      break;
     case Population::disturbed:
       draw_disturbed(draws, about);
       break;

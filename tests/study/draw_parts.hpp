@@ -43,4 +43,7 @@ void draw_step(Draws& draws, Case& about);
 void draw_hours(Draws& draws, Case& about);
 void draw_ramps(Draws& draws, Case& about);
 
+// One that begins with a transient, driven at a natural frequency.
+void draw_resonance(Draws& draws, Case& about);
+
 }  // namespace dwell::study

@@ -27,6 +27,8 @@ std::string disturbance_of(Population population) {
       return "quantized, noise of half a step or more";
     case Population::coarse:
       return "quantized, less noise than that";
+    case Population::resonance:
+      return "the drive at a natural frequency";
     default:
       return name_of(population);
   }
@@ -139,6 +141,26 @@ std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slac
            static_cast<double>(wrong)},
           {"elements withheld although |d| and |Z| exceed six of theirs", text("%.2f %%", share), "<= 5 %", plain,
            share <= 5 + 5 * slack, share, share}};
+}
+
+Row early_row(const std::vector<Outcome>& outcomes, Population population, double slack) {
+  long early = 0, never = 0;
+  std::vector<double> tail;
+  for (const Outcome& outcome : outcomes) {
+    never += !outcome.settled;
+    early += outcome.settled && outcome.left > 1;
+    tail.push_back(late_by(outcome, 10, 1));
+  }
+  const double share = 100.0 * static_cast<double>(early) / static_cast<double>(outcomes.size());
+  Row row;
+  row.figure = "settled too early: " + disturbance_of(population) +
+               text(" (never: %ld; lateness, 95th percentile: %.2f)", never, quantile(tail, 0.95));
+  row.reached = text("%.2f %%", share);
+  row.target = "<= 0.5 %";
+  row.count = static_cast<long>(outcomes.size());
+  row.met = share <= 0.5 + 2 * slack;
+  row.value = row.cost = share;
+  return row;
 }
 
 Row blamed_row(const std::vector<Outcome>& outcomes, double slack) {

@@ -20,6 +20,8 @@ namespace dwell::study {
 [[nodiscard]] Row coverage_row(const std::vector<Outcome>& outcomes, Population population, double slack);
 // Too early, and late by the median and the 95th percentile.
 [[nodiscard]] std::vector<Row> settling_rows(const std::vector<Outcome>& outcomes, double slack);
+// Too early, of one population; how late beside it.
+[[nodiscard]] Row early_row(const std::vector<Outcome>& outcomes, Population population, double slack);
 // An element that must not be reported, and that must be.
 [[nodiscard]] std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack);
 // Healthy dwells in which a channel, an element or the drive is blamed for a disturbance.

@@ -126,6 +126,9 @@ void study(const Options& options, Population population, Results& results) {
       results.disturbed =
           play_all<DisturbedOutcome>(options, population, options.count(kKinds, 179 * kKinds), play_disturbed);
       break;
+    case Population::resonance:
+      results.begun[population] = play_all<Outcome>(options, population, options.count(10, 2000), play_dwell);
+      break;
     default:
       results.begun[population] = play_all<Outcome>(options, population, options.count(30, 5000), play_dwell);
   }
