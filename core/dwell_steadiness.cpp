@@ -108,7 +108,8 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     double absorbed = 0.0;  // the largest part of a phasor
     for (const ChannelResult& result : results)
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
-    if (!(absorbed > kTold * rig.tolerance)) return;
+    // Long after the transient was fitted its frequency alone turns the phasor: that is no change of the drive.
+    if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
     const Complex change = since_fitted(results[table].fit, modal, drive_channel, totals.t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
       dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
