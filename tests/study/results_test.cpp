@@ -21,6 +21,7 @@ Results some() {
     outcome.elements[1].reported = true;
     outcome.elements[1].c_U95 = i % 20 == 0 ? -1.1 : 0.3;
     results.begun[Population::white].push_back(outcome);
+    results.begun[Population::resonance].push_back(outcome);
     DisturbedOutcome disturbed;
     disturbed.index = i;
     disturbed.kinds = {Kind::late, Kind::clip_one};
