@@ -12,6 +12,7 @@
 #include "core/angle.hpp"
 #include "core/chain_state.hpp"
 #include "core/identify.hpp"
+#include "core/linearity.hpp"
 #include "core/passivity.hpp"
 #include "core/student.hpp"
 #include "core/transducer.hpp"
@@ -23,10 +24,6 @@ using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using Index = Eigen::Index;
-
-// A harmonic of an element's force or deformation above this part of its fundamental makes c and r equivalent
-// coefficients of that one amplitude (harmonic linearization; docs/method.md, Uncertainty).
-constexpr double kFarFromLinear = 0.1;
 
 double device_delay(const Rig& rig, const Channel& channel) {
   return channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
@@ -357,23 +354,12 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
   const int n = rig.mass_count();
   const auto elements = static_cast<Index>(rig.element_count());
   const auto channels = static_cast<Index>(rig.channels.size());
-  const int H = rig.excitation.harmonics;
-
-  // Per harmonic: what the transducers see, the chain's state, the elements' forces and deformations.
-  std::vector<ChainState> chains;
-  VectorXcd o(channels);
-  for (int h = 1; h <= H; ++h) {
-    VectorXcd seen(channels);
-    for (Index c = 0; c < channels; ++c)
-      seen(c) = evidence[static_cast<std::size_t>(c)].usable
-                    ? as_observed(rig, static_cast<int>(c),
-                                  evidence[static_cast<std::size_t>(c)].X[static_cast<std::size_t>(h - 1)],
-                                  frequency.omega, h)
-                    : Complex{};
-    chains.push_back({rig, n, h * frequency.omega, gain.gain * seen});
-    if (h == 1) o = seen;
+  VectorXcd o = VectorXcd::Zero(channels);
+  for (Index c = 0; c < channels; ++c) {
+    const Evidence& seen = evidence[static_cast<std::size_t>(c)];
+    if (seen.usable) o(c) = as_observed(rig, static_cast<int>(c), seen.X[0], frequency.omega, 1);
   }
-  const ChainState& chain = chains.front();
+  const ChainState chain{rig, n, frequency.omega, gain.gain * o};
   MatrixXcd force_rows(elements, n + 2), deformation_rows(elements, n + 2);
   VectorXcd Z(elements), d(elements), f(elements);
   std::vector<bool> determined(static_cast<std::size_t>(elements));
@@ -425,43 +411,11 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
         element.budget = propagation.budget(e);
       }
     }
-    // Harmonics of what the element feels and does, where they stand out of the noise.
-    double worst = 0.0;
-    int worst_h = 0;
-    const char* worst_of = "";
-    for (int h = 2; known && h <= H; ++h) {
-      const ChainState& at = chains[static_cast<std::size_t>(h - 1)];
-      const VectorXcd rows_of[2] = {at.deformation_row(element.k), at.force_row(element.k)};
-      const double fundamental[2] = {std::abs(d(e)), std::abs(f(e))};
-      for (int which = 0; which < 2; ++which) {
-        const double amplitude = std::abs(rows_of[which].cwiseProduct(at.x).sum());
-        double variance = 0.0;
-        for (Index c = 0; c < channels; ++c) {
-          const auto& seen = evidence[static_cast<std::size_t>(c)];
-          if (!seen.usable) continue;
-          const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, h);
-          variance += std::norm(rows_of[which].cwiseProduct(gain.gain.col(c)).sum() * per_reading) * 0.5 *
-                      seen.widened * seen.covariance.trace();
-        }
-        const double ratio = amplitude / fundamental[which];
-        if (ratio > kFarFromLinear && amplitude > 4 * std::sqrt(variance) && ratio > worst) {
-          worst = ratio;
-          worst_h = h;
-          worst_of = which == 0 ? "deformation" : "force";
-        }
-      }
-    }
-    if (worst_h > 0) {
-      const std::string ratio = std::to_string(worst);
-      result.warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +
-                                std::to_string(worst_h) + " of its " + worst_of + " is " +
-                                ratio.substr(0, ratio.find('.') + 4) +
-                                " of the fundamental; c and r hold for this amplitude alone");
-    }
     result.elements.push_back(std::move(element));
   }
   result.Z.assign(Z.data(), Z.data() + Z.size());
   refuse_negative(rig, channels_used(gain, force_rows, deformation_rows), result.elements, result.doubts);
+  result.warnings = judge_linearity(rig, gain, evidence, frequency, result.elements);
   std::vector<Index> rows;
   for (Index e = 0; e < elements; ++e)
     if (result.elements[static_cast<std::size_t>(e)].identifiable) rows.insert(rows.end(), {2 * e, 2 * e + 1});

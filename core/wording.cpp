@@ -32,7 +32,7 @@ std::string brief(double value, int digits) {
 std::string plus_minus(double value, double U, const std::string& unit) {
   if (!std::isfinite(U) || !(U > 0)) return brief(value, 6) + " ± — " + unit;
   const int last = static_cast<int>(std::floor(std::log10(U))) - 1;  // decade of the last digit shown
-  if (fits_without_exponent(value) && last >= -9 && U < 1e6) {
+  if (fits_without_exponent(std::max(std::abs(value), U))) {
     const double step = std::pow(10.0, last);
     const int decimals = std::max(0, -last);
     return printed("%.*f", decimals, std::round(value / step) * step) + " ± " +

@@ -1,0 +1,212 @@
+#include "core/linearity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "core/identify.hpp"
+#include "tests/core/bench_rig.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kOmega = 2 * M_PI * 4;
+constexpr int kFitted = 3;
+
+// What an element feels beside c d + r d', N, by deformation and its rate.
+using Beside = std::function<double(double d, double rate)>;
+
+Beside friction(double newtons) {
+  // Steep enough for a square wave, smooth enough for the integration.
+  return [=](double, double rate) { return newtons * std::tanh(rate / 2e-4); };
+}
+Beside cubic(double c3) {
+  return [=](double d, double) { return c3 * d * d * d; };
+}
+Beside quadratic(double r2) {
+  return [=](double, double rate) { return r2 * rate * std::abs(rate); };
+}
+Beside nothing() {
+  return [](double, double) { return 0.0; };
+}
+
+double table_at(double t, double distortion, bool rate) {
+  const double A = 0.002, phase = kOmega * t;
+  return rate ? A * kOmega * (std::cos(phase) + 3 * distortion * std::cos(3 * phase + 0.7))
+              : A * (std::sin(phase) + distortion * std::sin(3 * phase + 0.7));
+}
+
+// The harmonics of what the transducers of rig_of(chain) read in the steady motion, element k of them with `beside`;
+// the shaker's third is `distortion` of its first. Runge-Kutta, the transient decayed.
+std::vector<Evidence> simulated(const Chain& chain, int k, const Beside& beside, double distortion = 0.0) {
+  const int n = chain.mass_count(), elements = chain.element_count();
+  const auto force_in = [&](int e, const std::vector<double>& y, const std::vector<double>& v) {
+    const double right = e < n ? y[static_cast<std::size_t>(e + 1)] : 0.0;
+    const double right_v = e < n ? v[static_cast<std::size_t>(e + 1)] : 0.0;
+    // Element n + 1 is what mass n moves against the ground.
+    const double d = e < n ? right - y[static_cast<std::size_t>(e)] : y[static_cast<std::size_t>(n)];
+    const double rate = e < n ? right_v - v[static_cast<std::size_t>(e)] : v[static_cast<std::size_t>(n)];
+    const auto i = static_cast<std::size_t>(e);
+    return chain.stiffness[i] * d + chain.damping[i] * rate + (e + 1 == k ? beside(d, rate) : 0.0);
+  };
+  using State = std::vector<double>;  // y_1 … y_n, their rates
+  const auto whole = [&](double t, const State& s, State& y, State& v) {
+    y.assign(1, table_at(t, distortion, false));
+    v.assign(1, table_at(t, distortion, true));
+    y.insert(y.end(), s.begin(), s.begin() + n);
+    v.insert(v.end(), s.begin() + n, s.end());
+  };
+  State y, v;
+  const auto slope = [&](double t, const State& s) {
+    whole(t, s, y, v);
+    State out(s.begin() + n, s.end());
+    for (int m = 0; m < n; ++m) {
+      const double pull = force_in(m, y, v), push = m + 1 < elements ? force_in(m + 1, y, v) : 0.0;
+      // Beyond mass n a clamped chain has element n + 1, which is pulled as d = y_n says.
+      const double sign = m + 1 < n ? 1.0 : -1.0;
+      out.push_back((-pull + sign * push) / chain.masses[static_cast<std::size_t>(m)]);
+    }
+    return out;
+  };
+  const int per_period = 4000, periods = n > 0 ? 60 : 1;
+  const double dt = 2 * M_PI / kOmega / per_period;
+  State s(static_cast<std::size_t>(2 * n), 0.0);
+  std::vector<std::vector<Complex>> X(static_cast<std::size_t>(n + 2), std::vector<Complex>(kFitted));
+  for (int i = 0; i < per_period * periods; ++i) {
+    const double t = i * dt;
+    if (i >= per_period * (periods - 1)) {
+      whole(t, s, y, v);
+      State readings = y;
+      readings.push_back(force_in(elements - 1, y, v));
+      for (std::size_t c = 0; c < readings.size(); ++c)
+        for (int h = 1; h <= kFitted; ++h)  // Y with y = Im(Y exp(jωt))
+          X[c][static_cast<std::size_t>(h - 1)] +=
+              readings[c] * 2.0 / per_period * Complex{0, 1} * std::polar(1.0, -h * kOmega * t);
+    }
+    const auto at = [&](const State& k1, double part) {
+      State out = s;
+      for (std::size_t j = 0; j < s.size(); ++j) out[j] += part * dt * k1[j];
+      return out;
+    };
+    const State k1 = slope(t, s), k2 = slope(t + dt / 2, at(k1, 0.5)), k3 = slope(t + dt / 2, at(k2, 0.5)),
+                k4 = slope(t + dt, at(k3, 1));
+    for (std::size_t j = 0; j < s.size(); ++j) s[j] += dt / 6 * (k1[j] + 2 * k2[j] + 2 * k3[j] + k4[j]);
+  }
+  const bool clamped = chain.boundary == Boundary::clamped;
+  std::vector<Evidence> out(static_cast<std::size_t>(n + 1 + (clamped ? 1 : 0)));
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    out[c].usable = true;
+    out[c].dof = 2000;
+    for (int h = 1; h <= kFitted; ++h)
+      out[c].X[static_cast<std::size_t>(h - 1)] = X[c][static_cast<std::size_t>(h - 1)];
+  }
+  return out;
+}
+
+void set_noise(std::vector<Evidence>& evidence, double part) {
+  for (Evidence& one : evidence) one.covariance = Eigen::Matrix2d::Identity() * std::norm(part * one.X[0]);
+}
+
+ElementsResult estimate(const Rig& rig, const std::vector<Evidence>& evidence) {
+  const Gain gain = solve_observation(observation_matrix(rig), observation_weights(rig, evidence, kOmega));
+  return estimate_elements(rig, gain, evidence, {kOmega, 0, 0});
+}
+
+std::string all(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += warning + "\n";
+  return text;
+}
+
+bool says(const ElementsResult& result, const std::string& what) {
+  return all(result.warnings).find(what) != std::string::npos;
+}
+
+// 10 N of friction beside a force of 120 N: r three times too large, harmonic 3 of the force 3.5 % of the fundamental.
+TEST(Linearity, FrictionIsHeldAgainstTheDissipativeForceNotAgainstTheWhole) {
+  const Chain chain{Boundary::clamped, {}, {60000}, {60}};
+  const Rig rig = rig_of(chain, 4);
+  std::vector<Evidence> evidence = simulated(chain, 1, friction(10));
+  set_noise(evidence, 1e-4);
+  const ElementsResult result = estimate(rig, evidence);
+  EXPECT_GT(result.elements[0].damping.value, 3 * chain.damping[0]);
+  ASSERT_EQ(result.warnings.size(), 1u) << all(result.warnings);
+  for (const char* named : {"element 1", "equivalent damping at this amplitude", "ωr|d|", "Friction of about 10 N", " % of r"})
+    EXPECT_TRUE(says(result, named)) << all(result.warnings);
+}
+
+TEST(Linearity, OfAChainTheElementThatRubsIsNamedAndNoOther) {
+  for (int k = 1; k <= 3; ++k) {
+    const Rig rig = rig_of(clamped_chain(), 4);
+    std::vector<Evidence> evidence = simulated(clamped_chain(), k, friction(2));
+    set_noise(evidence, 1e-5);
+    const ElementsResult result = estimate(rig, evidence);
+    ASSERT_EQ(result.warnings.size(), 1u) << all(result.warnings);
+    EXPECT_TRUE(says(result, "element " + std::to_string(k) + " is ")) << all(result.warnings);
+    EXPECT_TRUE(says(result, "Friction of ")) << all(result.warnings);
+  }
+}
+
+TEST(Linearity, ACubicSpringHasAnEquivalentStiffness) {
+  const Rig rig = rig_of(clamped_chain(), 4);
+  const Chain chain = clamped_chain();
+  const double a = estimate(rig, simulated(chain, 2, nothing())).elements[1].deformation.value;
+  std::vector<Evidence> evidence = simulated(chain, 2, cubic(0.05 * chain.stiffness[1] / (a * a)));
+  set_noise(evidence, 1e-5);
+  const ElementsResult result = estimate(rig, evidence);
+  ASSERT_EQ(result.warnings.size(), 1u) << all(result.warnings);
+  for (const char* named : {"element 2", "equivalent stiffness", "at this amplitude", "hardens", " % of c"})
+    EXPECT_TRUE(says(result, named)) << all(result.warnings);
+}
+
+TEST(Linearity, DampingThatGrowsWithTheVelocityIsNoFriction) {
+  const Chain chain{Boundary::clamped, {}, {60000}, {60}};
+  std::vector<Evidence> evidence = simulated(chain, 1, quadratic(200));
+  set_noise(evidence, 1e-4);
+  const ElementsResult result = estimate(rig_of(chain, 4), evidence);
+  EXPECT_TRUE(says(result, "square of the velocity")) << all(result.warnings);
+  EXPECT_FALSE(says(result, "Friction")) << all(result.warnings);
+}
+
+TEST(Linearity, TheShakersOwnHarmonicsAreNoneOfALinearElement) {
+  for (const double distortion : {0.01, 0.1, 0.5}) {
+    std::vector<Evidence> evidence = simulated(clamped_chain(), 1, nothing(), distortion);
+    set_noise(evidence, 1e-5);
+    const ElementsResult result = estimate(rig_of(clamped_chain(), 4), evidence);
+    EXPECT_TRUE(result.warnings.empty()) << distortion << ": " << all(result.warnings);
+  }
+}
+
+// Noise, and errors of all that the rig file states, on a linear rig with a shaker that distorts.
+TEST(Linearity, NoFalseAlarmInThousandsOfHealthyDwells) {
+  Rig rig = rig_of(clamped_chain(), 4);
+  rig.mass_u = {0.06, 0.04};
+  for (Channel& channel : rig.channels) channel.scale_u = 5e-3, channel.delay_u_s = 3e-5;
+  std::mt19937_64 rng(41);
+  std::normal_distribution<double> normal;
+  for (const double noise : {1e-5, 1e-3}) {
+    std::vector<Evidence> exact = simulated(clamped_chain(), 1, nothing(), 0.05);
+    set_noise(exact, noise);
+    int alarms = 0;
+    for (int dwell = 0; dwell < 3000; ++dwell) {
+      Rig stated = rig;
+      for (std::size_t i = 0; i < stated.masses.size(); ++i) stated.masses[i] += rig.mass_u[i] * normal(rng);
+      std::vector<Evidence> seen = exact;
+      for (std::size_t c = 0; c < seen.size(); ++c) {
+        const double gain = 1 + rig.channels[c].scale_u * normal(rng), late = rig.channels[c].delay_u_s * normal(rng);
+        const double sigma = std::sqrt(exact[c].covariance(0, 0));
+        for (int h = 1; h <= kFitted; ++h) {
+          Complex& X = seen[c].X[static_cast<std::size_t>(h - 1)];
+          X = X * gain * std::polar(1.0, -h * kOmega * late) + Complex{sigma * normal(rng), sigma * normal(rng)};
+        }
+      }
+      alarms += estimate(stated, seen).warnings.empty() ? 0 : 1;
+    }
+    EXPECT_EQ(alarms, 0) << noise;
+  }
+}
+
+}  // namespace
+}  // namespace dwell
