@@ -174,8 +174,8 @@ Filter read_filter(Section& channel, const char* key, Draft& draft) {
   section.integer("order", order, 1, 8, "an integer from 1 to 8", Need::required);
   filter.order = static_cast<int>(order);
   section.real("hz", filter.hz, {"the corner, above 0, at most 1e9 (Hz)", 0.0, 1e9, true}, Need::required);
-  if (section.real("hz_u", filter.hz_u, {"a number 0 or more (Hz)", 0.0, 1e9}) && filter.hz > 0.0 &&
-      filter.hz_u >= filter.hz) {
+  filter.hz_u_stated = section.real("hz_u", filter.hz_u, {"a number 0 or more (Hz)", 0.0, 1e9});
+  if (filter.hz_u_stated && filter.hz > 0.0 && filter.hz_u >= filter.hz) {
     section.wrong("hz_u", "\"hz_u\" is " + number_text(filter.hz_u) + ": expected less than the corner itself, " +
                               number_text(filter.hz) + " Hz");
   }
@@ -227,9 +227,10 @@ void read_conversion(Section& section, Channel& channel, Draft& draft) {
     section.wrong("scale", "\"scale\" is 0: expected a number other than 0");
   }
   section.real("offset", channel.offset, {"a number, in the channel's unit"});
-  section.real("scale_u", channel.scale_u, {"a number from 0, below 1 (relative)", 0.0, 1.0, false, true});
+  channel.scale_u_stated =
+      section.real("scale_u", channel.scale_u, {"a number from 0, below 1 (relative)", 0.0, 1.0, false, true});
   section.real("delay", channel.delay_s, {"a number from -10 to 10 (s)", -10.0, 10.0});
-  section.real("delay_u", channel.delay_u_s, {"a number from 0 to 10 (s)", 0.0, 10.0});
+  channel.delay_u_stated = section.real("delay_u", channel.delay_u_s, {"a number from 0 to 10 (s)", 0.0, 10.0});
   channel.lowpass = read_filter(section, "lowpass", draft);
   channel.highpass = read_filter(section, "highpass", draft);
   if (channel.lowpass.hz > 0.0 && channel.highpass.hz >= channel.lowpass.hz) {

@@ -52,7 +52,7 @@ void read_device(const toml::table& table, std::size_t number, const SchemaSourc
   const bool drivers_own = device.driver == nullptr || has_device_key(*device.driver, "rate");
   if (!drivers_own && section.real("rate", common.rate_hz, {kRate, 1e-3, 1e6})) settings.rate_hz = common.rate_hz;
   section.real("delay", common.delay_s, {kDelay, -10.0, 10.0});
-  section.real("delay_u", common.delay_u_s, {kDelayU, 0.0, 10.0});
+  common.delay_u_stated = section.real("delay_u", common.delay_u_s, {kDelayU, 0.0, 10.0});
   const std::size_t before = draft.mistakes.count();
   settings.entries = read_driver_keys(section, device.driver, DWELL_DEVICE, draft.mistakes);
   device.clean = draft.mistakes.count() == before;

@@ -6,6 +6,7 @@
 #include "core/angle.hpp"
 #include "core/pole_check.hpp"
 #include "core/transducer.hpp"
+#include "core/unstated.hpp"
 
 namespace dwell {
 namespace {
@@ -80,6 +81,7 @@ void report_relative_phases(const Rig& rig, const std::vector<ChannelResult>& ch
 void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, double u_omega,
                     Dwell& dwell) {
   const int H = rig.excitation.harmonics;
+  dwell.unstated = unstated_uncertainties(rig);
   dwell.frequency_hz = {omega / kTwoPi, std::hypot(u_omega, omega * rig.excitation.clock_u) / kTwoPi};
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const Channel& channel = rig.channels[c];

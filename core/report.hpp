@@ -30,7 +30,8 @@ struct ChannelResult {
   int transaction = -1;         // … shared by its transaction (Transactions::of)
 };
 
-// Fills dwell.phasors, and dwell.frequency_hz from omega and its uncertainty u_omega (rad/s). Allocates.
+// Fills dwell.phasors, dwell.unstated, and dwell.frequency_hz from omega and its uncertainty u_omega (rad/s).
+// Allocates.
 void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, double u_omega,
                     Dwell& dwell);
 

@@ -24,9 +24,10 @@ enum class FilterKind : std::uint8_t { none, butterworth, bessel, rc };
 // A transducer's own low-pass or high-pass, unit gain in its pass band.
 struct Filter {
   FilterKind kind = FilterKind::none;
-  int order = 0;      // 1 … 8
-  double hz = 0.0;    // -3 dB corner (rc: corner of each of `order` equal stages)
-  double hz_u = 0.0;  // standard uncertainty of the corner, Hz
+  int order = 0;             // 1 … 8
+  double hz = 0.0;           // -3 dB corner (rc: corner of each of `order` equal stages)
+  double hz_u = 0.0;         // standard uncertainty of the corner, Hz
+  bool hz_u_stated = false;  // a 0 is then a statement
 };
 
 inline constexpr int kGround = -1;  // Channel::at of the reaction force
@@ -50,7 +51,8 @@ struct Channel {
   std::optional<double> range_low;  // in `unit`; a reading beyond is overrange and not used
   std::optional<double> range_high;
   std::string calibration_id;
-  std::string calibration_due;  // ISO date
+  std::string calibration_due;                          // ISO date
+  bool scale_u_stated = false, delay_u_stated = false;  // a 0 is then a statement
 };
 
 // Whose clock the samples of a device follow. host: the stamps stand. device: it samples at a rate of its own and the
@@ -63,7 +65,8 @@ struct Device {
   double delay_s = 0.0;
   double delay_u_s = 0.0;
   Clock clock = Clock::host;
-  double rate_hz = 0.0;  // samples per second it is set to; 0: not known
+  double rate_hz = 0.0;         // samples per second it is set to; 0: not known
+  bool delay_u_stated = false;  // a 0 is then a statement
 };
 
 struct Excitation {

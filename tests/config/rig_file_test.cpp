@@ -60,6 +60,7 @@ TEST(RigFile, GivesEveryChannelWhatTheFileSays) {
   EXPECT_EQ(y0.scale_u, 0.001);
   EXPECT_EQ(y0.delay_s, 0.0004);
   EXPECT_EQ(y0.delay_u_s, 2e-5);
+  EXPECT_TRUE(y0.scale_u_stated && y0.delay_u_stated && y0.lowpass.hz_u_stated);
   EXPECT_EQ(y0.lowpass.kind, FilterKind::butterworth);
   EXPECT_EQ(y0.lowpass.order, 2);
   EXPECT_EQ(y0.lowpass.hz, 250.0);
@@ -172,6 +173,7 @@ unit = "N"
   EXPECT_EQ(rig.memory_s, 600.0);
   EXPECT_EQ(rig.update_s, 0.1);
   EXPECT_TRUE(rig.mass_u.empty());
+  EXPECT_FALSE(rig.channels[0].scale_u_stated || rig.channels[0].delay_u_stated) << "a 0 that is written is another";
   EXPECT_EQ(file.server.listen, "127.0.0.1:8380");
   EXPECT_EQ(file.server.host, "127.0.0.1");
   EXPECT_EQ(file.server.port, 8380);
