@@ -33,9 +33,19 @@ void set_rate(DeviceSettings& settings, double rate_hz) {
 }  // namespace
 
 std::string rate_note(const RigFile& file, const DeviceSettings& device) {
-  if (!device.asked_rate_hz || !device.rate_hz) return {};
+  if (!device.rate_hz) return {};
   const Excitation& drive = file.rig.excitation;
-  const Folding folding = worst_folding(*device.asked_rate_hz, drive.frequency_hz, drive.harmonics);
+  const double asked_hz = device.asked_rate_hz.value_or(*device.rate_hz);
+  const Folding folding = worst_folding(asked_hz, drive.frequency_hz, drive.harmonics);
+  if (!device.asked_rate_hz) {
+    if (folding.harmonic == 0 || folding.distance_hz() >= kClearOfHarmonics * drive.frequency_hz) return {};
+    const double beside_hz = rate_beside_foldings(asked_hz, drive.frequency_hz, drive.harmonics);
+    return "warning: device " + device.name + " samples at " + number_text(asked_hz) +
+           " Hz, near a whole multiple of " + number_text(drive.frequency_hz) + " Hz: harmonic " +
+           std::to_string(folding.harmonic) + " of the drive, if there is any, folds onto " +
+           (folding.onto == 0 ? std::string("a constant") : "harmonic " + std::to_string(folding.onto)) +
+           (beside_hz != asked_hz ? "; " + number_text(beside_hz) + " Hz would keep them apart" : "");
+  }
   return "device " + device.name + " samples at " + number_text(*device.rate_hz) + " Hz instead of " +
          number_text(*device.asked_rate_hz) + " Hz, at which harmonic " + std::to_string(folding.harmonic) +
          " of the drive reads as " +

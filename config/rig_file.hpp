@@ -69,7 +69,8 @@ inline constexpr std::size_t kMaxDevices = 1000;
 // The covariance of all coefficients is (2n + 2)² numbers, told ten times a second: 0.3 MB each at 100 masses.
 inline constexpr std::size_t kMaxMasses = 100;
 
-// Why a device's rate was shifted, one line for people; empty: it was not.
+// Why a device's rate was shifted, or, where it may not be, which harmonic of the drive it folds: one line for people;
+// empty: neither.
 [[nodiscard]] std::string rate_note(const RigFile& file, const DeviceSettings& device);
 
 // Reads and checks the file at `path`. Fails with every mistake (of syntax errors the first), sorted by position; a

@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 
+#include "core/folded.hpp"
 #include "core/pipeline_impl.hpp"
 #include "core/wording.hpp"
 
@@ -159,6 +160,15 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
   }
   for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
+  if (settled) {
+    std::vector<Folded> folded;
+    for (int c = 0; c < channel_count; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[i].sampling, w / kTwoPi, seconds));
+      results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
+    }
+    warn_of_folded(rig, folded, dwell);
+  }
   // The frequency of a drive that drifts is another at either end: its spread over the dwell.
   report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};

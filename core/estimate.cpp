@@ -224,7 +224,9 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
          {std::tuple<const char*, Eigen::Matrix2d, double>{"noise of ", turn * seen.covariance * turn.transpose(),
                                                            seen.dof},
           {"transient left in ", turn * seen.transient * turn.transpose(), kInfinity},
-          {"quantization of ", rounding * Eigen::Matrix2d::Identity(), kInfinity}}) {
+          {"quantization of ", rounding * Eigen::Matrix2d::Identity(), kInfinity},
+          {"folded harmonics of ", std::norm(per_reading) * seen.folded_u * seen.folded_u * Eigen::Matrix2d::Identity(),
+           kInfinity}}) {
       if (covariance.isZero(0)) continue;
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
       for (Index axis = 0; axis < 2; ++axis) {

@@ -42,6 +42,7 @@ struct Evidence {
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  // covariance by what is not known of the transient
   double quantization_u = 0.0;                          // of the reading, either component, the device's rounding
   double refresh_u_s = 0.0;                             // of the instants, by a slowly refreshed register, its own
+  double folded_u = 0.0;                                // of the reading, either component, harmonics folded onto it
   double turnaround_u_s = 0.0;                          // standard uncertainty of the instants …
   int transaction = -1;  // … shared by all channels of one transaction (Transactions::of); -1: by none
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/angle.hpp"
 
@@ -34,6 +35,25 @@ class SamplingRegularity {
       if (kTwoPi * std::abs(folds) * rate_hz * jitter_s < 3) least = std::min(least, std::abs(off - folds * rate_hz));
     }
     return least;
+  }
+  // What sampling makes of a line beside f_hz: the least distance of an alias of it, Hz (infinity: none folds there),
+  // and the part of its amplitude that irregular instants leave of that alias, exp(-φ²/2), φ the phase by which they
+  // shift it.
+  struct Alias {
+    double apart_hz = std::numeric_limits<double>::infinity(), kept = 0.0;
+  };
+  [[nodiscard]] Alias alias(double line_hz, double f_hz) const noexcept {
+    Alias nearest;
+    if (!(mean_s_ > 0)) return nearest;
+    for (int sign = -1; sign <= 1; sign += 2) {
+      const double off = line_hz + sign * f_hz, folds = std::round(off * mean_s_);
+      const double apart_hz = std::abs(off - folds / mean_s_);
+      if (folds < 1 || apart_hz >= nearest.apart_hz) continue;
+      // A step has two instants, each with half of its variance.
+      const double phase = kTwoPi * folds / mean_s_;
+      nearest = {apart_hz, std::exp(-0.25 * phase * phase * variance_)};
+    }
+    return nearest;
   }
 
  private:

@@ -103,7 +103,7 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       const Eigen::Matrix2d covariance = channels[c].scatter.widens() * fit.covariance;
       const double u_along = std::sqrt(along.dot(covariance * along)) / amplitude;
       const double u_across = std::sqrt(across.dot(covariance * across)) / amplitude;
-      const double transient_u = std::sqrt(0.5 * channels[c].transient.trace());
+      const double transient_u = std::hypot(std::sqrt(0.5 * channels[c].transient.trace()), channels[c].folded_u);
       out.u_amplitude = std::abs(out.Y) * std::hypot(u_along, std::hypot(channel.scale_u, transient_u / amplitude,
                                                                          channels[c].quantization_u / amplitude));
       out.u_phase_rad = std::hypot(u_across, std::hypot(transient_u, channels[c].quantization_u) / amplitude,
@@ -136,6 +136,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].refresh_u_s = channels[c].refresh_u_s;
+    evidence[c].folded_u = channels[c].folded_u;
     evidence[c].turnaround_u_s = channels[c].turnaround_u_s;
     evidence[c].transaction = channels[c].transaction;
   }

@@ -26,6 +26,7 @@ struct ChannelResult {
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();
   double quantization_u = 0.0;  // of the reading, SI, either component: the device's rounding
   double refresh_u_s = 0.0;     // standard uncertainty of its instants by a register that is refreshed slowly, its own
+  double folded_u = 0.0;        // of the reading, SI, either component: harmonics that sampling folds onto it
   double turnaround_u_s = 0.0;  // standard uncertainty of its instants …
   int transaction = -1;         // … shared by its transaction (Transactions::of)
 };

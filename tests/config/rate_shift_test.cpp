@@ -41,12 +41,15 @@ TEST(RateShift, TheRigFileMayForbidIt) {
   const RigFile file = with_rate("rate = 40\nrate_shift = false");
   EXPECT_EQ(told_rate(file), 40.0);
   EXPECT_FALSE(file.devices[0].asked_rate_hz);
+  const std::string note = rate_note(file, file.devices[0]);
+  EXPECT_NE(note.find("harmonic 6 of the drive, if there is any, folds onto harmonic 4"), std::string::npos) << note;
 }
 
 TEST(RateShift, ARateFarAboveTheDriveIsTakenAsItIs) {
   const RigFile file = with_rate("rate = 500");
   EXPECT_EQ(told_rate(file), 500.0);
   EXPECT_FALSE(file.devices[0].asked_rate_hz);
+  EXPECT_TRUE(rate_note(file, file.devices[0]).empty());
 }
 
 TEST(RateShift, TheDriversDefaultCountsAsARateThatIsStated) {
