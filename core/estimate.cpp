@@ -401,6 +401,8 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
         element.reason = "it barely deforms: |d| is not above 3 u(d)";
       } else if (!(u_Z < std::abs(Z(e)) / 3)) {
         element.reason = "its force is not resolved: u(Z) is not below |Z|/3";
+        if (const std::vector<BudgetShare> budget = propagation.budget(e); !budget.empty())
+          element.reason += ", most of it by " + budget.front().source;
       } else {
         element.identifiable = true;
         element.stiffness = c;

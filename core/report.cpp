@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
+#include "core/contradiction.hpp"
 #include "core/pole_check.hpp"
 #include "core/transducer.hpp"
 #include "core/unstated.hpp"
@@ -14,41 +15,6 @@ namespace {
 std::string reason_of(const ChannelResult& channel) {
   if (!channel.withheld.empty()) return channel.withheld;
   return channel.fit.usable ? "" : "too few samples in the data that count";
-}
-
-// Redundant transducers: what each reads against what all together say, where noise, scales and delays do not explain
-// it.
-void warn_of_contradictions(const Rig& rig, const Eigen::MatrixXd& G, const Gain& gain,
-                            const std::vector<Evidence>& evidence, double omega, Dwell& dwell) {
-  const Eigen::Index count = G.rows();
-  Eigen::VectorXcd o = Eigen::VectorXcd::Zero(count);
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(count);
-  for (Eigen::Index c = 0; c < count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    if (!evidence[i].usable) continue;
-    const Channel& channel = rig.channels[i];
-    const std::complex<double> per_reading = as_observed(rig, static_cast<int>(c), 1.0, omega, 1);
-    o(c) = evidence[i].X[0] * per_reading;
-    const double device_u = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s : 0.0;
-    variance(c) = std::norm(per_reading) * evidence[i].widened * evidence[i].covariance.trace() +
-                  std::norm(o(c)) * (channel.scale_u * channel.scale_u +
-                                     std::pow(omega * std::hypot(std::hypot(channel.delay_u_s, evidence[i].refresh_u_s),
-                                                                 device_u, evidence[i].turnaround_u_s),
-                                              2));
-  }
-  const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(count, count) - G * gain.gain;
-  const Eigen::VectorXcd left = rest * o;
-  for (Eigen::Index c = 0; c < count; ++c) {
-    if (!evidence[static_cast<std::size_t>(c)].usable ||
-        rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary)
-      continue;
-    const double explained = std::sqrt(rest.row(c).cwiseAbs2().dot(variance));
-    // 3 standard deviations; a thousand roundings of the largest reading are none.
-    if (std::abs(left(c)) > 3 * explained + 1e-9 * o.cwiseAbs().maxCoeff())
-      dwell.warnings.push_back(
-          rig.channels[static_cast<std::size_t>(c)].name +
-          " contradicts the other transducers of that motion by more than their uncertainties explain");
-  }
 }
 
 // The variance that the phases of two channels share, rad²: that of a delay which moves both alike.
@@ -141,7 +107,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].transaction = channels[c].transaction;
   }
   const Gain gain = solve_observation(G, observation_weights(rig, evidence, omega));
-  warn_of_contradictions(rig, G, gain, evidence, omega, dwell);
+  for (Doubt& doubt : contradictions(rig, G, gain, evidence, omega)) dwell.doubts.push_back(std::move(doubt));
   ElementsResult result = estimate_elements(rig, gain, evidence, {omega, u_omega, rig.excitation.clock_u});
   check_poles(rig, result, omega, seen, dwell);
   dwell.elements = std::move(result.elements);

@@ -182,8 +182,9 @@ TEST(Readings, TransducersThatContradictEachOtherAreSaidTo) {
     };
     bench.run(20);
     const Dwell dwell = bench.pipeline.current();
-    const bool said = std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
-                                  [](const std::string& w) { return w.find("contradicts") != std::string::npos; });
+    const bool said = std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [](const Doubt& doubt) {
+      return doubt.what.find("y2 and y2b contradict") != std::string::npos;
+    });
     EXPECT_EQ(said, wrong);
     if (!wrong) expect_within(dwell, chain, 4, "two transducers on one mass");
   }
