@@ -41,6 +41,8 @@ class ChannelIntake {
   void next_period() noexcept { spikes_.next_period(); }
   // The drive is steady from now on: what is counted, is counted anew.
   void begin_hold() noexcept;
+  // The data count from about now on: what the gate took for foreign while the transient was large is said no more.
+  void begin_to_count() noexcept;
 
   [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
   // One and the same reading for longer than allowed.
@@ -63,6 +65,10 @@ class ChannelIntake {
   [[nodiscard]] std::string clustered_reason() const;
   // Part of the readings of this hold that were left out as foreign or beyond the range.
   [[nodiscard]] double left_out() const noexcept;
+
+  // Whether what was left out says something of the device: far spikes, numbers beyond the range, or more than the gate
+  // takes of good readings.
+  [[nodiscard]] bool left_out_matters() const noexcept;
 
   [[nodiscard]] Condition condition() const noexcept;
   // In words, with figures.
@@ -100,6 +106,10 @@ class ChannelIntake {
   // Of this hold.
   std::int64_t first_ns_ = INT64_MIN;
   std::uint64_t readings_ = 0, overrange_ = 0, end_codes_ = 0, spiked_ = 0, repeated_ = 0;
+  bool far_spike_ = false;
+  struct {
+    std::uint64_t readings = 0, spiked = 0, left = 0;
+  } before_counting_;  // of this hold
 };
 
 }  // namespace dwell

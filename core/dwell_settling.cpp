@@ -28,6 +28,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   blocks.forget_before(settled_ns);
   verdict_ns = end_ns;
   enter(State::measuring);
+  for (Live& channel : live) channel.intake.begin_to_count();
   for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = settling.left(c);
   count_anew();
 }

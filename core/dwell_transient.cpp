@@ -126,6 +126,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   verdict.settled = true;
   verdict_ns = end_ns;
   enter(State::measuring);
+  for (Live& channel : live) channel.intake.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
   omega = modal.omega();
   blocks.set_drift({modal.rate(), modal.t0_ns()});
