@@ -6,10 +6,10 @@
 namespace dwell {
 namespace {
 
-constexpr int kShortest = 2 * kQuarters;  // quarters of a hold before its frequency is held against the statement
-constexpr int kSteps = 4;                 // of Gauss-Newton, from the windows' own frequency
+constexpr int kShortestHeld = 2 * kQuarters;  // quarters of a hold before its frequency is held against the statement
+constexpr int kNewtonSteps = 4;               // of Gauss-Newton, from the windows' own frequency
 
-std::string hz(double omega) { return brief(omega / kTwoPi, 7); }
+std::string in_hz(double omega) { return brief(omega / kTwoPi, 7); }
 
 }  // namespace
 
@@ -19,11 +19,11 @@ std::optional<double> Pipeline::Impl::contradicting_omega() const {
   const int to = blocks.count();
   const int from =
       std::max(blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to - Blocks::kFine);
-  if (to - from < kShortest) return {};
+  if (to - from < kShortestHeld) return {};
   const std::int64_t middle_ns =
       blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
   double w = drive.omega(), information = 0.0;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kNewtonSteps; ++step) {
     blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
     const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
     if (!(fit.information > 0)) return {};
@@ -35,7 +35,8 @@ std::optional<double> Pipeline::Impl::contradicting_omega() const {
 }
 
 std::string Pipeline::Impl::statement_reason(double w) const {
-  return "the drive is at " + hz(w) + " Hz, the rig file says fixed at " + hz(stated.omega) + " ± " + hz(2 * stated.u) +
+  return "the drive is at " + in_hz(w) + " Hz, the rig file says fixed at " + in_hz(stated.omega) + " ± " +
+         in_hz(2 * stated.u) +
          " Hz (2 u, clock included): correct frequency or frequency_u, or take reference = \"tracked\"";
 }
 

@@ -7,9 +7,9 @@ namespace dwell {
 namespace {
 
 // Shifts tried on either side: of 1e-4 of the rate each, finer than a drive's frequency is known.
-constexpr int kSteps = 100;
+constexpr int kRatesTried = 100;
 // Distances that differ by less than this part of f are equally good.
-constexpr double kSame = 1e-9;
+constexpr double kSameRate = 1e-9;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Folding worst_folding(double rate_hz, double drive_hz, int fitted) noexcept {
     const int onto = static_cast<int>(std::min(std::round(read_as), static_cast<double>(fitted)));
     const double apart_hz = std::abs(read_as - onto) * drive_hz;
     const Folding folding{m, onto, apart_hz};
-    if (folding.distance_hz() < worst.distance_hz() - kSame * drive_hz) worst = folding;
+    if (folding.distance_hz() < worst.distance_hz() - kSameRate * drive_hz) worst = folding;
   }
   return worst;
 }
@@ -33,12 +33,12 @@ double rate_beside_foldings(double rate_hz, double drive_hz, int fitted) noexcep
   double best_hz = rate_hz, farthest_hz = worst_folding(rate_hz, drive_hz, fitted).distance_hz();
   const double slowest_hz = 2.0 * (fitted + 1) * drive_hz;
   if (farthest_hz >= clear_hz || rate_hz < slowest_hz) return rate_hz;
-  for (int step = 1; step <= kSteps; ++step) {
+  for (int step = 1; step <= kRatesTried; ++step) {
     for (const int sign : {-1, 1}) {  // the slower one first: the line has less to carry
-      const double tried_hz = rate_hz * (1.0 + sign * step * kRateShift / kSteps);
+      const double tried_hz = rate_hz * (1.0 + sign * step * kRateShift / kRatesTried);
       if (tried_hz < slowest_hz) continue;
       const double far_hz = worst_folding(tried_hz, drive_hz, fitted).distance_hz();
-      if (far_hz <= farthest_hz + kSame * drive_hz) continue;
+      if (far_hz <= farthest_hz + kSameRate * drive_hz) continue;
       farthest_hz = far_hz;
       best_hz = tried_hz;
     }

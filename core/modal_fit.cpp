@@ -12,7 +12,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kSecond = 1e-9;
-constexpr double kGone = 1e-13;     // of an amplitude: as good as nothing
+constexpr double kFaded = 1e-13;    // of an amplitude: as good as nothing
 constexpr int kSteps = 256;         // from turn to turn: their rounding stays below 1e-13
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 
@@ -76,7 +76,7 @@ void ModalFit::turn_to(std::int64_t t_ns) noexcept {
   drive_turn_ = std::polar(1.0, omega_ * u);
   for (std::size_t m = 0; m < count_; ++m) {
     const double envelope = std::exp(poles_[m].real() * u);
-    turns_[m] = envelope < kGone ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
+    turns_[m] = envelope < kFaded ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
   }
   steps_taken_ = 0;
 }
@@ -98,7 +98,7 @@ void ModalFit::turn_by(std::int64_t dt_ns) noexcept {
   drive_turn_ = times(drive_turn_, step->drive);
   for (std::size_t m = 0; m < count_; ++m) {
     turns_[m] = times(turns_[m], step->modes[m]);
-    if (std::norm(turns_[m]) < kGone * kGone) turns_[m] = {};
+    if (std::norm(turns_[m]) < kFaded * kFaded) turns_[m] = {};
   }
   ++steps_taken_;
 }

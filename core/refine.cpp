@@ -11,8 +11,8 @@
 namespace dwell {
 namespace {
 constexpr int kSteps = 7;
-constexpr double kNegligible = 1e-2;  // part of the uncertainty that changes nothing anyone could see
-constexpr double kFurthest = 5e-3;    // rad at the ends of the data; its cube over six, 2e-8, is the error of turning
+constexpr double kNegligibleStep = 1e-2;  // part of the uncertainty that changes nothing anyone could see
+constexpr double kFurthest = 5e-3;  // rad at the ends of the data; its cube over six, 2e-8, is the error of turning
 }  // namespace
 
 Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channel, Totals& out) noexcept {
@@ -56,7 +56,7 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
     }
     result.u = 1 / std::sqrt(information);
     const double delta = score / information;
-    if (std::abs(delta) < kNegligible * result.u || std::abs(delta) < 1e-14 * result.omega) break;
+    if (std::abs(delta) < kNegligibleStep * result.u || std::abs(delta) < 1e-14 * result.omega) break;
     const double next = within_search(rig, result.omega + delta);
     if (next == result.omega) break;
     result.omega = next;

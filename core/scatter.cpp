@@ -8,9 +8,9 @@
 namespace dwell {
 namespace {
 
-constexpr int kStretches = 12;
-constexpr int kPeriod = 4;     // quarters
-constexpr double kSure = 2.0;  // standard deviations of the ratio
+constexpr int kStretchesCompared = 12;
+constexpr int kQuartersOfPeriod = 4;  // quarters
+constexpr double kSureOfRatio = 2.0;  // standard deviations of the ratio
 
 // What is left in one stretch in the direction of the fundamental.
 PhasorStretch stretch_of(const ChannelMoments& sums, int harmonics, const HarmonicFit& fit, double reference) noexcept {
@@ -43,7 +43,7 @@ Scatter scatter_from(double sum, double stretches) noexcept {
 
 }  // namespace
 
-bool Scatter::shows() const noexcept { return dof > 0 && ratio >= 1 + kSure * std::sqrt(2 / dof); }
+bool Scatter::shows() const noexcept { return dof > 0 && ratio >= 1 + kSureOfRatio * std::sqrt(2 / dof); }
 
 double Scatter::widens() const noexcept {
   if (!shows()) return 1.0;
@@ -57,7 +57,7 @@ std::vector<PhasorStretch> phasor_stretches(const Blocks& blocks, int from, int 
   const bool fitted = fit.usable && fit.sigma2 > 0;
   int quarters = 0;
   for (int i = from; i < to; ++i) quarters += blocks.block(i).quarters;
-  const int wanted = std::max(kPeriod, quarters / kStretches);
+  const int wanted = std::max(kQuartersOfPeriod, quarters / kStretchesCompared);
   for (int first = from, i = from, held = 0; i < to; ++i) {
     held += blocks.block(i).quarters;
     if (held < wanted) continue;

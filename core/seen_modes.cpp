@@ -13,7 +13,7 @@ namespace {
 constexpr double kResolved = 0.2;
 // Standard deviations that the last step would still have moved a pole: a fit that far from its optimum tells a pole
 // that is off by more than its uncertainty says.
-constexpr double kConverged = 1.0;
+constexpr double kSettledPole = 1.0;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void SeenModes::take(const ModalFit& fit, std::span<const std::complex<double>> 
     // A pole that still moves is known less well than the data would allow.
     const Eigen::Vector2d moves(step.real(), step.imag());
     const Eigen::Matrix2d of_data = fit.pole_covariance(m);
-    if (!(moves.dot(of_data.inverse() * moves) < kConverged * kConverged)) continue;
+    if (!(moves.dot(of_data.inverse() * moves) < kSettledPole * kSettledPole)) continue;
     const Eigen::Matrix2d covariance = of_data + moves * moves.transpose();
     const double scale = std::max(-pole.real(), 1 / std::max(1e-9, seen_s));
     if (!(std::sqrt(covariance.trace()) < kResolved * scale)) continue;

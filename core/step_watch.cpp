@@ -8,17 +8,17 @@
 namespace dwell {
 namespace {
 
-constexpr double kSure = 5.6;           // standard deviations: once in 5e7, and tested some times a second for days
-constexpr double kBeyond = 1.5;         // tolerances
-constexpr double kDoubt = 3.0;          // standard deviations …
-constexpr double kUnsureBy = 0.1;       // … and tolerances
-constexpr double kClip = 4.0;           // standard deviations of a reading …
-constexpr double kClipPart = 0.5;       // … or what makes it half of the shortest window's say: no outlier says more
-constexpr double kForget = 1.0 / 64;    // of the excess, per period
-constexpr double kExcess = 0.6;         // of the variance by noise, from which an excess shows
-constexpr double kRounding = 3.0;       // standard deviations of what rounding does
-constexpr int kSlips = 8;               // quarters of a period
-constexpr int kPeriod = 4, kNear = 32;  // quarters
+constexpr double kSureOfStep = 5.6;      // standard deviations: once in 5e7, and tested some times a second for days
+constexpr double kBeyond = 1.5;          // tolerances
+constexpr double kInDoubt = 3.0;         // standard deviations …
+constexpr double kUnsureBy = 0.1;        // … and tolerances
+constexpr double kClip = 4.0;            // standard deviations of a reading …
+constexpr double kClipPart = 0.5;        // … or what makes it half of the shortest window's say: no outlier says more
+constexpr double kForget = 1.0 / 64;     // of the excess, per period
+constexpr double kExcess = 0.6;          // of the variance by noise, from which an excess shows
+constexpr double kSureOfRounding = 3.0;  // standard deviations of what rounding does
+constexpr int kSlips = 8;                // quarters of a period
+constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // quarters
 
 }  // namespace
 
@@ -107,20 +107,22 @@ bool StepWatch::close() noexcept {
   open_ = {};
   open_t_ = 0.0;
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
-  const double quarter_s = kTwoPi / now_.omega / kPeriod, sigma2 = now_.sigma * now_.sigma;
+  const double quarter_s = kTwoPi / now_.omega / kQuartersAPeriod, sigma2 = now_.sigma * now_.sigma;
   Since sums;
   double worst = 0;
   const double now_s = back(0).t_s + quarter_s / 2;
   bool by_amplitude_doubt = false, by_drift_doubt = false;
   // What takes long to show may be looked for once a period.
-  const bool far = seen_ % kPeriod == 0;
+  const bool far = seen_ % kQuartersAPeriod == 0;
   if (far) far_amplitude_doubt_ = far_drift_doubt_ = false;
-  for (int k = 0; k < (far ? most : std::min(most, kNear)); ++k) {
+  for (int k = 0; k < (far ? most : std::min(most, kNearQuarters)); ++k) {
     const double ago = now_s - back(k).t_s;
     sums.take(back(k), ago);
-    if (k + 1 == kPeriod) late_s_ = std::sqrt(sums.late2 / sums.n);
+    if (k + 1 == kQuartersAPeriod) late_s_ = std::sqrt(sums.late2 / sums.n);
     // Beyond some periods not every length is needed: those of like length see the same.
-    if (k + 1 < kPeriod || (k > kNear && (k & (k >> 5 > 1 ? 7 : 3)) != 3) || !(sums.mm > 0 && sums.q0 > 0)) continue;
+    if (k + 1 < kQuartersAPeriod || (k > kNearQuarters && (k & (k >> 5 > 1 ? 7 : 3)) != 3) ||
+        !(sums.mm > 0 && sums.q0 > 0))
+      continue;
     const double since = ago + quarter_s / 2, weight = sums.weight(since);
     const double alpha = sums.rm / sums.mm, drift = sums.score(since) / weight;
     const double late2 = now_.omega * now_.omega * sums.late2 / sums.n;  // rad²
@@ -130,27 +132,27 @@ bool StepWatch::close() noexcept {
                  u2_phase = now_.u_phase * now_.u_phase + u_then * u_then + late2;
     const double u2_drift = sigma2 / weight + 2.25 * u2_phase / (since * since) + now_.u_omega * now_.u_omega;
     // Most often neither is in doubt, let alone beyond.
-    if (alpha * alpha > kDoubt * kDoubt * u2_alpha || drift * drift > kDoubt * kDoubt * u2_drift) {
+    if (alpha * alpha > kInDoubt * kInDoubt * u2_alpha || drift * drift > kInDoubt * kInDoubt * u2_drift) {
       const double u_alpha = std::sqrt(u2_alpha), u_drift = std::sqrt(u2_drift), by_phase = tolerated_ / since;
-      const bool amplitude = std::abs(alpha) > kDoubt * u_alpha + kUnsureBy * tolerance_ + tolerated_,
-                 phase = std::abs(drift) > kDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + by_phase;
+      const bool amplitude = std::abs(alpha) > kInDoubt * u_alpha + kUnsureBy * tolerance_ + tolerated_,
+                 phase = std::abs(drift) > kInDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + by_phase;
       by_amplitude_doubt = by_amplitude_doubt || amplitude;
       by_drift_doubt = by_drift_doubt || phase;
-      if (k >= kNear) {
+      if (k >= kNearQuarters) {
         far_amplitude_doubt_ = far_amplitude_doubt_ || amplitude;
         far_drift_doubt_ = far_drift_doubt_ || phase;
       }
       const double by_amplitude =
-          std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSure * u_alpha) + tolerated_ + late2);
+          std::abs(alpha) / (std::max((kBeyond + beats_) * tolerance_, kSureOfStep * u_alpha) + tolerated_ + late2);
       const double by_drift =
-          std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSure * u_drift) + by_phase);
+          std::abs(drift) / (std::max(kBeyond * tolerance_ * now_.omega, kSureOfStep * u_drift) + by_phase);
       if (k + 1 >= kShortest) worst = std::max({worst, by_amplitude, by_drift});
     }
-    if (k + 1 == kPeriod && in_doubt_ == 0) {
-      excess_ +=
-          kForget / kPeriod * (std::min(alpha * alpha, 9 * u2_alpha + tolerance_ * tolerance_) - u2_alpha - excess_);
+    if (k + 1 == kQuartersAPeriod && in_doubt_ == 0) {
+      excess_ += kForget / kQuartersAPeriod *
+                 (std::min(alpha * alpha, 9 * u2_alpha + tolerance_ * tolerance_) - u2_alpha - excess_);
       const double shown = std::clamp(excess_ - kExcess * u2_alpha, 0.0, tolerance_ * tolerance_ / 2);
-      tolerated_ = kBeyond * std::sqrt(shown) + kRounding * now_.u_rounding;
+      tolerated_ = kBeyond * std::sqrt(shown) + kSureOfRounding * now_.u_rounding;
     }
   }
   if (!far) {
@@ -168,7 +170,7 @@ bool StepWatch::close() noexcept {
 // How many quarter periods ago the drive changed: where a change explains most.
 int StepWatch::changed() const noexcept {
   const int most = static_cast<int>(std::min<std::int64_t>(seen_, kLongest));
-  const double quarter_s = kTwoPi / now_.omega / kPeriod, now_s = back(0).t_s + quarter_s / 2;
+  const double quarter_s = kTwoPi / now_.omega / kQuartersAPeriod, now_s = back(0).t_s + quarter_s / 2;
   Since sums;
   double most_explained = 0;
   int changed = 0;
@@ -183,9 +185,9 @@ int StepWatch::changed() const noexcept {
   }
   // A ramp explains most a little after it has begun.
   const auto alone = [&](double r, double p) {
-    return p > 0 && std::abs(r / p) > kDoubt * now_.sigma / std::sqrt(p) + kUnsureBy * tolerance_ + tolerated_;
+    return p > 0 && std::abs(r / p) > kInDoubt * now_.sigma / std::sqrt(p) + kUnsureBy * tolerance_ + tolerated_;
   };
-  for (int more = 0; more < kPeriod && changed < most; ++more, ++changed) {
+  for (int more = 0; more < kQuartersAPeriod && changed < most; ++more, ++changed) {
     const Block& before = back(changed);
     if (!alone(before.rm, before.mm) && !alone(before.rq, before.qq)) break;
   }
