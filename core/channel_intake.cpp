@@ -1,10 +1,10 @@
 #include "core/channel_intake.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <numbers>
 
 #include "core/angle.hpp"
+#include "core/wording.hpp"
 
 namespace dwell {
 namespace {
@@ -18,12 +18,6 @@ constexpr double kRealNoise = 1e-9;
 // it is slowest, √(readings a period) / 5 of such a motion round to one number; noise makes them fewer.
 constexpr double kMoves = 20.0, kAtCrest = 0.25;
 constexpr std::int64_t kAnyway = 3;
-
-std::string number(const char* format, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 // Good readings that the gate takes for foreign are left unsaid up to so many times √N of N readings: k readings some 8
 // σ off move a phasor by 16 k σ/N, of which u = σ √(2/N) is 0.3 at k = 0.027 √N; it leaves out two of three of them on
@@ -166,11 +160,11 @@ Condition ChannelIntake::condition() const noexcept {
   return left_out_matters() || clustered() ? Condition::gated : Condition::ok;
 }
 
-std::string ChannelIntake::in_unit(double raw) const { return number("%.6g ", si(raw) / si_per_unit_) + unit_; }
+std::string ChannelIntake::in_unit(double raw) const { return brief(si(raw) / si_per_unit_, 6) + " " + unit_; }
 
 std::string ChannelIntake::held_reason() const {
-  return "refreshed every " + number("%.3g", 1e3 * interval_s() * held_.reads_each()) + " ms, polled every " +
-         number("%.3g", 1e3 * interval_s()) + " ms";
+  return "refreshed every " + brief(1e3 * interval_s() * held_.reads_each()) + " ms, polled every " +
+         brief(1e3 * interval_s()) + " ms";
 }
 
 std::string ChannelIntake::clipped_reason() const {
@@ -178,8 +172,8 @@ std::string ChannelIntake::clipped_reason() const {
   const auto end = [&](std::int64_t clipped, double at) {
     if (clipped == 0) return;
     text += (text.back() == ':' ? " " : " and ") +
-            number("%.2g", 1e2 * static_cast<double>(clipped) / static_cast<double>(pile_up_.seen())) +
-            " % of its readings are exactly " + in_unit(at);
+            percent(static_cast<double>(clipped) / static_cast<double>(pile_up_.seen())) +
+            " of its readings are exactly " + in_unit(at);
   };
   end(clipped_above(), pile_up_.largest());
   end(clipped_below(), pile_up_.smallest());
@@ -187,8 +181,7 @@ std::string ChannelIntake::clipped_reason() const {
 }
 
 std::string ChannelIntake::clustered_reason() const {
-  return "a cluster of readings: " + number("%.2g", 1e2 * cluster_.part()) + " % of them are exactly " +
-         in_unit(cluster_.value());
+  return "a cluster of readings: " + percent(cluster_.part()) + " of them are exactly " + in_unit(cluster_.value());
 }
 
 std::string ChannelIntake::left_out_reason() const {

@@ -18,9 +18,8 @@ using Eigen::Index;
 
 // Standard deviations. One source may be all of it (a scale), so the normal law counts: 3 would doubt one healthy dwell
 // in 370 per redundant transducer, 5 one in two million. Six would hide a fifth more of a wrong scale.
-constexpr double kSure = 5.0;
-constexpr double kNormal95 = 1.959963984540054;
-constexpr double kRounding = 1e-9;  // of the largest reading: a thousand roundings are no contradiction
+constexpr double kSureOfContradiction = 5.0;
+constexpr double kRoundingOfSums = 1e-9;  // of the largest reading: a thousand roundings are no contradiction
 
 struct Observed {
   Eigen::VectorXcd o;                    // displacement or force on the ground
@@ -89,7 +88,7 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
     double largest = 0.0;
     for (Index other = 0; other < count; ++other)
       if (rest(c, other) != 0) largest = std::max(largest, std::abs(seen.o(other)));
-    if (!(std::abs(left(c)) > kSure * std::sqrt(variance) + kRounding * largest)) continue;
+    if (!(std::abs(left(c)) > kSureOfContradiction * std::sqrt(variance) + kRoundingOfSums * largest)) continue;
     const bool force = channel.measures == Quantity::force, turns = rig.motion == Motion::rotation;
     const std::string unit = force ? (turns ? "N*m" : "N") : (turns ? "rad" : "m");
     off.push_back(c);

@@ -61,7 +61,7 @@ std::string Pipeline::Impl::settling_reason() const {
     if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
     return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
   }
-  const std::string since = std::to_string(axis_s(settled_ns)).substr(0, 8) + " s";
+  const std::string since = brief(axis_s(settled_ns), 4) + " s";
   return quiet_ns != INT64_MIN ? "what may be left of the natural oscillations since " + since + " is less than allowed"
                                : "the windows since " + since + " agree";
 }

@@ -37,8 +37,6 @@ Wander wander_of(const ChannelResult& result) {
   return {std::sqrt(sum.amplitude / count), std::sqrt(sum.phase_rad / count)};
 }
 
-std::string percent(double part) { return brief(100 * part, 2) + " %"; }
-
 // The table's phasor over the data that count, relative to that over the modal fit, minus one.
 Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channel, std::int64_t t_ref_ns) {
   return table.X[0] / (modal.phasor(channel, 1) * std::polar(1.0, modal.angle(t_ref_ns))) - 1.0;

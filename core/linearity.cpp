@@ -19,8 +19,7 @@ using Index = Eigen::Index;
 
 // Standard deviations of noise and of what the rig file states. One component beyond 5 by chance: 6e-7; a dwell of 30
 // elements and 7 harmonics tells of it once in 4000. Four would be once in 40, six hides a fifth more of friction.
-constexpr double kSure = 5.0;
-constexpr double kNormal95 = 1.959963984540054;
+constexpr double kSureOfHarmonic = 5.0;
 
 // Any harmonic above this part of the element's force makes it far from linear, whatever it does to c and r: it is then
 // no small correction to the harmonic linearization that c and r rest on.
@@ -88,7 +87,7 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
   variance += std::norm(times_x(at.chain.force_row(element.k))) * clock * clock;
   // From few degrees of freedom the noise is itself uncertain.
   const double few = std::pow(student_t95(least_dof) / kNormal95, 2);
-  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSure * few * std::sqrt(variance)};
+  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSureOfHarmonic * few * std::sqrt(variance)};
 }
 
 // What of c and r harmonic 3 stands for.
@@ -97,7 +96,7 @@ struct Parts {
   bool tells_c = false, tells_r = false;
 };
 
-Parts parts_of(const Excess& third, const ElementEstimate& element, double omega) {
+Parts explained_by(const Excess& third, const ElementEstimate& element, double omega) {
   const double a = element.deformation.value, elastic = third.force.real(), dissipative = third.force.imag();
   Parts parts;
   parts.in_c = -3 * elastic / a;
@@ -107,11 +106,11 @@ Parts parts_of(const Excess& third, const ElementEstimate& element, double omega
   return parts;
 }
 
-std::string told(const Rig& rig, const ElementEstimate& element, const Excess& third, const Parts& parts, double omega,
-                 bool is_far) {
+std::string words_of(const Rig& rig, const ElementEstimate& element, const Excess& third, const Parts& parts,
+                     double omega, bool is_far) {
   const bool turns = rig.motion == Motion::rotation;
   const std::string newton = turns ? "N*m" : "N";
-  const double a = element.deformation.value, U = third.sure * kNormal95 / kSure;
+  const double a = element.deformation.value, U = third.sure * kNormal95 / kSureOfHarmonic;
   const double elastic = third.force.real(), dissipative = third.force.imag();
   std::string text = "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ");
   text += parts.tells_c && parts.tells_r
@@ -160,9 +159,9 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
       const double size = std::abs(excess.force);
       if (size > excess.sure && size > worst * force) worst = size / force, worst_h = harmonics[i].h;
     }
-    const Parts parts = parts_of(third, element, omega);
+    const Parts parts = explained_by(third, element, omega);
     if (parts.tells_c || parts.tells_r)
-      warnings.push_back(told(rig, element, third, parts, omega, worst_h == 3));
+      warnings.push_back(words_of(rig, element, third, parts, omega, worst_h == 3));
     else if (worst_h > 0)
       warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +
                          std::to_string(worst_h) + " of its force that c and r do not explain is " +

@@ -11,9 +11,9 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-constexpr double kSecond = 1e-9;
+constexpr double kSecondPerNs = 1e-9;
 constexpr double kFaded = 1e-13;    // of an amplitude: as good as nothing
-constexpr int kSteps = 256;         // from turn to turn: their rounding stays below 1e-13
+constexpr int kTurnsInARow = 256;   // from turn to turn: their rounding stays below 1e-13
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 
 }  // namespace
@@ -67,12 +67,12 @@ void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<
 }
 
 double ModalFit::angle(std::int64_t t_ns) const noexcept {
-  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
   return (omega_ + 0.5 * rate_ * u) * u;
 }
 
 void ModalFit::turn_to(std::int64_t t_ns) noexcept {
-  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
   drive_turn_ = std::polar(1.0, omega_ * u);
   for (std::size_t m = 0; m < count_; ++m) {
     const double envelope = std::exp(poles_[m].real() * u);
@@ -85,7 +85,7 @@ void ModalFit::turn_by(std::int64_t dt_ns) noexcept {
   auto step = std::find_if(steps_.begin(), steps_.end(), [&](const Step& each) { return each.dt_ns == dt_ns; });
   if (step == steps_.end()) {
     step = steps_.begin() + static_cast<std::ptrdiff_t>(next_step_++ % steps_.size());
-    const double dt_s = kSecond * static_cast<double>(dt_ns);
+    const double dt_s = kSecondPerNs * static_cast<double>(dt_ns);
     step->dt_ns = dt_ns;
     step->drive = std::polar(1.0, omega_ * dt_s);
     for (std::size_t m = 0; m < count_; ++m)
@@ -107,13 +107,13 @@ void ModalFit::turn_by(std::int64_t dt_ns) noexcept {
 // the same of the relative change of its pole, and of that of ω (of the fundamental, which tells most of it).
 void ModalFit::evaluate(std::int64_t t_ns) noexcept {
   if (t_ns == evaluated_ns_) return;
-  if (t_ns > evaluated_ns_ && evaluated_ns_ >= t0_ns_ && steps_taken_ < kSteps)
+  if (t_ns > evaluated_ns_ && evaluated_ns_ >= t0_ns_ && steps_taken_ < kTurnsInARow)
     turn_by(t_ns - evaluated_ns_);
   else
     turn_to(t_ns);
   if (rate_ != 0) drive_turn_ = std::polar(1.0, angle(t_ns));
   evaluated_ns_ = t_ns;
-  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
   Complex turn = drive_turn_;
   x_(0) = 1.0;
   for (int h = 1; h <= harmonics_; ++h, turn *= drive_turn_) {
@@ -242,7 +242,7 @@ bool ModalFit::shows(std::size_t mode) const noexcept {
 
 ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   const PerChannel& of = at(channel);
-  const double u = kSecond * static_cast<double>(t_ns - t0_ns_);
+  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
   Left left{0.0, 0.0};
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
@@ -284,7 +284,7 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
 double ModalFit::most(int channel, std::size_t m, std::int64_t t_ns) const noexcept {
   const PerChannel& of = at(channel);
   const auto i = 2 * static_cast<Index>(m);
-  return std::exp(poles_[m].real() * kSecond * static_cast<double>(t_ns - t0_ns_)) *
+  return std::exp(poles_[m].real() * kSecondPerNs * static_cast<double>(t_ns - t0_ns_)) *
          (of.theta.segment<2>(harmonic_ + i).norm() +
           3 * std::sqrt(std::max(0.0, 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))));
 }

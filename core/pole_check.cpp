@@ -12,6 +12,7 @@
 #include "core/identify.hpp"
 #include "core/natural_modes.hpp"
 #include "core/transducer.hpp"
+#include "core/wording.hpp"
 
 namespace dwell {
 namespace {
@@ -140,14 +141,6 @@ Complex shift_by(const Cause& cause, const NaturalMode& mode, const Rig& rig, co
   }
 }
 
-std::string number(const char* format, double a) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, a);
-  return text;
-}
-
-std::string percent(double part) { return number(part < 0.995 ? "%.2g %%" : "%.0f %%", 100 * part); }
-
 std::string told(const Cause& cause, double size, const Rig& rig) {
   const std::string mass = "mass " + std::to_string(cause.at + 1);
   const std::string way = size > 0 ? " too large" : " too small";
@@ -158,13 +151,13 @@ std::string told(const Cause& cause, double size, const Rig& rig) {
     case Cause::Kind::scale:
       return rig.channels[static_cast<std::size_t>(cause.at)].name + " reading " + percent(a) + way;
     case Cause::Kind::delay:
-      return rig.channels[static_cast<std::size_t>(cause.at)].name + number(" %.2g ms", 1e3 * a) +
+      return rig.channels[static_cast<std::size_t>(cause.at)].name + " " + brief(1e3 * a, 2) + " ms" +
              (size > 0 ? " late" : " early");
     case Cause::Kind::spring:
-      return number("a spring of %.3g ", a) + (rig.motion == Motion::rotation ? "N*m/rad" : "N/m") + " from " + mass +
+      return "a spring of " + brief(a) + " " + (rig.motion == Motion::rotation ? "N*m/rad" : "N/m") + " from " + mass +
              " to ground";
     default:
-      return number("a damper of %.3g ", a) + (rig.motion == Motion::rotation ? "N*m*s/rad" : "N*s/m") + " from " +
+      return "a damper of " + brief(a) + " " + (rig.motion == Motion::rotation ? "N*m*s/rad" : "N*s/m") + " from " +
              mass + " to ground";
   }
 }
@@ -229,12 +222,14 @@ std::string most_depends(const Pair& pair, const Rig& rig, const ElementsResult&
 std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig& rig, const ElementsResult& identified,
                     double omega) {
   const Eigen::Matrix2d& seen = pair.seen->covariance;
+  const int last = rig.element_count();
+  const std::string chain = last == 1 ? "element 1" : "elements 1 … " + std::to_string(last);
   char text[300];
   std::snprintf(text, sizeof text,
-                "mode at %.4g Hz: the transient shows %.5g ± %.2g Hz, decaying at %.3g ± %.2g /s; the identified chain "
-                "has %.5g ± %.2g Hz, %.3g ± %.2g /s; ",
+                "mode at %.4g Hz: the transient shows %.5g ± %.2g Hz, decaying at %.3g ± %.2g /s; the identified "
+                "chain (%s) has %.5g ± %.2g Hz, %.3g ± %.2g /s; ",
                 pair.seen->pole.imag() / kTwoPi, pair.seen->pole.imag() / kTwoPi, 2 * std::sqrt(seen(1, 1)) / kTwoPi,
-                -pair.seen->pole.real(), 2 * std::sqrt(seen(0, 0)), pair.natural->pole.imag() / kTwoPi,
+                -pair.seen->pole.real(), 2 * std::sqrt(seen(0, 0)), chain.c_str(), pair.natural->pole.imag() / kTwoPi,
                 2 * std::sqrt(pair.of_chain(1, 1)) / kTwoPi, -pair.natural->pole.real(),
                 2 * std::sqrt(pair.of_chain(0, 0)));
   const std::string single = causes(pairs, rig, identified, omega);

@@ -6,8 +6,6 @@
 namespace dwell {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;
-
 // Density of t with ν degrees of freedom.
 double density(double t, double nu) noexcept {
   return std::exp(std::lgamma((nu + 1) / 2) - std::lgamma(nu / 2) - (nu + 1) / 2 * std::log1p(t * t / nu)) /

@@ -29,6 +29,8 @@ std::string brief(double value, int digits) {
   return printed("%.*f", 0, std::round(value / unit) * unit);
 }
 
+std::string percent(double part) { return brief(100 * part, 2) + " %"; }
+
 std::string plus_minus(double value, double U, const std::string& unit) {
   if (!std::isfinite(U) || !(U > 0)) return brief(value, 6) + " ± — " + unit;
   const int last = static_cast<int>(std::floor(std::log10(U))) - 1;  // decade of the last digit shown

@@ -9,6 +9,9 @@ namespace dwell {
 // `digits` significant digits, without an exponent from 1e-3 to below 1e6: "16.6", "0.25", "1.2e+07".
 [[nodiscard]] std::string brief(double value, int digits = 3);
 
+// "2.5 %", of a part of one; two digits.
+[[nodiscard]] std::string percent(double part);
+
 // "-11400 ± 250 N/m": U to two significant digits, the value to match. U not finite: "—" for it.
 [[nodiscard]] std::string plus_minus(double value, double U, const std::string& unit);
 

@@ -113,8 +113,7 @@ bool names(const Case& about, const Disturbance& disturbance, const std::string&
   for (const int k : disturbance.elements)
     if (has_word(line, "element " + std::to_string(k))) return true;
   if (is_of_drive(disturbance.kind) && (has_word(line, "drive") || has_word(line, "table"))) return true;
-  if (!is_of_model(disturbance.kind)) return false;
-  return has_word(line, "elements") || has_word(line, "mass") || has(line, "identified chain");
+  return is_of_model(disturbance.kind) && has_word(line, "elements");
 }
 
 bool blames(const Case& about, const std::string& said) {
