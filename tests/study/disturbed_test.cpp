@@ -190,7 +190,8 @@ TEST(StudyDisturbed, AWarningCountsThatNamesTheChannelAndTheCause) {
   EXPECT_FALSE(names(about, clipped, "y1 is not steady: its phasor varies 9.1 times as much as its noise explains"));
   const Disturbance late{Kind::late, "", {1}, {1, 2}};
   EXPECT_TRUE(names(about, late, "elements 1 and 2: the natural frequency of 4.1 Hz contradicts the transient's 4.0"));
-  EXPECT_TRUE(names(about, late, "mode at 5.3 Hz: the transient shows 5.27 Hz; the identified chain (elements 1 … 2) has 5.32"));
+  EXPECT_TRUE(names(about, late,
+                    "mode at 5.3 Hz: the transient shows 5.27 Hz; the identified chain (elements 1 … 2) has 5.32"));
   EXPECT_FALSE(names(about, late, "mode at 5.3 Hz: the transient shows 5.27 Hz; the identified chain has 5.32 Hz"));
   EXPECT_FALSE(names(about, late, "the model may be wrong"));
   EXPECT_TRUE(blames(about, "y1 is refreshed every 3 polls"));
