@@ -227,11 +227,10 @@ void Pipeline::Impl::take_best_poles() {
   modal_poles.assign(best_poles.begin() + static_cast<std::ptrdiff_t>(extra_poles.size()), best_poles.end());
 }
 
-// What the fit leaves over may be a mode that none of its poles stands for: then they stand for something else.
 void Pipeline::Impl::remember_modes() {
-  seen_modes.clear();
-  if (!explained()) return;
-  seen_modes.take(modal, modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0), now_ns);
+  for (int c = 0; c < channel_count; ++c)
+    left_over[static_cast<std::size_t>(c)] = modal.usable(c) ? std::max(0.0, unexplained(c)) : 0.0;
+  seen_modes.take(modal, modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0), now_ns, left_over);
 }
 
 double Pipeline::Impl::slowest_rate() const {

@@ -95,6 +95,7 @@ struct Pipeline::Impl {
     readings.resize(live.size());
     transient.resize(live.size());
     ranges.resize(live.size());
+    left_over.resize(live.size());
     noises.resize(live.size());
     spectrum.resize(kMains + 400);
     overlap.resize(live.size());
@@ -174,7 +175,8 @@ struct Pipeline::Impl {
   std::vector<double> ranges;  // per channel, largest distance from the reference over the modal fit
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
-  SeenModes seen_modes;  // of this hold
+  SeenModes seen_modes;           // of this hold
+  std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
   DecayRate decay;
   const Eigen::MatrixXd G;
   int drive_channel = -1;

@@ -25,6 +25,7 @@ constexpr double kFalseAlarm = 1e-5;    // of one evaluation, all modes together
 constexpr double kSameMode = 0.2;       // relative: a pole farther from every eigenvalue is none of the chain's
 constexpr double kPlain = 8.0;          // standard deviations: an amplitude that cannot be overlooked …
 constexpr double kMissing = 1.0 / 3;    // … and the part of it below which it is not there
+constexpr double kNonlinear = 16.0;     // of an eigenvalue's variance: what first order may miss of a shift that large
 constexpr double kExplains = 0.3;       // of the contradiction, that a single fault may leave over
 constexpr double kFirstOrder = 0.05;    // relative: a pole shifted farther is not explained by derivatives
 constexpr std::size_t kMostCauses = 3;  // that are named
@@ -241,6 +242,41 @@ std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig&
               : "this would be explained by " + single + ", or by an element that is not linear");
 }
 
+// How many channels show a mode plainly, of those that can show one of the chain: all but the table's, which is
+// imposed.
+std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, std::size_t& able) {
+  std::vector<std::string> names;
+  able = 0;
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    const Channel& channel = rig.channels[c];
+    if (channel.measures == Quantity::auxiliary || (channel.at == 0 && !channel.relative_to)) continue;
+    ++able;
+    if (mode.amplitude[c] > kPlain * mode.u_amplitude[c] && mode.u_amplitude[c] > 0) names.push_back(channel.name);
+  }
+  count = names.size();
+  return listed(names);
+}
+
+// An oscillation that the identified chain does not have at all, and that several channels show plainly (or the only
+// one that can): a bracket of one transducer that rings is told from it by that.
+void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural, const SeenMode& mode, Dwell& dwell) {
+  std::size_t count = 0, able = 0;
+  const std::string names = shown_by(rig, mode, count, able);
+  if (count < std::min<std::size_t>(2, able) || count == 0) return;
+  const auto nearer = [&](const auto& a, const auto& b) {
+    return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
+  };
+  const auto nearest = std::min_element(natural.begin(), natural.end(), nearer);
+  const int last = rig.element_count();
+  dwell.doubts.push_back({{},
+                          "mode at " + brief(mode.pole.imag() / kTwoPi, 4) + " Hz: the transient in " + names +
+                              " shows it, decaying at " + brief(-mode.pole.real()) + " /s, and the identified chain (" +
+                              (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) +
+                              ") has none there; its nearest is at " + brief(nearest->pole.imag() / kTwoPi, 4) +
+                              " Hz, decaying at " + brief(-nearest->pole.real()) +
+                              " /s: look at units, signs, masses and their order, and what else is connected"});
+}
+
 }  // namespace
 
 void check_poles(const Rig& rig, const ElementsResult& identified, double omega, std::span<const SeenMode> seen,
@@ -254,12 +290,22 @@ void check_poles(const Rig& rig, const ElementsResult& identified, double omega,
   if (!chain.fault().empty()) return;
   const std::vector<NaturalMode> natural = natural_modes(chain);
   std::vector<Pair> pairs;
+  const SeenMode* foreign = nullptr;  // none of the chain's
   for (const SeenMode& mode : seen) {
     const auto nearer = [&](const auto& a, const auto& b) {
       return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
     };
     const auto own = std::min_element(natural.begin(), natural.end(), nearer);
-    if (own == natural.end() || std::abs(own->pole - mode.pole) > kSameMode * std::abs(own->pole)) continue;
+    if (own == natural.end()) continue;
+    if (std::abs(own->pole - mode.pole) > kSameMode * std::abs(own->pole)) {
+      // Where the elements are hardly known the eigenvalues are neither.
+      const Eigen::LLT<Eigen::Matrix2d> off(kNonlinear * covariance_of(*own, identified, omega) + mode.covariance);
+      const Eigen::Vector2d shift = real_pair(mode.pole - own->pole);
+      if (own->pole.real() < 0 && off.info() == Eigen::Success &&
+          shift.dot(off.solve(shift)) > 2 * std::log(1 / kFalseAlarm))
+        foreign = &mode;
+      continue;
+    }
     // Of two poles near one eigenvalue the nearer one is the chain's.
     if (std::any_of(seen.begin(), seen.end(), [&](const SeenMode& other) {
           return std::abs(other.pole - own->pole) < std::abs(mode.pole - own->pole);
@@ -267,13 +313,17 @@ void check_poles(const Rig& rig, const ElementsResult& identified, double omega,
       continue;
     if (of_one_channel(rig, identified, omega, mode, *own)) continue;
     Pair pair{&mode, &*own, real_pair(mode.pole - own->pole), {}, covariance_of(*own, identified, omega), 0.0};
-    pair.covariance = pair.of_chain + mode.covariance;
+    const bool far = std::abs(own->pole - mode.pole) > kFirstOrder * std::abs(own->pole);
+    pair.covariance = (far ? kNonlinear : 1.0) * pair.of_chain + mode.covariance;
     const Eigen::LLT<Eigen::Matrix2d> llt(pair.covariance);
     if (llt.info() != Eigen::Success) continue;
     pair.chi2 = pair.shift.dot(llt.solve(pair.shift));
     if (std::isfinite(pair.chi2)) pairs.push_back(pair);
   }
-  if (pairs.empty()) return;
+  if (pairs.empty()) {
+    if (foreign) doubt_foreign_mode(rig, natural, *foreign, dwell);
+    return;
+  }
   const auto worst =
       std::max_element(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.chi2 < b.chi2; });
   // χ² of two degrees of freedom exceeds x with probability exp(-x/2).

@@ -28,8 +28,11 @@ class SeenModes {
   explicit SeenModes(int channels);
   void clear() noexcept { count_ = 0; }
   // Those that stand out of the noise and whose poles the data resolve. until_ns: the end of what `fit` has seen; of
-  // its last step (ModalFit::refined) poles and covariance are taken. No allocation.
-  void take(const ModalFit& fit, std::span<const std::complex<double>> refined, std::int64_t until_ns) noexcept;
+  // its last step (ModalFit::refined) poles and covariance are taken. left_over: per channel, variance of the fit's
+  // residuals beyond the noise. What is left over may be a part of a mode: a residual of rms ρ beside an amplitude |a|
+  // moves a pole by up to √2 ρ/|a| of its rate, which is added to the covariance. No allocation.
+  void take(const ModalFit& fit, std::span<const std::complex<double>> refined, std::int64_t until_ns,
+            std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 
  private:

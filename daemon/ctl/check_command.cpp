@@ -79,7 +79,7 @@ int show(const std::vector<Probed>& channels, const Json& document, bool json) {
   return all && !channels.empty() ? kDone : kNo;
 }
 
-int complain(int code, const std::string& why) {
+int refuse(int code, const std::string& why) {
   std::fprintf(stderr, "dwellctl: %s\n", printable(why).c_str());
   return code;
 }
@@ -98,17 +98,17 @@ bool serves(const Service& service, const config::RigFile& file) {
 int check_service(const Service& service) {
   const auto line = control_exchange(service.control, R"({"verb":"check"})");
   if (!line)
-    return complain(kUnreachable, line.error() +
-                                      "; where no service runs, dwellctl check --rig FILE asks the devices "
-                                      "themselves");
+    return refuse(kUnreachable, line.error() +
+                                    "; where no service runs, dwellctl check --rig FILE asks the devices "
+                                    "themselves");
   const Json answer = Json::parse(*line, nullptr, false);
   const bool object = answer.is_object();
   if (object && answer.contains("error") && answer["error"].is_string()) {
-    return complain(kNo, service.control + ": " + answer["error"].get<std::string>());
+    return refuse(kNo, service.control + ": " + answer["error"].get<std::string>());
   }
   const auto list = object ? answer.find("channels") : answer.end();
   if (list == answer.end() || !list->is_array()) {
-    return complain(kUnreachable, service.control + ": what answers is not the service");
+    return refuse(kUnreachable, service.control + ": what answers is not the service");
   }
   return show(probed_from_json(*list), answer, service.json);
 }

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(const Json& object, const char* name) {
+std::string member_text(const Json& object, const char* name) {
   const auto it = object.is_object() ? object.find(name) : object.end();
   return it != object.end() && it->is_string() ? it->get<std::string>() : "";
 }
@@ -32,10 +32,10 @@ std::vector<ChannelState> channel_states(const Json& list) {
   if (!list.is_array()) return channels;
   for (const Json& item : list) {
     ChannelState channel;
-    channel.name = text_of(item, "name");
-    channel.status = text_of(item, "status");
+    channel.name = member_text(item, "name");
+    channel.status = member_text(item, "status");
     if (channel.status == "ok") channel.status.clear();
-    const std::string reason = text_of(item, "reason");
+    const std::string reason = member_text(item, "reason");
     if (!reason.empty() && reason != channel.status) channel.status += (channel.status.empty() ? "" : ": ") + reason;
     const auto age = item.is_object() ? item.find("age_s") : item.end();
     if (age != item.end() && age->is_number()) channel.age_s = age->get<double>();

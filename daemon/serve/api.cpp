@@ -3,19 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/dwell_json_value.hpp"
 
 namespace dwell {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// Text from devices and files need not be UTF-8; what is not is replaced, not thrown at.
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 

@@ -78,7 +78,7 @@ TEST(Merger, OneStampFarInTheFutureMakesNoOtherSourceLate) {
   EXPECT_EQ(merger.push(1, at(995)), Merger::Admission::queued);
   // It comes out when its time has come.
   merger.set_now(1'000'000'200);
-  for (const std::size_t source : {0, 1, 2}) merger.push(source, at(1'000'000'200));
+  for (std::size_t source = 0; source < 3; ++source) merger.push(source, at(1'000'000'200));
   while (merger.pop(out)) {
   }
   EXPECT_EQ(out.t_ns, 1'000'000'000);

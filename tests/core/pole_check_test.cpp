@@ -13,19 +13,19 @@
 namespace dwell {
 namespace {
 
-constexpr double kFrequency_hz = 4.0, kAmplitude = 0.002;
+constexpr double kDrive_hz = 4.0, kTable = 0.002;
 
 Drive drive_from_rest() {
   Drive drive;
-  drive.frequency_hz = kFrequency_hz;
-  drive.amplitude = kAmplitude;
+  drive.frequency_hz = kDrive_hz;
+  drive.amplitude = kTable;
   return drive;
 }
 
 // One dwell of `chain`, described by `rig`, from rest, noise 0.2 % of each channel's amplitude.
 Dwell dwell_of(const Chain& chain, const Rig& rig, std::uint64_t seed,
                const std::function<void(Record&, double)>& alter = {}) {
-  const auto steady = steady_response(chain, 2 * M_PI * kFrequency_hz, kAmplitude);
+  const auto steady = steady_response(chain, 2 * M_PI * kDrive_hz, kTable);
   Sampling sampling{.rate_hz = 200, .skew_s = 5e-4, .sigma = {}};
   for (const Channel& channel : rig.channels)
     sampling.sigma.push_back(2e-3 * (channel.measures == Quantity::force
@@ -53,7 +53,7 @@ void expect_doubt(const Dwell& dwell, const std::string& cause) {
 TEST(PoleCheck, ARigThatIsAsItsFileSaysIsNotDoubted) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed)
     for (const Chain& chain : {lightly_damped_chain(), free_chain()}) {
-      const Dwell dwell = dwell_of(chain, rig_of(chain, kFrequency_hz), seed);
+      const Dwell dwell = dwell_of(chain, rig_of(chain, kDrive_hz), seed);
       EXPECT_TRUE(trustworthy(dwell));
       for (const Doubt& doubt : dwell.doubts) ADD_FAILURE() << doubt.what;
     }
@@ -61,14 +61,14 @@ TEST(PoleCheck, ARigThatIsAsItsFileSaysIsNotDoubted) {
 
 TEST(PoleCheck, AMassStatedTenPercentTooLargeIsDoubtedAndNamed) {
   const Chain chain = lightly_damped_chain();
-  Rig rig = rig_of(chain, kFrequency_hz);
+  Rig rig = rig_of(chain, kDrive_hz);
   rig.masses[0] *= 1.1;
   expect_doubt(dwell_of(chain, rig, 1), "mass 1 stated ");
 }
 
 TEST(PoleCheck, AMassWithinItsStatedUncertaintyIsNotDoubted) {
   const Chain chain = lightly_damped_chain();
-  Rig rig = rig_of(chain, kFrequency_hz);
+  Rig rig = rig_of(chain, kDrive_hz);
   rig.masses[0] *= 1.1;
   rig.mass_u = {0.1 * rig.masses[0], 1e-3};
   EXPECT_TRUE(dwell_of(chain, rig, 1).doubts.empty());
@@ -79,26 +79,26 @@ TEST(PoleCheck, AChannelWhoseScaleIsOffIsDoubtedAndNamed) {
   const auto by_two_percent = [](Record& record, double) {
     if (record.channel == 1) record.value *= 1.02;
   };
-  expect_doubt(dwell_of(chain, rig_of(chain, kFrequency_hz), 1, by_two_percent), "y1 reading ");
+  expect_doubt(dwell_of(chain, rig_of(chain, kDrive_hz), 1, by_two_percent), "y1 reading ");
 }
 
 TEST(PoleCheck, AChannelThreeTenthsOfAMillisecondLateIsDoubtedAndNamed) {
   const Chain chain = clamped_chain();
-  Rig rig = rig_of(chain, kFrequency_hz);
+  Rig rig = rig_of(chain, kDrive_hz);
   rig.channels[1].delay_s = -3e-4;
   expect_doubt(dwell_of(chain, rig, 1), "y1 0.3");
 }
 
 TEST(PoleCheck, WhatIsTooFarOffForDerivativesIsDoubtedWithoutACauseButWithWhereToLook) {
   const Chain chain = lightly_damped_chain();
-  Rig rig = rig_of(chain, kFrequency_hz);
+  Rig rig = rig_of(chain, kDrive_hz);
   rig.channels[1].delay_s = -2e-3;
   expect_doubt(dwell_of(chain, rig, 1), "it depends most on element 1");
 }
 
 TEST(PoleCheck, ASpringFromTheMassToGroundThatTheFileDoesNotHaveIsDoubtedAndNamed) {
   const Chain chain{Boundary::clamped, {12.5}, {24000, 400}, {20, 1}};
-  Rig rig = rig_of(chain, kFrequency_hz);
+  Rig rig = rig_of(chain, kDrive_hz);
   rig.boundary = Boundary::free;
   rig.channels.pop_back();
   expect_doubt(dwell_of(chain, rig, 1), "N/m from mass 1 to ground");
@@ -106,7 +106,7 @@ TEST(PoleCheck, ASpringFromTheMassToGroundThatTheFileDoesNotHaveIsDoubtedAndName
 
 TEST(PoleCheck, ADwellBegunWithoutATransientHasNothingToCompare) {
   const Chain chain = lightly_damped_chain();
-  Rig rig = rig_of(chain, kFrequency_hz);
+  Rig rig = rig_of(chain, kDrive_hz);
   rig.masses[0] *= 1.1;
   Bench bench(chain, rig, drive_from_rest(), DrivenChain::Start::steady,
               {.rate_hz = 200, .sigma = {2e-6, 2e-6, 2e-6, 0.01}});

@@ -9,8 +9,6 @@
 namespace dwell {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // A chain of n elements, measured, with everything that one publication carries; `step` makes every number another.
 DwellView publication(int n, int step) {
   const double drift = 1.0 + 1e-6 * step / 3.0;
@@ -94,7 +92,8 @@ TEST(DwellStream, TheWholeComesAtAChangeOfStateAndForWhoeverJoins) {
 TEST(DwellStream, AChangeNamesItsDwellAndHoldsNeitherCovarianceNorBudgets) {
   DwellStream stream;
   (void)stream.next(publication(2, 0), 0);
-  const Json change = Json::parse(stream.next(publication(2, 1), kPublication_ns).data);
+  const nlohmann::ordered_json change =
+      nlohmann::ordered_json::parse(stream.next(publication(2, 1), kPublication_ns).data);
   EXPECT_EQ(change["index"], 1);
   EXPECT_EQ(change["state"], "measuring");
   EXPECT_EQ(change["elements"].size(), 2u);

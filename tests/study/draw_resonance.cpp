@@ -10,10 +10,10 @@
 namespace dwell::study {
 namespace {
 
-constexpr double kLightest = 0.002, kHeaviest = 0.01;  // damping ratio of the mode that is driven
-constexpr double kQuiet = 2e-4, kNoisy = 2e-2;         // noise, of each channel's own amplitude
+constexpr double kLightestDriven = 0.002, kHeaviestDriven = 0.01;  // damping ratio of the mode that is driven
+constexpr double kQuiet = 2e-4, kNoisy = 2e-2;                     // noise, of each channel's own amplitude
 
-double ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
+double damping_of(Complex pole) { return -pole.real() / std::abs(pole); }
 
 // A chain of which one mode has the damping ratio `wanted`, and which one.
 Complex draw_mode(Draws& draws, Case& about, double wanted) {
@@ -33,10 +33,10 @@ Complex draw_mode(Draws& draws, Case& about, double wanted) {
       return i < modes.size() ? modes[i] : Complex{};
     };
     const auto which = static_cast<std::size_t>(draws.integer(0, n - 1));
-    const double more = wanted / ratio_of(one_of(which));
+    const double more = wanted / damping_of(one_of(which));
     for (double& r : chain.damping) r *= more;
     const Complex pole = one_of(which);
-    if (std::abs(ratio_of(pole) / wanted - 1) > 0.1) continue;
+    if (std::abs(damping_of(pole) / wanted - 1) > 0.1) continue;
     about.chain = chain;
     return pole;
   }
@@ -46,7 +46,7 @@ Complex draw_mode(Draws& draws, Case& about, double wanted) {
 
 void draw_resonance(Draws& draws, Case& about) {
   about.frequency_hz = draws.log_uniform(2, 40);
-  const double wanted = draws.log_uniform(kLightest, kHeaviest);
+  const double wanted = draws.log_uniform(kLightestDriven, kHeaviestDriven);
   const Complex pole = draw_mode(draws, about, wanted);
   Chain& chain = about.chain;
   // Within the half-power width, ± ζ of the natural frequency.
