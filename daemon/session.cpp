@@ -129,6 +129,7 @@ Session::~Session() {
     std::mutex mutex;
     std::condition_variable change;
     std::vector<bool> done;
+    std::vector<std::unique_ptr<DeviceHost>> left_behind;  // end with the last of their threads, if these ever end
   };
   const auto stopping = std::make_shared<Stopping>();
   std::vector<std::thread> threads;
@@ -155,10 +156,14 @@ Session::~Session() {
       threads[i].join();
       continue;
     }
-    DeviceHost* const abandoned = impl_->devices[i].release();  // its driver may still be in it, for ever
-    impl_->log.error("device " + abandoned->link().name() +
+    DeviceLink& link = impl_->devices[i]->link();  // its driver may still be in it, for ever
+    impl_->log.error("device " + link.name() +
                      ": its driver did not stop within 1 s and is left behind; the run is complete without it");
-    abandoned->link().abandon();
+    link.abandon();
+    {
+      const std::lock_guard lock(stopping->mutex);
+      stopping->left_behind.push_back(std::move(impl_->devices[i]));
+    }
     threads[i].detach();
   }
 }
