@@ -26,7 +26,7 @@
 namespace dwell::ctl {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::milliseconds;
 
 constexpr Milliseconds kAsk{1000};       // between questions for the channels' states, and the time for an answer
@@ -35,7 +35,7 @@ constexpr Milliseconds kPatience{2000};  // for the service to take a connection
 
 Milliseconds from_seconds(double seconds) { return Milliseconds(static_cast<std::int64_t>(1e3 * seconds)); }
 
-double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+double now_s() { return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count(); }
 
 std::string time_of_day() {
   const std::time_t now = std::time(nullptr);
@@ -143,7 +143,7 @@ class Watch {
           }
           break;
       }
-      if (give_up_ && Clock::now() >= *give_up_) {
+      if (give_up_ && SteadyClock::now() >= *give_up_) {
         why_ = "not enough data within the time allowed";
         return kNo;
       }
@@ -176,7 +176,7 @@ class Watch {
 
   // For the screen: how the channels and the GPIO lines stand, which the stream does not tell.
   void ask() {
-    if (!terminal_ || Clock::now() < ask_at_) return;
+    if (!terminal_ || SteadyClock::now() < ask_at_) return;
     HttpLimits limits;
     limits.time = kAsk;
     const auto channels = http_get(url_, "/api/v1/channels", limits);
@@ -252,8 +252,8 @@ class Watch {
   }
 
   void show(bool at_once) {
-    if (service_.json || (!at_once && Clock::now() - shown_ < interval_)) return;
-    shown_ = Clock::now();
+    if (service_.json || (!at_once && SteadyClock::now() - shown_ < interval_)) return;
+    shown_ = SteadyClock::now();
     if (terminal_) {
       if (now_s() - pressed_s_ > kMessage_s) controls_.message.clear();
       page_ = draw(frozen_ ? *frozen_ : state_, controls_, truth(), Terminal::size(), now_s(), time_of_day());
@@ -284,10 +284,10 @@ class Watch {
   // A second before connecting again.
   std::optional<int> pause() {
     const Deadline until = in(Milliseconds(1000));
-    while (Clock::now() < until) {
+    while (SteadyClock::now() < until) {
       wakeups_->wait(give_up_ ? std::min(until, *give_up_) : until);
       if (obey()) return kDone;
-      if (give_up_ && Clock::now() >= *give_up_) {
+      if (give_up_ && SteadyClock::now() >= *give_up_) {
         why_ = "the service did not come back within the time allowed";
         return kNo;
       }
@@ -310,7 +310,7 @@ class Watch {
   Controls controls_;
   double pressed_s_ = kNever;  // when the last key was pressed
   Page page_;                  // as last shown
-  Clock::time_point shown_;
+  SteadyClock::time_point shown_;
   bool connected_ = false;
   bool back_ = false;    // connected again, and not yet said
   std::string said_;     // the status line as last appended

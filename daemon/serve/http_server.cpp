@@ -29,7 +29,7 @@ namespace http = beast::http;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 using Event = std::shared_ptr<const std::string>;
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 namespace {
 class Connection;
@@ -74,7 +74,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Awaits a request. The deadline is one for all of it, so a client that sends byte by byte gains nothing.
   void read() {
     phase_ = Phase::asking;
-    silent_since_ = Clock::now();
+    silent_since_ = SteadyClock::now();
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(server_->options.header_bytes));
     parser_->body_limit(server_->options.body_bytes);
@@ -102,9 +102,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   // Since when it has had its chance to ask and has not; nullopt: it keeps its place.
-  [[nodiscard]] std::optional<Clock::time_point> silent_since() const {
-    const bool kept = phase_ == Phase::answered ||
-                      (phase_ == Phase::asking && served_ && Clock::now() - silent_since_ < server_->options.kept_time);
+  [[nodiscard]] std::optional<SteadyClock::time_point> silent_since() const {
+    const bool kept = phase_ == Phase::answered || (phase_ == Phase::asking && served_ &&
+                                                    SteadyClock::now() - silent_since_ < server_->options.kept_time);
     if (kept) return std::nullopt;
     return silent_since_;
   }
@@ -276,7 +276,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::array<char, 1024> ignored_{};
   bool served_ = false;  // it has been given an answer
   Phase phase_ = Phase::asking;
-  Clock::time_point silent_since_ = Clock::now();
+  SteadyClock::time_point silent_since_ = SteadyClock::now();
 };
 
 }  // namespace
