@@ -14,8 +14,10 @@
 namespace dwell {
 namespace {
 
-std::promise<void> g_release;  // what stop of the driver waits for
-std::shared_future<void> g_released = g_release.get_future().share();
+// For ever: the driver's thread may outlive main.
+std::promise<void>& g_release = *new std::promise<void>;  // what stop of the driver waits for
+std::shared_future<void>& g_released = *new std::shared_future<void>(g_release.get_future().share());
+std::promise<void>& g_destroyed = *new std::promise<void>;
 
 const dwell_driver_table kHanging = [] {
   dwell_driver_table table{};
@@ -34,7 +36,10 @@ const dwell_driver_table kHanging = [] {
     const auto* host = static_cast<const dwell_host*>(instance);
     host->log(host->context, DWELL_ERROR, "too late");
   };
-  table.destroy = [](void* instance) { delete static_cast<dwell_host*>(instance); };
+  table.destroy = [](void* instance) {
+    delete static_cast<dwell_host*>(instance);
+    g_destroyed.set_value();
+  };
   return table;
 }();
 
@@ -67,6 +72,7 @@ TEST(SessionEnd, ADriverThatNeverStopsDoesNotKeepTheRunFromItsEnd) {
     EXPECT_GE(published, 1) << "the end of the run";
     g_release.set_value();
     ended.wait();
+    g_destroyed.get_future().wait();  // what was left behind goes once the driver returns
   }
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
