@@ -52,7 +52,7 @@ can_rig() {  # INTERFACE
 }
 # The same with CANopen transducers; a SYNC every 12.5 ms, and answers that may take long.
 canopen_rig() {  # INTERFACE
-  sed "s/^update .*/update = 0.4/; s/^interface .*/interface = \"$1\"/; s/^rate .*/rate = 80/" /usr/share/dwell/rigs/canopen.toml
+  sed "s/^update .*/update = 0.4/; s/^interface .*/interface = \"$1\"/; s/^rate .*/rate = 80\nrate_shift = false/" /usr/share/dwell/rigs/canopen.toml
 }
 property() { systemctl show dwelld -p "$1" --value; }
 health() {  # a jq expression that must be true of /api/v1/health
