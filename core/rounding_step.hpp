@@ -42,6 +42,7 @@ class RoundingStep {
     if (!std::isfinite(step)) return difference;
     const double times = difference / step;
     if (!(times < kNoGrid)) return 0.0;
+    if (times < 0.5) return difference;  // no multiple but zero, and the readings differ
     const double off = std::abs(difference - step * std::round(times));
     return off > kOnGrid * step ? off : step;
   }
