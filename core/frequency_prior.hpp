@@ -1,4 +1,4 @@
-// What the rig file states of the drive's frequency, as a Gaussian prior of what the data show of it.
+// The frequency that the rig file states, as a Gaussian prior of the estimate.
 //
 // The data show ω on the axis of the samples' stamps, whose rate is off by clock_u. A frequency that is `fixed` is
 // therefore known there with
