@@ -116,8 +116,7 @@ bool ChannelIntake::left_out_matters() const noexcept {
          kUnsaid * std::sqrt(static_cast<double>(readings_ - before_counting_.readings));
 }
 
-// How far apart two readings are at least that differ: where readings were rounded a second time, the rounding step is
-// that of the second.
+// Smallest distance of two readings that differ. Readings that were rounded twice have the coarser step.
 double ChannelIntake::apart() const noexcept {
   const double step = rounding_.step(), seen = held_.step();
   return std::isfinite(seen) ? std::max(step, seen) : step;

@@ -50,15 +50,15 @@ class ChannelIntake {
   // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.
   [[nodiscard]] double step() const noexcept { return std::abs(gain_) * rounding_.step(); }
   [[nodiscard]] bool clipped() const noexcept { return clipped_above() + clipped_below() > 0; }
-  // The relative error that clipping makes in the amplitude; 0: none. A crest of which the part p of all readings is
-  // cut off loses (2/3π) (πp)³ of the fundamental.
+  // Relative loss of the fundamental's amplitude by clipping; 0: none. If the part p of all readings is clipped, the
+  // loss is (2/3π) (πp)³.
   [[nodiscard]] double clipping_bias() const noexcept;
   // The register is refreshed more slowly than it is read, so that each new value is used once: by how much the
   // readings lag their stamps on average, and the half width of that, s; 0: it is not. A value first seen at one poll
   // was refreshed after the poll before.
   [[nodiscard]] double lag_s() const noexcept { return held_.held() ? 0.5 * interval_s() : 0.0; }
   [[nodiscard]] bool held() const noexcept { return held_.held(); }
-  // It has come to be held, or no longer is, within this hold, of which data are kept.
+  // The register began or ceased to be held after this hold began, so its data are of both kinds.
   [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }
   // One number is among the readings far too often.
   [[nodiscard]] bool clustered() const noexcept { return cluster_.found(rounding_.step()); }

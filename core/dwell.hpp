@@ -40,8 +40,8 @@ struct ChannelPhasor {
   std::complex<double> Y{kNaN, kNaN};  // amplitude · exp(j phase), SI, in the channel's own quantity
   double u_amplitude = kNaN;
   double u_phase_rad = kNaN;
-  // Of the phase against that of the first valid channel (0 of that one itself): what both share cancels, which is the
-  // turnaround of their transaction and the delay of their device. Often a small part of u_phase_rad.
+  // Standard uncertainty of the phase relative to the first valid channel; 0 for that channel. The turnaround of a
+  // common transaction and the delay of a common device cancel. Often far below u_phase_rad.
   double u_relative_phase_rad = kNaN;
   double mean = kNaN;
   std::vector<double> harmonics;  // amplitudes of 2ω … Hω relative to the fundamental

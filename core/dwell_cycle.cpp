@@ -109,7 +109,7 @@ bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
   if (state != State::measuring || !counted_valid) return false;
   const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
   const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
-  // Few readings leave a window's own noise uncertain: that of the dwell is known, a window may have more.
+  // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
   const double more_noise = std::max(1.0, hold.sigma2 / table.sigma2);
   const double u = std::hypot(std::sqrt(0.5 * more_noise * table.covariance.trace()) / std::abs(table.X[0]),
                               hold.u_omega * since_s, hold.omega * watch.late_s());

@@ -204,8 +204,8 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (last) modal_refit_at_ns = INT64_MAX;
 }
 
-// The data that count are the newest part of what the modal fit has seen: their frequency is taken only if it explains
-// the whole better.
+// Tries the frequency of the data that count in the modal fit. The fit has seen more data than these, so it keeps its
+// own frequency unless the other explains all of them better.
 bool Pipeline::Impl::follow_drive() {
   best_poles.assign(modal.poles().begin(), modal.poles().end());
   trial_poles = best_poles;

@@ -35,7 +35,7 @@ struct Evidence {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (Re X_1, Im X_1), white residuals
   double dof = 0.0;                                      // degrees of freedom behind that covariance
   double widened = 1.0;                                  // by what it is larger for the channel's own scatter
-  std::vector<PhasorStretch> stretches;                  // of which each element's own scatter is
+  std::vector<PhasorStretch> stretches;                  // give the scatter of each element
   PhasorSlope slope;
   std::complex<double>
       absorbed;  // of X_1: the answer to a change of the drive that may have been taken for a transient

@@ -57,7 +57,7 @@ class HeldReadings {
   [[nodiscard]] double step() const noexcept { return smallest_[2]; }
   // The register is refreshed more slowly than it is read.
   [[nodiscard]] bool held() const noexcept { return held_; }
-  // Readings for each refresh: the polling interval times this is that of the refresh.
+  // Mean number of readings per refresh. The refresh interval is this times the polling interval.
   [[nodiscard]] double reads_each() const noexcept {
     return static_cast<double>(pairs_) / std::max(1.0, static_cast<double>(pairs_ - same_));
   }

@@ -17,8 +17,9 @@ namespace {
 using Eigen::VectorXcd;
 using Index = Eigen::Index;
 
-// Standard deviations of noise and of what the rig file states. One component beyond 5 by chance: 6e-7; a dwell of 30
-// elements and 7 harmonics tells of it once in 4000. Four would be once in 40, six hides a fifth more of friction.
+// In standard deviations, noise and the stated uncertainties together. One component beyond 5 by chance: 6e-7; a dwell
+// of 30 elements and 7 harmonics tells of it once in 4000. Four would be once in 40, six hides a fifth more of
+// friction.
 constexpr double kSureOfHarmonic = 5.0;
 
 // Any harmonic above this part of the element's force makes it far from linear, whatever it does to c and r: it is then
@@ -42,7 +43,7 @@ Harmonic harmonic_of(const Rig& rig, const Gain& gain, const std::vector<Evidenc
   return {h, {rig, rig.mass_count(), h * omega, std::move(x)}, std::move(seen)};
 }
 
-// Relative variance of what a channel says at ω by what the rig file states of it.
+// Relative variance of a channel's phasor at ω, from the uncertainties that the rig file states.
 double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double omega) {
   const Channel& channel = rig.channels[c];
   const Device device = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)] : Device{};
