@@ -35,7 +35,7 @@ ChannelIntake::ChannelIntake(const Channel& channel)
       unit_(channel.unit),
       judged_(channel.measures != Quantity::auxiliary) {}
 
-ChannelIntake::Says ChannelIntake::judge(const Reading& reading, double omega) noexcept {
+ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcept {
   const double raw = reading.value, before = newest_;
   ++readings_;
   if (first_ns_ == INT64_MIN) first_ns_ = reading.t_ns;
@@ -54,7 +54,7 @@ ChannelIntake::Says ChannelIntake::judge(const Reading& reading, double omega) n
   smallest_ = std::min(smallest_, raw);
   if (!judged_) return Says::take;
 
-  const bool same = held_.add(raw);
+  const bool same = held_.add(raw, rounding_.step());
   cluster_.add(raw, before);
   pile_up_.add(raw, before, held_.mean_difference());
   const bool spike = spikes_.spike(raw);
@@ -63,12 +63,17 @@ ChannelIntake::Says ChannelIntake::judge(const Reading& reading, double omega) n
     ++spiked_;
     return Says::leave;
   }
-  if (same && (held_.held() || frozen(omega))) {
+  const std::int64_t read_ns = reading.t_ns;
+  // Of a held register the value taken last may come back after a foreign reading.
+  if (held_.held() ? same || raw == newest_taken_ : same && frozen(omega)) {
     ++left_;
     ++repeated_;
+    old_seen_ns_ = read_ns;
     return Says::leave;
   }
+  const RefreshClock refresh = same ? refresh_ : date_refresh(reading);
   const Says says = motion_.judge(reading, omega, apart());
+  if (says != Says::leave) dated_ns_ = reading.t_ns;
   far_spike_ = far_spike_ || (spike && (says == Says::leave || says == Says::wait));
   if (says == Says::take || says == Says::give_back) {
     for (const Reading& back : motion_.waiting()) {
@@ -77,8 +82,26 @@ ChannelIntake::Says ChannelIntake::judge(const Reading& reading, double omega) n
     }
     rounding_.add(raw - newest_taken_);
     newest_taken_ = raw;
+    refresh_ = refresh;
+    old_seen_ns_ = read_ns;
+    if (held_.held()) refresh_half_ns_ += reading.refresh_half_ns, refreshes_ += 1;
   }
   return says;
+}
+
+// Puts the reading's instant right where the register is held; what is then known of its clock.
+RefreshClock ChannelIntake::date_refresh(Reading& reading) const noexcept {
+  RefreshClock refresh = refresh_;
+  if (!(held_.held() || held_.suspected()) || old_seen_ns_ == INT64_MIN) return refresh;
+  const RefreshClock::Instant instant = refresh.refreshed(old_seen_ns_, reading.t_ns);
+  if (!held_.held()) return refresh;
+  reading.t_ns = std::max(instant.t_ns, dated_ns_ + 1);
+  reading.refresh_half_ns = instant.half_ns;
+  return refresh;
+}
+
+double ChannelIntake::refresh_half_s() const noexcept {
+  return held_.held() && refreshes_ > 0 ? 1e-9 * refresh_half_ns_ / refreshes_ : 0.0;
 }
 
 // An end of an integer type, and nothing has been seen beyond it.
@@ -98,6 +121,7 @@ void ChannelIntake::begin_hold() noexcept {
   pile_up_.restart();
   cluster_.restart();
   motion_.restart();
+  refresh_half_ns_ = refreshes_ = 0.0;
   held_at_begin_ = held_.held();
   first_ns_ = INT64_MIN;
   readings_ = overrange_ = end_codes_ = spiked_ = repeated_ = 0;

@@ -13,6 +13,7 @@
 #include "core/held_readings.hpp"
 #include "core/motion_gate.hpp"
 #include "core/pile_up.hpp"
+#include "core/refresh_clock.hpp"
 #include "core/rig.hpp"
 #include "core/rounding_step.hpp"
 #include "core/spike_gate.hpp"
@@ -32,7 +33,8 @@ class ChannelIntake {
   [[nodiscard]] double si(double raw) const noexcept { return gain_ * raw + offset_; }
 
   // The next reading, finite and after the one before; ω of the drive, rad/s. give_back: waiting() first, then this.
-  Says judge(const Reading& reading, double omega) noexcept;
+  // A new value of a held register gets the instant of its refresh.
+  Says judge(Reading& reading, double omega) noexcept;
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
 
   // Readings left out, of all time.
@@ -53,10 +55,9 @@ class ChannelIntake {
   // Relative loss of the fundamental's amplitude by clipping; 0: none. If the part p of all readings is clipped, the
   // loss is (2/3π) (πp)³.
   [[nodiscard]] double clipping_bias() const noexcept;
-  // The register is refreshed more slowly than it is read, so that each new value is used once: by how much the
-  // readings lag their stamps on average, and the half width of that, s; 0: it is not. A value first seen at one poll
-  // was refreshed after the poll before.
-  [[nodiscard]] double lag_s() const noexcept { return held_.held() ? 0.5 * interval_s() : 0.0; }
+  // The register is refreshed more slowly than it is read, so that each new value is used once: half width to which the
+  // instants of the refreshes are known, mean of this hold, s; 0: it is not held.
+  [[nodiscard]] double refresh_half_s() const noexcept;
   [[nodiscard]] bool held() const noexcept { return held_.held(); }
   // The register began or ceased to be held after this hold began, so its data are of both kinds.
   [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }
@@ -85,6 +86,7 @@ class ChannelIntake {
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noisy()); }
   [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noisy()); }
   [[nodiscard]] double interval_s() const noexcept;
+  RefreshClock date_refresh(Reading& reading) const noexcept;
   [[nodiscard]] std::string in_unit(double raw) const;
 
   double gain_, offset_, low_, high_;  // SI
@@ -92,6 +94,7 @@ class ChannelIntake {
   std::string unit_;
   bool judged_;  // not auxiliary
   HeldReadings held_;
+  RefreshClock refresh_;
   PileUp pile_up_;
   ValueCluster cluster_;
   SpikeGate spikes_;
@@ -101,11 +104,14 @@ class ChannelIntake {
   double newest_ = NAN, newest_taken_ = NAN;
   double largest_ = -INFINITY, smallest_ = INFINITY;  // of readings that are no end codes
   std::int64_t newest_ns_ = INT64_MIN, changed_ns_ = INT64_MIN;
-  std::uint64_t left_ = 0;  // of all time, not by their motion
+  std::int64_t old_seen_ns_ = INT64_MIN;  // stamp of the newest reading that was taken, or showed again what was there
+  std::int64_t dated_ns_ = INT64_MIN;     // of the reading dated last
+  std::uint64_t left_ = 0;                // of all time, not by their motion
   bool overrange_now_ = false, held_at_begin_ = false;
   // Of this hold.
   std::int64_t first_ns_ = INT64_MIN;
   std::uint64_t readings_ = 0, overrange_ = 0, end_codes_ = 0, spiked_ = 0, repeated_ = 0;
+  double refresh_half_ns_ = 0.0, refreshes_ = 0.0;  // sum, number
   bool far_spike_ = false;
   struct {
     std::uint64_t readings = 0, spiked = 0, left = 0;

@@ -1,6 +1,7 @@
 // What the intake of a channel found in its readings, and what becomes of its phasor by that: taken into account, or
 // withheld.
 #include "core/pipeline_impl.hpp"
+#include "core/wording.hpp"
 
 namespace dwell {
 namespace {
@@ -25,23 +26,21 @@ bool Pipeline::Impl::holding_changed() const {
   return std::any_of(live.begin(), live.end(), [](const Live& channel) { return channel.intake.holding_changed(); });
 }
 
+// Instants that are off by so much at either end of the data turn the phase there.
+double Pipeline::Impl::refresh_u_omega(double seconds) const {
+  double half_s = 0.0;
+  for (int c = 0; c < channel_count; ++c)
+    if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary)
+      half_s = std::max(half_s, live[static_cast<std::size_t>(c)].intake.refresh_half_s());
+  return omega * half_s * std::sqrt(2.0 / 3.0) / std::max(seconds, 1e-9);
+}
+
 void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
   const ChannelIntake& intake = live[static_cast<std::size_t>(c)].intake;
-  HarmonicFit& fit = result.fit;
+  const HarmonicFit& fit = result.fit;
   if (!fit.usable || rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary) return;
   const double amplitude = std::abs(fit.X[0]);
-  if (const double lag_s = intake.lag_s(); lag_s > 0) {
-    // A new value was refreshed at any instant since the poll before.
-    for (int h = 1; h <= H; ++h) fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * omega * lag_s);
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(omega * lag_s).toRotationMatrix();
-    fit.covariance = turn * fit.covariance * turn.transpose();
-    const Complex ahead = std::polar(1.0, omega * lag_s);
-    for (PhasorStretch& stretch : result.stretches) stretch.off *= ahead;
-    result.slope.value *= ahead;
-    result.absorbed *= ahead;
-    result.transient = turn * result.transient * turn.transpose();
-    result.refresh_u_s = lag_s / std::numbers::sqrt3;
-  }
+  result.refresh_u_s = intake.refresh_half_s() / std::numbers::sqrt3;
   if (!result.withheld.empty()) return;
   const double u = std::hypot(std::sqrt(0.5 * fit.covariance.trace()), result.quantization_u);
   if (intake.clipping_bias() * amplitude > kClippingMatters * u)
@@ -62,7 +61,7 @@ void Pipeline::Impl::warn_of_readings(Dwell& dwell) const {
     const std::string name = rig.channels[i].name + ": ";
     if (intake.held())
       dwell.warnings.push_back(name + intake.held_reason() + "; each new value counts once, at an instant known to ± " +
-                               std::to_string(1e3 * intake.lag_s()).substr(0, 5) + " ms");
+                               brief(1e3 * intake.refresh_half_s(), 2) + " ms");
     if (intake.clustered()) dwell.warnings.push_back(name + intake.clustered_reason());
     if (const std::string reason = intake.left_out_reason(); !reason.empty()) dwell.warnings.push_back(name + reason);
     if (intake.clipping_bias() > kClippingShows * rig.tolerance)

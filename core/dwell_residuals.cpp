@@ -30,9 +30,9 @@ bool Pipeline::Impl::explained() const {
 
 double Pipeline::Impl::unexplained(int c) const {
   const Noise& noise = noises[static_cast<std::size_t>(c)];
-  // Instants that are known to ± the lag of a register make their own residuals, which beat with the polling.
+  // Instants of refreshes that are known to ± so much make residuals of their own.
   const double by_refresh =
-      std::norm(omega * live[static_cast<std::size_t>(c)].intake.lag_s() * modal.phasor(c, 1)) / 6;
+      std::norm(omega * live[static_cast<std::size_t>(c)].intake.refresh_half_s() * modal.phasor(c, 1)) / 6;
   const double by_noise = modal.variance(c) - by_refresh -
                           noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
   const double by_decay =

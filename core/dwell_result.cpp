@@ -24,7 +24,10 @@ std::string Pipeline::Impl::foreign_oscillations() const {
 std::string Pipeline::Impl::barred_reason() const {
   if (sparse)
     return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
-           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed";
+           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
+           (live[static_cast<std::size_t>(drive_channel)].intake.held()
+                ? "; it is " + live[static_cast<std::size_t>(drive_channel)].intake.held_reason()
+                : "");
   if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
   if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
   if (state == State::fault) {
@@ -158,6 +161,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     look_at_settling(results);
     warn_of_change(results, seconds, dwell);
     if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
+    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, stated.u));
   }
   for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
   if (settled) {
@@ -194,7 +198,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
         "the windows alone; look at signs, instants and masses");
   warn_of_pulses(dwell);
   std::string reason = pulses_unfit(w, u);
-  if (reason.empty()) reason = statement_unfit(refined);
+  if (reason.empty()) reason = statement_unfit(refined, seconds);
   if (!reason.empty()) {
     dwell.settling_reason = reason;
     dwell.warnings.push_back("no coefficients: " + reason);

@@ -30,7 +30,8 @@ std::optional<double> Pipeline::Impl::contradicting_omega() const {
     information = fit.information;
     w += fit.score / fit.information;
   }
-  if (!stated.contradicted(w, 1 / std::sqrt(information))) return {};
+  const double by_refresh = refresh_u_omega(to_s(blocks.block(to - 1).end_ns - blocks.block(from).begin_ns));
+  if (!stated.contradicted(w, std::hypot(1 / std::sqrt(information), by_refresh))) return {};
   return w;
 }
 
@@ -40,8 +41,9 @@ std::string Pipeline::Impl::statement_reason(double w) const {
          " Hz (2 u, clock included): correct frequency or frequency_u, or take reference = \"tracked\"";
 }
 
-std::string Pipeline::Impl::statement_unfit(const Refined& refined) const {
-  return stated.contradicted(refined.data_omega, refined.u_data) ? statement_reason(refined.data_omega) : "";
+std::string Pipeline::Impl::statement_unfit(const Refined& refined, double seconds) const {
+  const double u = std::hypot(refined.u_data, refresh_u_omega(seconds));
+  return stated.contradicted(refined.data_omega, u) ? statement_reason(refined.data_omega) : "";
 }
 
 }  // namespace dwell

@@ -11,6 +11,11 @@
 // changes times the step over the mean jump (a sine 0.20, Gaussian noise 0.32, a decaying sine up to 0.5). Twice E and
 // 6 √E + 6 more are passed by chance less than once in 10^7 holds (Poisson; E = 3: 23 or more, 1e-13; E = 10: 45,
 // 1e-15).
+//
+// A register that is refreshed nearly as often as it is read repeats a reading seldom, but in time with the beat of the
+// two rates. Where rounding is so fine that chance brings none (E below kNoChance), kBeats repeats at regular distances
+// tell (false alarm: four where 0.03 are expected, 3e-8). Repeats at a turning point come in time with the motion: E is
+// for the smallest of the jumps beside the repeats, and one of them must interrupt the motion.
 #pragma once
 
 #include <algorithm>
@@ -23,14 +28,16 @@ namespace dwell {
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
 class HeldReadings {
  public:
-  // The next reading. Whether it is the same as the one before.
-  bool add(double reading) noexcept {
+  // The next reading, and the step of its rounding (0: none; INFINITY: not known). Whether it is the same as the one
+  // before.
+  bool add(double reading, double grid) noexcept {
     const double jump = reading - value_;
     if (std::isnan(value_)) {
       value_ = reading;
       return false;
     }
     ++pairs_;
+    if (++since_beat_ > kSilent * beat_) beats_ = false;
     if (jump == 0) {
       ++run_;
       ++same_;
@@ -39,7 +46,11 @@ class HeldReadings {
     const double size = std::abs(jump), least = kJump * step();
     path_ += size;
     see(size);
-    if (run_ > 1 && before_ * jump > 0 && std::abs(before_) > least && size > least) interrupting_ += run_ - 1;
+    if (run_ > 1 && std::abs(before_) > least && size > least) {
+      const bool onwards = before_ * jump > 0;
+      if (onwards) interrupting_ += run_ - 1;
+      see_beat(onwards, std::min(std::abs(before_), size), grid);
+    }
     before_ = jump;
     value_ = reading;
     run_ = 1;
@@ -55,6 +66,8 @@ class HeldReadings {
   }
   // The third smallest difference that is not 0, at least the rounding step; INFINITY: not known.
   [[nodiscard]] double step() const noexcept { return smallest_[2]; }
+  // There are such readings at all: those from here on are looked at.
+  [[nodiscard]] bool suspected() const noexcept { return interrupting_ > 0 || regular_ > 0; }
   // The register is refreshed more slowly than it is read.
   [[nodiscard]] bool held() const noexcept { return held_; }
   // Mean number of readings per refresh. The refresh interval is this times the polling interval.
@@ -73,6 +86,30 @@ class HeldReadings {
   static constexpr double kJump = 2.5, kDensity = 0.5;
   // What was found before a hold is dropped after so many pairs with fewer such readings.
   static constexpr std::int64_t kEnough = 4096, kHardlyAny = 8;
+  // Beats: the least distance, in readings (below, the readings above are many); how regular, relative (a gateway's
+  // random repeats are so once in eight); so many in a row, not counting the first two. Where instants jitter, a beat
+  // is a bunch of repeats.
+  static constexpr double kSlowBeat = 30.0, kRegular = 0.12, kBunch = 0.3, kSilent = 3.0;
+  static constexpr double kNoChance = 0.03, kSameStep = 0.9;
+  static constexpr int kBeats = 3, kMissedBeats = 3;
+
+  // A repeat between two jumps, the smaller `beside`; onwards: both go the same way.
+  void see_beat(bool onwards, double beside, double grid) noexcept {
+    if (since_beat_ < kBunch * beat_ && beat_ >= kSlowBeat) return;
+    const double times = std::max(1.0, std::round(since_beat_ / std::max(1.0, beat_)));
+    const bool regular =
+        beat_ >= kSlowBeat && times <= kMissedBeats && std::abs(since_beat_ - times * beat_) <= kRegular * beat_;
+    if (!regular) regular_ = onwards_ = 0, beat_ = since_beat_, beside_ = beside;
+    since_beat_ = 0.0;
+    if (!regular) return;
+    ++regular_;
+    beside_ = std::min(beside_, beside);
+    if (onwards) ++onwards_;
+    // Readings that were rounded a second time keep the first rounding's step, which the smallest differences all show.
+    const double rounding = smallest_[0] > kSameStep * step() ? std::max(grid, step()) : grid;
+    const double by_chance = kDensity * beat_ * (regular_ + 1) * rounding / beside_;
+    if (onwards_ > 0 && regular_ >= kBeats && by_chance < kNoChance) held_ = beats_ = true;
+  }
 
   void see(double size) noexcept {
     const double before = step();
@@ -92,13 +129,16 @@ class HeldReadings {
     const double expected = 0.5 * static_cast<double>(one_step_) + kDensity * changes * changes * step() / path_;
     const bool many = static_cast<double>(interrupting_) > 2 * expected + 6 * std::sqrt(expected) + 6;
     if (many) held_ = true;
-    if (pairs_ >= kEnough && interrupting_ < kHardlyAny) held_ = false;
+    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_) held_ = false;
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
   std::int64_t run_ = 1, pairs_ = 0, same_ = 0, one_step_ = 0, interrupting_ = 0;
   std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
-  bool held_ = false;
+  double since_beat_ = 0.0, beat_ = 0.0;  // readings
+  double beside_ = 0.0;                   // smallest jump beside the beats
+  int regular_ = 0, onwards_ = 0;         // beats in a row, and those of them amid a motion
+  bool held_ = false, beats_ = false;
 };
 
 }  // namespace dwell

@@ -73,7 +73,8 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     take(reading);
     return Says::take;
   }
-  const double late = predicted.slope * 1e-9 * reading.half_ns;
+  const double late =
+      predicted.slope * 1e-9 * (static_cast<double>(reading.half_ns) + kRefresh * reading.refresh_half_ns);
   const double far = predicted.gain * kFar * median_ + kRounding * step + late;
   const double limit = tied ? predicted.gain * tied_medians(step) * median_ + kTiedRounding * step + late : far;
   if (error <= limit) {

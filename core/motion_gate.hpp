@@ -33,6 +33,7 @@ class MotionGate {
     std::int64_t t_ns = 0;
     double value = 0.0;
     std::uint32_t half_ns = 0;
+    std::uint32_t refresh_half_ns = 0;  // of a held register: half width of what is known of the refresh's instant
   };
   enum class Says : std::uint8_t {
     take,
@@ -68,11 +69,12 @@ class MotionGate {
   static constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // medians, at least; see above
   static constexpr double kRounding = 4.0;  // steps: e of rounding alone is at most (1 + Σ|w|) / 2, which is 2.5
   static constexpr double kTiedRounding = 2.5;
-  static constexpr double kLearn = 0.02;  // relative step of the median: it follows a decay of 1 % a reading
-  static constexpr double kJumped = 6.0;  // the median is at least the error of a jump over this
-  static constexpr double kSparse = 1.2;  // rad between readings: fewer than 5 a period predict nothing
-  static constexpr double kPause = 3.0;   // mean intervals: readings were lost
-  static constexpr double kBlind = 2.0;   // rad since the last good reading: nothing is predicted any more
+  static constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are known no better
+  static constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
+  static constexpr double kJumped = 6.0;   // the median is at least the error of a jump over this
+  static constexpr double kSparse = 1.2;   // rad between readings: fewer than 5 a period predict nothing
+  static constexpr double kPause = 3.0;    // mean intervals: readings were lost
+  static constexpr double kBlind = 2.0;    // rad since the last good reading: nothing is predicted any more
 
   struct Prediction {
     double value = 0.0, gain = 0.0, slope = 0.0;  // gain: 0, there is none

@@ -77,9 +77,9 @@ void Pipeline::Impl::sample(const Record& record) {
     return;
   }
   transactions.sample(record);
-  if (channel.last_ns != INT64_MIN) channel.sampling.add(to_s(record.t_ns - channel.last_ns));
+  if (channel.last_ns != INT64_MIN && !channel.intake.held()) channel.sampling.add(to_s(record.t_ns - channel.last_ns));
   channel.last_ns = record.t_ns;
-  const ChannelIntake::Reading reading{record.t_ns, record.value, record.t_half_ns};
+  ChannelIntake::Reading reading{record.t_ns, record.value, record.t_half_ns};
   const ChannelIntake::Says says = channel.intake.judge(reading, omega);
   channel.now.value = value;
   channel.now.t_ns = record.t_ns;
@@ -97,6 +97,10 @@ void Pipeline::Impl::take(int c, const ChannelIntake::Reading& reading) {
     return;
   }
   const double value = channel.intake.si(reading.value);
+  // What folds harmonics is the rate of the values, not of the readings.
+  if (channel.intake.held() && channel.refreshed_ns != INT64_MIN)
+    channel.sampling.add(to_s(reading.t_ns - channel.refreshed_ns));
+  channel.refreshed_ns = reading.t_ns;
   channel.half_ns_sum += reading.half_ns;
   channel.half_count += 1.0;
   last_sample_ns = std::max(last_sample_ns, reading.t_ns);

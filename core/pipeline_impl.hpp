@@ -124,6 +124,7 @@ struct Pipeline::Impl {
     ChannelNow now;
     std::uint64_t received = 0, out_of_order = 0, stuck = 0;  // the latter two were not used
     std::int64_t last_ns = INT64_MIN;
+    std::int64_t refreshed_ns = INT64_MIN;       // of the reading that counted last
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
     SamplingRegularity sampling;
     bool referenced = false;
@@ -231,6 +232,8 @@ struct Pipeline::Impl {
   void take(int c, const ChannelIntake::Reading& reading);
   // dwell_readings.cpp: what a channel's intake found, and what becomes of its phasor by that.
   [[nodiscard]] bool unfit(int c) const;
+  // Standard uncertainty of ω, rad/s, by instants of refreshes, in data of that length.
+  [[nodiscard]] double refresh_u_omega(double seconds) const;
   void judge_readings(int c, ChannelResult& result) const;
   void warn_of_readings(Dwell& dwell) const;
   // Whether a register has come to be held, or no longer is, while settling: then what came before counts no more.
@@ -253,7 +256,7 @@ struct Pipeline::Impl {
   [[nodiscard]] std::optional<double> contradicting_omega() const;
   [[nodiscard]] std::string statement_reason(double w) const;
   // Why data refined so cannot give coefficients; empty: they can.
-  [[nodiscard]] std::string statement_unfit(const Refined& refined) const;
+  [[nodiscard]] std::string statement_unfit(const Refined& refined, double seconds) const;
   // `sums`, which are over [from, to], at the best ω for them: leaves them in `totals`.
   Refined refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const;
 

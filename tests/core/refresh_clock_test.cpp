@@ -1,0 +1,96 @@
+// At which instants a register is refreshed that is read more often: recovered from the readings that show a new value.
+#include "core/refresh_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace dwell {
+namespace {
+
+constexpr double kPoll_s = 2e-3;
+
+struct Seen {
+  double worst_s = 0.0;       // of |instant - truth|
+  double worst_half_s = 0.0;  // largest half width
+  int outside = 0;            // instants after that whose half width does not hold the truth
+};
+
+// Refreshes at rate_hz read every 2 ms; what the clock says of those after from_s. wander_ppm: of the rate, over the
+// whole. missed: part of the new values that nobody recognizes as new.
+struct Register {
+  double rate_hz = 333.0, jitter_s = 0.0, poll_jitter_s = 0.0, wander_ppm = 0.0, missed = 0.0;
+  std::mt19937_64 rng{3};
+
+  Seen watch(double from_s, double to_s) {
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    RefreshClock clock;
+    Seen seen;
+    double on_grid = 0.3 / rate_hz, next = on_grid, truth = 0.0, read_before = 0.0;
+    for (int i = 1; kPoll_s * i < to_s; ++i) {
+      const double read = kPoll_s * i + poll_jitter_s * uniform(rng);
+      bool renewed = false;
+      for (; next <= read; renewed = true) {
+        truth = next;
+        on_grid += (1 + 1e-6 * wander_ppm * on_grid / to_s) / rate_hz;
+        next = on_grid + jitter_s * uniform(rng);
+      }
+      if (renewed && 0.5 * (uniform(rng) + 1) >= missed) {
+        const auto instant = clock.refreshed(std::llround(read_before * 1e9), std::llround(read * 1e9));
+        const double off = std::abs(1e-9 * static_cast<double>(instant.t_ns) - truth), half = 1e-9 * instant.half_ns;
+        if (read > from_s) {
+          seen.worst_s = std::max(seen.worst_s, off);
+          seen.worst_half_s = std::max(seen.worst_half_s, half);
+          if (off > half + 2e-9) ++seen.outside;
+        }
+      }
+      read_before = read;
+    }
+    return seen;
+  }
+};
+
+TEST(RefreshClock, InstantsAreKnownToAPartOfThePollingIntervalWhateverTheRate) {
+  for (const double rate_hz : {11.7, 25.07, 61.3, 199.3, 249.0, 333.0, 401.7, 480.0, 491.0, 496.0}) {
+    const Seen seen = Register{.rate_hz = rate_hz}.watch(10, 40);
+    EXPECT_EQ(seen.outside, 0) << rate_hz;
+    EXPECT_LT(seen.worst_half_s, 0.1 * kPoll_s) << rate_hz;
+  }
+}
+
+TEST(RefreshClock, OfARateThatIsASimpleRatioOnlyTheIntervalIsKnownAndSaid) {
+  const Seen every_other = Register{.rate_hz = 250.0}.watch(10, 40);
+  EXPECT_EQ(every_other.outside, 0);
+  EXPECT_NEAR(every_other.worst_half_s, 0.5 * kPoll_s, 0.02 * kPoll_s);
+  const Seen two_of_three = Register{.rate_hz = 1e3 / 3}.watch(10, 40);
+  EXPECT_EQ(two_of_three.outside, 0);
+  EXPECT_NEAR(two_of_three.worst_half_s, 0.25 * kPoll_s, 0.05 * kPoll_s);
+}
+
+TEST(RefreshClock, JitterAndAWanderingRateAndMissedValuesStayWithinWhatIsSaid) {
+  for (const double rate_hz : {25.07, 199.3, 333.0}) {
+    const Seen jittering = Register{.rate_hz = rate_hz, .jitter_s = 1e-4}.watch(20, 60);
+    EXPECT_EQ(jittering.outside, 0) << rate_hz;
+    EXPECT_LT(jittering.worst_half_s, 0.3 * kPoll_s) << rate_hz;
+    const Seen polled_unevenly = Register{.rate_hz = rate_hz, .poll_jitter_s = 5e-4}.watch(10, 40);
+    EXPECT_EQ(polled_unevenly.outside, 0) << rate_hz;
+    EXPECT_LT(polled_unevenly.worst_half_s, 0.1 * kPoll_s) << rate_hz;
+    const Seen wandering = Register{.rate_hz = rate_hz, .wander_ppm = 5}.watch(20, 300);
+    EXPECT_EQ(wandering.outside, 0) << rate_hz;
+    EXPECT_LT(wandering.worst_half_s, 0.15 * kPoll_s) << rate_hz;
+    const Seen missing = Register{.rate_hz = rate_hz, .missed = 0.05}.watch(10, 40);
+    EXPECT_EQ(missing.outside, 0) << rate_hz;
+    EXPECT_LT(missing.worst_half_s, 0.1 * kPoll_s) << rate_hz;
+  }
+}
+
+TEST(RefreshClock, WithoutARateOfItsOwnARegisterIsKnownByItsTwoReadings) {
+  const Seen irregular = Register{.rate_hz = 60.0, .jitter_s = 6e-3}.watch(10, 40);
+  EXPECT_EQ(irregular.outside, 0);
+  EXPECT_LE(irregular.worst_half_s, 0.5 * kPoll_s + 1e-9);
+}
+
+}  // namespace
+}  // namespace dwell
