@@ -26,6 +26,11 @@ constexpr double kSureOfHarmonic = 5.0;
 // no small correction to the harmonic linearization that c and r rest on.
 constexpr double kFarFromLinear = 0.1;
 
+// A channel's own harmonic must explain an element's to this part: a distortion that is not small has more than a third
+// harmonic. Halved, a transducer that saturates at twice its amplitude, tanh(½)/½, is not named; at this, no single
+// element that rubs or hardens blames a channel in the tests.
+constexpr double kSameDistortion = 0.4;
+
 // The chain at harmonic h, and what each channel sees of it.
 struct Harmonic {
   int h;
@@ -58,10 +63,25 @@ double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double
 struct Excess {
   Complex force;  // relative to the phase of the deformation
   double sure;    // a component beyond this is no noise
+  // Per channel, what its distortion y - βy³ would add, per ρ = βa²/4: a third harmonic of its own in phase with its
+  // fundamental, and by the loss of 3ρ of that other c and r.
+  VectorXcd by_channel;
 };
 
+// What that loss makes of c + jhωr.
+Complex lost_by(const Rig& rig, const Gain& gain, const Harmonic& first, const ElementEstimate& element, Index c,
+                Complex X, int h) {
+  const double omega = first.chain.omega;
+  const Complex Z{element.stiffness.value, omega * element.damping.value};
+  const VectorXcd deformation = first.chain.deformation_row(element.k);
+  const VectorXcd row = first.chain.force_row(element.k) - Z * deformation;
+  const Complex read = as_observed(rig, static_cast<int>(c), -3.0 * X, omega, 1);
+  const Complex dZ = row.cwiseProduct(gain.gain.col(c)).sum() * read / deformation.cwiseProduct(first.chain.x).sum();
+  return {dZ.real(), h * dZ.imag()};
+}
+
 Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence, const Frequency& frequency,
-                 const Harmonic& at, const ElementEstimate& element, double phase_rad) {
+                 const Harmonic& first, const Harmonic& at, const ElementEstimate& element, double phase_rad) {
   const double omega = at.chain.omega;
   const Complex Z{element.stiffness.value, omega * element.damping.value};
   const VectorXcd deformation = at.chain.deformation_row(element.k);
@@ -70,6 +90,7 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
   double variance =
       std::norm(times_x(deformation)) * (std::pow(element.stiffness.u, 2) + std::pow(omega * element.damping.u, 2));
   double least_dof = std::numeric_limits<double>::infinity();
+  VectorXcd by_channel = VectorXcd::Zero(at.seen.size());
   for (Index c = 0; c < at.seen.size(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     const Evidence& of = evidence[i];
@@ -78,6 +99,9 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
     const Complex part = row.cwiseProduct(gain.gain.col(c)).sum();
     const double noise =
         0.5 * (of.widened * of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
+    const Complex lost = lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation);
+    by_channel(c) = -lost * std::polar(1.0, -at.h * phase_rad);
+    by_channel(c) += part * per_reading * std::abs(of.X[0]) * std::polar(1.0, at.h * (std::arg(of.X[0]) - phase_rad));
     variance += std::norm(part * per_reading) * noise;
     variance += std::norm(part * at.seen(c)) * stated_variance(rig, i, of, omega);
     least_dof = std::min(least_dof, of.dof);
@@ -88,7 +112,33 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
   variance += std::norm(times_x(at.chain.force_row(element.k))) * clock * clock;
   // From few degrees of freedom the noise is itself uncertain.
   const double few = std::pow(student_t95(least_dof) / kNormal95, 2);
-  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSureOfHarmonic * few * std::sqrt(variance)};
+  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSureOfHarmonic * few * std::sqrt(variance),
+          std::move(by_channel)};
+}
+
+// The channels whose own third harmonic would explain that of all elements; empty: none would.
+std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
+  std::string text;
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    const auto i = static_cast<Index>(c);
+    double overlap = 0.0, power = 0.0;
+    for (const Excess& third : thirds) {
+      overlap += (std::conj(third.by_channel(i)) * third.force).real() / (third.sure * third.sure);
+      power += std::norm(third.by_channel(i)) / (third.sure * third.sure);
+    }
+    if (!(power > 0)) continue;
+    const double part = overlap / power;
+    const bool explains = std::all_of(thirds.begin(), thirds.end(), [&](const Excess& third) {
+      return std::abs(third.force - part * third.by_channel(i)) <
+             std::max(third.sure, kSameDistortion * std::abs(third.force));
+    });
+    if (!explains) continue;
+    text += (text.empty() ? "" : ", or ") + rig.channels[c].name + " distorts: a harmonic 3 of " +
+            percent(std::abs(part)) + " of its reading, in phase with it";
+    text += ", would explain what " + elements_text(told) + " show, and a reading " + percent(3 * std::abs(part)) +
+            (part > 0 ? " too small" : " too large");
+  }
+  return text.empty() ? text : text + ": look at its range and its amplifier";
 }
 
 // What of c and r harmonic 3 stands for.
@@ -145,6 +195,8 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
   for (int h = 1; h <= rig.excitation.harmonics; ++h)
     harmonics.push_back(harmonic_of(rig, gain, evidence, frequency.omega, h));
   std::vector<std::string> warnings;
+  std::vector<Excess> thirds;  // of all elements
+  std::vector<int> told;
   for (const ElementEstimate& element : elements) {
     if (!element.identifiable) continue;
     const ChainState& chain = harmonics.front().chain;
@@ -153,14 +205,17 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
     const double force = std::hypot(element.stiffness.value, omega * element.damping.value) * std::abs(d);
     double worst = kFarFromLinear;
     int worst_h = 0;
-    Excess third{{}, INFINITY};
+    Excess third{{}, INFINITY, {}};
     for (std::size_t i = 1; i < harmonics.size(); ++i) {
-      const Excess excess = excess_of(rig, gain, evidence, frequency, harmonics[i], element, std::arg(d));
+      const Excess excess =
+          excess_of(rig, gain, evidence, frequency, harmonics.front(), harmonics[i], element, std::arg(d));
       if (harmonics[i].h == 3) third = excess;
       const double size = std::abs(excess.force);
       if (size > excess.sure && size > worst * force) worst = size / force, worst_h = harmonics[i].h;
     }
     const Parts parts = explained_by(third, element, omega);
+    if (std::isfinite(third.sure)) thirds.push_back(third);
+    if (parts.tells_c || parts.tells_r) told.push_back(element.k);
     if (parts.tells_c || parts.tells_r)
       warnings.push_back(words_of(rig, element, third, parts, omega, worst_h == 3));
     else if (worst_h > 0)
@@ -169,6 +224,9 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
                          brief(100 * worst, 2) +
                          " % of the fundamental; c and r are equivalent stiffness and damping at this amplitude");
   }
+  // What one element shows is its own or a channel's: that cannot be told.
+  if (told.size() > 1)
+    if (std::string channels = distorting(rig, thirds, told); !channels.empty()) warnings.push_back(channels);
   return warnings;
 }
 

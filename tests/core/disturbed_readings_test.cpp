@@ -194,6 +194,19 @@ TEST_F(DisturbedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasu
       }
 }
 
+// A transducer that saturates smoothly has no pile-up; its third harmonic shows it.
+TEST_F(DisturbedReadings, ATransducerThatSaturatesSoftlyIsNamed) {
+  const std::vector<double> amplitude = sigma(1.0);
+  for (const std::uint16_t c : {std::uint16_t{1}, std::uint16_t{2}, kCell})
+    for (const double soft : {0.2, 0.5}) {
+      const double reach = amplitude[c] / soft;
+      const Dwell dwell = measured([&](Record& record, double) {
+        if (record.channel == c) record.value = reach * std::tanh(record.value / reach);
+      });
+      EXPECT_TRUE(says(dwell, rig.channels[c].name + " distorts")) << c << " " << soft << all(dwell);
+    }
+}
+
 TEST_F(DisturbedReadings, EndCodesOfIntegerTypesAreOverrange) {
   for (const double code : {32767.0, -32768.0, 65535.0, 32768.0, 2147483647.0}) {
     rig.channels[kCell].scale = 1e-2;

@@ -162,6 +162,39 @@ TEST(Linearity, ACubicSpringHasAnEquivalentStiffness) {
     EXPECT_TRUE(says(result, named)) << all(result.warnings);
 }
 
+// A transducer that compresses, y - βy³: its third harmonic has the phase of its reading.
+void compress(Evidence& channel, double third) {
+  const double phase = std::arg(channel.X[0]);
+  channel.X[2] += third * std::abs(channel.X[0]) * std::polar(1.0, 3 * phase);
+  channel.X[0] *= 1 - 3 * third;
+}
+
+TEST(Linearity, ATransducerThatCompressesIsNamedWhereSeveralElementsShowIt) {
+  const Rig rig = rig_of(clamped_chain(), 4);
+  for (const std::size_t c : {1U, 2U, 3U})
+    for (const double third : {0.001, 0.01, -0.01}) {
+      std::vector<Evidence> evidence = simulated(clamped_chain(), 1, nothing(), 0.02);
+      compress(evidence[c], third);
+      set_noise(evidence, 1e-5);
+      const ElementsResult result = estimate(rig, evidence);
+      EXPECT_TRUE(says(result, rig.channels[c].name + " distorts")) << all(result.warnings);
+      EXPECT_TRUE(says(result, third > 0 ? " too small" : " too large")) << all(result.warnings);
+    }
+}
+
+TEST(Linearity, AnElementThatIsNotLinearBlamesNoTransducer) {
+  const Rig rig = rig_of(clamped_chain(), 4);
+  const Chain chain = clamped_chain();
+  const double a = estimate(rig, simulated(chain, 2, nothing())).elements[1].deformation.value;
+  for (int k = 1; k <= 3; ++k)
+    for (const Beside& beside : {friction(2), cubic(0.05 * chain.stiffness[1] / (a * a)), quadratic(50)}) {
+      std::vector<Evidence> evidence = simulated(chain, k, beside);
+      set_noise(evidence, 1e-5);
+      const ElementsResult result = estimate(rig, evidence);
+      EXPECT_FALSE(says(result, "distorts: ")) << all(result.warnings);
+    }
+}
+
 TEST(Linearity, DampingThatGrowsWithTheVelocityIsNoFriction) {
   const Chain chain{Boundary::clamped, {}, {60000}, {60}};
   std::vector<Evidence> evidence = simulated(chain, 1, quadratic(200));
