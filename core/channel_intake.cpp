@@ -32,7 +32,7 @@ ChannelIntake::ChannelIntake(const Channel& channel)
       low_(channel.range_low.value_or(-INFINITY) * channel.si_per_unit),
       high_(channel.range_high.value_or(INFINITY) * channel.si_per_unit),
       si_per_unit_(channel.si_per_unit),
-      unit_(channel.unit),
+      unit_(unit_text(channel.unit)),
       judged_(channel.measures != Quantity::auxiliary) {}
 
 ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcept {

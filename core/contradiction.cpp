@@ -90,7 +90,7 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
       if (rest(c, other) != 0) largest = std::max(largest, std::abs(seen.o(other)));
     if (!(std::abs(left(c)) > kSureOfContradiction * std::sqrt(variance) + kRoundingOfSums * largest)) continue;
     const bool force = channel.measures == Quantity::force, turns = rig.motion == Motion::rotation;
-    const std::string unit = force ? (turns ? "N*m" : "N") : (turns ? "rad" : "m");
+    const std::string unit = force ? (turns ? "N·m" : "N") : (turns ? "rad" : "m");
     off.push_back(c);
     names.push_back(channel.name);
     figures.push_back(channel.name + " by " + brief(std::abs(left(c))) + " " + unit + " (" +

@@ -160,7 +160,7 @@ Parts explained_by(const Excess& third, const ElementEstimate& element, double o
 std::string words_of(const Rig& rig, const ElementEstimate& element, const Excess& third, const Parts& parts,
                      double omega, bool is_far) {
   const bool turns = rig.motion == Motion::rotation;
-  const std::string newton = turns ? "N*m" : "N";
+  const std::string newton = turns ? "N·m" : "N";
   const double a = element.deformation.value, U = third.sure * kNormal95 / kSureOfHarmonic;
   const double elastic = third.force.real(), dissipative = third.force.imag();
   std::string text = "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ");

@@ -36,7 +36,7 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
     for (const bool is_stiffness : {true, false}) {
       const Coefficient& coefficient = is_stiffness ? element.stiffness : element.damping;
       if (!negative(coefficient)) continue;
-      const char* unit = is_stiffness ? (turns ? "N*m/rad" : "N/m") : (turns ? "N*m*s/rad" : "N*s/m");
+      const char* unit = is_stiffness ? (turns ? "N·m/rad" : "N/m") : (turns ? "N·m·s/rad" : "N·s/m");
       const std::string figure = plus_minus(coefficient.value, coefficient.U95, unit);
       const std::string name = is_stiffness ? "stiffness" : "damping";
       seen += (seen.empty() ? "its " : " and its ") + name + " comes out as " + figure;

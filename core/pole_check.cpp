@@ -155,10 +155,10 @@ std::string told(const Cause& cause, double size, const Rig& rig) {
       return rig.channels[static_cast<std::size_t>(cause.at)].name + " " + brief(1e3 * a, 2) + " ms" +
              (size > 0 ? " late" : " early");
     case Cause::Kind::spring:
-      return "a spring of " + brief(a) + " " + (rig.motion == Motion::rotation ? "N*m/rad" : "N/m") + " from " + mass +
+      return "a spring of " + brief(a) + " " + (rig.motion == Motion::rotation ? "N·m/rad" : "N/m") + " from " + mass +
              " to ground";
     default:
-      return "a damper of " + brief(a) + " " + (rig.motion == Motion::rotation ? "N*m*s/rad" : "N*s/m") + " from " +
+      return "a damper of " + brief(a) + " " + (rig.motion == Motion::rotation ? "N·m·s/rad" : "N·s/m") + " from " +
              mass + " to ground";
   }
 }

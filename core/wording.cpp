@@ -45,6 +45,12 @@ std::string plus_minus(double value, double U, const std::string& unit) {
   return printed("%.*e", digits, value) + " ± " + printed("%.*e", 1, U) + " " + unit;
 }
 
+std::string unit_text(const std::string& unit) {
+  std::string text;
+  for (const char c : unit) c == '*' ? text.append("·") : text.append(1, c);
+  return text;
+}
+
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)

@@ -15,6 +15,9 @@ namespace dwell {
 // "-11400 ± 250 N/m": U to two significant digits, the value to match. U not finite: "—" for it.
 [[nodiscard]] std::string plus_minus(double value, double U, const std::string& unit);
 
+// A unit of the rig file as tables show it: "N·m" of "N*m".
+[[nodiscard]] std::string unit_text(const std::string& unit);
+
 // "y1", "y1 and y2", "y1, y2 and reaction"
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 

@@ -20,12 +20,17 @@ TEST(Wording, ShowsNumbersToTheDigitsTheyHave) {
 
 TEST(Wording, MatchesAValueToItsUncertainty) {
   EXPECT_EQ(plus_minus(-11402.3, 253, "N/m"), "-11400 ± 250 N/m");
-  EXPECT_EQ(plus_minus(-0.5678, 0.0312, "N*s/m"), "-0.568 ± 0.031 N*s/m");
-  EXPECT_EQ(plus_minus(-3.2, 1.96, "N*s/m"), "-3.2 ± 2.0 N*s/m");
+  EXPECT_EQ(plus_minus(-0.5678, 0.0312, "N·s/m"), "-0.568 ± 0.031 N·s/m");
+  EXPECT_EQ(plus_minus(-3.2, 1.96, "N·s/m"), "-3.2 ± 2.0 N·s/m");
   EXPECT_EQ(plus_minus(2.8e-14, 0.0351, "N"), "0.000 ± 0.035 N");
   EXPECT_EQ(plus_minus(1.5, 3.1e-8, "N"), "1.500000000 ± 0.000000031 N");
   EXPECT_EQ(plus_minus(-2.5e9, 1.2e7, "N/m"), "-2.500e+09 ± 1.2e+07 N/m");
   EXPECT_EQ(plus_minus(5, std::nan(""), "N"), "5 ± — N");
+}
+
+TEST(Wording, UnitsAreSpeltAsInTables) {
+  EXPECT_EQ(unit_text("N*m"), "N·m");
+  EXPECT_EQ(unit_text("mm"), "mm");
 }
 
 TEST(Wording, ListsNamesAndElements) {
