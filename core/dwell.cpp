@@ -35,6 +35,8 @@ const char* to_string(EndedBy ended_by) noexcept {
       return "data lost";
     case EndedBy::end:
       return "end";
+    case EndedBy::rearmed:
+      return "re-armed";
   }
   return "unknown";
 }

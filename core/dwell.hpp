@@ -14,7 +14,7 @@ namespace dwell {
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 enum class State : std::uint8_t { idle, settling, measuring, complete, fault };
-enum class EndedBy : std::uint8_t { none, drive_changed, drive_stopped, interlock, data_lost, end };
+enum class EndedBy : std::uint8_t { none, drive_changed, drive_stopped, interlock, data_lost, end, rearmed };
 
 [[nodiscard]] const char* to_string(State state) noexcept;       // "idle", "settling", …
 [[nodiscard]] const char* to_string(EndedBy ended_by) noexcept;  // "drive changed", …

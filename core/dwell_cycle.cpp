@@ -226,7 +226,7 @@ void Pipeline::Impl::lose_data() {
 }
 
 void Pipeline::Impl::rearm() {
-  if (state == State::settling || state == State::measuring) end(EndedBy::drive_changed, State::idle, false);
+  if (state == State::settling || state == State::measuring) end(EndedBy::rearmed, State::idle, false);
 }
 
 void Pipeline::Impl::refresh_reference() {

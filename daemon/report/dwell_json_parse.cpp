@@ -134,7 +134,7 @@ DwellView parse(const Json& value) {
   Dwell& d = view.dwell;
   if (const Json& index = member(value, "index"); !index.is_null()) d.index = integer(index, "index");
   d.state = named(string_of(value, "state"), "state", State::fault);
-  if (d.state == State::complete) d.ended_by = named(string_of(value, "ended_by"), "ended_by", EndedBy::end);
+  if (d.state == State::complete) d.ended_by = named(string_of(value, "ended_by"), "ended_by", EndedBy::rearmed);
   d.start_s = real_of(value, "start_s");
   d.settled_s = real_of(value, "settled_s");
   d.verdict_s = real_of(value, "verdict_s");

@@ -316,6 +316,23 @@ TEST(Pipeline, ADriveThatIsNoLongerSeenEndsTheDwellAsDataLost) {
   expect_within(bench.pipeline.current(), chain, 4, "after the return");
 }
 
+TEST(Pipeline, ADwellThatAnOperatorBeginsAnewSaysSo) {
+  const Chain chain = free_chain();
+  Bench bench(chain, rig_of(chain, 3), steady_drive(3), DrivenChain::Start::steady,
+              {.rate_hz = 100, .sigma = {1e-6, 1e-6, 1e-6}});
+  bench.run(30);
+  ASSERT_EQ(bench.pipeline.state(), State::measuring);
+  Record rearm;
+  rearm.t_ns = std::llround(bench.now_s() * 1e9);
+  rearm.kind = Kind::action;
+  rearm.flags = static_cast<std::uint16_t>(Action::rearm);
+  bench.push(rearm);
+  ASSERT_EQ(bench.dwells.size(), 1u);
+  EXPECT_STREQ(to_string(bench.dwells[0].ended_by), "re-armed");
+  bench.run(60);
+  EXPECT_EQ(bench.pipeline.current().index, 2);
+}
+
 TEST(Pipeline, ForgetsWhatIsOlderThanItsMemory) {
   const Chain chain = free_chain();
   Rig rig = rig_of(chain, 3);
