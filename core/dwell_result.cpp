@@ -44,6 +44,17 @@ std::string Pipeline::Impl::barred_reason() const {
   return "";
 }
 
+// What of the settled data does not count, and why.
+std::string Pipeline::Impl::left_out_of_dwell() const {
+  if (state != State::measuring || blocks.count() == 0) return "";
+  const std::int64_t from_ns = blocks.block(0).begin_ns;
+  const double left_s = to_s(from_ns - settled_ns), kept_s = to_s(blocks.block(blocks.count() - 1).end_ns - from_ns);
+  if (!(left_s > period_s() / kQuarters)) return "";
+  if (left_s + kept_s > rig.memory_s)
+    return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
+  return "; the first " + brief(left_s, 2) + " s do not count, taken before the drive's frequency was known";
+}
+
 std::string Pipeline::Impl::settling_reason() const {
   if (std::string reason = barred_reason(); !reason.empty()) return reason;
   if (state == State::settling) {
@@ -65,8 +76,10 @@ std::string Pipeline::Impl::settling_reason() const {
     return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
   }
   const std::string since = brief(axis_s(settled_ns), 4) + " s";
-  return quiet_ns != INT64_MIN ? "what may be left of the natural oscillations since " + since + " is less than allowed"
-                               : "the windows since " + since + " agree";
+  return (quiet_ns != INT64_MIN
+              ? "what may be left of the natural oscillations since " + since + " is less than allowed"
+              : "the windows since " + since + " agree") +
+         left_out_of_dwell();
 }
 
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple

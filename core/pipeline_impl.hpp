@@ -419,6 +419,7 @@ struct Pipeline::Impl {
   // had.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
+  [[nodiscard]] std::string left_out_of_dwell() const;
   // Of the reason: what swings beside drive and chain; empty: nothing.
   [[nodiscard]] std::string foreign_oscillations() const;
   // Standard uncertainty of either component of a phasor of the reading by rounding.

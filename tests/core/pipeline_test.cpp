@@ -344,6 +344,21 @@ TEST(Pipeline, ForgetsWhatIsOlderThanItsMemory) {
   EXPECT_NEAR(dwell.phasors[0].samples, 20 * 100, 200);
   EXPECT_NEAR(dwell.settled_s, 80, 2);
   expect_within(dwell, chain, 4, "forgetting");
+  EXPECT_NE(dwell.settling_reason.find("only the newest 2"), std::string::npos) << dwell.settling_reason;
+  EXPECT_NE(dwell.settling_reason.find("estimation memory = 20"), std::string::npos) << dwell.settling_reason;
+  bench.finish();
+  ASSERT_EQ(bench.dwells.size(), 1u);
+  EXPECT_NE(bench.dwells[0].settling_reason.find("only the newest"), std::string::npos);
+}
+
+TEST(Pipeline, ADwellThatFitsIntoItsMemorySaysNothingOfIt) {
+  const Chain chain = free_chain();
+  Bench bench(chain, rig_of(chain, 3), steady_drive(3), DrivenChain::Start::rest,
+              {.rate_hz = 100, .sigma = {1e-6, 1e-6, 1e-6}});
+  bench.run(100);
+  ASSERT_EQ(bench.pipeline.state(), State::measuring);
+  EXPECT_EQ(bench.pipeline.current().settling_reason.find("count"), std::string::npos)
+      << bench.pipeline.current().settling_reason;
 }
 
 TEST(Pipeline, GivesAmplitudeAndPhaseAtEverySample) {
