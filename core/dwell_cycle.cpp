@@ -144,6 +144,7 @@ void Pipeline::Impl::begin_hold(int from) {
   modal_fitted = false;
   seen_modes.clear();
   believe_at_ns = INT64_MIN;
+  taken_back = {};
   quiet_ns = INT64_MIN;
   settling.restart();
   history_omega = omega;

@@ -95,6 +95,13 @@ void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Comp
   }
 }
 
+// However long the hold, going over it again has its limit: what was not tried is next time.
+int Pipeline::Impl::fits_affordable(std::size_t poles) const {
+  const double samples = static_cast<double>(history.end() - history.first_at(modal_from_ns));
+  const double products = 0.5 * std::pow(2.0 * H + 3 + 4 * static_cast<double>(poles), 2);
+  return static_cast<int>(std::clamp(kMostWork / std::max(1.0, samples * products), kFewestFits, 1000.0));
+}
+
 bool Pipeline::Impl::refit_modes() {
   if (modal_poles.empty() && decay.poles().empty()) return false;
   const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
@@ -123,10 +130,7 @@ bool Pipeline::Impl::refit_modes() {
   double best = INFINITY;
   kept_extras = extra_poles;
   kept_poles.clear();
-  // However long the hold, going over it again has its limit: what was not tried is next time.
-  const double samples = static_cast<double>(history.end() - history.first_at(modal_from_ns));
-  const double products = 0.5 * std::pow(2.0 * H + 3 + 4 * static_cast<double>(modal_poles.size() + kExtraPoles), 2);
-  fits_left = static_cast<int>(std::clamp(kMostWork / std::max(1.0, samples * products), kFewestFits, 1000.0));
+  fits_left = fits_affordable(modal_poles.size() + kExtraPoles);
   for (int candidate = 0; candidate < 4 && (candidate == 0 || fits_left > 0); ++candidate) {
     extra_poles.clear();
     if (candidate < 2) extra_poles = kept_extras;

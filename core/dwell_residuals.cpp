@@ -69,6 +69,11 @@ bool Pipeline::Impl::find_extra_pole() {
   const double stretch_s = std::min(to_s(now_ns - modal.t0_ns()), kSearchPeriods * period_s());
   const std::int64_t until_ns = modal.t0_ns() + to_ns(stretch_s);
   const double grid = std::numbers::pi / stretch_s;
+  // As it is sampled, a line of the mains may be no other than the mean.
+  const auto is_mean = [&](int c, double line) {
+    const double apart_hz = kBeside / (2 * std::max(1e-9, to_s(now_ns - modal.t0_ns())));
+    return live[static_cast<std::size_t>(c)].sampling.distance_hz(line / kTwoPi, 0.0) < apart_hz;
+  };
   double strongest = 0.0, found = 0.0;
   for (int c = 0; c < channel_count; ++c) {
     if (!modal.usable(c)) continue;
@@ -100,6 +105,7 @@ bool Pipeline::Impl::find_extra_pole() {
       // Beside a harmonic it would be the drive's own frequency that is a little off.
       const double line = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
       if (std::abs(std::remainder(line, omega)) < kBeside * grid && line < (H + 0.5) * omega) continue;
+      if (k < kMains && is_mean(c, line)) continue;
       strongest = P - sure;
       found = line;
     }

@@ -62,7 +62,8 @@ std::string Pipeline::Impl::settling_reason() const {
       return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
-      return "transient left in " + rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
+      return taken_back_reason() + "transient left in " +
+             rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +
              (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
                       blocks.serials() - steady_serial > 10 * kQuarters
@@ -80,6 +81,14 @@ std::string Pipeline::Impl::settling_reason() const {
               ? "what may be left of the natural oscillations since " + since + " is less than allowed"
               : "the windows since " + since + " agree") +
          left_out_of_dwell();
+}
+
+// Before the reason why the rig settles again; empty: no verdict was taken back.
+std::string Pipeline::Impl::taken_back_reason() const {
+  if (taken_back.verdict_ns == INT64_MIN) return "";
+  return "the verdict of " + brief(axis_s(taken_back.verdict_ns), 4) + " s was premature, " +
+         brief(taken_back.left, 2) + " times what is allowed was left in " +
+         rig.channels[static_cast<std::size_t>(taken_back.channel)].name + ": it is taken back; ";
 }
 
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple

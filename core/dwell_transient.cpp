@@ -9,11 +9,14 @@ namespace {
 constexpr double kHoldGrowth = 1.25;                  // of the hold, before its poles are refined again
 constexpr double kGrowthFar = 2.0, kAhead = 0.5;      // … at most, and part of the time expected to be left
 constexpr double kGrowthMeasuring = 2.0;              // the same after the verdict
+constexpr double kStale = 0.05;                       // … from which a verdict wants them refined first
+constexpr int kFitsMeasuring = 12;                    // of the whole hold, at each refit after the verdict
+constexpr double kSeenThrough = 3.0;                  // decay times, after which no mode can still hide
 constexpr double kMatters = 0.05;                     // of the variance
 constexpr double kOwnOmega = 2.5;                     // standard deviations
 constexpr double kTurned = 0.1;                       // standard deviations
 constexpr int kRefits = 4;                            // of the fit at a better frequency, at most
-constexpr double kSafety = 0.8;                       // of what is allowed: that is itself only estimated
+constexpr double kSafety = 0.82;                      // of what is allowed: that is itself only estimated
 constexpr double kSure = 3.0;                         // standard deviations of what may be left of the transient
 constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;                  // of the tolerance: nothing is subtracted any more …
@@ -78,21 +81,30 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
   // Windows alone would be believed too soon.
   if (to_s(end_ns - steady_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
-  if (now_ns >= modal_refit_at_ns) {
+  bool fresh = now_ns >= modal_refit_at_ns;
+  if (!fresh && modal_fitted) {
+    feed_modes();
+    solve_modes();
+    modal.propagate_poles(!from_motion());
+    // The poles are those of the data at the last refit, and their uncertainty is that of the data now: before a
+    // verdict they are refined on these.
+    const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(refitted_ns - steady_ns));
+    fresh = now_ns > refitted_ns + grown_ns && modal_left(end_ns, nullptr) <= 1;
+  }
+  if (fresh) {
     modal_fitted = refit_modes();
     if (!modal_fitted) {
       if (!decay.poles().empty()) refit_later(kHoldGrowth);
       return false;
     }
+    refitted_ns = now_ns;
+    modal.propagate_poles(!from_motion());
     // Far from settled there is time.
     const double left = modal_left(end_ns, nullptr);
     const double ahead_s =
         left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
     refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kHoldGrowth, kGrowthFar));
-  } else if (modal_fitted) {
-    feed_modes();
-    solve_modes();
-  } else {
+  } else if (!modal_fitted) {
     return false;
   }
   const double left_before = std::exchange(verdict, {}).worst_left;
@@ -108,21 +120,9 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
                          : !believes                                  ? to_s(believe_at_ns - now_ns)
                                                                       : kNaN;
   if (waits || out_of_search()) return true;
-  // The data count from where the same could be said of an earlier instant; further back, where that would leave too
-  // few, only as long as what is taken out is no large multiple of what may be left.
-  const auto quarter_ns = to_ns(period_s() / kQuarters);
-  const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
-  const auto back_to = [&](double allowed) {
-    std::int64_t back = 0, too_far = all + 1;
-    while (too_far - back > 1) {
-      const std::int64_t middle = back + (too_far - back) / 2;
-      (modal_left(end_ns - middle * quarter_ns, nullptr) > allowed ? too_far : back) = middle;
-    }
-    return back;
-  };
-  const std::int64_t back = std::max(back_to(1.0), std::min<std::int64_t>(2 * kQuarters, back_to(kMostTakenOut)));
-  if (back < kFewestQuarters) return true;
-  settled_ns = end_ns - back * quarter_ns;
+  const std::int64_t counts_ns = count_from(end_ns);
+  if (counts_ns == INT64_MIN) return true;
+  settled_ns = counts_ns;
   verdict.settled = true;
   verdict_ns = end_ns;
   enter(State::measuring);
@@ -142,6 +142,23 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   }
   remember_modes();
   return true;
+}
+
+std::int64_t Pipeline::Impl::count_from(std::int64_t end_ns) const {
+  // The data count from where the same could be said of an earlier instant; further back, where that would leave too
+  // few, only as long as what is taken out is no large multiple of what may be left.
+  const auto quarter_ns = to_ns(period_s() / kQuarters);
+  const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
+  const auto back_to = [&](double allowed) {
+    std::int64_t back = 0, too_far = all + 1;
+    while (too_far - back > 1) {
+      const std::int64_t middle = back + (too_far - back) / 2;
+      (modal_left(end_ns - middle * quarter_ns, nullptr) > allowed ? too_far : back) = middle;
+    }
+    return back;
+  };
+  const std::int64_t back = std::max(back_to(1.0), std::min<std::int64_t>(2 * kQuarters, back_to(kMostTakenOut)));
+  return back < kFewestQuarters ? INT64_MIN : end_ns - back * quarter_ns;
 }
 
 // Few readings more than regressors are explained by any poles.
@@ -188,20 +205,75 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
     modal_refit_at_ns = INT64_MAX;
     return;
   }
-  const bool last = !(hums() || transient_matters());
-  fits_left = 3;
+  // What grows apart from the steady motion as slowly as it decays shows while it decays.
+  double slowest = slowest_rate();
+  const auto chain = chain_poles();
+  for (const Complex& pole : chain) slowest = std::min(slowest, -pole.real());
+  const bool seen = slowest * to_s(now_ns - steady_ns) > kSeenThrough;
+  const bool last = seen && !(hums() || transient_matters());
+  fits_left = std::min(kFitsMeasuring, fits_affordable(modal.poles().size()));
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
   feed_modes();
   solve_modes();
   if (!same_drive()) static_cast<void>(follow_drive());
-  refine_poles(modal.misfit(), 1);
+  const double refined = refine_poles(modal.misfit(), 1);
+  // A verdict by too few data may have had poles far from the chain's as it shows by now.
+  keep_alive(chain, trial_poles);
+  if (fits_left > 0 && !trial_poles.empty())
+    if (const double other = try_poles(modal.omega(), refined); other < refined) refine_poles(other, kManyRefinements);
   take_best_poles();
+  modal.propagate_poles(!from_motion());
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
+  if (premature() && !mend_verdict(end_ns)) return;
   take_transient_out(end_ns);
   count_anew();
   remember_modes();
   if (last) modal_refit_at_ns = INT64_MAX;
+}
+
+// Whether a better fit says that at the verdict more than allowed was left of the transient, by kSure standard
+// deviations; then the channel and by how much.
+bool Pipeline::Impl::premature() {
+  if (!explained()) return false;
+  double most = 1.0;
+  for (int c = 0; c < channel_count; ++c) {
+    if (!readings[static_cast<std::size_t>(c)].usable || !modal.usable(c)) continue;
+    if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
+    const ModalFit::Left left = modal.left(c, verdict_ns);
+    const double allowed = allowed_left(c);
+    if ((left.swing - kSure * left.u) / allowed <= most) continue;
+    most = (left.swing - kSure * left.u) / allowed;
+    taken_back = {verdict_ns, c, left.swing / allowed};
+  }
+  return most > 1;
+}
+
+// After a verdict that was premature: where the same fit says that the rig has settled since, the data count from there
+// (true); else the rig settles again, in the same hold and by the fit that has taken the verdict back (false).
+bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
+  verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
+  if (verdict.worst_left <= 1) {
+    if (const std::int64_t counts_ns = count_from(end_ns); counts_ns != INT64_MIN) {
+      settled_ns = counts_ns;
+      verdict_ns = end_ns;
+      return true;
+    }
+  }
+  verdict.settled = false;
+  verdict.settles_in_s = kNaN;
+  enter(State::settling);
+  counted_valid = false;
+  slips = since_in_phase = 0;
+  watch.restart();
+  quiet_ns = INT64_MIN;
+  omega = omega_at(end_ns, omega);
+  blocks.set_drift({});
+  const std::int64_t begin_ns = std::max({steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
+  rebuild_blocks(begin_ns, end_ns);
+  refitted_ns = now_ns;
+  refit_later(kHoldGrowth);
+  return false;
 }
 
 // Tries the frequency of the data that count in the modal fit. The fit has seen more data than these, so it keeps its
@@ -245,18 +317,23 @@ Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) cons
 
 // Builds the blocks anew from the history, the transient subtracted.
 void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
-  const auto quarter_ns = to_ns(period_s() / kQuarters);
-  std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
-  begin_ns = end_ns - (end_ns - begin_ns + quarter_ns / 2) / quarter_ns * quarter_ns;
+  const std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
   quiet_ns = end_ns;
+  modal.propagate_poles(!from_motion());
   fade_modes(begin_ns);
   for (std::size_t m = 0; m < modal.poles().size(); ++m)
     if (modal.poles()[m].real() < 0) quiet_ns = std::max(quiet_ns, modal.faded_ns(m));
   // What hums is followed as long as it is fitted anew.
   if (hums()) quiet_ns = std::max(quiet_ns, modal_refit_at_ns + to_ns(2 * period_s()));
+  for (auto& B : overlap) B.setZero();
+  rebuild_blocks(begin_ns, end_ns);
+}
+
+void Pipeline::Impl::rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns) {
+  const auto quarter_ns = to_ns(period_s() / kQuarters);
+  begin_ns = end_ns - (end_ns - begin_ns + quarter_ns / 2) / quarter_ns * quarter_ns;
   blocks.restart();
   steady_serial = blocks.serials();
-  for (auto& B : overlap) B.setZero();
   std::uint64_t i = history.first_at(begin_ns);
   for (; begin_ns < end_ns; begin_ns += quarter_ns) {
     blocks.open(begin_ns, begin_ns + quarter_ns, omega);

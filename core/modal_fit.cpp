@@ -33,7 +33,9 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   columns_.resize(harmonic_ + most, most + 2);
   slopes_.resize(most + 2, most + 2);
   hessian_.resize(most + 1, most + 1);
+  products_.resize(2 * most + 2, most + 1);
   relative_covariance_.setZero(most + 1, most + 1);
+  propagated_.resize(most + 1, most + 1);
   gradient_.resize(most + 1);
   product_.resize(harmonic_ + most);
   channels_.resize(static_cast<std::size_t>(channels));
@@ -43,13 +45,15 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
     channel.moments.resize(all);
     channel.theta.resize(harmonic_ + most);
     channel.covariance.resize(most, most);
+    channel.by_poles.resize(2 * most, most + 1);
+    channel.whole.resize(2 * most, 2 * most);
   }
 }
 
 void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<const Complex> poles) noexcept {
   omega_ = omega;
   rate_ = rate;
-  t0_ns_ = t0_ns;
+  t0_ns_ = newest_ns_ = t0_ns;
   evaluated_ns_ = INT64_MIN;
   for (Step& step : steps_) step.dt_ns = 0;
   count_ = std::min(poles.size(), capacity_);
@@ -62,7 +66,7 @@ void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<
     channel.moments.setZero();
     channel.squares = channel.samples = 0.0;
     channel.pending_count = 0;
-    channel.usable = channel.referenced = false;
+    channel.usable = channel.referenced = channel.propagated = false;
   }
 }
 
@@ -140,6 +144,7 @@ void ModalFit::evaluate(std::int64_t t_ns) noexcept {
 
 void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
   evaluate(t_ns);
+  newest_ns_ = std::max(newest_ns_, t_ns);
   PerChannel& to = channels_[static_cast<std::size_t>(channel)];
   if (!to.referenced) {
     to.reference = value;
@@ -171,7 +176,7 @@ void ModalFit::add_pending(PerChannel& to) noexcept {
 bool ModalFit::solve(int channel, double range, double line_range) noexcept {
   PerChannel& of = channels_[static_cast<std::size_t>(channel)];
   const Index P = linear();
-  of.usable = false;
+  of.usable = of.propagated = false;
   if (of.pending_count > 0) add_pending(of);
   if (!(of.samples > static_cast<double>(P + 4))) return false;
   const double width2 = std::max(line_range * line_range, 1e-300);
@@ -181,10 +186,10 @@ bool ModalFit::solve(int channel, double range, double line_range) noexcept {
   for (int pass = 0; pass < 2; ++pass) {
     auto factor = work_.topLeftCorner(P, P);
     factor = of.normal.topLeftCorner(P, P);
-    for (Index i = harmonic_; i < P; ++i) {
-      const bool decays = poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0;
-      factor(i, i) += std::max(sigma2 / width2 * (decays ? tighter : 1.0), 1e-12 * of.samples);
-    }
+    of.line_prior = std::max(sigma2 / width2, 1e-12 * of.samples);
+    of.prior = std::max(sigma2 / width2 * tighter, 1e-12 * of.samples);
+    for (Index i = harmonic_; i < P; ++i)
+      factor(i, i) += poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0 ? of.prior : of.line_prior;
     for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
     if (llt.info() != Eigen::Success) return false;
@@ -243,7 +248,7 @@ bool ModalFit::shows(std::size_t mode) const noexcept {
 ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   const PerChannel& of = at(channel);
   const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
-  Left left{0.0, 0.0};
+  Left left{0.0, 0.0, 0.0};
   for (std::size_t m = 0; m < count_; ++m) {
     const auto i = 2 * static_cast<Index>(m);
     if (!(poles_[m].real() < 0)) continue;
@@ -253,18 +258,25 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
     if (a.norm() > kStandsOut * own) left.envelope += decayed * a.norm();
   }
   // The uncertainty at its largest over half a cycle of the drive.
+  const Eigen::MatrixXd& covariance = of.propagated ? of.whole : of.covariance;
+  const Index errors = of.propagated ? 2 * modal_ : modal_;
   for (int angle = 0; angle < 8; ++angle) {
     const double later = u + angle * std::numbers::pi / 8 / omega_;
-    std::array<double, 2 * kMaxModes> x;
+    std::array<double, 4 * kMaxModes> x;
     for (std::size_t m = 0; m < count_; ++m) {
       const Complex e = poles_[m].real() < 0 ? std::exp(poles_[m] * later) : Complex{};
-      x[2 * m] = e.real();
-      x[2 * m + 1] = poles_[m].imag() > 0 ? -e.imag() : 0.0;
+      const std::size_t i = 2 * m, slope = static_cast<std::size_t>(modal_) + i;
+      x[i] = e.real();
+      x[i + 1] = poles_[m].imag() > 0 ? -e.imag() : 0.0;
+      x[slope] = sizes_[m] * later * x[i];
+      x[slope + 1] = sizes_[m] * later * x[i + 1];
     }
-    double variance = 0.0;
-    for (Index j = 0; j < modal_; ++j) {
-      double row = 0.5 * of.covariance(j, j) * x[static_cast<std::size_t>(j)];
-      for (Index i = j + 1; i < modal_; ++i) row += of.covariance(i, j) * x[static_cast<std::size_t>(i)];
+    double swing = 0.0, variance = 0.0;
+    for (Index j = 0; j < modal_; ++j) swing += of.theta(harmonic_ + j) * x[static_cast<std::size_t>(j)];
+    left.swing = std::max(left.swing, std::abs(swing));
+    for (Index j = 0; j < errors; ++j) {
+      double row = 0.5 * covariance(j, j) * x[static_cast<std::size_t>(j)];
+      for (Index i = j + 1; i < errors; ++i) row += covariance(i, j) * x[static_cast<std::size_t>(i)];
       variance += 2 * row * x[static_cast<std::size_t>(j)];
     }
     left.u = std::max(left.u, variance);
@@ -292,7 +304,7 @@ double ModalFit::most(int channel, std::size_t m, std::int64_t t_ns) const noexc
 void ModalFit::overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept {
   evaluate(t_ns);
   const double sine = x_(1), cosine = x_(harmonics_ + 1);
-  for (Index i = 0; i < modal_; ++i) {
+  for (Index i = 0; i < 2 * modal_; ++i) {
     B(0, i) += sine * x_(harmonic_ + i);
     B(1, i) += cosine * x_(harmonic_ + i);
   }
@@ -319,9 +331,11 @@ Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::Matr
   const PerChannel& of = at(channel);
   if (!of.usable) return Eigen::Matrix2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (Index j = 0; j < modal_; ++j)
-    for (Index i = 0; i < modal_; ++i)
-      spread.noalias() += of.covariance(std::max(i, j), std::min(i, j)) * B.col(i).lazyProduct(B.col(j).transpose());
+  const Eigen::MatrixXd& covariance = of.propagated ? of.whole : of.covariance;
+  const Index errors = of.propagated ? 2 * modal_ : modal_;
+  for (Index j = 0; j < errors; ++j)
+    for (Index i = 0; i < errors; ++i)
+      spread.noalias() += covariance(std::max(i, j), std::min(i, j)) * B.col(i).lazyProduct(B.col(j).transpose());
   return spread;
 }
 

@@ -27,7 +27,7 @@ class ModalFit {
  public:
   static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
 
-  // modes: at most this many poles will be given. All memory is allocated here: 8·(2H+3+4·modes)² bytes a channel.
+  // modes: at most this many poles will be given. All memory is allocated here: 16·(2H+3+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
 
   // What is stated of ω: a prior of the fit. Before the first restart.
@@ -59,6 +59,11 @@ class ModalFit {
   // ω after that step, rad/s.
   [[nodiscard]] double refined_omega() const noexcept { return moved_omega_; }
 
+  // Adds to what left() and spread() say what is not known of the poles and of ω: by the channels as now solved, and by
+  // a prior of max(1/T, |Re λ|) on each pole, T the time seen. To be called anew after each solution, at which it is
+  // forgotten. omega_known: ω is given. O((2H+1+2·modes)²·modes) a channel, no allocation.
+  void propagate_poles(bool omega_known) noexcept;
+
   // Standard uncertainty of a pole at the last step, rad/s, either component.
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
   // Covariance of (Re, Im) of a pole at the last step, (rad/s)², from the data alone: an open pole has a large one.
@@ -87,9 +92,10 @@ class ModalFit {
   [[nodiscard]] bool shows(std::size_t mode) const noexcept;
 
   // What may be left of the transient from t on: the envelope of what stands out of the noise, and the standard
-  // deviation of the whole.
+  // deviation of the whole. swing: what all modes together reach within half a cycle of the drive from t on, in the
+  // channel's unit, as fitted: two modes that cancel each other have a large envelope and a small swing.
   struct Left {
-    double envelope, u;
+    double envelope, u, swing;
   };
   [[nodiscard]] Left left(int channel, std::int64_t t_ns) const noexcept;
 
@@ -103,13 +109,14 @@ class ModalFit {
   [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
   // The transient and the steady lines at t, in the channel's unit.
   [[nodiscard]] double disturbance(int channel, std::int64_t t_ns) noexcept;
-  // B += (sin ωu, cos ωu)' (regressors of the modes) at t: what an error of the amplitudes does to the steady phasor.
+  // B += (sin ωu, cos ωu)' (regressors of the modes, then their derivatives by the poles) at t: what an error of the
+  // amplitudes and of the poles does to the steady phasor.
   void overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept;
   // Covariance of (Σ sin ωu e, Σ cos ωu e), e the error of what is taken out: B Cov B', B from overlap_at.
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   // (Σ sin ωu e, Σ cos ωu e), e what is taken out, B from overlap_at.
   [[nodiscard]] Eigen::Vector2d taken_out(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
-  [[nodiscard]] int modal_regressors() const noexcept { return 2 * static_cast<int>(capacity_); }
+  [[nodiscard]] int modal_regressors() const noexcept { return 4 * static_cast<int>(capacity_); }
 
  private:
   struct PerChannel {
@@ -117,9 +124,14 @@ class ModalFit {
     Eigen::MatrixXd pending;  // regressors of the samples not yet in `normal`
     Eigen::Index pending_count = 0;
     Eigen::VectorXd moments, theta;
-    Eigen::MatrixXd covariance;  // of the modal amplitudes, then of the relative changes of the poles they go with
+    Eigen::MatrixXd covariance;  // of the modal amplitudes, the poles given
+    // What relative changes of the poles and of ω do to the modal amplitudes, then to the coefficients of the modes'
+    // derivatives; and the covariance of all these.
+    Eigen::MatrixXd by_poles, whole;
+    double prior = 0.0, line_prior = 0.0;  // information of the amplitudes' prior, times σ²
     double squares = 0.0, samples = 0.0, sigma2 = 0.0, reference = 0.0;
     bool usable = false, referenced = false;
+    bool propagated = false;  // `whole` is of this solution; else `covariance` is all that is known
   };
   [[nodiscard]] const PerChannel& at(int channel) const noexcept {
     return channels_[static_cast<std::size_t>(channel)];
@@ -135,6 +147,8 @@ class ModalFit {
   void turn_by(std::int64_t dt_ns) noexcept;
   void turn_to(std::int64_t t_ns) noexcept;
   void add_pending(PerChannel& to) noexcept;
+  // Coefficients of the two derivatives of mode m, by its pole's relative change (Re, Im).
+  [[nodiscard]] Eigen::Matrix2d slope_by_pole(const PerChannel& of, Eigen::Index m) const noexcept;
   void invert_information() noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
   // Beside these the derivatives: two for each mode, two for ω.
@@ -150,7 +164,7 @@ class ModalFit {
   std::vector<double> u_poles_;
   std::vector<std::int64_t> faded_ns_;
   double omega_ = 0.0, rate_ = 0.0, moved_omega_ = 0.0;
-  std::int64_t t0_ns_ = 0, evaluated_ns_ = INT64_MIN;
+  std::int64_t t0_ns_ = 0, newest_ns_ = 0, evaluated_ns_ = INT64_MIN;
   std::complex<double> drive_turn_;
   std::array<std::complex<double>, kMaxModes> turns_{};  // exp(λ_m u)
   std::array<Step, 4> steps_;
@@ -158,8 +172,9 @@ class ModalFit {
   int steps_taken_ = 0;  // since the turns were computed anew
   Eigen::VectorXd x_;
   std::vector<PerChannel> channels_;
-  Eigen::MatrixXd work_, columns_, slopes_, hessian_;
+  Eigen::MatrixXd work_, columns_, slopes_, hessian_, products_;
   Eigen::MatrixXd relative_covariance_;  // of the poles' relative changes, then of that of ω, at the last step
+  Eigen::MatrixXd propagated_;           // likewise, of propagate_poles
   Eigen::VectorXd gradient_, product_;
 };
 

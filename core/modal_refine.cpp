@@ -38,18 +38,7 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     auto S = slopes_.topLeftCorner(D, D);
     S = channel.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
     S.noalias() -= columns.transpose().lazyProduct(columns);
-    // b_m = a_m ρ_m, ρ the pole's relative change.
-    const auto amplitude = [&](Index m) {
-      return Complex{channel.theta(harmonic_ + 2 * m), channel.theta(harmonic_ + 2 * m + 1)};
-    };
-    const auto J = [&](Index m) {
-      const Complex a = amplitude(m);
-      // Of a steady line the frequency alone is open.
-      const double decays = poles_[static_cast<std::size_t>(m)].real() < 0 ? 1.0 : 0.0;
-      Eigen::Matrix2d jacobian;
-      jacobian << decays * a.real(), -a.imag(), decays * a.imag(), a.real();
-      return jacobian;
-    };
+    const auto J = [&](Index m) { return slope_by_pole(channel, m); };
     const auto score = [&](Index m) {
       Eigen::Vector2d sum = channel.moments.segment<2>(P + 2 * m);
       for (Index i = 0; i < P; ++i) sum -= channel.theta(i) * channel.normal.block<2, 1>(P + 2 * m, i);
@@ -105,6 +94,94 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     converged_ = std::max(converged_, std::abs(g(modal_)) / std::sqrt(std::max(1e-300, unit(modal_, modal_))));
   }
   return {moved_.data(), count_};
+}
+
+// b_m = a_m ρ_m, ρ the pole's relative change.
+Eigen::Matrix2d ModalFit::slope_by_pole(const PerChannel& of, Index m) const noexcept {
+  const Complex a{of.theta(harmonic_ + 2 * m), of.theta(harmonic_ + 2 * m + 1)};
+  // Of a steady line the frequency alone is open.
+  const double decays = poles_[static_cast<std::size_t>(m)].real() < 0 ? 1.0 : 0.0;
+  Eigen::Matrix2d slope;
+  slope << decays * a.real(), -a.imag(), decays * a.imag(), a.real();
+  return slope;
+}
+
+// With η the relative changes of the poles and of ω, L the linear regressors and D the derivatives, of which η makes
+// D J η: an error of η is an error -(L'L)^-1 L'D J η of the linear amplitudes, on top of their own.
+void ModalFit::propagate_poles(bool omega_known) noexcept {
+  const Index P = linear(), D = slopes(), all = modal_ + 1;
+  auto H = hessian_.topLeftCorner(all, all);
+  H.setZero();
+  for (PerChannel& channel : channels_) {
+    if (!channel.usable || !(channel.sigma2 > 0)) continue;
+    auto factor = work_.topLeftCorner(P, P);
+    factor = channel.normal.topLeftCorner(P, P);
+    for (Index i = harmonic_; i < P; ++i)
+      factor(i, i) +=
+          poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0 ? channel.prior : channel.line_prior;
+    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
+    if (llt.info() != Eigen::Success) continue;
+    auto columns = columns_.topLeftCorner(P, D);
+    columns = channel.normal.block(P, 0, D, P).transpose();
+    llt.matrixL().solveInPlace(columns);
+    auto S = slopes_.topLeftCorner(D, D);
+    S = channel.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
+    S.noalias() -= columns.transpose().lazyProduct(columns);
+    llt.matrixU().solveInPlace(columns);
+    auto by_poles = channel.by_poles.topLeftCorner(2 * modal_, all);
+    auto onto = by_poles.topRows(modal_), slope = by_poles.bottomRows(modal_);
+    slope.setZero();
+    // J has two entries in each column.
+    const Eigen::Vector2d turned{-channel.theta(harmonics_ + 1), channel.theta(1)};
+    const auto apply = [&](Index m, const auto& J, auto&& of, auto&& to) {
+      to.noalias() = of.template middleCols<2>(2 * m).lazyProduct(J);
+    };
+    auto SJ = products_.topLeftCorner(D, all);
+    for (Index m = 0; m < modal_ / 2; ++m) {
+      // What shows in no channel is not there, as far as anyone sees, wherever its pole may be.
+      if (!shows(static_cast<std::size_t>(m))) {
+        onto.middleCols<2>(2 * m).setZero();
+        SJ.middleCols<2>(2 * m).setZero();
+        continue;
+      }
+      const Eigen::Matrix2d J = slope_by_pole(channel, m);
+      slope.block<2, 2>(2 * m, 2 * m) = J;
+      apply(m, J, columns.bottomRows(modal_), onto.middleCols<2>(2 * m));
+      apply(m, J, S, SJ.middleCols<2>(2 * m));
+    }
+    apply(modal_ / 2, turned, columns.bottomRows(modal_), onto.col(modal_));
+    apply(modal_ / 2, turned, S, SJ.col(modal_));
+    onto *= -1;
+    for (Index m = 0; m < modal_ / 2; ++m)
+      H.middleRows<2>(2 * m) +=
+          slope.block<2, 2>(2 * m, 2 * m).transpose().lazyProduct(SJ.middleRows<2>(2 * m)) / channel.sigma2;
+    H.row(modal_) += turned.transpose().lazyProduct(SJ.bottomRows<2>()) / channel.sigma2;
+    channel.propagated = true;
+  }
+  const double seen_s = std::max(1e-9, 1e-9 * static_cast<double>(newest_ns_ - t0_ns_));
+  for (Index i = 0; i < modal_; ++i) {
+    const auto m = static_cast<std::size_t>(i / 2);
+    const double width = std::max(1 / seen_s, -poles_[m].real()) / sizes_[m];
+    H(i, i) += 1 / (width * width);
+  }
+  H(modal_, modal_) +=
+      omega_ * omega_ * stated_.information() + (omega_known ? 1 / (kKnown * kKnown) : 1 / (kOpen * kOpen));
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(H);
+  auto covariance = propagated_.topLeftCorner(all, all);
+  covariance.setIdentity();
+  const bool solved = llt.info() == Eigen::Success;
+  if (solved) llt.solveInPlace(covariance);
+  for (PerChannel& channel : channels_) {
+    channel.propagated = channel.propagated && solved;
+    if (!channel.propagated) continue;
+    const auto by_poles = channel.by_poles.topLeftCorner(2 * modal_, all);
+    auto product = products_.topLeftCorner(2 * modal_, all);
+    product.noalias() = by_poles.lazyProduct(covariance);
+    auto whole = channel.whole.topLeftCorner(2 * modal_, 2 * modal_);
+    whole.noalias() = product.lazyProduct(by_poles.transpose());
+    whole.topLeftCorner(modal_, modal_) += channel.covariance.topLeftCorner(modal_, modal_);
+  }
 }
 
 // What the data alone tell of the poles, from hessian_ before any trust is added.

@@ -158,6 +158,7 @@ struct Pipeline::Impl {
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = INT64_MIN, modal_from_ns = 0;
+  std::int64_t refitted_ns = 0;            // when its poles were last refined
   bool modal_fitted = false;               // in this hold
   std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
   double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
@@ -197,6 +198,11 @@ struct Pipeline::Impl {
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
+  struct TakenBack {
+    std::int64_t verdict_ns = INT64_MIN;  // of the verdict that was premature; INT64_MIN: none in this hold
+    int channel = -1;
+    double left = 0.0;  // in that channel at that time, over what is allowed
+  } taken_back;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
@@ -329,6 +335,8 @@ struct Pipeline::Impl {
   std::span<const Complex> chain_poles();
   void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
   void renew_silent_poles();
+  // How often the whole hold may be fitted anew with so many poles.
+  [[nodiscard]] int fits_affordable(std::size_t poles) const;
   // trial_poles become best_poles if they explain the data better; the misfit of best_poles.
   double try_poles(double w, double best);
   double refine_poles(double best, int steps);
@@ -369,6 +377,12 @@ struct Pipeline::Impl {
   [[nodiscard]] Eigen::Matrix2d transient_covariance(int c, double samples) const;
   void fade_modes(std::int64_t t_ns);
   void take_transient_out(std::int64_t end_ns);
+  // The blocks anew from the history, the transient taken out of them where that is known (quiet_ns).
+  void rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns);
+  // Where the data begin to count after a verdict at end_ns; INT64_MIN: too few would.
+  [[nodiscard]] std::int64_t count_from(std::int64_t end_ns) const;
+  bool premature();
+  bool mend_verdict(std::int64_t end_ns);
   // A reading into the blocks, without what is known of the transient; what was added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
 
@@ -420,6 +434,7 @@ struct Pipeline::Impl {
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
   [[nodiscard]] std::string left_out_of_dwell() const;
+  [[nodiscard]] std::string taken_back_reason() const;
   // Of the reason: what swings beside drive and chain; empty: nothing.
   [[nodiscard]] std::string foreign_oscillations() const;
   // Standard uncertainty of either component of a phasor of the reading by rounding.

@@ -24,13 +24,14 @@ struct Outcome {
   std::string remark;      // Case::remark
   bool settled = false;    // before the study gave up
   bool rearmed = false;    // measuring was left although the drive was steady
+  int taken_back = 0;      // verdicts that the pipeline took back in the same hold
   bool completed = false;  // there is a result
   bool doubted = false;    // although the rig is as its file says
   bool hum_inseparable = false, hum_warned = false;
   std::string blamed;  // what a channel, an element or the drive is blamed for; empty: nothing
   double tau_periods = 0.0, period_s = 0.0;
   double verdict_s = 0.0, oracle_s = 0.0;  // from the start of the drive that is judged
-  double left = 0.0;                       // largest transient from the verdict on, over its threshold
+  double left = 0.0;                       // largest transient from the earliest verdict on, over its threshold
   int left_channel = -1;
   double naive_answer_s = 0.0;
   double cpu_s = 0.0;            // that playing it took; no figure, but worth knowing

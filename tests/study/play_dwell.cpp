@@ -152,6 +152,7 @@ Outcome play(const Case& about, const Trace& trace) {
   Player player(about);
   bool old_drive = about.change_s > 0;  // what is said still concerns the drive before
   double verdict_s = 0.0, told_s = 0.0;
+  int index = 0;  // of the dwell with that verdict
   for (;;) {
     pipeline.push(player.next());
     const double t_s = player.now_s();
@@ -164,6 +165,13 @@ Outcome play(const Case& about, const Trace& trace) {
     if (!measuring) {
       old_drive = false;
       if (!outcome.settled && t_s > give_up_s) return outcome;
+      if (outcome.settled && pipeline.state() == State::settling && pipeline.current().index.value_or(0) == index) {
+        // An early verdict remains one; how late the rig has settled is told by the last.
+        if (verdict_s > about.change_s) judge_left(about, verdict_s, outcome);
+        ++outcome.taken_back;
+        outcome.settled = false;
+        if (trace) trace("verdict taken back: " + pipeline.current().settling_reason);
+      }
       if (outcome.settled) {
         if (verdict_s > about.change_s + kOldVerdict * period_s || about.change_s == 0) {
           outcome.rearmed = true;
@@ -179,6 +187,7 @@ Outcome play(const Case& about, const Trace& trace) {
     if (!outcome.settled && (!old_drive || t_s > about.change_s + kOldVerdict * period_s)) {
       outcome.settled = true;
       verdict_s = old_drive ? about.change_s : t_s;
+      index = pipeline.current().index.value_or(0);
     }
     if (outcome.settled && t_s > verdict_s + about.hold_periods * period_s) break;
   }
