@@ -88,6 +88,13 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       finished_(options.kept_dwells, options.kept_bytes) {
   for (std::size_t i = 0; i < links_.size() && i < options_.leads.size(); ++i)
     if (options_.leads[i]) merger_.set_leading(i);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (links_[i] == nullptr) continue;
+    const auto& channels = links_[i]->channels();
+    const bool known = !channels.empty() && channels.front() < options_.nominal_rate_hz.size();
+    const double rate_hz = known ? options_.nominal_rate_hz[channels.front()] : 0.0;
+    devices_[i].lines.emplace(links_[i]->name(), rate_hz, log_);
+  }
 }
 
 Estimator::~Estimator() = default;
@@ -101,7 +108,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
     if (links_[device] == nullptr) continue;
     take_events(device, now_ns);
     take_samples(device, now_ns);
-    log_recoveries(device, now_ns);
+    tell_recoveries(device, now_ns);
   }
   find_hung(now_ns);
   find_silence(now_ns);
@@ -125,7 +132,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   if (now_ns >= next_publish_ns_) {
     const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
     next_publish_ns_ = std::max(next_publish_ns_ + period_ns, now_ns);
-    log_counted_faults(now_ns);
+    tell_counted_faults(now_ns);
     publish(now_ns);
   }
 }
@@ -143,13 +150,8 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
   note(pipeline_.finish());
   settle_counters();
   publish(now_ns);
-  for (std::size_t device = 0; device < links_.size(); ++device) {
-    const std::uint64_t missed = links_[device] == nullptr ? 0 : occurrences(device, Fault::missed_deadline);
-    if (missed > 0)
-      log_.info("device " + links_[device]->name() + ": " + std::to_string(missed) +
-                    " polls of this run began too late and were skipped",
-                {{"DWELL_DEVICE", links_[device]->name()}});
-  }
+  for (std::size_t device = 0; device < links_.size(); ++device)
+    if (links_[device] != nullptr) devices_[device].lines->end(occurrences(device, Fault::missed_deadline));
 }
 
 void Estimator::take_events(std::size_t device, std::int64_t now_ns) {
@@ -167,7 +169,7 @@ void Estimator::take_events(std::size_t device, std::int64_t now_ns) {
       if (own.recovered) own.stale_ns = stale_ns;
     }
   }
-  log_stale(device, now_ns);
+  tell_stale(device, now_ns);
 }
 
 void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
@@ -302,7 +304,7 @@ void Estimator::find_hung(std::int64_t now_ns) {
       admit_state(device, channel, now_ns, Fault::silent);
       channels_[channel].stale = true;
     }
-    log_stale(device, now_ns);
+    tell_stale(device, now_ns);
   }
 }
 
@@ -326,7 +328,7 @@ void Estimator::find_untimely(std::int64_t now_ns) {
       own.stale = true;
       ++devices_[device].untimely;
     }
-    log_stale(device, now_ns);
+    tell_stale(device, now_ns);
   }
 }
 
@@ -339,7 +341,7 @@ void Estimator::find_silence(std::int64_t now_ns) {
       channels_[channel].stale = true;
       ++devices_[device].silences;
     }
-    log_stale(device, now_ns);
+    tell_stale(device, now_ns);
   }
 }
 
@@ -443,37 +445,22 @@ std::uint64_t Estimator::occurrences(std::size_t device, Fault fault) const {
 }
 
 // One line for all channels of the device that went stale together, for the same reason.
-void Estimator::log_stale(std::size_t device, std::int64_t now_ns) {
+void Estimator::tell_stale(std::size_t device, std::int64_t now_ns) {
   for (const std::uint16_t first : links_[device]->channels()) {
     if (!channels_[first].stale) continue;
     const Fault fault = watch_[first].fault;
-    std::string which;
+    std::vector<std::string> which;
     for (const std::uint16_t channel : links_[device]->channels()) {
       if (!channels_[channel].stale || watch_[channel].fault != fault) continue;
       channels_[channel].stale = false;
-      if (!which.empty()) which += ", ";
-      which += rig_.channels[channel].name;
+      which.push_back(rig_.channels[channel].name);
     }
-    std::string words = which + " stale, " + to_string(fault);
-    if (watch_[first].reason != to_string(fault)) words += ": " + watch_[first].reason;
-    log_fault(device, fault, 1, words, now_ns);
+    devices_[device].lines->stale(which, fault, watch_[first].reason, occurrences(device, fault), now_ns);
   }
 }
 
-void Estimator::log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words,
-                          std::int64_t now_ns) {
-  PerDevice& own = devices_[device];
-  const auto kind = static_cast<std::size_t>(fault);
-  if (!own.throttles[kind].admit(now_ns, fresh)) return;
-  own.told[kind] = occurrences(device, fault);
-  const std::string& name = links_[device]->name();
-  std::string line = "device " + name + ": " + words;
-  if (own.told[kind] > 1) line += " (" + std::to_string(own.told[kind]) + " times by now)";
-  log_.warning(line, {{"DWELL_DEVICE", name}, {"DWELL_FAULT", to_string(fault)}});
-}
-
-void Estimator::log_recoveries(std::size_t device, std::int64_t now_ns) {
-  std::string which;
+void Estimator::tell_recoveries(std::size_t device, std::int64_t now_ns) {
+  std::vector<std::string> which;
   std::int64_t stale_ns = 0;
   bool first = true;
   for (const std::uint16_t channel : links_[device]->channels()) {
@@ -482,49 +469,21 @@ void Estimator::log_recoveries(std::size_t device, std::int64_t now_ns) {
     first = first && !own.ever_heard;
     own.ever_heard = true;
     stale_ns = std::max(stale_ns, own.stale_ns);
-    if (!which.empty()) which += ", ";
-    which += rig_.channels[channel].name;
+    which.push_back(rig_.channels[channel].name);
   }
-  if (which.empty()) return;
-  // Recoveries share the quota of Fault::none, so that a loose plug does not fill the log.
-  const auto stands_for = devices_[device].throttles[0].admit(now_ns);
-  if (!stands_for) return;
-  const std::string& name = links_[device]->name();
-  std::string line = "device " + name + ": " + which;
-  line += first ? " delivering" : " delivering again after " + seconds(stale_ns);
-  if (*stands_for > 1) line += " (" + std::to_string(*stands_for) + " recoveries since the last such line)";
-  log_.info(line, {{"DWELL_DEVICE", name}});
+  if (!which.empty()) devices_[device].lines->delivering(which, first, stale_ns, now_ns);
 }
 
-// Faults that made no channel stale, or go on.
-void Estimator::log_counted_faults(std::int64_t now_ns) {
+void Estimator::tell_counted_faults(std::int64_t now_ns) {
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
+    DeviceLines& lines = *devices_[device].lines;
     for (int kind = 1; kind < kFaultCount; ++kind) {
       const auto fault = static_cast<Fault>(kind);
-      if (fault == Fault::missed_deadline) continue;
-      const std::uint64_t fresh = occurrences(device, fault) - devices_[device].told[static_cast<std::size_t>(kind)];
-      if (fresh > 0) log_fault(device, fault, fresh, to_string(fault), now_ns);
+      if (fault != Fault::missed_deadline) lines.counted(fault, occurrences(device, fault), now_ns);
     }
-    log_missed_polls(device, now_ns);
+    if (!links_[device]->channels().empty()) lines.missed_polls(occurrences(device, Fault::missed_deadline), now_ns);
   }
-}
-
-// A poll that is skipped now and then is counted and no news.
-void Estimator::log_missed_polls(std::size_t device, std::int64_t now_ns) {
-  const DeviceLink& link = *links_[device];
-  if (link.channels().empty()) return;
-  const double rate_hz = options_.nominal_rate_hz[link.channels().front()];
-  const std::uint64_t missed = occurrences(device, Fault::missed_deadline);
-  const auto part = devices_[device].polls.look(now_ns, missed, rate_hz);
-  if (!part || !devices_[device].throttles[static_cast<std::size_t>(Fault::missed_deadline)].admit(now_ns)) return;
-  char words[160];
-  std::snprintf(
-      words, sizeof words,
-      ": %.0f %% of its polls began too late and were skipped in the last minute; a rate below %.3g Hz can be "
-      "kept",
-      100.0 * *part, rate_hz * std::max(0.0, 1.0 - *part));
-  log_.warning("device " + link.name() + words, {{"DWELL_DEVICE", link.name()}, {"DWELL_FAULT", "missed deadline"}});
 }
 
 }  // namespace dwell

@@ -19,13 +19,12 @@
 #include "core/scan_clocks.hpp"
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
+#include "daemon/estimate/device_lines.hpp"
 #include "daemon/estimate/kept_dwells.hpp"
-#include "daemon/estimate/missed_polls.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/estimate/triple_buffer.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
-#include "daemon/log/throttle.hpp"
 
 namespace dwell {
 
@@ -80,11 +79,10 @@ class Estimator {
   void note(std::uint8_t change);
   void settle_counters();
   void publish(std::int64_t now_ns);
-  void log_recoveries(std::size_t device, std::int64_t now_ns);
-  void log_counted_faults(std::int64_t now_ns);
-  void log_missed_polls(std::size_t device, std::int64_t now_ns);
-  void log_stale(std::size_t device, std::int64_t now_ns);
-  void log_fault(std::size_t device, Fault fault, std::uint64_t fresh, const std::string& words, std::int64_t now_ns);
+  // What of the channels' changes and the faults so far the log is told of.
+  void tell_recoveries(std::size_t device, std::int64_t now_ns);
+  void tell_counted_faults(std::int64_t now_ns);
+  void tell_stale(std::size_t device, std::int64_t now_ns);
   [[nodiscard]] std::uint64_t occurrences(std::size_t device, Fault fault) const;
 
   struct PerChannel {
@@ -100,13 +98,10 @@ class Estimator {
     std::optional<Record> state;         // its newest change of state, for which the merger had no room
   };
   struct PerDevice {
-    std::vector<Throttle> throttles = std::vector<Throttle>(kFaultCount);  // by Fault
-    std::vector<std::uint64_t> told =
-        std::vector<std::uint64_t>(kFaultCount);  // by Fault: occurrences when the last line was written
-    std::uint64_t silences = 0;                   // times that channels fell silent
-    std::uint64_t untimely = 0;                   // times that nothing of a channel could be put in order
-    MissedPolls polls;
-    bool hangs = false;  // its driver has not turned for too long
+    std::optional<DeviceLines> lines;  // none: no link
+    std::uint64_t silences = 0;        // times that channels fell silent
+    std::uint64_t untimely = 0;        // times that nothing of a channel could be put in order
+    bool hangs = false;                // its driver has not turned for too long
   };
 
   const Rig rig_;
