@@ -234,7 +234,9 @@ void Pipeline::Impl::take_best_poles() {
 void Pipeline::Impl::remember_modes() {
   for (int c = 0; c < channel_count; ++c)
     left_over[static_cast<std::size_t>(c)] = modal.usable(c) ? std::max(0.0, unexplained(c)) : 0.0;
-  seen_modes.take(modal, modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0), now_ns, left_over);
+  static_cast<void>(modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0));
+  modal.propagate_poles(!from_motion());
+  seen_modes.take(modal, now_ns, left_over);
 }
 
 double Pipeline::Impl::slowest_rate() const {

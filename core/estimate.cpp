@@ -30,9 +30,12 @@ double device_delay(const Rig& rig, const Channel& channel) {
 }
 
 // reading X = T · (displacement or force on the ground)
+Complex transfer(const Rig& rig, const Channel& channel, Complex s) {
+  return std::pow(s, derivative_order(channel.measures)) * response(channel, device_delay(rig, channel), s) *
+         (channel.force_on_mass ? -1.0 : 1.0);
+}
 Complex transfer(const Rig& rig, const Channel& channel, double omega) {
-  const Complex H = response(channel, device_delay(rig, channel), omega / (kTwoPi));
-  return std::pow(Complex{0.0, omega}, derivative_order(channel.measures)) * H * (channel.force_on_mass ? -1.0 : 1.0);
+  return transfer(rig, channel, Complex{0.0, omega});
 }
 
 // One source of error and what one standard deviation of it does.
@@ -44,7 +47,8 @@ struct Source {
   double on_omega;        // to ω, rad/s
   bool residual = false;  // of residuals: where these are not white it is widened, element by element
   int mass = 0;           // as SourceEffect
-  bool of_clock = false;
+  double clock_u = 0.0;
+  std::vector<ReadingError> readings = {};
 };
 
 class Propagation {
@@ -87,7 +91,7 @@ class Propagation {
     covariance_ += v * v.transpose();
     effects_.push_back({v, source.mass,
                         source.mass > 0 ? chain_.rig.mass_u[static_cast<std::size_t>(source.mass - 1)] : 0.0,
-                        source.of_clock});
+                        source.clock_u, source.readings});
     auto& of_name = by_name_
                         .try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_),
                                                                VectorXd::Constant(2 * elements_, source.dof)})
@@ -209,8 +213,20 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
   const auto through_channel = [&](Index c, Complex change) -> VectorXcd { return gain.gain.col(c) * change; };
 
   VectorXcd relative_omega = VectorXcd::Zero(chain.n + 2);  // ∂x/∂ω through the transducers
-  std::map<int, VectorXcd> device_delay_x;
-  std::map<int, VectorXcd> turnaround_x;  // by transaction
+  // An error of instants that several channels share.
+  struct Shared {
+    VectorXcd on_x;
+    std::vector<ReadingError> readings;
+  };
+  std::map<int, Shared> by_device, by_transaction;
+  const auto share = [&](std::map<int, Shared>& of, int key, Index c, Complex delayed, double u_s) {
+    Shared& shared = of.try_emplace(key, Shared{VectorXcd::Zero(chain.n + 2), {}}).first->second;
+    shared.on_x += through_channel(c, delayed * u_s);
+    shared.readings.push_back({.channel = c, .late_s = u_s});
+  };
+  const auto add_of_reading = [&](std::string name, VectorXcd on_x, std::vector<ReadingError> readings) {
+    out.push_back({std::move(name), kInfinity, std::move(on_x), nothing, 0.0, false, 0, 0.0, std::move(readings)});
+  };
   for (Index c = 0; c < o.size(); ++c) {
     const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
     const Evidence& seen = evidence[static_cast<std::size_t>(c)];
@@ -238,40 +254,40 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     const Complex delayed = Complex{0.0, omega} * o(c);  // ∂o/∂τ
     const LogSlopes slopes = response_slopes(channel, device_delay(rig, channel), omega / (kTwoPi));
     if (channel.scale_u > 0)
-      out.push_back({"scale of " + channel.name, kInfinity, through_channel(c, o(c) * channel.scale_u), nothing, 0.0});
+      add_of_reading("scale of " + channel.name, through_channel(c, o(c) * channel.scale_u),
+                     {{.channel = c, .relative = channel.scale_u}});
     if (seen.refresh_u_s > 0) {
-      out.push_back(
-          {"refresh of " + channel.name, kInfinity, through_channel(c, delayed * seen.refresh_u_s), nothing, 0.0});
+      add_of_reading("refresh of " + channel.name, through_channel(c, delayed * seen.refresh_u_s),
+                     {{.channel = c, .late_s = seen.refresh_u_s}});
       // To second order: within ± √3 u the phasor turns by at most φ = √3 ω u, and 1 - cos φ or sin φ / φ is lost of
       // it.
       const double lost = 1.5 * std::pow(omega * seen.refresh_u_s, 2) / std::numbers::sqrt3;
       out.push_back({"refresh of " + channel.name, kInfinity, through_channel(c, o(c) * lost), nothing, 0.0});
     }
     if (channel.delay_u_s > 0)
-      out.push_back(
-          {"delay of " + channel.name, kInfinity, through_channel(c, delayed * channel.delay_u_s), nothing, 0.0});
+      add_of_reading("delay of " + channel.name, through_channel(c, delayed * channel.delay_u_s),
+                     {{.channel = c, .late_s = channel.delay_u_s}});
     if (channel.lowpass.hz_u > 0)
-      out.push_back({"low-pass of " + channel.name, kInfinity,
-                     through_channel(c, -o(c) * slopes.lowpass_corner * channel.lowpass.hz_u), nothing, 0.0});
+      add_of_reading("low-pass of " + channel.name,
+                     through_channel(c, -o(c) * slopes.lowpass_corner * channel.lowpass.hz_u),
+                     {{.channel = c, .lowpass_hz = channel.lowpass.hz_u}});
     if (channel.highpass.hz_u > 0)
-      out.push_back({"high-pass of " + channel.name, kInfinity,
-                     through_channel(c, -o(c) * slopes.highpass_corner * channel.highpass.hz_u), nothing, 0.0});
-    const VectorXcd zero = VectorXcd::Zero(chain.n + 2);
-    if (channel.device >= 0) {
+      add_of_reading("high-pass of " + channel.name,
+                     through_channel(c, -o(c) * slopes.highpass_corner * channel.highpass.hz_u),
+                     {{.channel = c, .highpass_hz = channel.highpass.hz_u}});
+    if (channel.device >= 0)
       if (const double u = rig.devices[static_cast<std::size_t>(channel.device)].delay_u_s; u > 0)
-        device_delay_x.try_emplace(channel.device, zero).first->second += through_channel(c, delayed * u);
-    }
-    if (seen.turnaround_u_s > 0) {
-      const int transaction = seen.transaction >= 0 ? seen.transaction : static_cast<int>(c);
-      turnaround_x.try_emplace(transaction, zero).first->second += through_channel(c, delayed * seen.turnaround_u_s);
-    }
+        share(by_device, channel.device, c, delayed, u);
+    if (seen.turnaround_u_s > 0)
+      share(by_transaction, seen.transaction >= 0 ? seen.transaction : static_cast<int>(c), c, delayed,
+            seen.turnaround_u_s);
     relative_omega += through_channel(
         c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega + slopes.frequency / (kTwoPi)));
   }
-  for (auto& [device, on_x] : device_delay_x)
-    out.push_back({"delay of " + rig.devices[static_cast<std::size_t>(device)].name, kInfinity, on_x, nothing, 0.0});
-  for (auto& [transaction, on_x] : turnaround_x)
-    out.push_back({"turnaround of " + name_of_transaction(rig, evidence, transaction), kInfinity, on_x, nothing, 0.0});
+  for (auto& [device, shared] : by_device)
+    add_of_reading("delay of " + rig.devices[static_cast<std::size_t>(device)].name, shared.on_x, shared.readings);
+  for (auto& [transaction, shared] : by_transaction)
+    add_of_reading("turnaround of " + name_of_transaction(rig, evidence, transaction), shared.on_x, shared.readings);
 
   for (std::size_t i = 0; i < rig.mass_u.size(); ++i) {
     if (!(rig.mass_u[i] > 0)) continue;
@@ -297,8 +313,8 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
   for (const auto& [name, u] : {std::pair<const char*, double>{"frequency", frequency.u},
                                 std::pair<const char*, double>{"clock rate", frequency.clock_u * omega}})
     if (u > 0)
-      out.push_back(
-          {name, kInfinity, relative_omega * u, by_omega * u, u, false, 0, std::string_view(name) == "clock rate"});
+      out.push_back({name, kInfinity, relative_omega * u, by_omega * u, u, false, 0,
+                     std::string_view(name) == "clock rate" ? frequency.clock_u : 0.0});
   return out;
 }
 
@@ -349,6 +365,25 @@ VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& eviden
       if ((rig.channels[c].measures == Quantity::force) == force && scale > 0) weights(static_cast<Index>(c)) /= scale;
   }
   return largest > 0 ? weights : VectorXd::Zero(weights.size());
+}
+
+Complex as_observed(const Rig& rig, int channel, Complex a, Complex s) {
+  return a / transfer(rig, rig.channels[static_cast<std::size_t>(channel)], s);
+}
+
+Complex observed_too_small(const Rig& rig, const ReadingError& error, Complex s) {
+  constexpr double kStep = 1e-4;  // relative, of a corner
+  const Channel& channel = rig.channels[static_cast<std::size_t>(error.channel)];
+  const auto by_corner = [&](Filter filter, bool high, double change_hz) {
+    if (change_hz == 0) return Complex{};
+    const double hz = filter.hz;
+    filter.hz = hz * (1 + kStep);
+    const Complex above = filter_response(filter, high, s);
+    filter.hz = hz * (1 - kStep);
+    return std::log(above / filter_response(filter, high, s)) / (2 * kStep * hz) * change_hz;
+  };
+  return error.relative + s * error.late_s - by_corner(channel.lowpass, false, error.lowpass_hz) -
+         by_corner(channel.highpass, true, error.highpass_hz);
 }
 
 ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
@@ -426,11 +461,10 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
   result.effects = std::move(propagation.effects());
   result.by_channel.resize(elements, channels);
   for (Index c = 0; c < channels; ++c) result.by_channel.col(c) = propagation.on_Z(gain.gain.col(c) * o(c));
-  result.by_mass = MatrixXcd::Zero(elements, n);
-  for (Index i = 0; i < n; ++i)
-    for (Index e = 0; e <= i; ++e)
-      result.by_mass(e, i) = frequency.omega * frequency.omega * rig.masses[static_cast<std::size_t>(i)] *
-                             chain.Y(static_cast<int>(i) + 1) / d(e);
+  result.gain = gain.gain;
+  result.Y.resize(n + 1);
+  for (int k = 0; k <= n; ++k) result.Y(k) = chain.Y(k);
+  result.d = d;
   for (const Index i : rows)
     for (const Index j : rows) result.covariance.push_back(propagation.covariance()(i, j));
   return result;

@@ -53,12 +53,23 @@ struct Frequency {
   double clock_u = 0.0;  // relative, of the clock
 };
 
+// What one standard deviation of a source of error makes of a channel's reading of any motion exp(st).
+struct ReadingError {
+  Eigen::Index channel;
+  double relative = 0.0, late_s = 0.0;         // too small by that part; too late
+  double lowpass_hz = 0.0, highpass_hz = 0.0;  // corners lower than stated
+};
+// By what part of itself the channel observes too little of a motion exp(st), s in rad/s.
+[[nodiscard]] std::complex<double> observed_too_small(const Rig& rig, const ReadingError& error,
+                                                      std::complex<double> s);
+
 // What one standard deviation of a source of error does to [c_1, r_1, c_2, …] of all elements; 0 where not determined.
 struct SourceEffect {
   Eigen::VectorXd on_coefficients;
-  int mass = 0;           // k of the mass that it is the uncertainty of; 0: of none
-  double mass_u = 0.0;    // that uncertainty, kg (kg·m²)
-  bool of_clock = false;  // the rate of the host's clock, which all times share
+  int mass = 0;                        // k of the mass that it is the uncertainty of; 0: of none
+  double mass_u = 0.0;                 // that uncertainty, kg (kg·m²)
+  double clock_u = 0.0;                // of the rate of the host's clock, which all times share; relative
+  std::vector<ReadingError> readings;  // of scales, delays, turnarounds and refreshed registers
 };
 
 struct ElementsResult {
@@ -69,12 +80,17 @@ struct ElementsResult {
   std::vector<std::complex<double>> Z;  // N/m; NaN where not determined
   std::vector<SourceEffect> effects;    // the covariance source by source, for what is derived from the coefficients
   Eigen::MatrixXcd by_channel;          // elements × channels: δZ by a relative change of a channel's phasor
-  Eigen::MatrixXcd by_mass;             // elements × masses: δZ by a relative change of a mass
+  Eigen::MatrixXd gain;                 // x by what the channels observe (core/observation.hpp)
+  Eigen::VectorXcd Y, d;                // phasors of Y_0 … Y_n and of the deformation of every element
 };
 
 // The channel's reading turned into what the chain sees: displacement or force on the ground, harmonic h of omega.
 [[nodiscard]] std::complex<double> as_observed(const Rig& rig, int channel, std::complex<double> X, double omega,
                                                int h);
+
+// The same of a motion exp(st), s in rad/s: amplitude a of a natural oscillation with the pole s.
+[[nodiscard]] std::complex<double> as_observed(const Rig& rig, int channel, std::complex<double> a,
+                                               std::complex<double> s);
 
 // Weights 1/u of each channel for solve_observation, from noise and scale at the present phasors; 0 where not usable.
 [[nodiscard]] Eigen::VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& evidence, double omega);

@@ -64,6 +64,19 @@ class ModalFit {
   // forgotten. omega_known: ω is given. O((2H+1+2·modes)²·modes) a channel, no allocation.
   void propagate_poles(bool omega_known) noexcept;
 
+  // Relative changes (Re, Im) of the poles at the last step, then that of ω.
+  using Change = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 * kMaxModes + 1, 1>;
+  [[nodiscard]] Change last_change() const noexcept;
+  // Covariance of these relative changes, as propagate_poles() left it.
+  [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> propagated() const noexcept {
+    return propagated_.topLeftCorner(modal_ + 1, modal_ + 1);
+  }
+  // What they do to (Re, Im) of a mode's amplitude, by propagate_poles(). has_propagated: whether that could be done.
+  [[nodiscard]] bool has_propagated(int channel) const noexcept { return at(channel).usable && at(channel).propagated; }
+  [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> amplitude_by_poles(int channel, std::size_t mode) const noexcept {
+    return at(channel).by_poles.block(2 * static_cast<Eigen::Index>(mode), 0, 2, modal_ + 1);
+  }
+
   // Standard uncertainty of a pole at the last step, rad/s, either component.
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
   // Covariance of (Re, Im) of a pole at the last step, (rad/s)², from the data alone: an open pole has a large one.
@@ -87,6 +100,12 @@ class ModalFit {
   // Amplitude of a mode in a channel at t_0, and its standard deviation, either component.
   [[nodiscard]] std::complex<double> amplitude(int channel, std::size_t mode) const noexcept;
   [[nodiscard]] double u_amplitude(int channel, std::size_t mode) const noexcept;
+
+  // Covariance of (Re, Im) of that amplitude, the poles given.
+  [[nodiscard]] Eigen::Matrix2d amplitude_covariance(int channel, std::size_t mode) const noexcept {
+    const auto i = 2 * static_cast<Eigen::Index>(mode);
+    return at(channel).covariance.block<2, 2>(i, i);
+  }
 
   // Whether the amplitude of a mode stands out of the noise in any channel.
   [[nodiscard]] bool shows(std::size_t mode) const noexcept;

@@ -96,6 +96,16 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
   return {moved_.data(), count_};
 }
 
+ModalFit::Change ModalFit::last_change() const noexcept {
+  Change change(modal_ + 1);
+  for (std::size_t m = 0; m < count_; ++m) {
+    const Complex by = (moved_[m] - poles_[m]) / sizes_[m];
+    change.segment<2>(2 * static_cast<Index>(m)) << by.real(), by.imag();
+  }
+  change(modal_) = moved_omega_ / omega_ - 1;
+  return change;
+}
+
 // b_m = a_m ρ_m, ρ the pole's relative change.
 Eigen::Matrix2d ModalFit::slope_by_pole(const PerChannel& of, Index m) const noexcept {
   const Complex a{of.theta(harmonic_ + 2 * m), of.theta(harmonic_ + 2 * m + 1)};

@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t kNamed = 4;  // coefficients, channels named in one message: a long chain need not fill a screen
 
 bool negative(const Coefficient& coefficient) { return coefficient.value < -coefficient.U95; }
+// By four standard uncertainties: an element that has none of it comes out so in one dwell of 30 000.
+bool beyond_chance(const Coefficient& coefficient) { return coefficient.value < -2 * coefficient.U95; }
 
 std::string first_of(std::vector<std::string> names, const char* what) {
   if (names.size() > kNamed) {
@@ -29,6 +31,7 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   std::vector<std::string> found;
   std::vector<int> refused;
   std::vector<bool> suspects(rig.channels.size(), false);
+  bool surely = false;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     ElementEstimate& element = elements[e];
     if (!element.identifiable || (!negative(element.stiffness) && !negative(element.damping))) continue;
@@ -36,6 +39,7 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
     for (const bool is_stiffness : {true, false}) {
       const Coefficient& coefficient = is_stiffness ? element.stiffness : element.damping;
       if (!negative(coefficient)) continue;
+      surely = surely || beyond_chance(coefficient);
       const char* unit = is_stiffness ? (turns ? "N·m/rad" : "N/m") : (turns ? "N·m·s/rad" : "N·s/m");
       const std::string figure = plus_minus(coefficient.value, coefficient.U95, unit);
       const std::string name = is_stiffness ? "stiffness" : "damping";
@@ -51,6 +55,12 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
     for (std::size_t c = 0; c < suspects.size(); ++c) suspects[c] = suspects[c] || used[e][c];
   }
   if (refused.empty()) return;
+  if (!surely) {
+    doubts.push_back({refused, first_of(found, "coefficients") +
+                                   ": below zero by less than 2 U95, as chance has it once "
+                                   "in forty dwells where there is next to none"});
+    return;
+  }
   std::vector<std::string> names;
   Doubt doubt;
   for (std::size_t c = 0; c < suspects.size(); ++c)

@@ -5,7 +5,7 @@
 
 #include "core/angle.hpp"
 #include "core/contradiction.hpp"
-#include "core/pole_check.hpp"
+#include "core/mode_check.hpp"
 #include "core/transducer.hpp"
 #include "core/unstated.hpp"
 
@@ -109,7 +109,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
   const Gain gain = solve_observation(G, observation_weights(rig, evidence, omega));
   for (Doubt& doubt : contradictions(rig, G, gain, evidence, omega)) dwell.doubts.push_back(std::move(doubt));
   ElementsResult result = estimate_elements(rig, gain, evidence, {omega, u_omega, rig.excitation.clock_u});
-  check_poles(rig, result, omega, seen, dwell);
+  check_modes(rig, result, omega, seen, dwell);
   dwell.elements = std::move(result.elements);
   dwell.covariance = std::move(result.covariance);
   for (Doubt& doubt : result.doubts) dwell.doubts.push_back(std::move(doubt));

@@ -7,6 +7,9 @@
 namespace dwell {
 namespace {
 
+using Complex = std::complex<double>;
+using Eigen::Index;
+
 // Of the longer of 1/T and the decay rate: an error of a pole that turns or shrinks its mode by that part while it is
 // seen. Beyond, its errors are not normal any more. Doubled, poles of weak modes take part that are off by more than
 // their uncertainty says; halved, faults go unseen that the data do resolve.
@@ -16,27 +19,70 @@ constexpr double kResolved = 0.2;
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
 // Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
 constexpr double kStandsOut = 3.0;
+constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
+// Standard deviations: two fits' poles that near are of one mode.
+constexpr double kSameMode = 5.0;
 
 }  // namespace
 
 SeenModes::SeenModes(int channels) {
-  for (SeenMode& mode : modes_) {
-    mode.amplitude.resize(static_cast<std::size_t>(channels));
-    mode.u_amplitude.resize(static_cast<std::size_t>(channels));
+  const auto prepare = [&](SeenMode& mode) {
+    mode.amplitude.setZero(channels);
+    mode.covariance.setZero(2 * channels + 2, 2 * channels + 2);
+    mode.fitted.resize(static_cast<std::size_t>(channels));
+  };
+  for (SeenMode& mode : modes_) prepare(mode);
+  prepare(now_);
+}
+
+// moved: variance of either component of the pole, beside what the fit says of it.
+void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double moved,
+                         SeenMode& mode) noexcept {
+  const auto channels = mode.amplitude.size(), pole = 2 * channels;
+  const double size = std::abs(fit.poles()[m]);
+  using OfPoles = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostChanges, kMostChanges>;
+  using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMostChanges>;
+  const OfPoles of_poles = fit.propagated();
+  const ModalFit::Change change = fit.last_change();
+  const auto at_pole = 2 * static_cast<Index>(m);
+  mode.pole = fit.moved_poles()[m];
+  mode.covariance.setZero();
+  mode.covariance.block<2, 2>(pole, pole) =
+      size * size * of_poles.block<2, 2>(at_pole, at_pole) + moved * Eigen::Matrix2d::Identity();
+  for (Index c = 0; c < channels; ++c) {
+    const int channel = static_cast<int>(c);
+    const bool fitted = fit.has_propagated(channel);
+    mode.fitted[static_cast<std::size_t>(c)] = fitted;
+    mode.amplitude(c) = 0.0;
+    if (!fitted) continue;
+    const Rows by = fit.amplitude_by_poles(channel, m);
+    const Rows onto = by.lazyProduct(of_poles);
+    const Eigen::Vector2d step = by.lazyProduct(change);
+    mode.amplitude(c) = fit.amplitude(channel, m) + Complex{step(0), step(1)};
+    const Eigen::Matrix2d to_pole = size * onto.middleCols<2>(at_pole);
+    mode.covariance.block<2, 2>(2 * c, pole) = to_pole;
+    mode.covariance.block<2, 2>(pole, 2 * c) = to_pole.transpose();
+    for (Index other = 0; other <= c; ++other) {
+      if (!mode.fitted[static_cast<std::size_t>(other)]) continue;
+      const Eigen::Matrix2d both = onto.lazyProduct(fit.amplitude_by_poles(static_cast<int>(other), m).transpose());
+      mode.covariance.block<2, 2>(2 * c, 2 * other) = both;
+      mode.covariance.block<2, 2>(2 * other, 2 * c) = both.transpose();
+    }
+    mode.covariance.block<2, 2>(2 * c, 2 * c) +=
+        fit.amplitude_covariance(channel, m) +
+        std::max(0.0, left_over[static_cast<std::size_t>(c)]) * Eigen::Matrix2d::Identity();
   }
 }
 
-void SeenModes::take(const ModalFit& fit, std::span<const std::complex<double>> refined, std::int64_t until_ns,
-                     std::span<const double> left_over) noexcept {
-  count_ = 0;
+void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept {
   const double seen_s = 1e-9 * static_cast<double>(until_ns - fit.t0_ns());
+  const auto poles = fit.poles(), refined = fit.moved_poles();
   for (std::size_t m = 0; m < refined.size(); ++m) {
-    const std::complex<double> pole = refined[m], step = pole - fit.poles()[m];
+    const Complex pole = refined[m], step = pole - poles[m];
     if (!(pole.real() < 0) || !(pole.imag() > 0) || !fit.shows(m)) continue;
     // A pole that still moves is known less well than the data would allow.
     const Eigen::Vector2d moves(step.real(), step.imag());
-    const Eigen::Matrix2d of_data = fit.pole_covariance(m);
-    const bool settled = moves.dot(of_data.inverse() * moves) < kSettledPole * kSettledPole;
+    const bool settled = moves.dot(fit.pole_covariance(m).inverse() * moves) < kSettledPole * kSettledPole;
     const double scale = std::max(-pole.real(), 1 / std::max(1e-9, seen_s));
     double moved = 0.0;  // at most, by what the fit leaves over, relative to the scale; squared
     for (std::size_t c = 0; c < left_over.size(); ++c) {
@@ -45,18 +91,21 @@ void SeenModes::take(const ModalFit& fit, std::span<const std::complex<double>> 
       const double a = std::abs(fit.amplitude(channel, m));
       if (a > kStandsOut * fit.u_amplitude(channel, m)) moved = std::max(moved, 2 * left_over[c] / (a * a));
     }
-    if (!settled) moved += kUnsettled * kUnsettled * moves.squaredNorm() / (scale * scale);
-    const Eigen::Matrix2d covariance =
-        of_data + moves * moves.transpose() + moved * scale * scale * Eigen::Matrix2d::Identity();
-    if (!(std::sqrt(covariance.trace()) < kResolved * scale)) continue;
-    SeenMode& mode = modes_[count_++];
-    mode.pole = pole;
-    mode.covariance = covariance;
-    for (std::size_t c = 0; c < mode.amplitude.size(); ++c) {
-      const int channel = static_cast<int>(c);
-      mode.amplitude[c] = fit.usable(channel) ? std::abs(fit.amplitude(channel, m)) : 0.0;
-      mode.u_amplitude[c] = fit.usable(channel) ? fit.u_amplitude(channel, m) : 0.0;
-    }
+    describe(fit, m, left_over, moved * scale * scale + (settled ? 1.0 : kUnsettled * kUnsettled) * moves.squaredNorm(),
+             now_);
+    if (!(std::sqrt(now_.pole_covariance().trace()) < kResolved * scale)) continue;
+    const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
+    const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
+      return std::norm(other.pole - pole) <
+             kSameMode * kSameMode * (other.pole_covariance().trace() + now_.pole_covariance().trace());
+    });
+    if (before == modes_.end()) continue;
+    if (before != end && before->pole_covariance().trace() < now_.pole_covariance().trace()) continue;
+    if (before == end) ++count_;
+    before->pole = now_.pole;
+    before->amplitude = now_.amplitude;
+    before->covariance = now_.covariance;
+    std::copy(now_.fitted.begin(), now_.fitted.end(), before->fitted.begin());
   }
 }
 

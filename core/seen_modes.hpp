@@ -1,6 +1,6 @@
-// The natural oscillations of one hold as the samples show them: poles refined on the data, which depend on instants
-// alone, not on masses, scales or delays. What the identified chain's eigenvalues are held against
-// (core/pole_check.hpp).
+// The natural oscillations of one hold as the samples show them: poles and amplitudes refined on the data themselves.
+// Poles depend on instants alone, not on masses, scales or delays; amplitudes tell the shape. What the identified chain
+// is held against (core/mode_check.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -15,28 +15,38 @@
 namespace dwell {
 
 struct SeenMode {
-  std::complex<double> pole;   // rad/s, Im > 0
-  Eigen::Matrix2d covariance;  // of (Re, Im), (rad/s)²
-  // Per channel, of its reading: magnitude of the amplitude and its standard deviation, either component; u = 0: the
-  // channel has no part in the fit.
-  std::vector<double> amplitude, u_amplitude;
+  std::complex<double> pole;  // rad/s, Im > 0
+  // Per channel, of its reading, at one and the same instant; 0 where the channel has no part in the fit.
+  Eigen::VectorXcd amplitude;
+  // Of (Re a_1, Im a_1, Re a_2, …, Re λ, Im λ).
+  Eigen::MatrixXd covariance;
+  std::vector<bool> fitted;  // per channel: it has a part in the fit
+
+  [[nodiscard]] Eigen::Matrix2d pole_covariance() const { return covariance.bottomRightCorner<2, 2>(); }
+  // Standard deviation of an amplitude, either component.
+  [[nodiscard]] double u_amplitude(Eigen::Index channel) const {
+    return std::sqrt(0.5 * covariance.block<2, 2>(2 * channel, 2 * channel).trace());
+  }
 };
 
 class SeenModes {
  public:
-  // All memory is allocated here.
+  // All memory is allocated here: 8·(2·channels + 2)² bytes a mode.
   explicit SeenModes(int channels);
   void clear() noexcept { count_ = 0; }
-  // Those that stand out of the noise and whose poles the data resolve. until_ns: the end of what `fit` has seen; of
-  // its last step (ModalFit::refined) poles and covariance are taken. left_over: per channel, variance of the fit's
-  // residuals beyond the noise. What is left over may be a part of a mode: a residual of rms ρ beside an amplitude |a|
-  // moves a pole by up to √2 ρ/|a| of its rate, which is added to the covariance. No allocation.
-  void take(const ModalFit& fit, std::span<const std::complex<double>> refined, std::int64_t until_ns,
-            std::span<const double> left_over) noexcept;
+  // Those that stand out of the noise and whose poles the data resolve. fit: refined, its poles' errors propagated.
+  // until_ns: the end of what it has seen. left_over: per channel, variance of its residuals beyond the noise. What is
+  // left over may be a part of a mode: a residual of rms ρ is an error of up to √2 ρ of an amplitude, and moves a pole
+  // by up to that part of its rate. A mode that was seen better before stays as it was. No allocation.
+  void take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 
  private:
+  void describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double moved,
+                SeenMode& mode) noexcept;
+
   std::array<SeenMode, ModalFit::kMaxModes> modes_;
+  SeenMode now_;
   std::size_t count_ = 0;
 };
 

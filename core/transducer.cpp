@@ -47,8 +47,12 @@ double bessel_corner(int order) noexcept {
 }  // namespace
 
 Complex filter_response(const Filter& filter, bool high, double f_hz) noexcept {
+  return filter_response(filter, high, Complex{0.0, 2 * kPi * f_hz});
+}
+
+Complex filter_response(const Filter& filter, bool high, Complex s) noexcept {
   if (filter.kind == FilterKind::none) return 1.0;
-  Complex s{0.0, f_hz / filter.hz};
+  s /= 2 * kPi * filter.hz;
   if (high) s = 1.0 / s;
   switch (filter.kind) {
     case FilterKind::none:
@@ -78,8 +82,12 @@ int derivative_order(Quantity quantity) noexcept {
 }
 
 Complex response(const Channel& channel, double device_delay_s, double f_hz) noexcept {
-  return std::polar(1.0, -2 * kPi * f_hz * (channel.delay_s + device_delay_s)) *
-         filter_response(channel.lowpass, false, f_hz) * filter_response(channel.highpass, true, f_hz);
+  return response(channel, device_delay_s, Complex{0.0, 2 * kPi * f_hz});
+}
+
+Complex response(const Channel& channel, double device_delay_s, Complex s) noexcept {
+  return std::exp(-s * (channel.delay_s + device_delay_s)) * filter_response(channel.lowpass, false, s) *
+         filter_response(channel.highpass, true, s);
 }
 
 LogSlopes response_slopes(const Channel& channel, double device_delay_s, double f_hz) noexcept {

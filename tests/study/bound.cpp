@@ -23,7 +23,7 @@ ElementRows rows_of(const Case& about, double omega, bool truly) {
       const Channel& stated = about.rig.channels[static_cast<std::size_t>(c)];
       sensor = {stated.measures, stated.at, stated.relative_to, 1.0, 0.0, {}};
     }
-    Complex factor = sensor.response(omega / (2 * std::numbers::pi));
+    Complex factor = sensor.response({0.0, omega});
     if (sensor.measures == Quantity::velocity) factor *= Complex{0, omega};
     if (sensor.measures == Quantity::acceleration) factor *= -omega * omega;
     if (sensor.measures == Quantity::force) {

@@ -18,6 +18,7 @@ struct DisturbedOutcome {
   int index = 0;
   std::vector<Kind> kinds;
   bool counts = true;         // the fault is one that must be seen (Moved::shows)
+  bool covered = false;       // … but the coefficients' own uncertainty covers what it does to the poles
   bool harmless = false;      // Moved::harmless
   bool settled = false;       // a dwell was completed that has coefficients
   bool reported = false;      // … with every element that stands out

@@ -14,9 +14,9 @@ namespace {
 
 constexpr Complex kJ{0.0, 1.0};
 
-Complex lowpass_response(const Filter& filter, double f_hz) {
+Complex lowpass_response(const Filter& filter, Complex s) {
   if (filter.kind == FilterKind::none) return 1.0;
-  const Complex s{0.0, f_hz / filter.hz};
+  s /= kTwoPi * filter.hz;
   if (filter.kind == FilterKind::rc) return std::pow(1.0 / (1.0 + s), filter.order);
   // Butterworth: quadratic factors s² + 2 sin((2k+1)π/2N) s + 1, and s + 1 where N is odd.
   Complex denominator = filter.order % 2 == 1 ? 1.0 + s : 1.0;
@@ -55,9 +55,7 @@ Complex sensed(const Chain& chain, const Sensor& sensor, const std::vector<Compl
 
 }  // namespace
 
-Complex Sensor::response(double f_hz) const {
-  return gain * std::polar(1.0, -kTwoPi * f_hz * delay_s) * lowpass_response(lowpass, f_hz);
-}
+Complex Sensor::response(Complex s) const { return gain * std::exp(-s * delay_s) * lowpass_response(lowpass, s); }
 
 Motion::Motion(const Chain& chain, const std::vector<Sensor>& sensors, const std::vector<SideSpring>& side)
     : chain_(chain), sensors_(sensors), side_(side) {
@@ -169,7 +167,7 @@ void Motion::drive(double start_s, const TableMotion& table, const std::optional
     const std::vector<Complex> Y = respond(kTwoPi * f_hz, Y0);
     for (std::size_t c = 0; c < sensors_.size(); ++c)
       (segment.channels[c].*of)
-          .push_back(sensed(chain_, sensors_[c], Y, kJ * (kTwoPi * f_hz)) * sensors_[c].response(f_hz));
+          .push_back(sensed(chain_, sensors_[c], Y, kJ * (kTwoPi * f_hz)) * sensors_[c].response(kJ * (kTwoPi * f_hz)));
   };
   for (std::size_t h = 1; h <= table.shape.size(); ++h)
     heard(static_cast<double>(h) * table.frequency_hz, table.shape[h - 1], &Heard::steady);
@@ -178,8 +176,7 @@ void Motion::drive(double start_s, const TableMotion& table, const std::optional
     std::vector<Complex> y(n + 1);
     for (std::size_t k = 0; k < n; ++k) y[k + 1] = shapes_[m][k] * segment.amplitudes[m];
     for (std::size_t c = 0; c < sensors_.size(); ++c) {
-      const Complex weight =
-          sensors_[c].gain * std::exp(-lambda_[m] * sensors_[c].delay_s) * sensed(chain_, sensors_[c], y, lambda_[m]);
+      const Complex weight = sensors_[c].response(lambda_[m]) * sensed(chain_, sensors_[c], y, lambda_[m]);
       if (weight != 0.0) segment.channels[c].modes.push_back({lambda_[m], weight, INFINITY});
     }
   }

@@ -22,10 +22,10 @@ struct Sensor {
   std::optional<int> relative_to;
   double gain = 1.0;
   double delay_s = 0.0;
-  Filter lowpass;  // Butterworth or rc; applied to the steady motion only
+  Filter lowpass;  // Butterworth or rc; its own settling is left aside
 
-  // Of the motion, at f.
-  [[nodiscard]] Complex response(double f_hz) const;
+  // Of a motion exp(st), s in rad/s.
+  [[nodiscard]] Complex response(Complex s) const;
 };
 
 // A part of the table's motion at a frequency of its own.

@@ -85,9 +85,8 @@ std::vector<Complex> stated_u(const Case& about, const std::vector<ElementBound>
   return squares;
 }
 
-// Largest shift of a pole, from the true rig to the chain that the steady motion gives, over what is resolved.
-double poles_show(const Case& about, const std::vector<Complex>& Z, double omega, double end_s) {
-  if (about.chain.mass_count() == 0) return 0.0;
+// The eigenvalues of the chain that the steady motion gives.
+std::vector<Complex> eigenvalues(const Case& about, const std::vector<Complex>& Z, double omega) {
   Chain identified{about.chain.boundary, about.rig.masses, {}, {}};
   for (const Complex& of : Z) {
     identified.stiffness.push_back(of.real());
@@ -96,17 +95,45 @@ double poles_show(const Case& about, const std::vector<Complex>& Z, double omega
   std::vector<Complex> given;
   for (const Complex& lambda : natural_values(identified))
     if (lambda.imag() >= 0) given.push_back(lambda);
+  return given;
+}
+
+Complex nearest(const std::vector<Complex>& values, Complex to) {
+  return *std::min_element(values.begin(), values.end(),
+                           [&](Complex a, Complex b) { return std::abs(a - to) < std::abs(b - to); });
+}
+
+// Standard uncertainty of one of these, by those of Z.
+Complex uncertainty_of(const Case& about, const std::vector<Complex>& Z, const std::vector<Complex>& u, double omega,
+                       Complex eigenvalue) {
+  Complex squares{};
+  for (std::size_t e = 0; e < Z.size(); ++e)
+    for (const Complex by : {Complex{u[e].real(), 0.0}, Complex{0.0, u[e].imag()}}) {
+      std::vector<Complex> other = Z;
+      other[e] += by;
+      const Complex moved = nearest(eigenvalues(about, other, omega), eigenvalue) - eigenvalue;
+      squares += Complex{moved.real() * moved.real(), moved.imag() * moved.imag()};
+    }
+  return {std::sqrt(squares.real()), std::sqrt(squares.imag())};
+}
+
+// Largest shift of a pole, from the true rig to the chain that the steady motion gives, over what is resolved.
+void show_poles(const Case& about, const std::vector<Complex>& Z, const std::vector<Complex>& u, double omega,
+                double end_s, Moved& moved) {
+  moved.by_transient = true;
+  moved.shows = moved.surely = 0.0;
+  if (about.chain.mass_count() == 0) return;
+  std::vector<Complex> given = eigenvalues(about, Z, omega);
   const std::vector<Complex> sigma = resolved_poles(about, end_s);
-  double most = 0.0;
   for (std::size_t m = 0; m < sigma.size() && !given.empty(); ++m) {
-    const Complex truth = about.motion->natural()[m];
-    const auto nearest = std::min_element(
-        given.begin(), given.end(), [&](Complex a, Complex b) { return std::abs(a - truth) < std::abs(b - truth); });
-    const Complex off = *nearest - truth;
-    most = std::max({most, std::abs(off.real()) / sigma[m].real(), std::abs(off.imag()) / sigma[m].imag()});
-    if (given.size() > 1) given.erase(nearest);
+    const Complex truth = about.motion->natural()[m], own = nearest(given, truth), off = own - truth;
+    const Complex of_chain = uncertainty_of(about, Z, u, omega, own);
+    moved.shows =
+        std::max({moved.shows, std::abs(off.real()) / sigma[m].real(), std::abs(off.imag()) / sigma[m].imag()});
+    moved.surely = std::max({moved.surely, std::abs(off.real()) / std::hypot(sigma[m].real(), of_chain.real()),
+                             std::abs(off.imag()) / std::hypot(sigma[m].imag(), of_chain.imag())});
+    if (given.size() > 1) given.erase(std::find(given.begin(), given.end(), own));
   }
-  return most;
 }
 
 // Third harmonic of an element's force that its own deformation does not explain, over its standard deviation.
@@ -201,9 +228,9 @@ Moved moved_by(const Case& about, double from_s, double seconds) {
   }
   for (const Disturbance& disturbance : about.disturbances) {
     if (is_nonlinear(disturbance.kind))
-      moved.shows = third_shows(about, X[2], disturbance.elements[0], seconds);
+      moved.shows = moved.surely = third_shows(about, X[2], disturbance.elements[0], seconds);
     else if (is_of_model(disturbance.kind))
-      moved.shows = poles_show(about, Z, omega, from_s + seconds);
+      show_poles(about, Z, u, omega, from_s + seconds, moved);
   }
   return moved;
 }

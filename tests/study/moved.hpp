@@ -15,6 +15,10 @@ struct Moved {
   // How well the fault of a model shows: shift of a pole over what the transient resolves, or the third harmonic of an
   // element's force over its standard deviation; the largest of all. ∞ where the model is not at fault.
   double shows = INFINITY;
+  // The same with what the identified chain's own uncertainty leaves open of its poles beside it.
+  double surely = INFINITY;
+  // It shows by the transient: a dwell that began before there was one cannot tell.
+  bool by_transient = false;
   // No coefficient that stands out moves by one standard uncertainty; and there is one.
   [[nodiscard]] bool harmless() const;
 };

@@ -70,7 +70,9 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
   outcome.settled = true;
   outcome.warned = outcome.warned || warned;
   outcome.worst = std::max(outcome.worst, worst);
-  if (!warned && worst > outcome.worst_silent) {
+  // A dwell before the transient cannot tell what only a transient shows.
+  const bool tells = !(moved.by_transient && dwell.settled_s < about.change_s);
+  if (!warned && tells && worst > outcome.worst_silent) {
     outcome.worst_silent = worst;
     outcome.doubted = !dwell.doubts.empty();
   }
@@ -92,6 +94,7 @@ DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
   const double end_s = oracle + kPatience * std::max(10 * about.period_s(), about.motion->time_constant_s()) + seconds;
   const Moved moved = moved_by(about, oracle, seconds);
   outcome.counts = moved.shows >= kShows;
+  outcome.covered = moved.surely < kShows;
   outcome.harmless = moved.harmless();
   outcome.moved = std::max(largest(moved.c, moved.stands_out), largest(moved.r, moved.stands_out));
   if (trace) {
@@ -100,7 +103,9 @@ DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
     for (std::size_t e = 0; e < moved.c.size(); ++e)
       trace(text("a plain fit of element %zu is moved by %.3g u in c, %.3g u in r%s", e + 1, moved.c[e], moved.r[e],
                  moved.stands_out[e] ? "" : " (too weak to be reported)"));
-    if (std::isfinite(moved.shows)) trace(text("the fault of the model shows by %.3g", moved.shows));
+    if (std::isfinite(moved.shows))
+      trace(text("the fault of the model shows by %.3g; beside the uncertainty of what is identified by %.3g",
+                 moved.shows, moved.surely));
   }
   Pipeline pipeline(about.rig);
   Player player(about);

@@ -83,6 +83,7 @@ void walk(DisturbedOutcome& o, Visit&& visit) {
     kind = static_cast<Kind>(number);
   }
   visit("counts", o.counts);
+  visit("covered", o.covered);
   visit("harmless", o.harmless);
   visit("settled", o.settled);
   visit("reported", o.reported);

@@ -1,0 +1,146 @@
+// The equations of the chain, held against natural oscillations that are known exactly.
+#include "core/mode_residual.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/chain_state.hpp"
+#include "core/forward.hpp"
+#include "core/natural_modes.hpp"
+#include "tests/core/bench_rig.hpp"
+
+namespace dwell {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kHz = 4.0, kSigma = 3e-6;  // of an amplitude of one
+
+Chain any_chain(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const int n = 1 + static_cast<int>(4 * unit(random));
+  Chain chain{unit(random) < 0.5 ? Boundary::free : Boundary::clamped, {}, {}, {}};
+  for (int k = 0; k < n; ++k) chain.masses.push_back(std::exp(2 * unit(random)));
+  for (int e = 0; e < chain.element_count(); ++e) {
+    chain.stiffness.push_back(1e4 * std::exp(2 * unit(random)));
+    chain.damping.push_back(1e-3 * chain.stiffness.back() * unit(random));
+  }
+  return chain;
+}
+
+// What the transducers read of a motion exp(st) in which the places 0 … n move by y.
+Eigen::VectorXcd readings(const Rig& rig, const Chain& truth, const std::vector<Complex>& y, Complex s) {
+  Eigen::VectorXcd out(static_cast<Index>(rig.channels.size()));
+  for (Index c = 0; c < out.size(); ++c) {
+    const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+    const Complex seen = channel.measures == Quantity::force
+                             ? (truth.stiffness.back() + s * truth.damping.back()) * y.back()
+                             : y[static_cast<std::size_t>(channel.at)];
+    out(c) = seen / as_observed(rig, static_cast<int>(c), 1.0, s);
+  }
+  return out;
+}
+
+// The steady motion of `truth` as `read` reads it, evaluated as `rig` believes.
+ElementsResult identified_by(const Rig& rig, const Rig& read, const Chain& truth) {
+  const double omega = 2 * M_PI * kHz;
+  const auto steady = steady_response(truth, omega, 0.002);
+  std::vector<Evidence> evidence(rig.channels.size());
+  const Eigen::VectorXcd X = readings(read, truth, steady.Y, {0.0, omega});
+  for (std::size_t c = 0; c < evidence.size(); ++c) {
+    evidence[c].usable = true;
+    evidence[c].X[0] = X(static_cast<Index>(c));
+    evidence[c].covariance = std::pow(kSigma * std::abs(evidence[c].X[0]), 2) * Eigen::Matrix2d::Identity();
+    evidence[c].dof = 1e6;
+  }
+  const Gain gain = solve_observation(observation_matrix(rig), observation_weights(rig, evidence, omega));
+  return estimate_elements(rig, gain, evidence, {omega, 0.0, 0.0});
+}
+
+// Its first natural oscillation likewise.
+SeenMode mode_of(const Rig& read, const Chain& truth) {
+  const NaturalMode natural = natural_modes(truth).front();
+  std::vector<Complex> y{0.0};
+  for (const Complex at : natural.shape) y.push_back(at);
+  SeenMode mode;
+  mode.pole = natural.pole;
+  mode.amplitude = readings(read, truth, y, natural.pole);
+  const Index size = 2 * mode.amplitude.size() + 2;
+  mode.covariance = std::pow(kSigma * mode.amplitude.cwiseAbs().maxCoeff(), 2) * Eigen::MatrixXd::Identity(size, size);
+  mode.covariance.bottomRightCorner<2, 2>() = std::pow(kSigma * std::abs(mode.pole), 2) * Eigen::Matrix2d::Identity();
+  mode.fitted.assign(static_cast<std::size_t>(mode.amplitude.size()), true);
+  return mode;
+}
+
+void expect_near(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double part) {
+  ASSERT_EQ(a.size(), b.size());
+  // The mass of a single one divides out.
+  EXPECT_LT((a - b).norm(), part * b.norm() + 1e-12) << a.transpose() << " beside " << b.transpose();
+}
+
+TEST(ModeResidual, VanishesForTheNaturalOscillationsOfAnyChainThatIsAsItsFileSays) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    std::mt19937_64 random(seed);
+    const Chain chain = any_chain(random);
+    const Rig rig = rig_of(chain, kHz);
+    const SeenMode mode = mode_of(rig, chain);
+    const ElementsResult identified = identified_by(rig, rig, chain);
+    const ModeResidual residual(rig, identified, 2 * M_PI * kHz, mode);
+    ASSERT_EQ(residual.elements().size(), static_cast<std::size_t>(rig.element_count())) << seed;
+    EXPECT_LT(residual.force().norm(), 1e-9) << seed;
+  }
+}
+
+// Errors of a part in 10⁵, where what is linear must hold to a thousandth.
+TEST(ModeResidual, IsMovedByEachSingleFaultAsItsDerivativeSays) {
+  constexpr double kSmall = 1e-5;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const Chain chain = any_chain(random);
+    const Rig rig = rig_of(chain, kHz);
+    Rig stated = rig, read = rig;
+    stated.masses[0] *= 1 + kSmall;
+    const ElementsResult of_mass = identified_by(stated, rig, chain), exact = identified_by(rig, rig, chain);
+    const SeenMode exact_mode = mode_of(rig, chain);
+    const double omega = 2 * M_PI * kHz;
+    expect_near(ModeResidual(stated, of_mass, omega, exact_mode).force(),
+                kSmall * ModeResidual(rig, exact, omega, exact_mode).by_mass(0), 1e-3);
+
+    // The channel of the first mass is read too early by a part of a radian.
+    const double late_s = -kSmall / omega;
+    read.channels[1].delay_s = late_s;
+    const ElementsResult of_delay = identified_by(rig, read, chain);
+    const SeenMode late_mode = mode_of(read, chain);
+    expect_near(ModeResidual(rig, of_delay, omega, late_mode).force(),
+                late_s * ModeResidual(rig, exact, omega, exact_mode).by_delay(1), 1e-3);
+  }
+}
+
+// A low-pass whose corner is not known moves steady motion and oscillation by different parts of themselves.
+TEST(ModeResidual, OfAFilterWhoseCornerIsOffByItsUncertaintyLiesWithinItsOwn) {
+  int out = 0;  // far outside where that uncertainty is not stated
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    std::mt19937_64 random(seed);
+    const Chain chain = any_chain(random);
+    Rig rig = rig_of(chain, kHz);
+    rig.channels[1].lowpass = {FilterKind::rc, 4, 6 * kHz, 1.5e-3 * kHz};
+    Rig read = rig;
+    read.channels[1].lowpass.hz += rig.channels[1].lowpass.hz_u;
+    const SeenMode mode = mode_of(read, chain);
+    const ElementsResult identified = identified_by(rig, read, chain);
+    const ModeResidual residual(rig, identified, 2 * M_PI * kHz, mode);
+    // One source, one standard deviation of it, beside a little noise.
+    EXPECT_LT(residual.chi2(), 1.2) << seed;
+    rig.channels[1].lowpass.hz_u = 0.0;
+    const ElementsResult unstated = identified_by(rig, read, chain);
+    out += ModeResidual(rig, unstated, 2 * M_PI * kHz, mode).chi2() > 30;
+  }
+  EXPECT_GT(out, 30);
+}
+
+}  // namespace
+}  // namespace dwell
