@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "config/decimal_comma.hpp"
 #include "config/draft.hpp"
 #include "config/units.hpp"
 
@@ -195,7 +196,8 @@ void read_range(Section& section, Channel& channel) {
     if (numbers) limits[i] = node.value<double>().value_or(0.0);
   }
   if (!numbers || !std::isfinite(limits[0]) || !std::isfinite(limits[1])) {
-    section.wrong("range", std::string("\"range\" is not two numbers: expected ") + expected);
+    section.wrong("range",
+                  std::string("\"range\" is not two numbers: expected ") + expected + decimal_comma_hint(*range));
   } else if (limits[0] >= limits[1]) {
     section.wrong(
         "range", "\"range\" is [" + number_text(limits[0]) + ", " + number_text(limits[1]) + "]: expected " + expected);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "config/decimal_comma.hpp"
 #include "config/draft.hpp"
 
 namespace dwell::config {
@@ -35,7 +36,8 @@ void read_masses(Section& section, Draft& draft) {
   if (mass_u == nullptr) return;
   if (mass_u->size() != masses->size()) {
     section.wrong("mass_u", "\"mass_u\" has " + std::to_string(mass_u->size()) + " entries: expected " +
-                                std::to_string(masses->size()) + ", one for each of \"masses\"");
+                                std::to_string(masses->size()) + ", one for each of \"masses\"" +
+                                decimal_comma_hint(mass_u->size() > masses->size() ? *mass_u : *masses));
     return;
   }
   rig.mass_u = numbers(*mass_u, {"a number 0 or more, in the unit of the mass", 0.0, 1e12}, "the uncertainty of mass ");
@@ -68,7 +70,8 @@ void read_search(Section& section, Draft& draft) {
   const double low = number(0);
   const double high = number(1);
   if (search->size() != 2 || !std::isfinite(low) || !std::isfinite(high)) {
-    section.wrong("search", std::string("\"search\" is not two numbers: expected ") + expected);
+    section.wrong("search",
+                  std::string("\"search\" is not two numbers: expected ") + expected + decimal_comma_hint(*search));
   } else if (low <= 0.0 || low >= high) {
     section.wrong("search",
                   "\"search\" is [" + number_text(low) + ", " + number_text(high) + "]: expected " + expected);

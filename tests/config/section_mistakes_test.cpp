@@ -161,9 +161,17 @@ TEST(RigFileMistakes, ADecimalCommaIsNamed) {
                  "point: 0.001");
   EXPECT_EQ(decimal_comma("a = 1\nb =  -12,50 # mm\n", 2), "-12.50");
   EXPECT_FALSE(decimal_comma("a = [1, 2\n", 1));
+  EXPECT_FALSE(decimal_comma("a = [1,2", 1));
+  EXPECT_EQ(decimal_comma("mass_u = [-0,01, 1]\n", 1), "-0.01");
   EXPECT_FALSE(decimal_comma("a = 1,\n", 1));
   EXPECT_FALSE(decimal_comma("a", 3));
   EXPECT_FALSE(decimal_comma("", 1));
+}
+
+TEST(RigFileMistakes, ADecimalCommaInAnArrayIsNamedWhereItsLengthDoesNotFit) {
+  expect_mistake("[0.01, 0.02]", "@[0,5, 0.02]",
+                 "\"mass_u\" has 3 entries: expected 2, one for each of \"masses\"; expected a decimal point: 0.5");
+  expect_mistake("[0.01, 0.02]", "@[0.01]", "\"mass_u\" has 1 entries: expected 2, one for each of \"masses\"");
 }
 
 TEST(RigFileMistakes, OfTheListeningAddress) {
