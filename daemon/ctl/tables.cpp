@@ -180,23 +180,26 @@ bool Probed::answers() const {
 }
 
 std::string check_table(const std::vector<Probed>& channels) {
-  std::vector<std::string> names, devices, rates, latencies, states;
+  std::vector<std::string> names, devices, rates, latencies, states, reasons;
   std::vector<NumberText> values;
   for (const Probed& channel : channels) {
+    const std::size_t colon = channel.status.find(": ");
     names.push_back(channel.name);
     devices.push_back(channel.device);
     values.push_back(reading(channel.value, channel.unit));
     rates.push_back(fixed(channel.rate_hz, 1, "Hz"));
     latencies.push_back(fixed(1e3 * channel.latency_s, 2, "ms"));
-    states.push_back(channel.status);
+    states.push_back(channel.status.substr(0, colon));
+    reasons.push_back(colon == std::string::npos ? "" : channel.status.substr(colon + 2));
   }
   Table table;
   table.add("channel", std::move(names));
+  table.add("status", std::move(states));
   table.add("device", std::move(devices));
   table.add("value", join_aligned(values));
   table.add("rate", std::move(rates), Align::right);
   table.add("latency", std::move(latencies), Align::right);
-  table.add("status", std::move(states));
+  table.add("", std::move(reasons));
   return table.text();
 }
 

@@ -97,9 +97,9 @@ TEST(Tables, ACheckSaysWhoAnswers) {
     EXPECT_TRUE(probed.answers()) << status;
   }
   EXPECT_EQ(check_table(channels),
-            R"(channel   device     value       rate  latency  status
-y0        amplifier  4.7 mm  499.9 Hz  0.90 ms  ok
-reaction  bus          —            —        —  timeout: no answer
+            R"(channel   status   device     value       rate  latency
+y0        ok       amplifier  4.7 mm  499.9 Hz  0.90 ms
+reaction  timeout  bus          —            —        —  no answer
 )");
   EXPECT_EQ(check_json(channels)["channels"][1]["value"], nullptr);
   EXPECT_EQ(check_json(channels)["channels"][0]["latency_s"], 0.0009);
