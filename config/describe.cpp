@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 
 #include "config/draft.hpp"
 #include "core/folding.hpp"
@@ -53,12 +54,22 @@ std::string rate_note(const RigFile& file, const DeviceSettings& device) {
          "; rate_shift = false forbids it";
 }
 
+std::string line_note(const DeviceSettings& device) {
+  const double rate_hz = device.rate_hz.value_or(0.0);
+  if (!(device.most_rate_hz > 0) || rate_hz <= device.most_rate_hz) return {};
+  char most[32];
+  std::snprintf(most, sizeof most, "%.3g", device.most_rate_hz);
+  return "warning: device " + device.name + " is asked for " + number_text(rate_hz) + " Hz, its serial line carries " +
+         most + " Hz at most: choose a higher baud, fewer registers or a lower rate";
+}
+
 void describe_devices(Draft& draft) {
   const Excitation& drive = draft.file.rig.excitation;
   for (std::size_t i = 0; i < draft.devices.size(); ++i) {
     DeviceSettings& settings = draft.file.devices[i];
     const dwell_traits traits = traits_of(draft.devices[i], settings, draft.file.directory);
     settings.leads = traits.leads != 0;
+    settings.most_rate_hz = traits.most_rate_hz;
     settings.age_ns = std::max<std::int64_t>(0, traits.age_ns);
     if (!settings.rate_hz && traits.rate_hz > 0.0 && std::isfinite(traits.rate_hz)) settings.rate_hz = traits.rate_hz;
     if (traits.rate_may_shift != 0 && settings.rate_hz && draft.frequency_known) {

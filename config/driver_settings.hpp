@@ -30,6 +30,7 @@ struct DeviceSettings {
   std::string driver;
   std::optional<double> rate_hz;  // of each channel: the key `rate` or the driver's default, shifted where it may be
   std::optional<double> asked_rate_hz;  // before it was shifted; none: it was not
+  double most_rate_hz = 0.0;            // that its line can carry; 0: not known
   bool leads = false;                   // its stamps may run ahead of the clock, as the driver says
   std::int64_t age_ns = 0;              // of a reading that reaches the host at most, as the driver says; 0: not known
   std::vector<Entry> entries;

@@ -69,6 +69,9 @@ inline constexpr std::size_t kMaxDevices = 1000;
 // The covariance of all coefficients is (2n + 2)² numbers, told ten times a second: 0.3 MB each at 100 masses.
 inline constexpr std::size_t kMaxMasses = 100;
 
+// That the line cannot carry the rate asked for, with the most that it can; empty: it can, or nobody knows.
+[[nodiscard]] std::string line_note(const DeviceSettings& device);
+
 // Why a device's rate was shifted, or, where it may not be, which harmonic of the drive it folds: one line for people;
 // empty: neither.
 [[nodiscard]] std::string rate_note(const RigFile& file, const DeviceSettings& device);

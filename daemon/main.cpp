@@ -56,8 +56,8 @@ void print_summary(const RigFile& file) {
               file.rig.name.c_str(), file.rig.mass_count(), file.rig.element_count(), file.rig.channels.size(),
               file.devices.size());
   for (const dwell::config::DeviceSettings& device : file.devices)
-    if (const std::string note = dwell::config::rate_note(file, device); !note.empty())
-      std::printf("%s: %s\n", file.path.c_str(), note.c_str());
+    for (const std::string& note : {dwell::config::rate_note(file, device), dwell::config::line_note(device)})
+      if (!note.empty()) std::printf("%s: %s\n", file.path.c_str(), note.c_str());
 }
 
 int darken_lamps(const RigFile& file) {

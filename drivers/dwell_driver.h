@@ -149,6 +149,8 @@ typedef struct dwell_traits {
                    * host waits that long for the device, and what comes still later is lost */
   int32_t leads; /* 1: stamps may run ahead of the clock, as those of a recording played faster than time; of all others
                   * a stamp in the future is a mistake, and its sample is dropped */
+  double most_rate_hz; /* readings of a channel per second that the line can carry at most; 0: not known. Write it only
+                        * where size says that it is there */
 } dwell_traits;
 
 typedef struct dwell_driver_table {

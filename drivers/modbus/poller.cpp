@@ -185,13 +185,11 @@ void Poller::tell(Target& target, dwell_fault fault, const char* reason) noexcep
 }
 
 void Poller::warn_if_too_fast() const {
-  std::int64_t poll_ns = 0;
-  for (const Block& block : setup_.blocks)
-    poll_ns += setup_.wire.time_ns(kRequestBytes + answer_bytes(block.count)) + setup_.gap_ns;
-  if (static_cast<double>(poll_ns) * 1e-9 * setup_.rate_hz <= 1.0) return;
+  const double most_hz = most_rate_hz(setup_);
+  if (most_hz == 0.0 || setup_.rate_hz <= most_hz) return;
   char text[160];
   std::snprintf(text, sizeof text, "%s: rate %g Hz is more than the line can carry; %.3g Hz is the most at %d baud",
-                setup_.serial.c_str(), setup_.rate_hz, 1e9 / static_cast<double>(poll_ns), setup_.baud);
+                setup_.serial.c_str(), setup_.rate_hz, most_hz, setup_.baud);
   host_.log(DWELL_WARNING, text);
 }
 

@@ -113,6 +113,14 @@ std::int64_t greatest_age_ns(const Setup& setup) noexcept {
   return setup.timeout_ns + wire_ns;
 }
 
+double most_rate_hz(const Setup& setup) noexcept {
+  if (setup.transport != Transport::rtu) return 0.0;
+  std::int64_t poll_ns = 0;
+  for (const Block& block : setup.blocks)
+    poll_ns += setup.wire.time_ns(kRequestBytes + answer_bytes(block.count)) + setup.gap_ns;
+  return poll_ns > 0 ? 1e9 / static_cast<double>(poll_ns) : 0.0;
+}
+
 void check_setup(const driver::Settings& settings, driver::Report& report) {
   const bool rtu = settings.get<std::string_view>("transport", "") == "rtu";
   const auto needs = [&](const char* key, const char* example) {

@@ -42,6 +42,9 @@ inline constexpr std::size_t kRequestBytes = 8;
 // Takes the settings as they are, with defaults; use after check.
 [[nodiscard]] Setup read_setup(const driver::Settings& settings);
 
+// Polls of all blocks per second that the serial line can carry, answers without any turnaround; tcp: 0, not known.
+[[nodiscard]] double most_rate_hz(const Setup& setup) noexcept;
+
 // How old a reading may be when it is delivered: answered at the end of its timeout, and its time on the wire.
 [[nodiscard]] std::int64_t greatest_age_ns(const Setup& setup) noexcept;
 

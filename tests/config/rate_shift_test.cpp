@@ -37,6 +37,19 @@ TEST(RateShift, AMultipleOfTheDriveIsLeftByAtMostOnePercent) {
       << note;
 }
 
+TEST(RateShift, ARateThatTheLineCannotCarryIsToldWithTheMostThatItCan) {
+  DeviceSettings device;
+  device.name = "amplifier";
+  device.rate_hz = 500;
+  EXPECT_TRUE(line_note(device).empty());
+  device.most_rate_hz = 61.4;
+  EXPECT_EQ(line_note(device),
+            "warning: device amplifier is asked for 500 Hz, its serial line carries 61.4 Hz at most: choose a higher "
+            "baud, fewer registers or a lower rate");
+  device.rate_hz = 61;
+  EXPECT_TRUE(line_note(device).empty());
+}
+
 TEST(RateShift, TheRigFileMayForbidIt) {
   const RigFile file = with_rate("rate = 40\nrate_shift = false");
   EXPECT_EQ(told_rate(file), 40.0);
