@@ -145,6 +145,9 @@ void Pipeline::Impl::begin_hold(int from) {
   seen_modes.clear();
   believe_at_ns = INT64_MIN;
   taken_back = {};
+  free_ns = steady_ns;
+  knock_ns = INT64_MIN;
+  knocks = false;
   quiet_ns = INT64_MIN;
   settling.restart();
   history_omega = omega;

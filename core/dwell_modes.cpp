@@ -83,7 +83,7 @@ std::span<const Complex> Pipeline::Impl::chain_poles() {
 
 // The poles found beside the chain's, then those of `poles` that have not decayed to nothing where the fit begins.
 void Pipeline::Impl::keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const {
-  const double skipped_s = to_s(modal_from_ns - steady_ns);
+  const double skipped_s = to_s(modal_from_ns - free_ns);
   out.assign(extra_poles.begin(), extra_poles.end());
   const double seen_s = std::max(to_s(now_ns - modal_from_ns), period_s());
   for (Complex pole : poles) {
@@ -104,11 +104,11 @@ int Pipeline::Impl::fits_affordable(std::size_t poles) const {
 
 bool Pipeline::Impl::refit_modes() {
   if (modal_poles.empty() && decay.poles().empty()) return false;
-  const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - steady_ns;
+  const std::int64_t oldest_ns = history[history.begin()].t_ns, held_ns = now_ns - free_ns;
   // The first period may hold the end of what was before.
   const std::int64_t skipped_ns =
       std::max(to_ns(kUnsure * period_s()), static_cast<std::int64_t>(modal_skipped * static_cast<double>(held_ns)));
-  modal_from_ns = std::max(steady_ns + skipped_ns, oldest_ns);
+  modal_from_ns = std::max(free_ns + skipped_ns, oldest_ns);
   for (double& range : ranges) range = 0.0;
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
@@ -153,6 +153,22 @@ bool Pipeline::Impl::refit_modes() {
       spare_poles = extra_poles;
       if (explained()) break;
     }
+    // From before a knock no poles explain what comes after.
+    if (candidate == 0 && (knocks || modal_skipped >= kSkippedMost) && !explained()) {
+      const std::int64_t first_ns = knock_ns > modal_from_ns ? knock_ns : modal_from_ns + (now_ns - modal_from_ns) / 2;
+      bool explains = fit_since_knock(w, first_ns);
+      if (!explains && !extra_poles.empty()) {
+        // A knock within the fit looks like lines beside the chain.
+        std::erase_if(extra_poles, [](Complex pole) { return pole.real() < 0; });
+        explains = fit_since_knock(w, first_ns);
+        if (!explains) extra_poles = kept_extras;
+      }
+      if (explains) {
+        take_best_poles();
+        modal_skipped = 0.0;
+        return true;
+      }
+    }
   }
   if (!(best < INFINITY)) return false;
   if (best_poles != kept_poles || modal.omega() != kept_w) {
@@ -161,7 +177,7 @@ bool Pipeline::Impl::refit_modes() {
   }
   best_poles = kept_poles;
   extra_poles = spare_poles;
-  if (fits_left > 0 && find_extra_pole()) {
+  if (!knocks && fits_left > 0 && find_extra_pole()) {
     std::rotate(extra_poles.begin(), extra_poles.end() - 1, extra_poles.end());
     best_poles.insert(best_poles.begin(), extra_poles.front());
     refine_poles(fit_modes(kept_w, best_poles), kManyRefinements);

@@ -80,7 +80,7 @@ void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
   // Windows alone would be believed too soon.
-  if (to_s(end_ns - steady_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
+  if (to_s(end_ns - free_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
   bool fresh = now_ns >= modal_refit_at_ns;
   if (!fresh && modal_fitted) {
     feed_modes();
@@ -88,8 +88,10 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     modal.propagate_poles(!from_motion());
     // The poles are those of the data at the last refit, and their uncertainty is that of the data now: before a
     // verdict they are refined on these.
-    const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(refitted_ns - steady_ns));
-    fresh = now_ns > refitted_ns + grown_ns && modal_left(end_ns, nullptr) <= 1;
+    const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(refitted_ns - free_ns));
+    const bool knocked = knock_ns == INT64_MIN && explained() && knocked_now(end_ns - to_ns(period_s() / kQuarters));
+    if (knocked) heed_knock(end_ns);
+    fresh = !(knock_ns > refitted_ns) && now_ns > refitted_ns + grown_ns && modal_left(end_ns, nullptr) <= 1;
   }
   if (fresh) {
     modal_fitted = refit_modes();
@@ -98,12 +100,14 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
       return false;
     }
     refitted_ns = now_ns;
+    if (explained()) knock_ns = INT64_MIN;
     modal.propagate_poles(!from_motion());
     // Far from settled there is time.
     const double left = modal_left(end_ns, nullptr);
     const double ahead_s =
         left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
-    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - steady_ns)), kHoldGrowth, kGrowthFar));
+    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - free_ns)), kHoldGrowth, kGrowthFar));
+    if (knocks && !explained()) refit_after_knock();
   } else if (!modal_fitted) {
     return false;
   }
@@ -114,7 +118,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
     if (!explained()) refit_soon();
   }
-  const bool believes = believed(left_before), waits = !believes || !determined();
+  const bool believes = believed(left_before), waits = !believes || !determined() || knock_ns > refitted_ns;
   verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
                          : verdict.worst_left > 1                     ? std::log(verdict.worst_left) / slowest_rate()
                          : !believes                                  ? to_s(believe_at_ns - now_ns)
@@ -184,14 +188,14 @@ bool Pipeline::Impl::believed(double left_before) {
     for (int c = 0; c < channel_count; ++c) rounded = rounded || rounds(c);
     if (!rounded || !(left_before > kSudden)) return true;
     believe_at_ns = now_ns + std::max(to_ns(kAgainPeriods * period_s()),
-                                      static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - steady_ns)));
+                                      static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_ns)));
     modal_refit_at_ns = believe_at_ns;
   }
   return now_ns >= believe_at_ns;
 }
 
 void Pipeline::Impl::refit_later(double growth) {
-  modal_refit_at_ns = steady_ns + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - steady_ns));
+  modal_refit_at_ns = free_ns + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - free_ns));
 }
 
 // Not before a period has gone by.
@@ -209,7 +213,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   double slowest = slowest_rate();
   const auto chain = chain_poles();
   for (const Complex& pole : chain) slowest = std::min(slowest, -pole.real());
-  const bool seen = slowest * to_s(now_ns - steady_ns) > kSeenThrough;
+  const bool seen = slowest * to_s(now_ns - free_ns) > kSeenThrough;
   const bool last = seen && !(hums() || transient_matters());
   fits_left = std::min(kFitsMeasuring, fits_affordable(modal.poles().size()));
   best_poles.assign(extra_poles.begin(), extra_poles.end());

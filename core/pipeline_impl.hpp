@@ -99,9 +99,11 @@ struct Pipeline::Impl {
     noises.resize(live.size());
     spectrum.resize(kMains + 400);
     overlap.resize(live.size());
+    of_quarter.resize(live.size());
     for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
-    for (auto* poles : {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras})
-      poles->reserve(2 * given.masses.size() + 4);
+    for (auto* poles :
+         {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras, &known_poles})
+      poles->reserve(4 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
@@ -158,6 +160,15 @@ struct Pipeline::Impl {
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = INT64_MIN, modal_from_ns = 0;
+  // Since when the natural oscillations go on undisturbed: since the hold's beginning, or the last knock that was
+  // found.
+  std::int64_t free_ns = 0;
+  std::int64_t knock_ns = INT64_MIN;  // the newest alarm, which the next refit looks at
+  bool knocks = false;                // there was an alarm in this hold
+  struct Newest {
+    double squares = 0.0, count = 0.0;
+  };
+  std::vector<Newest> of_quarter;          // per channel, residuals of the newest quarter
   std::int64_t refitted_ns = 0;            // when its poles were last refined
   bool modal_fitted = false;               // in this hold
   std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
@@ -167,7 +178,7 @@ struct Pipeline::Impl {
   double modal_skipped = 0.0;              // part of the hold that the modal fit leaves out
   std::int64_t quiet_ns = INT64_MIN;       // until then the transient is taken out of what comes in
   std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
-      spectrum;
+      spectrum, known_poles;
   struct Noise {
     double variance = INFINITY, freedom = 0.0;
     // Of the modal fit's residuals in either half of it, and their numbers.
@@ -356,6 +367,12 @@ struct Pipeline::Impl {
   void judge_extra_poles();
   // Whether a steady line beside the drive is fitted.
   [[nodiscard]] bool hums() const;
+
+  // dwell_knocks.cpp: what begins the natural oscillations anew while the rig settles.
+  bool knocked_now(std::int64_t from_ns);
+  bool fit_since_knock(double w, std::int64_t first_ns);
+  void heed_knock(std::int64_t end_ns);
+  void refit_after_knock();
 
   // dwell_transient.cpp: how much of the transient is left, and its being taken out.
   [[nodiscard]] double allowed_left(int c) const;

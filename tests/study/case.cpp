@@ -41,6 +41,8 @@ const char* name_of(Population population) {
       return "ramps";
     case Population::resonance:
       return "resonance";
+    case Population::knocks:
+      return "knocks";
     case Population::disturbed:
       return "disturbed";
   }

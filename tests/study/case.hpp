@@ -33,8 +33,9 @@ enum class Population {
   ramps,      // n = 0, three periods between ramps
   disturbed,  // what devices, drives and rigs do that a rig file does not know of
   resonance,  // the drive within the half-power width of a lightly damped mode
+  knocks,     // knocked while it settles; what is judged begins with the last knock
 };
-inline constexpr int kPopulations = 15;
+inline constexpr int kPopulations = 16;
 [[nodiscard]] const char* name_of(Population population);
 
 // How a channel is sampled, and what is added to what it reads.

@@ -128,6 +128,9 @@ Case draw(Population population, std::uint64_t seed, int index) {
     case Population::resonance:
       draw_resonance(draws, about);
       break;
+    case Population::knocks:
+      draw_knocks(draws, about);
+      break;
     case Population::disturbed:
       draw_disturbed(draws, about);
       break;

@@ -46,4 +46,7 @@ void draw_ramps(Draws& draws, Case& about);
 // One that begins with a transient, driven at a natural frequency.
 void draw_resonance(Draws& draws, Case& about);
 
+// One that is knocked again and again before it has settled, and then no more.
+void draw_knocks(Draws& draws, Case& about);
+
 }  // namespace dwell::study

@@ -29,6 +29,8 @@ std::string disturbance_of(Population population) {
       return "quantized, less noise than that";
     case Population::resonance:
       return "the drive at a natural frequency";
+    case Population::knocks:
+      return "knocks during settling";
     default:
       return name_of(population);
   }
@@ -160,6 +162,25 @@ Row early_row(const std::vector<Outcome>& outcomes, Population population, doubl
   row.count = static_cast<long>(outcomes.size());
   row.met = share <= 0.5 + 2 * slack;
   row.value = row.cost = share;
+  return row;
+}
+
+Row late_row(const std::vector<Outcome>& outcomes, Population population, double slack) {
+  long never = 0;
+  std::vector<double> tail;
+  for (const Outcome& outcome : outcomes) {
+    never += !outcome.settled;
+    tail.push_back(late_by(outcome, 10, 1));
+  }
+  const double most = quantile(tail, 0.95);
+  Row row;
+  row.figure = "lateness of the verdict, 95th percentile, over max(10 periods, tau): " + disturbance_of(population) +
+               text(" (never within twice that: %ld)", never);
+  row.reached = text("%.2f", most);
+  row.target = "<= 1";
+  row.count = static_cast<long>(outcomes.size());
+  row.met = most <= 1 + slack;
+  row.value = row.cost = most;
   return row;
 }
 

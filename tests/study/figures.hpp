@@ -22,6 +22,8 @@ namespace dwell::study {
 [[nodiscard]] std::vector<Row> settling_rows(const std::vector<Outcome>& outcomes, double slack);
 // Too early, of one population; how late beside it.
 [[nodiscard]] Row early_row(const std::vector<Outcome>& outcomes, Population population, double slack);
+// Late by the 95th percentile, of one population.
+[[nodiscard]] Row late_row(const std::vector<Outcome>& outcomes, Population population, double slack);
 // An element that must not be reported, and that must be.
 [[nodiscard]] std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack);
 // Healthy dwells in which a channel, an element or the drive is blamed for a disturbance.

@@ -127,6 +127,7 @@ void study(const Options& options, Population population, Results& results) {
           play_all<DisturbedOutcome>(options, population, options.count(kKinds, 179 * kKinds), play_disturbed);
       break;
     case Population::resonance:
+    case Population::knocks:
       results.begun[population] = play_all<Outcome>(options, population, options.count(10, 2000), play_dwell);
       break;
     default:

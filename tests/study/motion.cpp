@@ -130,13 +130,24 @@ MassState Motion::steady_state(const TableMotion& table) const {
   return state;
 }
 
-MassState Motion::state_at(const Segment& segment, double t_s) const {
+TableMotion Motion::table_at(const Segment& segment, double t_s) const {
   const double tau = t_s - segment.start_s;
   TableMotion table = segment.table;
   for (std::size_t h = 0; h < table.shape.size(); ++h)
     table.shape[h] *= std::exp(kJ * (static_cast<double>(h + 1) * segment.omega * tau));
   for (Tone& tone : table.tones) tone.amplitude *= std::exp(kJ * (kTwoPi * tone.frequency_hz * tau));
-  MassState state = steady_state(table);
+  return table;
+}
+
+void Motion::knock(double t_s, int mass, double velocity) {
+  MassState state = state_at(segments_.back(), t_s);
+  state.velocity[static_cast<std::size_t>(mass - 1)] += velocity;
+  drive(t_s, table_at(segments_.back(), t_s), state);
+}
+
+MassState Motion::state_at(const Segment& segment, double t_s) const {
+  const double tau = t_s - segment.start_s;
+  MassState state = steady_state(table_at(segment, t_s));
   for (std::size_t m = 0; m < lambda_.size(); ++m) {
     const Complex now = segment.amplitudes[m] * std::exp(lambda_[m] * tau);
     for (std::size_t k = 0; k < state.y.size(); ++k) {

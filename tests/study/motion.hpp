@@ -66,6 +66,10 @@ class Motion {
   // A decaying oscillation that channel c alone shows, from the newest drive's start on: Re(a exp(λτ)).
   void ring(int c, Complex a, Complex lambda);
 
+  // From t_s on mass 1 … n has a velocity more, m/s, and the table goes on as it moves. t_s: not before the newest
+  // drive or knock, from which on the motion is the newest drive's.
+  void knock(double t_s, int mass, double velocity);
+
   // Modes are left out of channel c from the instant on at which they have fallen below `negligible`.
   void prune(int c, double negligible);
 
@@ -110,6 +114,7 @@ class Motion {
     std::vector<Complex> amplitudes;  // of the modes, at the start
     std::vector<Heard> channels;
   };
+  [[nodiscard]] TableMotion table_at(const Segment& segment, double t_s) const;  // its phases then
   [[nodiscard]] MassState state_at(const Segment& segment, double t_s) const;
   [[nodiscard]] double step_s() const;  // in which a transient cannot have moved much
 

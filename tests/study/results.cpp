@@ -29,7 +29,8 @@ std::vector<Outcome> Results::of(const std::vector<Population>& populations) con
 std::vector<Outcome> Results::all_begun() const {
   std::vector<Population> populations;
   for (const auto& [population, outcomes] : begun)
-    if (population != Population::stiff && population != Population::resonance) populations.push_back(population);
+    if (population != Population::stiff && population != Population::resonance && population != Population::knocks)
+      populations.push_back(population);
   return of(populations);
 }
 
@@ -48,7 +49,9 @@ std::vector<Row> rows_of(const Results& results, double slack) {
                                    : "rms error over the Cramér-Rao bound, frequency given";
     }
     if (population != Population::tracked) rows.push_back(coverage_row(outcomes, population, slack));
-    if (population == Population::resonance) rows.push_back(early_row(outcomes, population, slack));
+    if (population == Population::knocks) rows.push_back(late_row(outcomes, population, slack));
+    if (population == Population::resonance || population == Population::knocks)
+      rows.push_back(early_row(outcomes, population, slack));
   }
   for (const auto& [population, outcomes] : results.steps) {
     rows.push_back(step_row(outcomes, population, slack));

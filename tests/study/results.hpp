@@ -23,7 +23,7 @@ struct Results {
 
   // Dwells of `populations` together.
   [[nodiscard]] std::vector<Outcome> of(const std::vector<Population>& populations) const;
-  // Every population that begins with a transient, but for resonance, which has rows of its own.
+  // Every population that begins with a transient, but for resonance and knocks, which have rows of their own.
   [[nodiscard]] std::vector<Outcome> all_begun() const;
 };
 
