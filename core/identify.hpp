@@ -13,11 +13,10 @@
 #include <complex>
 #include <span>
 
+#include "core/complex.hpp"
 #include "core/rig.hpp"
 
 namespace dwell {
-
-using Complex = std::complex<double>;
 
 // Stiffness and damping of a dynamic stiffness: c = Re Z, r = Im Z / ω.
 [[nodiscard]] inline double stiffness(Complex Z) noexcept { return Z.real(); }

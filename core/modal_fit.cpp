@@ -5,10 +5,11 @@
 #include <numbers>
 #include <utility>
 
+#include "core/complex.hpp"
+
 namespace dwell {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kSecondPerNs = 1e-9;

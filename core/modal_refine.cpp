@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/complex.hpp"
 #include "core/modal_fit.hpp"
 
 namespace dwell {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kKnown = 1e-12;        // relative, of a frequency that is given

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/angle.hpp"
+#include "core/complex.hpp"
 #include "core/identify.hpp"
 #include "core/mode_residual.hpp"
 #include "core/natural_modes.hpp"
@@ -16,7 +17,6 @@
 namespace dwell {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr int kMostMasses = 24;         // beyond, the eigenvectors ten times a second cost more than 5 ms

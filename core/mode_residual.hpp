@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/complex.hpp"
 #include "core/estimate.hpp"
 #include "core/rig.hpp"
 #include "core/seen_modes.hpp"
@@ -51,7 +52,6 @@ class ModeResidual {
   [[nodiscard]] const Eigen::VectorXd& force() const noexcept { return force_; }
 
  private:
-  using Complex = std::complex<double>;
   // Rows: R by each channel's amplitude, at a pole near the seen one.
   [[nodiscard]] Eigen::MatrixXcd by_amplitude(Complex pole) const;
   [[nodiscard]] Eigen::MatrixXd covariance_of_effects() const;

@@ -3,12 +3,12 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "core/complex.hpp"
 #include "core/state_matrix.hpp"
 
 namespace dwell {
 
 std::vector<NaturalMode> natural_modes(const Chain& chain) {
-  using Complex = std::complex<double>;
   using Eigen::Index;
   std::vector<NaturalMode> modes;
   const Index n = chain.mass_count(), elements = chain.element_count();

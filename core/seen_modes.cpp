@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/complex.hpp"
+
 namespace dwell {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
 // Of the longer of 1/T and the decay rate: an error of a pole that turns or shrinks its mode by that part while it is

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/complex.hpp"
+
 namespace dwell {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 
 // Product over the poles of a Butterworth low-pass with corner 1 rad/s.

@@ -1,0 +1,10 @@
+// The complex number of phasors, dynamic stiffnesses and poles.
+#pragma once
+
+#include <complex>
+
+namespace dwell {
+
+using Complex = std::complex<double>;
+
+}  // namespace dwell
