@@ -194,11 +194,11 @@ VectorXcd ModeResidual::at_pole(const VectorXcd& dZ) const {
   return forces;
 }
 
-ModeResidual::Complex ModeResidual::Y(int place) const {
+Complex ModeResidual::Y(int place) const {
   return place == kGround ? Complex{} : Complex{x_.head(place + 1).sum()};
 }
 
-ModeResidual::Complex ModeResidual::steady_Y(int place) const {
+Complex ModeResidual::steady_Y(int place) const {
   return place == kGround ? Complex{} : identified_.Y(place);
 }
 

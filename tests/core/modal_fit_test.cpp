@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
+#include "core/complex.hpp"
+
 namespace dwell {
 namespace {
-
-using Complex = std::complex<double>;
 
 constexpr double kOmega = 2 * M_PI * 5.0, kRate_hz = 200.0;
 

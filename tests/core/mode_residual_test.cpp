@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/chain_state.hpp"
+#include "core/complex.hpp"
 #include "core/forward.hpp"
 #include "core/natural_modes.hpp"
 #include "tests/core/bench_rig.hpp"
@@ -14,7 +15,6 @@
 namespace dwell {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kHz = 4.0, kSigma = 3e-6;  // of an amplitude of one

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <random>
 
+#include "core/complex.hpp"
 #include "core/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {
 namespace {
-
-using Complex = std::complex<double>;
 
 Complex nearest(const Chain& chain, Complex pole) {
   const auto values = natural_values(chain);

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <random>
 
+#include "core/complex.hpp"
 #include "core/forward.hpp"
 #include "core/observation.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {
 namespace {
-
-using Complex = std::complex<double>;
 
 // A rig with a second transducer on mass 2.
 Rig redundant_rig() {

@@ -17,7 +17,7 @@ constexpr double kMean = 0.5, kLongest = 1.0;               // … of the slowes
 constexpr double kShortest_s = 12.0, kLongest_s = 600.0;    // for so long it is knocked …
 constexpr double kMostPeriods = 3000.0, kMostKnocks = 200;  // … at most, for the study to take no hours
 constexpr double kGentlest = 0.1, kHardest = 3.0;           // of the steady motion of the mass that is knocked
-constexpr double kFewestSamples = 10.0, kMostSamples = 30.0;  // a period
+constexpr double kFewestAPeriod = 10.0, kMostAPeriod = 30.0;  // a period
 
 }  // namespace
 
@@ -53,7 +53,7 @@ void draw_knocks(Draws& draws, Case& about) {
   }
   about.change_s = t_s;
   about.remark += "from rest, " + std::to_string(knocks) + " knocks in " + std::to_string(std::lround(t_s)) + " s";
-  draw_sampling(draws, about, kFewestSamples, kMostSamples);
+  draw_sampling(draws, about, kFewestAPeriod, kMostAPeriod);
   draw_noise(draws, about, std::abs(about.table.shape[0]));
 }
 
