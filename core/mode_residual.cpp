@@ -194,13 +194,9 @@ VectorXcd ModeResidual::at_pole(const VectorXcd& dZ) const {
   return forces;
 }
 
-Complex ModeResidual::Y(int place) const {
-  return place == kGround ? Complex{} : Complex{x_.head(place + 1).sum()};
-}
+Complex ModeResidual::Y(int place) const { return place == kGround ? Complex{} : Complex{x_.head(place + 1).sum()}; }
 
-Complex ModeResidual::steady_Y(int place) const {
-  return place == kGround ? Complex{} : identified_.Y(place);
-}
+Complex ModeResidual::steady_Y(int place) const { return place == kGround ? Complex{} : identified_.Y(place); }
 
 VectorXd ModeResidual::by_mass(Index mass) const {
   const double m = rig_.masses[static_cast<std::size_t>(mass)];
