@@ -180,7 +180,7 @@ void BentChain::advance(double t_s) {
 const dwell::ChainMotion& BentChain::at(double t_s) {
   advance(t_s);
   const auto after =
-      std::lower_bound(steps_.begin(), steps_.end(), t_s, [](const Step& step, double at) { return step.t_s < at; });
+      std::upper_bound(steps_.begin(), steps_.end(), t_s, [](double at, const Step& step) { return at < step.t_s; });
   const Step& b = after == steps_.end() ? steps_.back() : *after;
   const Step& a = after == steps_.begin() ? b : *std::prev(after);
   const double span = b.t_s - a.t_s, x = span > 0 ? std::clamp((t_s - a.t_s) / span, 0.0, 1.0) : 1.0;
@@ -202,13 +202,30 @@ const dwell::ChainMotion& BentChain::at(double t_s) {
   return motion_;
 }
 
+// The step at t, which ends what was computed so far: what lay beyond t is dropped. To go on otherwise, change it and
+// push it back once more: between two steps of the same instant nothing is interpolated.
+BentChain::Step BentChain::cut(double t_s) {
+  const dwell::ChainMotion now = at(t_s);
+  while (!steps_.empty() && steps_.back().t_s > t_s) steps_.pop_back();
+  if (!steps_.empty() && steps_.back().t_s == t_s) return steps_.back();
+  Step step{t_s, {}, std::vector<double>(2 * (now.y.size() - 1))};
+  step.state.assign(now.y.begin() + 1, now.y.end());
+  step.state.insert(step.state.end(), now.velocity.begin() + 1, now.velocity.end());
+  derive(t_s, step.state, step.slope);
+  steps_.push_back(step);
+  return step;
+}
+
+void BentChain::knock(double t_s, int mass, double velocity) {
+  Step step = cut(t_s);
+  const std::size_t n = step.state.size() / 2;
+  step.state[n + static_cast<std::size_t>(mass - 1)] += velocity;
+  derive(t_s, step.state, step.slope);
+  steps_.push_back(std::move(step));
+}
+
 void BentChain::set_drive(double t_s, const dwell::Drive& drive) {
-  const dwell::ChainMotion now_at = at(t_s);
-  // What was computed beyond t was of the old drive.
-  while (!steps_.empty() && steps_.back().t_s >= t_s) steps_.pop_back();
-  Step now_step{t_s, {}, std::vector<double>(2 * (now_at.y.size() - 1))};
-  now_step.state.assign(now_at.y.begin() + 1, now_at.y.end());
-  now_step.state.insert(now_step.state.end(), now_at.velocity.begin() + 1, now_at.velocity.end());
+  Step now_step = cut(t_s);
   const double since = t_s - changed_s_;
   const double part = drive_.ramp_s > 0 ? std::clamp(since / drive_.ramp_s, 0.0, 1.0) : 1.0;
   std::vector<std::complex<double>> now(2);

@@ -45,6 +45,8 @@ class BentChain {
   const dwell::ChainMotion& at(double t_s);
   // From t on another drive; phase and motion go on, amplitudes go over within its ramp.
   void set_drive(double t_s, const dwell::Drive& drive);
+  // At t one mass's velocity jumps by this, m/s.
+  void knock(double t_s, int mass, double velocity);
 
   static constexpr double kRemembered_s = 2.0;
 
@@ -60,6 +62,7 @@ class BentChain {
   [[nodiscard]] Table table_at(double t_s) const;
   double derive(double t_s, const std::vector<double>& state, std::vector<double>& slope) const;
   void advance(double t_s);
+  [[nodiscard]] Step cut(double t_s);
   void choose_step();
 
   dwell::Chain chain_;

@@ -31,12 +31,15 @@ std::optional<double> number(const std::string& word) {
 
 Device::Device(const Options& options)
     : faults(options.faults),
-      masses_(options.chain.masses.size()),
+      mass_kg_(options.chain.masses),
+      masses_(mass_kg_.size()),
       clamped_(options.chain.boundary == dwell::Boundary::clamped),
       drive_(options.drive),
       running_(!options.stopped),
       chain_(options.chain, effective(options.drive, running_),
              options.from_steady ? dwell::DrivenChain::Start::steady : dwell::DrivenChain::Start::rest),
+      knocker_(options.knocks, options.seed),
+      ringing_(options.chain),
       reading_faults_({}, {}),
       random_(options.seed) {
   if (options.bend.any()) bent_.emplace(options.chain, options.bend, effective(drive_, running_), options.from_steady);
@@ -67,7 +70,36 @@ std::string Device::fault(const Options& options) {
   return {};
 }
 
-const dwell::ChainMotion& Device::motion_at(double t_s) { return bent_ ? bent_->at(t_s) : chain_.at(t_s); }
+const dwell::ChainMotion& Device::motion_at(double t_s) {
+  catch_up(t_s);
+  if (bent_) return bent_->at(t_s);
+  motion_ = chain_.at(t_s);
+  ringing_.add_to(t_s, motion_);
+  return motion_;
+}
+
+void Device::catch_up(double t_s) {
+  while (const auto due = knocker_.due(t_s)) knock(*due);
+}
+
+void Device::knock(const Knock& knock) {
+  const double velocity = knock.impulse / mass_kg_[static_cast<std::size_t>(knock.mass - 1)];
+  if (bent_)
+    bent_->knock(knock.t_s, knock.mass, velocity);
+  else
+    ringing_.knock(knock.t_s, knock.mass, velocity);
+}
+
+std::string Device::knock_now(double t_s, const std::vector<std::string>& words) {
+  const auto mass = words.size() == 3 ? number(words[1]) : std::nullopt;
+  const auto impulse = words.size() == 3 ? number(words[2]) : std::nullopt;
+  if (!mass || !impulse) return "expected: knock MASS N*S";
+  if (*mass != std::floor(*mass) || *mass < 1 || *mass > static_cast<double>(masses_))
+    return "no mass " + words[1] + ": expected 1 ... " + std::to_string(masses_);
+  catch_up(t_s);
+  knock({t_s, static_cast<int>(*mass), *impulse});
+  return {};
+}
 
 void Device::truth(double t_s, std::span<double> values) {
   const dwell::ChainMotion& motion = motion_at(t_s);
@@ -109,6 +141,7 @@ void Device::read(double t_s, std::span<double> values, int station) {
 }
 
 void Device::apply_drive(double t_s) {
+  catch_up(t_s);
   if (bent_)
     bent_->set_drive(t_s, effective(drive_, running_));
   else
@@ -133,6 +166,7 @@ std::string Device::set_stuck(double t_s, const std::vector<std::string>& words)
 std::optional<std::string> Device::command(double t_s, const std::vector<std::string>& words) {
   const std::string& verb = words[0];
   if (verb == "stuck") return set_stuck(t_s, words);
+  if (verb == "knock") return knock_now(t_s, words);
   if (auto answer = reading_faults_.command(words)) return answer;
   if (verb == "start" || verb == "stop") {
     if (words.size() != 1) return verb + " takes nothing more";

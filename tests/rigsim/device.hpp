@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/rigsim/bent_chain.hpp"
+#include "tests/rigsim/knocks.hpp"
 #include "tests/rigsim/options.hpp"
 #include "tests/rigsim/reading_faults.hpp"
 
@@ -46,14 +47,21 @@ class Device {
   [[nodiscard]] double measured(std::size_t channel, double truth);
   void truth(double t_s, std::span<double> values);
   void apply_drive(double t_s);
+  void catch_up(double t_s);  // with the knocks that are due
+  void knock(const Knock& knock);
+  [[nodiscard]] std::string knock_now(double t_s, const std::vector<std::string>& words);
   [[nodiscard]] std::string set_stuck(double t_s, const std::vector<std::string>& words);
 
+  std::vector<double> mass_kg_;
   std::size_t masses_;
   bool clamped_;
   dwell::Drive drive_;
   bool running_;
   dwell::DrivenChain chain_;
   std::optional<BentChain> bent_;  // in its place
+  Knocker knocker_;
+  Ringing ringing_;            // beside chain_; bent_ is knocked itself
+  dwell::ChainMotion motion_;  // of both
   std::vector<std::string> channels_;
   std::vector<double> full_;                  // each channel's steady amplitude under the first drive
   std::vector<std::optional<double>> stuck_;  // the value a channel is stuck at

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -35,6 +36,7 @@ struct Arguments {
   std::string parity = "even";
   std::string masses, tcp, unit = "m", csv;
   std::vector<std::string> harmonics, stuck, friction, cubic, side;
+  std::vector<std::string> knocks;
   std::string hunt;
   std::vector<std::pair<const char*, std::vector<std::string>>> readings{
       {"refresh", {}}, {"sample", {}}, {"clip", {}}, {"converter", {}}, {"zeros", {}}, {"repeats", {}}};
@@ -89,6 +91,9 @@ void define(CLI::App& app, Arguments& arguments) {
   app.add_option("--side-spring", arguments.side,
                  "MASS:TO:N/M[:N*S/M], beside the chain, TO a mass, 0 (the table) or ground; repeatable");
   app.add_option("--hunt", arguments.hunt, "PART:HZ, the table's amplitude swings by this part");
+  app.add_option(
+      "--knocks", arguments.knocks,
+      "MASS:N*S:EVERY_S[:UNTIL_S], an impulse to a mass at random instants, so often on average; repeatable");
   app.add_option("--seed", rig.seed, "of everything random");
   for (const rigsim::FaultName& fault : rigsim::fault_names())
     app.add_option("--" + std::string(fault.name), rig.faults.*fault.member, fault.help)
@@ -177,6 +182,25 @@ std::string settle_bend(Arguments& arguments) {
   return bend.fault(arguments.rig.chain);
 }
 
+std::string settle_knocks(Arguments& arguments) {
+  for (const std::string& text : arguments.knocks) {
+    const auto values = numbers_of(text, 3, 4);
+    std::string fault = "expected MASS:N*S:EVERY_S[:UNTIL_S]";
+    if (!values.empty()) {
+      rigsim::Knocking knocking;
+      const bool whole = std::abs(values[0]) < 1e6 && values[0] == std::floor(values[0]);
+      knocking.mass = whole ? static_cast<int>(values[0]) : 0;
+      knocking.impulse = values[1];
+      knocking.every_s = values[2];
+      if (values.size() > 3) knocking.until_s = values[3];
+      fault = knocking.fault(arguments.rig.chain);
+      arguments.rig.knocks.push_back(knocking);
+    }
+    if (!fault.empty()) return "--knocks " + text + ": " + fault;
+  }
+  return {};
+}
+
 // Control lines of the options that stand for one.
 std::string settle_readings(Arguments& arguments) {
   for (const std::string& channel : arguments.stuck) arguments.rig.lines.push_back("stuck " + channel + " on");
@@ -201,6 +225,7 @@ std::string settle(Arguments& arguments) {
     rig.drive.harmonics.push_back(*harmonic);
   }
   if (std::string fault = settle_bend(arguments); !fault.empty()) return fault;
+  if (std::string fault = settle_knocks(arguments); !fault.empty()) return fault;
   if (std::string fault = settle_readings(arguments); !fault.empty()) return fault;
   rig.millimetres = arguments.unit == "mm";
   arguments.sync.seed = rig.seed;

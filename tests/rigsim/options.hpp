@@ -11,6 +11,7 @@
 #include "core/chain.hpp"
 #include "core/driven_chain.hpp"
 #include "tests/rigsim/bent_chain.hpp"
+#include "tests/rigsim/knocks.hpp"
 
 namespace rigsim {
 
@@ -50,6 +51,7 @@ struct Options {
   dwell::Chain chain{dwell::Boundary::clamped, {12, 8, 5}, {24000, 8000, 6000, 8000}, {60, 45, 30, 40}};
   dwell::Drive drive{4.0, 0.005, 0.0, 0.25, {}};
   Bend bend;                       // what the chain has beside masses, springs and dampers
+  std::vector<Knocking> knocks;    // on its masses
   std::vector<std::string> lines;  // control lines of the device that hold from the beginning
   bool from_steady = false;        // begin in the steady state instead of at rest
   bool stopped = false;            // the drive awaits `start`
