@@ -57,7 +57,7 @@ struct Frequency {
 struct ReadingError {
   Eigen::Index channel;
   double relative = 0.0, late_s = 0.0;         // too small by that part; too late
-  double lowpass_hz = 0.0, highpass_hz = 0.0;  // corners lower than stated
+  double lowpass_hz = 0.0, highpass_hz = 0.0;  // corners higher than stated
 };
 // By what part of itself the channel observes too little of a motion exp(st), s in rad/s.
 [[nodiscard]] std::complex<double> observed_too_small(const Rig& rig, const ReadingError& error,
@@ -69,7 +69,7 @@ struct SourceEffect {
   int mass = 0;                        // k of the mass that it is the uncertainty of; 0: of none
   double mass_u = 0.0;                 // that uncertainty, kg (kg·m²)
   double clock_u = 0.0;                // of the rate of the host's clock, which all times share; relative
-  std::vector<ReadingError> readings;  // of scales, delays, turnarounds and refreshed registers
+  std::vector<ReadingError> readings;  // of scales, delays, filters, turnarounds and refreshed registers
 };
 
 struct ElementsResult {

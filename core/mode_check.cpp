@@ -160,28 +160,25 @@ std::string causes(const std::vector<Pair>& pairs, const Rig& rig) {
   return text;
 }
 
-std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig& rig, const ElementsResult& identified,
-                    double omega) {
+std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig& rig, double omega) {
   const SeenMode& seen = *pair.seen;
   double chi2 = 0.0;
   const Index worst = pair.residual.worst(&chi2);
   const auto e = static_cast<std::size_t>(pair.residual.elements()[static_cast<std::size_t>(worst)]);
   const Eigen::Vector2d change = pair.residual.change(worst);
   const Eigen::Matrix2d covariance = pair.residual.change_covariance(worst);
-  const ElementEstimate& element = identified.elements[e];
   const bool rotates = rig.motion == Motion::rotation;
   const std::string c_unit = rotates ? "N·m/rad" : "N/m", r_unit = rotates ? "N·m·s/rad" : "N·s/m";
+  const auto apart = [&](Index i, const std::string& unit) {
+    return plus_minus(std::abs(change(i)), 2 * std::sqrt(covariance(i, i)), unit) + (change(i) > 0 ? " more" : " less");
+  };
   char mode[160];
-  std::snprintf(mode, sizeof mode,
-                "mode at %.4g Hz (%.5g Hz, decaying at %.3g /s; the identified chain: %.5g Hz, %.3g /s): ",
-                seen.pole.imag() / kTwoPi, seen.pole.imag() / kTwoPi, -seen.pole.real(),
-                pair.natural->pole.imag() / kTwoPi, -pair.natural->pole.real());
+  std::snprintf(mode, sizeof mode, "mode at %.5g Hz, decaying at %.3g /s (the identified chain: %.5g Hz, %.3g /s): ",
+                seen.pole.imag() / kTwoPi, -seen.pole.real(), pair.natural->pole.imag() / kTwoPi,
+                -pair.natural->pole.real());
   const std::string single = causes(pairs, rig);
-  return mode + ("by this natural oscillation element " + std::to_string(e + 1) + " has ") +
-         plus_minus(element.stiffness.value + change(0), 2 * std::sqrt(covariance(0, 0)), c_unit) + " and " +
-         plus_minus(element.damping.value + change(1), 2 * std::sqrt(covariance(1, 1)), r_unit) + ", by the drive at " +
-         brief(omega / kTwoPi, 4) + " Hz " + plus_minus(element.stiffness.value, element.stiffness.U95, c_unit) +
-         " and " + plus_minus(element.damping.value, element.damping.U95, r_unit) + "; " +
+  return mode + ("by this oscillation element " + std::to_string(e + 1) + " has ") + apart(0, c_unit) + " and " +
+         apart(1, r_unit) + " than by the drive at " + brief(omega / kTwoPi, 4) + " Hz; " +
          (single.empty() ? "look for a mass, a unit, a delay, or a connection that the rig file does not have, or an "
                            "element that is not linear"
                          : "this would be explained by " + single + ", or by an element that is not linear");
@@ -265,7 +262,7 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
            (a.residual.by_chance() == b.residual.by_chance() && a.residual.chi2() > b.residual.chi2());
   });
   if (worst->residual.by_chance() * static_cast<double>(pairs.size()) < kFalseAlarm)
-    dwell.doubts.push_back({{}, message(*worst, pairs, rig, identified, omega)});
+    dwell.doubts.push_back({{}, message(*worst, pairs, rig, omega)});
 }
 
 }  // namespace dwell

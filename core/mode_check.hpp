@@ -15,7 +15,7 @@
 namespace dwell {
 
 // Adds a doubt for the mode that contradicts most, with figures, and what single fault would explain all modes. omega:
-// rad/s, of the drive. Allocates; O(n³ + channels² · n).
+// rad/s, of the drive. Allocates; O(n³ + channels² · n) a mode; where there is a doubt O(n⁴), as n² faults are tried.
 void check_modes(const Rig& rig, const ElementsResult& identified, double omega, std::span<const SeenMode> seen,
                  Dwell& dwell);
 

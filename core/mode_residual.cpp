@@ -16,7 +16,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 1e-5;  // relative, of a pole: for a derivative
+constexpr double kStep = 1e-5;      // relative, of a pole: for a derivative
+constexpr double kRounding = 1e-9;  // of a row: what rounding leaves of a zero in it
 
 // Multiplication by z of (Re, Im).
 Matrix2d turn(std::complex<double> z) {
@@ -38,7 +39,8 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   x_ = identified.gain * o;
   const auto is_seen = [&](const Eigen::RowVectorXcd& by_channel) {
     for (Index c = 0; c < channels; ++c)
-      if (!seen.fitted[static_cast<std::size_t>(c)] && by_channel(c) != 0.0) return false;
+      if (!seen.fitted[static_cast<std::size_t>(c)] && std::abs(by_channel(c)) > kRounding * by_channel.norm())
+        return false;
     return true;
   };
   const Complex inertia = -seen.pole * seen.pole;
@@ -71,6 +73,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   covariance_ = J * seen.covariance * J.transpose() + covariance_of_effects();
   for (Index i = 0; i < E; ++i)
     covariance_.diagonal().segment<2>(2 * i).array() += second_order(i) / (scale_(i) * scale_(i));
+  factor_.compute(covariance_);
   chi2_ = product(force_, force_);
 }
 
@@ -132,16 +135,14 @@ double ModeResidual::deformation_variance(Index i) const {
   return sum;
 }
 
-// Of the product of the errors of an element and of its deformation, and of its own beyond first order (it is a ratio):
-// mean squares, errors that go together, whose fourth moment is three times the square of the second.
+// The product of the errors of Z and d, and the second-order error of Z = f/d. Factor 3: of normal errors that go
+// together E[x⁴] = 3 E[x²]².
 double ModeResidual::second_order(Index i) const {
   const auto e = static_cast<std::size_t>(elements_[static_cast<std::size_t>(i)]);
   const ElementEstimate& element = identified_.elements[e];
   const double Z2 = std::pow(element.stiffness.u, 2) + std::norm(seen_.pole) * std::pow(element.damping.u, 2);
   return 3 * Z2 * (deformation_variance(i) + Z2 / std::norm(identified_.Z[e]) * std::norm(deformation_(i)));
 }
-
-VectorXd ModeResidual::solved(const VectorXd& b) const { return covariance_.ldlt().solve(b); }
 
 VectorXd ModeResidual::in_pairs(const VectorXcd& forces) const {
   VectorXd pairs(2 * forces.size());

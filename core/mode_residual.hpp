@@ -1,7 +1,7 @@
 // How far one natural oscillation is from being one of the identified chain (docs/method.md, Cross-check).
 //
-// The equations that give the elements hold for any motion exp(st), so for each natural oscillation too: with its pole
-// λ for jω and its amplitudes for the phasors,
+// The equations that give the elements hold for any motion exp(st), so for each natural oscillation too, the table
+// being at rest in it: with its pole λ for jω and its amplitudes for the phasors,
 //
 //   R_k = f_k(λ) - (c_k + λ r_k) d_k ,   f_k = -λ² Σ_{i>=k} m_i Y_i (- F);  k = n+1: F
 //
@@ -10,6 +10,7 @@
 // order) and what the shape tells.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
@@ -35,8 +36,8 @@ class ModeResidual {
   [[nodiscard]] double by_chance() const noexcept;
   // The element that contradicts most by itself, as a position in elements(), and its own χ² of two.
   [[nodiscard]] Eigen::Index worst(double* chi2) const noexcept;
-  // c + λr of element elements()[i] as the oscillation gives it, less that of the steady motion, as changes of c and
-  // r; and their covariance.
+  // Difference (δc, δr) of element elements()[i], by the oscillation minus by the drive, from δc + λ δr = R/d; and its
+  // covariance, in which what moves both alike cancels.
   [[nodiscard]] Eigen::Vector2d change(Eigen::Index i) const noexcept;
   [[nodiscard]] Eigen::Matrix2d change_covariance(Eigen::Index i) const noexcept;
 
@@ -48,7 +49,9 @@ class ModeResidual {
   [[nodiscard]] Eigen::VectorXd by_delay(Eigen::Index channel) const;
   [[nodiscard]] Eigen::VectorXd by_connection(int from, int to, bool damps) const;
   // a'Cov⁻¹b.
-  [[nodiscard]] double product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const { return a.dot(solved(b)); }
+  [[nodiscard]] double product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+    return a.dot(factor_.solve(b));
+  }
   [[nodiscard]] const Eigen::VectorXd& force() const noexcept { return force_; }
 
  private:
@@ -57,7 +60,6 @@ class ModeResidual {
   [[nodiscard]] Eigen::MatrixXd covariance_of_effects() const;
   [[nodiscard]] double deformation_variance(Eigen::Index i) const;
   [[nodiscard]] double second_order(Eigen::Index i) const;
-  [[nodiscard]] Eigen::VectorXd solved(const Eigen::VectorXd& b) const;
   // As (Re, Im) of each element over its scale.
   [[nodiscard]] Eigen::VectorXd in_pairs(const Eigen::VectorXcd& forces) const;
   // δZ(jω) of each element that takes part as the change of its force at the pole.
@@ -75,6 +77,7 @@ class ModeResidual {
   Eigen::VectorXd scale_;             // N, per element: the size of its terms
   Eigen::VectorXd force_;             // R in pairs
   Eigen::MatrixXd covariance_;        // of force_
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
   double chi2_ = 0.0;
 };
 

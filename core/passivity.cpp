@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kNamed = 4;  // coefficients, channels named in one message: a long chain need not fill a screen
 
 bool negative(const Coefficient& coefficient) { return coefficient.value < -coefficient.U95; }
-// By four standard uncertainties: an element that has none of it comes out so in one dwell of 30 000.
+// By 3.9 standard uncertainties: a coefficient that is zero comes out so once in 20 000 times.
 bool beyond_chance(const Coefficient& coefficient) { return coefficient.value < -2 * coefficient.U95; }
 
 std::string first_of(std::vector<std::string> names, const char* what) {
@@ -56,9 +56,8 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   }
   if (refused.empty()) return;
   if (!surely) {
-    doubts.push_back({refused, first_of(found, "coefficients") +
-                                   ": below zero by less than 2 U95, as chance has it once "
-                                   "in forty dwells where there is next to none"});
+    doubts.push_back({refused, first_of(found, "coefficients") + ": below zero by less than 2 U95, as chance has it "
+                                                                 "one time in forty where it is next to zero"});
     return;
   }
   std::vector<std::string> names;

@@ -11,12 +11,12 @@ namespace {
 
 using Eigen::Index;
 
-// Of the longer of 1/T and the decay rate: an error of a pole that turns or shrinks its mode by that part while it is
-// seen. Beyond, its errors are not normal any more. Doubled, poles of weak modes take part that are off by more than
-// their uncertainty says; halved, faults go unseen that the data do resolve.
+// Largest standard deviation of a pole, relative to the larger of 1/T and its decay rate. Above it the error is no
+// longer normal. Doubled, poles of weak modes take part that are off by more than their uncertainty says; halved,
+// faults go unseen that the data do resolve.
 constexpr double kResolved = 0.2;
-// Standard deviations that the last step would still have moved a pole: a fit that far from its optimum tells a pole
-// that is off by more than its uncertainty says: by so many times that step, either way.
+// Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by that step
+// squared; otherwise by kUnsettled times the step, squared: the fit is not at its optimum.
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
 // Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
 constexpr double kStandsOut = 3.0;

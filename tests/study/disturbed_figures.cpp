@@ -43,12 +43,13 @@ std::vector<Row> disturbed_rows(const std::vector<DisturbedOutcome>& outcomes, d
   Tally all;
   for (const DisturbedOutcome& outcome : outcomes) all.add(outcome);
   const long counted = all.played - all.untold;
-  const double silent = per_cent(all.silent, counted), surely = per_cent(all.silent - all.covered, counted),
+  const double silent = per_cent(all.silent, counted),
+               surely = per_cent(all.silent - all.covered, counted - all.covered),
                reported = per_cent(all.reported, all.harmless);
   return {{"disturbed: a coefficient more than 5 u off, and nothing names channel or element and cause",
            text("%.2f %%", silent), "<= 0.1 %", counted, silent <= 0.1 + 50 * slack, silent, silent},
-          {"  … leaving out faults whose poles the identified chain's own uncertainty covers", text("%.2f %%", surely),
-           "<= 0.1 %", counted, surely <= 0.1 + 50 * slack, surely, surely},
+          {"  … leaving out those where u of c, r explains the poles", text("%.2f %%", surely), "<= 0.1 %", counted,
+           surely <= 0.1 + 50 * slack, surely, surely},
           {"disturbed: reported where the disturbance moves no coefficient by 1 u", text("%.1f %%", reported),
            ">= 90 %", all.harmless, reported >= 90 - 40 * slack, reported, -reported}};
 }
