@@ -153,16 +153,25 @@ RefreshClock::Instant RefreshClock::refreshed(std::int64_t after_ns, std::int64_
     for (std::size_t i = 0; i < known_.count; ++i) known_.at[i].t -= elapsed;
     Extent t, T;
     for (std::size_t i = 0; i < known_.count; ++i) t.see(known_.at[i].t), T.see(known_.at[i].T);
+    // Refreshes from the one before to the first after the reading at after_ns.
+    const double first = std::max(1.0, std::ceil((after - t.high) / T.high));
+    const auto counts = [&](double refreshes) {
+      return t.high - t.low + refreshes * (T.high - T.low) < kKnown * T.low;
+    };
     if (interval > T.high) {
       // Several refreshes, or a gap in polling: the newest shows.
-      const bool counts = t.high - t.low < kKnown * T.low;
-      const double passed = std::floor(-0.5 * (t.low + t.high) / (0.5 * (T.low + T.high)));
-      fits = counts && advance(std::max(1.0, passed), after, by);
+      const double passed = std::max(1.0, std::floor(-(t.low + t.high) / (T.low + T.high)));
+      fits = counts(passed) && advance(passed, after, by);
       // Repeats for longer than values may be missed contradict the period.
-      if (!fits && elapsed - interval < kMissed * T.high) lose_count(interval, jitter_ns), fits = true;
+      if (!fits && first <= kMissed) lose_count(interval, jitter_ns), fits = true;
+    } else if (first <= kMissed || counts(first)) {
+      // The first that fits, since values are seldom missed. More of them brought the same value while the rig stood
+      // still.
+      const double from = first <= kMissed ? 1.0 : first;
+      for (int more = 0; more < kMissed && !fits; ++more) fits = advance(from + more, after, by);
     } else {
-      // Here it is the first that fits, since values are seldom missed.
-      for (int refreshes = 1; refreshes <= kMissed && !fits; ++refreshes) fits = advance(refreshes, after, by);
+      begin(after, by);  // the rig stood still for too long to count: the jitter is not to blame
+      fits = true;
     }
   }
   if (!fits) {

@@ -15,6 +15,7 @@
 // larger than was thought: all begins anew, with twice as much. From half of the usual polling interval on the register
 // has no rate, and the two readings are all that is known. A gap in polling says nothing of the jitter. The clock
 // counts the refreshes within it; where it is not known well enough for that, the newest is at most one period old.
+// The same holds for a rig that stands still, where every refresh brings the same value; but there all begins anew.
 //
 // The period wanders: between two refreshes the polygon grows by as much in ± T, whatever its shape.
 //

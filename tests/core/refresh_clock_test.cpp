@@ -11,6 +11,8 @@ namespace dwell {
 namespace {
 
 constexpr double kPoll_s = 2e-3;
+constexpr double kRests_s = 15.0;
+constexpr int kRests = 8;
 
 struct Seen {
   double worst_s = 0.0;            // of |instant - truth|
@@ -21,10 +23,11 @@ struct Seen {
 };
 
 // Refreshes at rate_hz read every 2 ms; what the clock says of those after from_s. wander_ppm: of the period, over the
-// whole. missed: part of the new values that nobody recognizes as new. No reading from gap_s on, for gap_length_s.
+// whole. missed: part of the new values that nobody recognizes as new. No reading from gap_s on, for gap_length_s. From
+// rest_s on every value is the same, for rest_length_s, and again every kRests_s, kRests times: the rig stands still.
 struct Register {
   double rate_hz = 333.0, jitter_s = 0.0, poll_jitter_s = 0.0, wander_ppm = 0.0, missed = 0.0;
-  double gap_s = INFINITY, gap_length_s = 0.1;
+  double gap_s = INFINITY, gap_length_s = 0.1, rest_s = INFINITY, rest_length_s = 0.0;
   std::mt19937_64 rng{3};
 
   Seen watch(double from_s, double to_s) {
@@ -41,6 +44,8 @@ struct Register {
         on_grid += (1 + 1e-6 * wander_ppm * on_grid / to_s) / rate_hz;
         next = on_grid + jitter_s * uniform(rng);
       }
+      if (read > rest_s && read < rest_s + kRests * kRests_s && std::fmod(read - rest_s, kRests_s) < rest_length_s)
+        renewed = false;
       if (renewed && 0.5 * (uniform(rng) + 1) >= missed) {
         const auto instant = clock.refreshed(std::llround(read_before * 1e9), std::llround(read * 1e9));
         const double off = std::abs(1e-9 * static_cast<double>(instant.t_ns) - truth), half = 1e-9 * instant.half_ns;
@@ -107,6 +112,20 @@ TEST(RefreshClock, AGapInPollingLeavesTheClockAsGoodAsItWas) {
     EXPECT_LT(across.worst_half_s, std::max(1.2 * before.worst_half_s, 0.5 / rate_hz + 0.1 * kPoll_s)) << rate_hz;
     EXPECT_EQ(after.outside, 0) << rate_hz;
     EXPECT_NEAR(after.worst_half_s, before.worst_half_s, 0.2 * before.worst_half_s) << rate_hz;
+  }
+}
+
+TEST(RefreshClock, ARigThatStandsStillAgainAndAgainLeavesTheClockAsGoodAsItWas) {
+  for (const double rate_hz : {25.07, 199.3, 250.0, 333.0}) {
+    for (const double length_s : {0.2, 1.0, 5.0, 9.0}) {
+      const Register rests{.rate_hz = rate_hz, .rest_s = 20.0005, .rest_length_s = length_s};
+      const Seen before = Register(rests).watch(15, 20), across = Register(rests).watch(20, 140),
+                 after = Register(rests).watch(155, 160);
+      EXPECT_EQ(across.outside, 0) << rate_hz << " Hz, " << length_s << " s";
+      EXPECT_EQ(after.outside, 0) << rate_hz << " Hz, " << length_s << " s";
+      EXPECT_LE(after.worst_half_s, std::max(1.2 * before.worst_half_s, 0.1 * kPoll_s))
+          << rate_hz << " Hz, " << length_s << " s";
+    }
   }
 }
 
