@@ -159,9 +159,13 @@ RefreshClock::Instant RefreshClock::refreshed(std::int64_t after_ns, std::int64_
       return t.high - t.low + refreshes * (T.high - T.low) < kKnown * T.low;
     };
     if (interval > T.high) {
-      // Several refreshes, or a gap in polling: the newest shows.
-      const double passed = std::max(1.0, std::floor(-(t.low + t.high) / (T.low + T.high)));
-      fits = counts(passed) && advance(passed, after, by);
+      // Several refreshes, or a gap in polling: the newest shows. Which one that is cannot be told where one may be as
+      // near to the reading as the jitter.
+      const double middle_t = 0.5 * (t.low + t.high), middle_T = 0.5 * (T.low + T.high);
+      const double near = 0.5 * (t.high - t.low) + jitter_ns;
+      const double passed = std::floor(-(middle_t + near) / middle_T);
+      const bool clear = passed == std::floor(-(middle_t - near) / middle_T);
+      fits = clear && counts(passed) && advance(std::max(1.0, passed), after, by);
       // Repeats for longer than values may be missed contradict the period.
       if (!fits && first <= kMissed) lose_count(interval, jitter_ns), fits = true;
     } else if (first <= kMissed || counts(first)) {

@@ -115,6 +115,19 @@ TEST(RefreshClock, AGapInPollingLeavesTheClockAsGoodAsItWas) {
   }
 }
 
+// Refreshed within the jitter of the first reading after the gap: whether that one shows yet cannot be told.
+TEST(RefreshClock, AfterAGapARefreshAtTheVeryReadingIsNotTakenForAnother) {
+  for (const double rate_hz : {333.0, 401.7}) {
+    for (int k = 0; k < 400; ++k) {
+      Register gap{.rate_hz = rate_hz, .jitter_s = 2.5e-5, .gap_s = 5.0005, .gap_length_s = 0.1 + kPoll_s * k};
+      gap.rng.seed(static_cast<unsigned>(k) + 1);
+      const Seen seen = gap.watch(5, gap.gap_s + gap.gap_length_s + 0.1);
+      EXPECT_EQ(seen.outside, 0) << rate_hz << " Hz, " << gap.gap_length_s << " s";
+      EXPECT_EQ(seen.believed, seen.of) << rate_hz << " Hz, " << gap.gap_length_s << " s";
+    }
+  }
+}
+
 TEST(RefreshClock, ARigThatStandsStillAgainAndAgainLeavesTheClockAsGoodAsItWas) {
   for (const double rate_hz : {25.07, 199.3, 250.0, 333.0}) {
     for (const double length_s : {0.2, 1.0, 5.0, 9.0}) {
