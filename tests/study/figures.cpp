@@ -192,7 +192,7 @@ Row blamed_row(const std::vector<Outcome>& outcomes, double slack) {
           text("%ld", blamed),
           "<= 1 in 1000",
           count,
-          static_cast<double>(blamed) <= (1e-3 + 0.1 * slack) * static_cast<double>(count),
+          static_cast<double>(blamed) <= (1e-3 + 0.02 * slack) * static_cast<double>(count),
           static_cast<double>(blamed),
           static_cast<double>(blamed)};
 }
