@@ -16,8 +16,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 1e-5;      // relative, of a pole: for a derivative
-constexpr double kRounding = 1e-9;  // of a row: what rounding leaves of a zero in it
+constexpr double kStep = 1e-5;     // relative, of a pole: for a derivative
+constexpr double kNothing = 1e-9;  // of a row: what rounding leaves of a zero in it
 
 // Multiplication by z of (Re, Im).
 Matrix2d turn(std::complex<double> z) {
@@ -39,7 +39,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   x_ = identified.gain * o;
   const auto is_seen = [&](const Eigen::RowVectorXcd& by_channel) {
     for (Index c = 0; c < channels; ++c)
-      if (!seen.fitted[static_cast<std::size_t>(c)] && std::abs(by_channel(c)) > kRounding * by_channel.norm())
+      if (!seen.fitted[static_cast<std::size_t>(c)] && std::abs(by_channel(c)) > kNothing * by_channel.norm())
         return false;
     return true;
   };
