@@ -56,8 +56,8 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   }
   if (refused.empty()) return;
   if (!surely) {
-    doubts.push_back({refused, first_of(found, "coefficients") + ": below zero by less than 2 U95, as chance has it "
-                                                                 "one time in forty where it is next to zero"});
+    doubts.push_back({refused, first_of(found, "coefficients") + ": chance does that one time in forty where an "
+                                                                 "element has next to none"});
     return;
   }
   std::vector<std::string> names;
