@@ -21,7 +21,7 @@ constexpr std::int64_t kAnyway = 3;
 
 // The gate now and then leaves out good readings while a transient is large. It says nothing of up to kUnsaid √N of N
 // readings. If all lie 8 σ off on one side, k of them move a phasor by 16 k σ/N. With u = σ √(2/N) that is 0.57 u at
-// this limit. Set by 400 healthy dwells of the study, of which none blames a channel then; other values were not tried.
+// this limit. Chosen on 400 healthy dwells of the study: none blames a channel. Other values were not tried.
 constexpr double kUnsaid = 0.05;
 
 }  // namespace

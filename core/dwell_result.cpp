@@ -77,9 +77,8 @@ std::string Pipeline::Impl::settling_reason() const {
     return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
   }
   const std::string since = brief(axis_s(settled_ns), 4) + " s";
-  return (quiet_ns != INT64_MIN
-              ? "what may be left of the natural oscillations since " + since + " is less than allowed"
-              : "the windows since " + since + " agree") +
+  return (quiet_ns != INT64_MIN ? "since " + since + " less is left of the natural oscillations than is allowed"
+                                : "the windows since " + since + " agree") +
          left_out_of_dwell();
 }
 

@@ -16,7 +16,7 @@ constexpr double kMatters = 0.05;                     // of the variance
 constexpr double kOwnOmega = 2.5;                     // standard deviations
 constexpr double kTurned = 0.1;                       // standard deviations
 constexpr int kRefits = 4;                            // of the fit at a better frequency, at most
-constexpr double kSafety = 0.82;                      // of what is allowed: that is itself only estimated
+constexpr double kSafety = 0.8;                       // of what is allowed: the allowance itself is an estimate
 constexpr double kSure = 3.0;                         // standard deviations of what may be left of the transient
 constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;                  // of the tolerance: nothing is subtracted any more …
@@ -86,8 +86,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
     feed_modes();
     solve_modes();
     modal.propagate_poles(!from_motion());
-    // The poles are those of the data at the last refit, and their uncertainty is that of the data now: before a
-    // verdict they are refined on these.
+    // The last refit had fewer data than their uncertainty now counts. Before a verdict the poles are refined on all.
     const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(refitted_ns - free_ns));
     const bool knocked = knock_ns == INT64_MIN && explained() && knocked_now(end_ns - to_ns(period_s() / kQuarters));
     if (knocked) heed_knock(end_ns);
@@ -150,7 +149,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
 
 std::int64_t Pipeline::Impl::count_from(std::int64_t end_ns) const {
   // The data count from where the same could be said of an earlier instant; further back, where that would leave too
-  // few, only as long as what is taken out is no large multiple of what may be left.
+  // few, only while what is taken out is at most kMostTakenOut times what may be left.
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
   const auto back_to = [&](double allowed) {

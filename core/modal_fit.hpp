@@ -168,6 +168,8 @@ class ModalFit {
   void add_pending(PerChannel& to) noexcept;
   // Coefficients of the two derivatives of mode m, by its pole's relative change (Re, Im).
   [[nodiscard]] Eigen::Matrix2d slope_by_pole(const PerChannel& of, Eigen::Index m) const noexcept;
+  // Information of the amplitudes' priors, times σ². false: the channel cannot be solved.
+  bool eliminate_linear(const PerChannel& of, double prior, double line_prior) noexcept;
   void invert_information() noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
   // Beside these the derivatives: two for each mode, two for ω.

@@ -17,6 +17,26 @@ constexpr double kLeastDamping = 1e-5;  // of critical: what decays less is stea
 
 }  // namespace
 
+// What the derivatives explain beyond the linear parameters: S = D'D - D'L (L'L)^-1 L'D into slopes_; the factor of L'L
+// into work_, factor^-1 L'D into columns_.
+bool ModalFit::eliminate_linear(const PerChannel& of, double prior, double line_prior) noexcept {
+  const Index P = linear(), D = slopes();
+  auto factor = work_.topLeftCorner(P, P);
+  factor = of.normal.topLeftCorner(P, P);
+  for (Index i = harmonic_; i < P; ++i)
+    factor(i, i) += poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0 ? prior : line_prior;
+  for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
+  if (llt.info() != Eigen::Success) return false;
+  auto columns = columns_.topLeftCorner(P, D);
+  columns = of.normal.block(P, 0, D, P).transpose();
+  llt.matrixL().solveInPlace(columns);
+  auto S = slopes_.topLeftCorner(D, D);
+  S = of.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
+  S.noalias() -= columns.transpose().lazyProduct(columns);
+  return true;
+}
+
 std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noexcept {
   const Index P = linear(), D = slopes();
   auto H = hessian_.topLeftCorner(modal_ + 1, modal_ + 1);
@@ -25,19 +45,9 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
   g.setZero();
   for (PerChannel& channel : channels_) {
     if (!channel.usable || !(channel.sigma2 > 0)) continue;
-    // What the derivatives explain beyond the linear parameters: S = D'D - D'L (L'L)^-1 L'D, and their score.
-    auto factor = work_.topLeftCorner(P, P);
-    factor = channel.normal.topLeftCorner(P, P);
-    for (Index i = harmonic_; i < P; ++i) factor(i, i) += 1e-9 * channel.samples;
-    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
-    if (llt.info() != Eigen::Success) continue;
-    auto columns = columns_.topLeftCorner(P, D);
-    columns = channel.normal.block(P, 0, D, P).transpose();
-    llt.matrixL().solveInPlace(columns);
-    auto S = slopes_.topLeftCorner(D, D);
-    S = channel.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
-    S.noalias() -= columns.transpose().lazyProduct(columns);
+    const double ridge = 1e-9 * channel.samples;
+    if (!eliminate_linear(channel, ridge, ridge)) continue;
+    const auto S = slopes_.topLeftCorner(D, D);
     const auto J = [&](Index m) { return slope_by_pole(channel, m); };
     const auto score = [&](Index m) {
       Eigen::Vector2d sum = channel.moments.segment<2>(P + 2 * m);
@@ -116,29 +126,18 @@ Eigen::Matrix2d ModalFit::slope_by_pole(const PerChannel& of, Index m) const noe
   return slope;
 }
 
-// With η the relative changes of the poles and of ω, L the linear regressors and D the derivatives, of which η makes
-// D J η: an error of η is an error -(L'L)^-1 L'D J η of the linear amplitudes, on top of their own.
+// η: relative errors of the poles and of ω. L: the linear regressors. D: the regressors' derivatives, J their
+// coefficients, so that η adds D J η to the model. Then η shifts the linear amplitudes by -(L'L)^-1 L'D J η.
 void ModalFit::propagate_poles(bool omega_known) noexcept {
   const Index P = linear(), D = slopes(), all = modal_ + 1;
   auto H = hessian_.topLeftCorner(all, all);
   H.setZero();
   for (PerChannel& channel : channels_) {
     if (!channel.usable || !(channel.sigma2 > 0)) continue;
-    auto factor = work_.topLeftCorner(P, P);
-    factor = channel.normal.topLeftCorner(P, P);
-    for (Index i = harmonic_; i < P; ++i)
-      factor(i, i) +=
-          poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0 ? channel.prior : channel.line_prior;
-    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
-    if (llt.info() != Eigen::Success) continue;
+    if (!eliminate_linear(channel, channel.prior, channel.line_prior)) continue;
+    const auto S = slopes_.topLeftCorner(D, D);
     auto columns = columns_.topLeftCorner(P, D);
-    columns = channel.normal.block(P, 0, D, P).transpose();
-    llt.matrixL().solveInPlace(columns);
-    auto S = slopes_.topLeftCorner(D, D);
-    S = channel.normal.block(P, P, D, D).selfadjointView<Eigen::Lower>();
-    S.noalias() -= columns.transpose().lazyProduct(columns);
-    llt.matrixU().solveInPlace(columns);
+    work_.topLeftCorner(P, P).triangularView<Eigen::Lower>().transpose().solveInPlace(columns);
     auto by_poles = channel.by_poles.topLeftCorner(2 * modal_, all);
     auto onto = by_poles.topRows(modal_), slope = by_poles.bottomRows(modal_);
     slope.setZero();
@@ -149,7 +148,7 @@ void ModalFit::propagate_poles(bool omega_known) noexcept {
     };
     auto SJ = products_.topLeftCorner(D, all);
     for (Index m = 0; m < modal_ / 2; ++m) {
-      // What shows in no channel is not there, as far as anyone sees, wherever its pole may be.
+      // A mode that shows in no channel is taken as absent, whatever its pole.
       if (!shows(static_cast<std::size_t>(m))) {
         onto.middleCols<2>(2 * m).setZero();
         SJ.middleCols<2>(2 * m).setZero();

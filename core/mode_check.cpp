@@ -66,7 +66,7 @@ bool of_one_channel(const Rig& rig, const ElementsResult& identified, double ome
   return false;
 }
 
-// A single fault of what the rig file says.
+// One statement of the rig file that may be wrong.
 struct Cause {
   enum class Kind { mass, scale, delay, spring, damper } kind;
   Index at;          // of mass or channel, from 0; of a connection its first place, 0 the table

@@ -23,8 +23,8 @@ namespace dwell {
 
 class ModeResidual {
  public:
-  // omega: rad/s, of the drive at which `identified` is. Only elements that are identifiable, of which every channel
-  // shows in the fit, take part. Allocates; O(channels² · elements).
+  // omega: of the drive at which `identified` was found, rad/s. An element takes part if it is identifiable and all its
+  // channels are in the fit. Allocates; O(channels² · elements).
   ModeResidual(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen);
 
   // The elements that take part, from 0.

@@ -33,7 +33,7 @@ class MotionGate {
     std::int64_t t_ns = 0;
     double value = 0.0;
     std::uint32_t half_ns = 0;
-    std::uint32_t refresh_half_ns = 0;  // of a held register: half width of what is known of the refresh's instant
+    std::uint32_t refresh_half_ns = 0;  // of a held register: its refresh came at t_ns ± this, ns
   };
   enum class Says : std::uint8_t {
     take,

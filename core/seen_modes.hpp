@@ -35,9 +35,9 @@ class SeenModes {
   explicit SeenModes(int channels);
   void clear() noexcept { count_ = 0; }
   // Those that stand out of the noise and whose poles the data resolve. fit: refined, its poles' errors propagated.
-  // until_ns: the end of what it has seen. left_over: per channel, variance of its residuals beyond the noise. What is
-  // left over may be a part of a mode: a residual of rms ρ is an error of up to √2 ρ of an amplitude, and moves a pole
-  // by up to that part of its rate. A mode that was seen better before stays as it was. No allocation.
+  // until_ns: the newest sample in the fit. left_over: per channel, variance of the residuals beyond the noise, in its
+  // unit squared. Such a residual of rms ρ may belong to a mode: it adds an error of up to √2 ρ to an amplitude a, and
+  // of √2 ρ/|a| of its decay rate to the pole. A mode that was seen better before stays as it was. No allocation.
   void take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 

@@ -8,7 +8,7 @@
 namespace dwell {
 namespace {
 
-// Elements 1 and 2 of two masses, of which the second has that damping ± 10 N·s/m at k = 2.
+// Two masses, two elements. The damping of element 2 comes out as `damping`, U95 = 10 N·s/m.
 struct Found {
   std::vector<ElementEstimate> elements;
   std::vector<Doubt> doubts;

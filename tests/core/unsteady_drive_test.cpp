@@ -59,22 +59,25 @@ TEST(UnsteadyDrive, AnAmplitudeThatHuntsGivesNoWrongNumberWithoutAWord) {
   EXPECT_LE(off, dwells / 20);
 }
 
-TEST(UnsteadyDrive, AFrequencyThatHuntsGivesNoWrongNumberWithoutAWord) {
+// Of dwells of three periods, which end as the frequency moves on.
+class HuntingFrequency : public testing::TestWithParam<double> {};  // damping of the chain
+
+TEST_P(HuntingFrequency, GivesNoWrongNumberWithoutAWord) {
   int dwells = 0, silent = 0, relied_on = 0;
-  for (const double damping : {0.1, 1.0})
-    for (const double by_rad : {0.001, 0.01, 0.03, 0.1}) {
-      const Chain chain = with_damping(damping);
-      for (const Dwell& dwell : under(chain, 4.0, hunting(4.0, 0.002, 0.0, 0.5, by_rad)).run(100)) {
-        const double worst = worst_of(dwell, chain);
-        ++dwells;
-        silent += worst > 5 && !speaks_of_the_drive(dwell);
-        relied_on += worst > 5 && trustworthy(dwell);
-      }
+  const Chain chain = with_damping(GetParam());
+  for (const double by_rad : {0.001, 0.01, 0.03, 0.1})
+    for (const Dwell& dwell : under(chain, 4.0, hunting(4.0, 0.002, 0.0, 0.5, by_rad)).run(400)) {
+      const double worst = worst_of(dwell, chain);
+      ++dwells;
+      silent += worst > 5 && !speaks_of_the_drive(dwell);
+      relied_on += worst > 5 && trustworthy(dwell);
     }
-  EXPECT_GT(dwells, 25);
+  EXPECT_GT(dwells, 15);  // few settle where the chain rings for long
   EXPECT_EQ(silent, 0);
-  EXPECT_LE(relied_on, 1);
+  EXPECT_EQ(relied_on, 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(UnsteadyDrive, HuntingFrequency, testing::Values(0.1, 1.0));
 
 // Half a percent a minute in all channels alike changes no ratio.
 TEST(UnsteadyDrive, ADriftOfAmplitudeThatAllChannelsShareWidensNoCoefficient) {
