@@ -253,6 +253,15 @@ void Pipeline::Impl::remember_modes() {
   static_cast<void>(modal.refined(kTrust, from_motion() ? kTrustOmega : 0.0));
   modal.propagate_poles(!from_motion());
   seen_modes.take(modal, now_ns, left_over);
+  if (!explained() || history[history.begin()].t_ns > modal.t0_ns()) return;
+  const WholeHold::Given given{
+      history, modal,      chain_poles(), is_imposed, std::max(free_ns, history[history.begin()].t_ns),
+      now_ns,  period_s(), !from_motion()};
+  std::fill(left_over.begin(), left_over.end(), 0.0);
+  for (whole_hold.begin(given); whole_hold.earlier(given);) {
+    seen_modes.clear();
+    seen_modes.take(whole_hold.modes(), now_ns, left_over);
+  }
 }
 
 double Pipeline::Impl::slowest_rate() const {

@@ -16,6 +16,11 @@
 // two rates. Where rounding is so fine that chance brings none (E below kNoChance), kBeats repeats at regular distances
 // tell (false alarm: four where 0.03 are expected, 3e-8). Repeats at a turning point come in time with the motion: E is
 // for the smallest of the jumps beside the repeats, and one of them must interrupt the motion.
+//
+// A register that is refreshed three, four or five times a period shows the same few numbers over and over: its
+// smallest jump is no rounding step, and none interrupts the motion. There the runs themselves tell: kEvenRuns in a row
+// of kLeastRun readings or more that differ by one at most. Rounding makes runs as even only where the motion is as
+// coarse as its steps, or goes on evenly; then all jumps are of one step.
 #pragma once
 
 #include <algorithm>
@@ -44,6 +49,7 @@ class HeldReadings {
       return true;
     }
     const double size = std::abs(jump), least = kJump * step();
+    see_run(size);
     path_ += size;
     see(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
@@ -92,6 +98,10 @@ class HeldReadings {
   static constexpr double kSlowBeat = 30.0, kRegular = 0.12, kBunch = 0.3, kSilent = 3.0;
   static constexpr double kNoChance = 0.03, kSameStep = 0.9;
   static constexpr int kBeats = 3, kMissedBeats = 3;
+  // Noise on a coarse step makes a run one of two lengths at most three times in ten: this many in a row once in 10⁶.
+  static constexpr int kEvenRuns = 12;
+  static constexpr std::int64_t kLeastRun = 3;
+  static constexpr double kUnlike = 1.5;  // times the smallest: a jump of another size
 
   // A repeat between two jumps, the smaller `beside`; onwards: both go the same way.
   void see_beat(bool onwards, double beside, double grid) noexcept {
@@ -109,6 +119,21 @@ class HeldReadings {
     const double rounding = smallest_[0] > kSameStep * step() ? std::max(grid, step()) : grid;
     const double by_chance = kDensity * beat_ * (regular_ + 1) * rounding / beside_;
     if (onwards_ > 0 && regular_ >= kBeats && by_chance < kNoChance) held_ = beats_ = true;
+  }
+
+  // A run that ends in a jump of this size.
+  void see_run(double size) noexcept {
+    if (even_runs_ == 0 || run_ > shortest_ + 1 || run_ < longest_ - 1) {
+      even_runs_ = 0;
+      shortest_ = longest_ = run_;
+      smallest_jump_ = largest_jump_ = size;
+    }
+    shortest_ = std::min(shortest_, run_);
+    longest_ = std::max(longest_, run_);
+    smallest_jump_ = std::min(smallest_jump_, size);
+    largest_jump_ = std::max(largest_jump_, size);
+    if (++even_runs_ < kEvenRuns || shortest_ < kLeastRun || !(largest_jump_ > kUnlike * smallest_jump_)) return;
+    held_ = true;
   }
 
   void see(double size) noexcept {
@@ -129,15 +154,18 @@ class HeldReadings {
     const double expected = 0.5 * static_cast<double>(one_step_) + kDensity * changes * changes * step() / path_;
     const bool many = static_cast<double>(interrupting_) > 2 * expected + 6 * std::sqrt(expected) + 6;
     if (many) held_ = true;
-    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_) held_ = false;
+    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_ && even_runs_ < kEvenRuns) held_ = false;
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
   std::int64_t run_ = 1, pairs_ = 0, same_ = 0, one_step_ = 0, interrupting_ = 0;
   std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
-  double since_beat_ = 0.0, beat_ = 0.0;  // readings
-  double beside_ = 0.0;                   // smallest jump beside the beats
-  int regular_ = 0, onwards_ = 0;         // beats in a row, and those of them amid a motion
+  double since_beat_ = 0.0, beat_ = 0.0;             // readings
+  double beside_ = 0.0;                              // smallest jump beside the beats
+  std::int64_t shortest_ = 0, longest_ = 0;          // of the runs in a row that are even
+  double smallest_jump_ = 0.0, largest_jump_ = 0.0;  // that ended them
+  int even_runs_ = 0;
+  int regular_ = 0, onwards_ = 0;  // beats in a row, and those of them amid a motion
   bool held_ = false, beats_ = false;
 };
 

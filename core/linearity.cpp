@@ -97,8 +97,8 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
     if (!of.usable || !gain.uses(row, c)) continue;
     const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, at.h);
     const Complex part = row.cwiseProduct(gain.gain.col(c)).sum();
-    const double noise =
-        0.5 * (of.widened * of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
+    // The fundamental's own scatter (of.widened) says nothing of this harmonic.
+    const double noise = 0.5 * (of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
     const Complex lost = lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation);
     by_channel(c) = -lost * std::polar(1.0, -at.h * phase_rad);
     by_channel(c) += part * per_reading * std::abs(of.X[0]) * std::polar(1.0, at.h * (std::arg(of.X[0]) - phase_rad));

@@ -1,5 +1,6 @@
 #include "core/modal_fit.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,6 +17,9 @@ constexpr double kSecondPerNs = 1e-9;
 constexpr double kFaded = 1e-13;    // of an amplitude: as good as nothing
 constexpr int kTurnsInARow = 256;   // from turn to turn: their rounding stays below 1e-13
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
+// Probability that noise is fitted by such amplitudes at one given pole. The pole being chosen among some hundred, this
+// is once in 10⁴ holds.
+constexpr double kOfNoise = 1e-6;
 
 }  // namespace
 
@@ -28,6 +32,7 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
   moved_.resize(capacity_);
   sizes_.resize(capacity_);
   u_poles_.resize(capacity_);
+  disagreement_.resize(capacity_);
   faded_ns_.resize(capacity_, INT64_MAX);
   x_.resize(all);
   work_.resize(harmonic_ + most, harmonic_ + most);
@@ -244,6 +249,27 @@ bool ModalFit::shows(std::size_t mode) const noexcept {
                          kStandsOut * kStandsOut * 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))
       return true;
   return false;
+}
+
+// χ² of the amplitudes, two degrees of freedom a channel, against exp(-x/2) Σ_{i<C} (x/2)^i / i!.
+bool ModalFit::certain(std::size_t mode) const noexcept {
+  const auto i = 2 * static_cast<Index>(mode);
+  double half = 0.0;
+  int shown = 0;
+  for (const PerChannel& of : channels_) {
+    if (!of.usable) continue;
+    const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
+    const double chi2 = a.dot(of.covariance.block<2, 2>(i, i).inverse() * a);
+    if (!(chi2 > 0)) continue;
+    half += 0.5 * chi2;
+    ++shown;
+  }
+  double term = std::exp(-half), sum = 0.0;
+  for (int k = 1; k <= shown; ++k) {
+    sum += term;
+    term *= half / k;
+  }
+  return shown > 0 && sum < kOfNoise;
 }
 
 ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {

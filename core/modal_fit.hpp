@@ -81,6 +81,10 @@ class ModalFit {
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
   // Covariance of (Re, Im) of a pole at the last step, (rad/s)², from the data alone: an open pole has a large one.
   [[nodiscard]] Eigen::Matrix2d pole_covariance(std::size_t m) const noexcept;
+  // By how much the channel that contradicts the others most would have a pole otherwise, by the last step: χ² of two
+  // degrees of freedom, or less. A natural oscillation has one pole in all channels; a bracket that rings beside it
+  // draws the pole of its own channel alone.
+  [[nodiscard]] double disagreement(std::size_t m) const noexcept { return disagreement_[m]; }
   // How far the last step went, in standard deviations of the poles and of ω.
   [[nodiscard]] double converged() const noexcept { return converged_; }
 
@@ -109,6 +113,9 @@ class ModalFit {
 
   // Whether the amplitude of a mode stands out of the noise in any channel.
   [[nodiscard]] bool shows(std::size_t mode) const noexcept;
+  // Whether noise alone would hardly be fitted by amplitudes as large as those of all channels together, even at a pole
+  // chosen among a hundred.
+  [[nodiscard]] bool certain(std::size_t mode) const noexcept;
 
   // What may be left of the transient from t on: the envelope of what stands out of the noise, and the standard
   // deviation of the whole. swing: what all modes together reach within half a cycle of the drive from t on, in the
@@ -171,6 +178,7 @@ class ModalFit {
   // Information of the amplitudes' priors, times σ². false: the channel cannot be solved.
   bool eliminate_linear(const PerChannel& of, double prior, double line_prior) noexcept;
   void invert_information() noexcept;
+  void take_disagreement(Eigen::Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept;
   [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
   // Beside these the derivatives: two for each mode, two for ω.
   [[nodiscard]] Eigen::Index slopes() const noexcept { return modal_ + 2; }
@@ -182,7 +190,7 @@ class ModalFit {
   std::vector<std::complex<double>> poles_, moved_;
   std::vector<double> sizes_;  // |λ|
   double converged_ = 0.0;
-  std::vector<double> u_poles_;
+  std::vector<double> u_poles_, disagreement_;
   std::vector<std::int64_t> faded_ns_;
   double omega_ = 0.0, rate_ = 0.0, moved_omega_ = 0.0;
   std::int64_t t0_ns_ = 0, newest_ns_ = 0, evaluated_ns_ = INT64_MIN;

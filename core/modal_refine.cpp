@@ -1,5 +1,6 @@
 // The poles and the frequency of the modal fit made better: variable projection, one step.
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -43,6 +44,7 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
   auto g = gradient_.head(modal_ + 1);
   H.setZero();
   g.setZero();
+  std::fill(disagreement_.begin(), disagreement_.end(), 0.0);
   for (PerChannel& channel : channels_) {
     if (!channel.usable || !(channel.sigma2 > 0)) continue;
     const double ridge = 1e-9 * channel.samples;
@@ -56,7 +58,9 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     };
     const Index modes = modal_ / 2;
     for (Index m = 0; m < modes; ++m) {
-      g.segment<2>(2 * m) += J(m).transpose() * score(m) / channel.sigma2;
+      const Eigen::Vector2d own = J(m).transpose() * score(m) / channel.sigma2;
+      g.segment<2>(2 * m) += own;
+      take_disagreement(m, own, J(m).transpose() * S.block<2, 2>(2 * m, 2 * m) * J(m) / channel.sigma2);
       for (Index l = 0; l < modes; ++l)
         H.block<2, 2>(2 * m, 2 * l) += J(m).transpose() * S.block<2, 2>(2 * m, 2 * l) * J(l) / channel.sigma2;
     }
@@ -104,6 +108,13 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     converged_ = std::max(converged_, std::abs(g(modal_)) / std::sqrt(std::max(1e-300, unit(modal_, modal_))));
   }
   return {moved_.data(), count_};
+}
+
+// At the optimum of all channels the score of each is what its own optimum differs by, times its information.
+void ModalFit::take_disagreement(Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept {
+  information.diagonal().array() += 1 / (kOpen * kOpen);
+  double& most = disagreement_[static_cast<std::size_t>(m)];
+  most = std::max(most, score.dot(information.inverse() * score));
 }
 
 ModalFit::Change ModalFit::last_change() const noexcept {

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Index;
 
 constexpr int kMostMasses = 24;         // beyond, the eigenvectors ten times a second cost more than 5 ms
-constexpr double kFalseAlarm = 1e-5;    // of one evaluation, all modes together
+constexpr double kFalseAlarm = 1e-6;    // of one evaluation, all modes together
 constexpr double kSameMode = 0.2;       // relative: a pole farther from every eigenvalue is none of the chain's
 constexpr double kPlain = 8.0;          // standard deviations: an amplitude that cannot be overlooked …
 constexpr double kMissing = 1.0 / 3;    // … and the part of it below which it is not there
@@ -33,6 +33,7 @@ struct Pair {
   const SeenMode* seen;
   const NaturalMode* natural;
   ModeResidual residual;
+  double by_chance = 1.0;
 };
 
 // How much a channel shows of a natural oscillation, up to a common factor; the transducer's own filter left aside.
@@ -248,9 +249,11 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
       continue;
     if (!far && of_one_channel(rig, identified, omega, mode, *own)) continue;
     Pair pair{&mode, &*own, ModeResidual(rig, identified, omega, mode)};
+    // Two tests: of poles and shapes, and of the pole alone.
+    pair.by_chance = 2 * std::min(pair.residual.by_chance(), pair.residual.pole_by_chance(own->shape));
     if (!far)
       pairs.push_back(std::move(pair));
-    else if (own->pole.real() < 0 && pair.residual.by_chance() < kFalseAlarm)
+    else if (own->pole.real() < 0 && pair.by_chance < kFalseAlarm)
       foreign = &mode;
   }
   if (pairs.empty()) {
@@ -258,10 +261,9 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
     return;
   }
   const auto worst = std::min_element(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-    return a.residual.by_chance() < b.residual.by_chance() ||
-           (a.residual.by_chance() == b.residual.by_chance() && a.residual.chi2() > b.residual.chi2());
+    return a.by_chance < b.by_chance || (a.by_chance == b.by_chance && a.residual.chi2() > b.residual.chi2());
   });
-  if (worst->residual.by_chance() * static_cast<double>(pairs.size()) < kFalseAlarm)
+  if (worst->by_chance * static_cast<double>(pairs.size()) < kFalseAlarm)
     dwell.doubts.push_back({{}, message(*worst, pairs, rig, omega)});
 }
 

@@ -161,6 +161,21 @@ double ModeResidual::by_chance() const noexcept {
   return elements_.empty() || !(chi2_ >= 0) ? 1.0 : sum;
 }
 
+double ModeResidual::pole_by_chance(const VectorXcd& shape) const {
+  const int n = rig_.mass_count();
+  if (static_cast<int>(elements_.size()) != rig_.element_count()) return 1.0;
+  VectorXcd x = VectorXcd::Zero(n + 2);
+  for (int k = 1; k <= n; ++k) x(k) = shape(k - 1) - (k > 1 ? shape(k - 2) : Complex{});
+  MatrixXd work(2, force_.size());
+  for (Index i = 0; i < scale_.size(); ++i)
+    work.middleCols<2>(2 * i) =
+        turn(deformation_row(n, static_cast<int>(i) + 1).cwiseProduct(x).sum() * scale_(i) / scale_(0));
+  const Eigen::Vector2d of_pole = work * force_;
+  const Matrix2d covariance = work * covariance_ * work.transpose();
+  const double chi2 = of_pole.dot(covariance.ldlt().solve(of_pole));
+  return chi2 >= 0 ? std::exp(-0.5 * chi2) : 1.0;
+}
+
 Index ModeResidual::worst(double* chi2) const noexcept {
   Index worst = 0;
   *chi2 = -1.0;

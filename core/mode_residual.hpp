@@ -34,6 +34,11 @@ class ModeResidual {
   [[nodiscard]] int freedom() const noexcept { return 2 * static_cast<int>(elements_.size()); }
   // Probability of as much by chance.
   [[nodiscard]] double by_chance() const noexcept;
+  // The same for the pole alone: of the combination Σ δ_k R_k that to first order no amplitude changes, δ_k the
+  // deformations of the chain's own mode of this shape (the virtual work of what each element lacks). Two degrees of
+  // freedom instead of two an element: the sharper test where poles tell and shapes do not. 1 where an element does not
+  // take part.
+  [[nodiscard]] double pole_by_chance(const Eigen::VectorXcd& shape) const;
   // The element that contradicts most by itself, as a position in elements(), and its own χ² of two.
   [[nodiscard]] Eigen::Index worst(double* chi2) const noexcept;
   // Difference (δc, δr) of element elements()[i], by the oscillation minus by the drive, from δc + λ δr = R/d; and its

@@ -36,6 +36,7 @@
 #include "core/sync_reference.hpp"
 #include "core/transactions.hpp"
 #include "core/usable_observation.hpp"
+#include "core/whole_hold.hpp"
 
 namespace dwell {
 
@@ -85,6 +86,7 @@ struct Pipeline::Impl {
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
         seen_modes(channel_count),
+        whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         usable_observation(given, G),
@@ -106,6 +108,7 @@ struct Pipeline::Impl {
       poles->reserve(4 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+      is_imposed.push_back(shows_drive(channel));
       if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
     }
     for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
@@ -189,6 +192,8 @@ struct Pipeline::Impl {
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   SeenModes seen_modes;           // of this hold
+  WholeHold whole_hold;           // for these
+  std::vector<char> is_imposed;   // per channel: shows_drive()
   std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
   DecayRate decay;
   const Eigen::MatrixXd G;

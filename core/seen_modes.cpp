@@ -18,6 +18,13 @@ constexpr double kResolved = 0.2;
 // Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by that step
 // squared; otherwise by kUnsettled times the step, squared: the fit is not at its optimum.
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
+// Probability that chance makes one channel's pole differ as much from that of all: what differs more is no oscillation
+// of the whole rig alone. At a tenth, brackets that ring beside a mode are taken for the chain; at ten times as much a
+// sound mode goes unused now and then, which the next fit mends.
+constexpr double kOneChannel = 1e-3;
+// Standard deviations of their difference by which two poles must be apart: nearer, they may as well be exchanged, and
+// the fit is far from linear. A pole that is not resolved disturbs those within the sum of both decay rates.
+constexpr double kApart = 5.0;
 // Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
 constexpr double kStandsOut = 3.0;
 constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
@@ -75,26 +82,49 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const dou
   }
 }
 
+// Variance of either component of mode m's pole beside what the fit says of it.
+double SeenModes::moved_beside(const ModalFit& fit, std::size_t m, double scale,
+                               std::span<const double> left_over) noexcept {
+  double moved = 0.0;  // at most, by what the fit leaves over, relative to the scale; squared
+  for (std::size_t c = 0; c < left_over.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!fit.usable(channel) || !(left_over[c] > 0)) continue;
+    const double a = std::abs(fit.amplitude(channel, m));
+    if (a > kStandsOut * fit.u_amplitude(channel, m)) moved = std::max(moved, 2 * left_over[c] / (a * a));
+  }
+  // A pole that still moves is known less well than the data would allow.
+  const Complex step = fit.moved_poles()[m] - fit.poles()[m];
+  const Eigen::Vector2d moves(step.real(), step.imag());
+  const bool settled = moves.dot(fit.pole_covariance(m).inverse() * moves) < kSettledPole * kSettledPole;
+  return moved * scale * scale + (settled ? 1.0 : kUnsettled * kUnsettled) * moves.squaredNorm();
+}
+
 void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept {
   const double seen_s = 1e-9 * static_cast<double>(until_ns - fit.t0_ns());
-  const auto poles = fit.poles(), refined = fit.moved_poles();
+  const auto refined = fit.moved_poles();
+  std::array<double, ModalFit::kMaxModes> u{}, beside{};
   for (std::size_t m = 0; m < refined.size(); ++m) {
-    const Complex pole = refined[m], step = pole - poles[m];
-    if (!(pole.real() < 0) || !(pole.imag() > 0) || !fit.shows(m)) continue;
-    // A pole that still moves is known less well than the data would allow.
-    const Eigen::Vector2d moves(step.real(), step.imag());
-    const bool settled = moves.dot(fit.pole_covariance(m).inverse() * moves) < kSettledPole * kSettledPole;
-    const double scale = std::max(-pole.real(), 1 / std::max(1e-9, seen_s));
-    double moved = 0.0;  // at most, by what the fit leaves over, relative to the scale; squared
-    for (std::size_t c = 0; c < left_over.size(); ++c) {
-      const int channel = static_cast<int>(c);
-      if (!fit.usable(channel) || !(left_over[c] > 0)) continue;
-      const double a = std::abs(fit.amplitude(channel, m));
-      if (a > kStandsOut * fit.u_amplitude(channel, m)) moved = std::max(moved, 2 * left_over[c] / (a * a));
+    const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
+    beside[m] = moved_beside(fit, m, scale, left_over);
+    const auto at = 2 * static_cast<Index>(m);
+    const double size = std::abs(fit.poles()[m]);
+    u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * beside[m]);
+    if (!(u[m] < kResolved * scale)) u[m] = INFINITY;
+  }
+  for (std::size_t m = 0; m < refined.size(); ++m) {
+    const Complex pole = refined[m];
+    if (!(pole.real() < 0) || !(pole.imag() > 0) || !std::isfinite(u[m])) continue;
+    if (!fit.certain(m)) continue;
+    if (fit.disagreement(m) > -2 * std::log(kOneChannel / static_cast<double>(left_over.size()))) continue;
+    bool alone = true;
+    for (std::size_t other = 0; other < refined.size() && alone; ++other) {
+      if (other == m || !(refined[other].real() < 0) || !fit.certain(other)) continue;
+      const double apart = std::abs(refined[other] - pole);
+      alone = apart >
+              (std::isfinite(u[other]) ? kApart * std::hypot(u[m], u[other]) : -pole.real() - refined[other].real());
     }
-    describe(fit, m, left_over, moved * scale * scale + (settled ? 1.0 : kUnsettled * kUnsettled) * moves.squaredNorm(),
-             now_);
-    if (!(std::sqrt(now_.pole_covariance().trace()) < kResolved * scale)) continue;
+    if (!alone) continue;
+    describe(fit, m, left_over, beside[m], now_);
     const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
     const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
       return std::norm(other.pole - pole) <

@@ -42,6 +42,8 @@ class SeenModes {
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 
  private:
+  [[nodiscard]] static double moved_beside(const ModalFit& fit, std::size_t m, double scale,
+                                           std::span<const double> left_over) noexcept;
   void describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double moved,
                 SeenMode& mode) noexcept;
 

@@ -125,6 +125,38 @@ TEST_F(DisturbedReadings, TheClockOfARefreshIsRecoveredFarBetterThanTheInstantsO
   EXPECT_LT(dwell.elements[1].damping.u, 0.05 * dwell.elements[1].damping.value) << all(dwell);
 }
 
+// Then it shows the same few numbers over and over: none of its runs interrupts the motion, and its smallest jump looks
+// like a rounding step. At 12 Hz two harmonics cannot be told: no number is right.
+TEST_F(DisturbedReadings, ATableRefreshedAFewTimesAPeriodIsNamed) {
+  for (const double noise : {0.0, 1e-4, 1e-3})
+    for (const double refresh_hz : {12.0, 16.0, 20.0, 12.0004, 16.001}) {
+      HeldCell table(chain, rig, refresh_hz, noise);
+      const Dwell dwell = measured(
+          [&](Record& record, double t) {
+            if (record.channel == 0) table.read(record, t, 0.002);
+          },
+          30, noise);
+      const std::string what = std::to_string(refresh_hz) + " Hz, noise " + std::to_string(noise);
+      expect_no_wrong_number(dwell, what);
+      EXPECT_EQ(conditions[0], "held") << what << all(dwell);
+    }
+}
+
+// As coarse as its own rounding steps: runs of a few readings, one step apart, twice rounded too.
+TEST_F(DisturbedReadings, AMotionOfOneOrTwoRoundingStepsIsNotHeld) {
+  for (const double step : {0.0012, 0.0016, 0.0024})
+    for (const double again : {0.0, 0.0007}) {
+      measured(
+          [&](Record& record, double) {
+            if (record.channel != 0) return;
+            record.value = step * std::round(record.value / step);
+            if (again > 0) record.value = again * std::round(record.value / again);
+          },
+          30);
+      EXPECT_NE(conditions[0], "held") << step << " " << again;
+    }
+}
+
 // One reading in 500 repeats the one before, and the phase slides by 3° meanwhile.
 TEST_F(DisturbedReadings, ALoadCellRefreshedNearlyAsOftenAsPolledIsNamed) {
   for (const double noise : {1e-3, 3e-2, 1e-1})

@@ -162,6 +162,17 @@ TEST(Linearity, ACubicSpringHasAnEquivalentStiffness) {
     EXPECT_TRUE(says(result, named)) << all(result.warnings);
 }
 
+// A beat that is left in the fundamental widens c and r, and says nothing of harmonic 3.
+TEST(Linearity, IsNotHiddenByAScatterOfTheFundamental) {
+  const Rig rig = rig_of(clamped_chain(), 4);
+  const Chain chain = clamped_chain();
+  const double a = estimate(rig, simulated(chain, 2, nothing())).elements[1].deformation.value;
+  std::vector<Evidence> evidence = simulated(chain, 2, cubic(0.05 * chain.stiffness[1] / (a * a)));
+  set_noise(evidence, 1e-5);
+  for (Evidence& one : evidence) one.widened = 1e4;
+  EXPECT_TRUE(says(estimate(rig, evidence), "element 2"));
+}
+
 // A transducer that compresses, y - βy³: its third harmonic has the phase of its reading.
 void compress(Evidence& channel, double third) {
   const double phase = std::arg(channel.X[0]);

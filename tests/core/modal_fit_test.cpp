@@ -157,5 +157,57 @@ TEST(ModalFit, ASteadyLineIsTakenOutButIsNoTransient) {
   EXPECT_NEAR(fit.disturbance(0, 0), 0.3, 1e-3);
 }
 
+// Two channels that share a pole; in the first another beside it may ring.
+ModalFit of_two(double ring, std::uint64_t seed) {
+  const Complex pole{-1.0, 33.0}, beside{-0.8, 33.7};
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> normal;
+  ModalFit fit(2, 1, 1);
+  std::vector<Complex> poles{pole};
+  for (int step = 0; step < 6; ++step) {
+    rng.seed(seed);
+    fit.restart(kOmega, 0.0, 0, poles);
+    for (int i = 0; i < 800; ++i)
+      for (int c = 0; c < 2; ++c) {
+        const double u = i / kRate_hz;
+        double value = 2 * std::sin(kOmega * u + c) + (Complex{0.5, 0.2 * c} * std::exp(pole * u)).real();
+        if (c == 0) value += ring * std::exp(beside * u).real();
+        fit.add(c, static_cast<std::int64_t>(1e9 * u), value + 1e-2 * normal(rng));
+      }
+    for (int c = 0; c < 2; ++c) EXPECT_TRUE(fit.solve(c, 5, 5));
+    const auto moved = fit.refined(0.05, 0.0);
+    poles.assign(moved.begin(), moved.end());
+  }
+  return fit;
+}
+
+TEST(ModalFit, ChannelsDisagreeAboutAPoleWhereOneOfThemRingsBesideIt) {
+  int beyond = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const double sound = of_two(0.0, seed).disagreement(0);
+    beyond += sound > 2 * std::log(20.0);  // χ² of two: once in twenty, or less
+    if (seed <= 20) {
+      EXPECT_GT(of_two(0.1, seed).disagreement(0), 2 * std::log(1e4)) << seed;
+    }
+  }
+  EXPECT_LE(beyond, 30);
+}
+
+TEST(ModalFit, IsCertainOfAModeThatIsThereAndOfNoneInNoise) {
+  const std::vector<Complex> poles{{-0.5, 33.0}};
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    ModalFit fit(1, 1, 1);
+    fit.restart(kOmega, 0.0, 0, poles);
+    show(fit, {}, {}, 4.0, 0.02, seed);
+    ASSERT_TRUE(fit.solve(0, 1, 1));
+    EXPECT_FALSE(fit.certain(0)) << seed;
+  }
+  ModalFit fit(1, 1, 1);
+  fit.restart(kOmega, 0.0, 0, poles);
+  show(fit, poles, {{0.02, 0.0}}, 4.0, 0.02);
+  ASSERT_TRUE(fit.solve(0, 1, 1));
+  EXPECT_TRUE(fit.certain(0));
+}
+
 }  // namespace
 }  // namespace dwell

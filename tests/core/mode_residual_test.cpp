@@ -69,7 +69,10 @@ SeenMode mode_of(const Rig& read, const Chain& truth) {
   mode.pole = natural.pole;
   mode.amplitude = readings(read, truth, y, natural.pole);
   const Index size = 2 * mode.amplitude.size() + 2;
-  mode.covariance = std::pow(kSigma * mode.amplitude.cwiseAbs().maxCoeff(), 2) * Eigen::MatrixXd::Identity(size, size);
+  mode.covariance.setZero(size, size);
+  for (Index c = 0; c < mode.amplitude.size(); ++c)
+    mode.covariance.block<2, 2>(2 * c, 2 * c) =
+        std::pow(kSigma * std::abs(mode.amplitude(c)), 2) * Eigen::Matrix2d::Identity();
   mode.covariance.bottomRightCorner<2, 2>() = std::pow(kSigma * std::abs(mode.pole), 2) * Eigen::Matrix2d::Identity();
   mode.fitted.assign(static_cast<std::size_t>(mode.amplitude.size()), true);
   return mode;
@@ -140,6 +143,33 @@ TEST(ModeResidual, OfAFilterWhoseCornerIsOffByItsUncertaintyLiesWithinItsOwn) {
     out += ModeResidual(rig, unstated, 2 * M_PI * kHz, mode).chi2() > 30;
   }
   EXPECT_GT(out, 30);
+}
+
+// A bracket that rings at the mode's own pole falsifies one amplitude; the pole is as it was.
+TEST(ModeResidual, ItsTestOfThePoleAloneDoesNotHeedAnAmplitudeAndHeedsAMass) {
+  const double omega = 2 * M_PI * kHz;
+  for (const Chain& chain : {Chain{Boundary::free, {8, 5}, {9000, 6000}, {40, 25}},
+                             Chain{Boundary::clamped, {8, 5}, {9000, 6000, 7000}, {40, 25, 30}}}) {
+    const Rig rig = rig_of(chain, kHz);
+    const Eigen::VectorXcd shape = natural_modes(chain).front().shape;
+    SeenMode mode = mode_of(rig, chain);
+    mode.amplitude(1) *= 1.001;
+    const ModeResidual rings(rig, identified_by(rig, rig, chain), omega, mode);
+    EXPECT_LT(rings.by_chance(), 1e-6);
+    EXPECT_GT(rings.pole_by_chance(shape), 0.1);
+
+    Rig stated = rig;
+    stated.masses[1] *= 1.01;
+    const ElementsResult of_mass = identified_by(stated, rig, chain);
+    const SeenMode sound = mode_of(rig, chain);
+    EXPECT_LT(ModeResidual(stated, of_mass, omega, sound).pole_by_chance(shape), 1e-6);
+    // All masses of a free chain together move no pole: what no data can tell.
+    if (chain.boundary == Boundary::clamped) continue;
+    stated = rig;
+    for (double& mass : stated.masses) mass *= 1.5;
+    const ElementsResult of_all = identified_by(stated, rig, chain);
+    EXPECT_GT(ModeResidual(stated, of_all, omega, sound).pole_by_chance(shape), 0.1);
+  }
 }
 
 }  // namespace

@@ -214,7 +214,8 @@ bool Moved::harmless() const {
 }
 
 Moved moved_by(const Case& about, double from_s, double seconds) {
-  if (about.course) from_s = about.course->end_s() - seconds;  // its transient cannot be taken out
+  // Its transient cannot be taken out; nor is anything known of it beyond its end, where stamps may reach.
+  if (about.course) from_s = about.course->end_s() - seconds - 2 * about.period_s();
   const double omega = believed_omega(about);
   const std::vector<ElementBound> bounds = bounds_of(about, seconds);
   const std::vector<std::vector<Complex>> X = fit(quiet(about), from_s, seconds);

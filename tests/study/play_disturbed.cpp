@@ -71,7 +71,7 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
   outcome.warned = outcome.warned || warned;
   outcome.worst = std::max(outcome.worst, worst);
   // A dwell before the transient cannot tell what only a transient shows.
-  const bool tells = !(moved.by_transient && about.disturbances.size() == 1 && dwell.settled_s < about.change_s);
+  const bool tells = !(moved.by_transient && dwell.settled_s < about.change_s);
   if (!warned && tells && worst > outcome.worst_silent) {
     outcome.worst_silent = worst;
     outcome.doubted = !dwell.doubts.empty();
@@ -100,6 +100,8 @@ DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
   if (trace) {
     trace(
         text("settled in truth at %.2f periods, played to %.2f", oracle / about.period_s(), end_s / about.period_s()));
+    for (const Complex& pole : about.motion->natural())
+      trace(text("true pole %.5g %.5g 1/s", pole.real(), pole.imag()));
     for (std::size_t e = 0; e < moved.c.size(); ++e)
       trace(text("a plain fit of element %zu is moved by %.3g u in c, %.3g u in r%s", e + 1, moved.c[e], moved.r[e],
                  moved.stands_out[e] ? "" : " (too weak to be reported)"));

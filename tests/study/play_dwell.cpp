@@ -112,6 +112,11 @@ void tell(const Case& about, const Dwell& dwell, const Outcome& outcome, const T
                     ? "none"
                     : about.rig.channels[static_cast<std::size_t>(outcome.left_channel)].name.c_str());
   trace(text);
+  for (const Complex& pole : about.motion->natural()) {
+    std::snprintf(text, sizeof text, "natural oscillation at %.5g rad/s, decaying at %.4g /s", pole.imag(),
+                  -pole.real());
+    trace(text);
+  }
   for (std::size_t e = 0; e < outcome.elements.size(); ++e) {
     const ElementOutcome& element = outcome.elements[e];
     std::snprintf(text, sizeof text,
