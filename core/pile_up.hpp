@@ -5,8 +5,9 @@
 // next one (the crest just at the upper end of its rounding step); a crest cut off k steps deep has 2 (k + 1) times as
 // many. Sampled at a whole fraction of the period the two counts are whole numbers of readings a period, and up to 4
 // times happens: so the topmost may have 5 times as many. Noise of more than a step leaves a tail that thins out: then
-// it may have as many, p = 5/6 or 1/2 of the n readings of both. More than p n + 5 √(p (1 - p) n) + 3 are passed by
-// chance less than once in 10^6: 30 clipped readings show above noise, 160 where rounding hides it.
+// it may have as many, p = 5/6 or 1/2 of the n readings of both. That so many have the topmost number by chance, a part
+// x of them, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below 10^-6 it
+// is no chance: 27 clipped readings and one beside show above noise, 97 where rounding hides it.
 //
 // A number that is far from the motion is no clipping: the reading before one that is clipped is clipped as well, or
 // near.
@@ -40,7 +41,8 @@ class PileUp {
   }
 
  private:
-  static constexpr double kNear = 4.0;  // mean differences: a sine's largest is π/2 of them, with two harmonics 3
+  static constexpr double kNoChance = 13.8;  // -ln 10⁻⁶
+  static constexpr double kNear = 4.0;       // mean differences: a sine's largest is π/2 of them, with two harmonics 3
   struct End {
     double value = -INFINITY, next = -INFINITY;  // the largest reading, and the next smaller one
     std::int64_t at_value = 0, at_next = 0, from_far = 0;
@@ -65,9 +67,12 @@ class PileUp {
       }
     }
     [[nodiscard]] std::int64_t clipped(bool noisy) const noexcept {
-      const double both = static_cast<double>(at_value + at_next), p = noisy ? 1.0 / 2 : 5.0 / 6;
-      const bool piled = static_cast<double>(at_value) > p * both + 5 * std::sqrt(p * (1 - p) * both) + 3;
-      return piled && 8 * from_far < at_value ? at_value : 0;
+      const double all = static_cast<double>(at_value), others = static_cast<double>(at_next), both = all + others;
+      const double p = noisy ? 1.0 / 2 : 5.0 / 6;
+      if (!(all > p * both) || 8 * from_far >= at_value) return 0;
+      const double unlikely =
+          all * std::log(all / (p * both)) + (others > 0 ? others * std::log(others / ((1 - p) * both)) : 0.0);
+      return unlikely > kNoChance ? at_value : 0;
     }
   };
   End top_, bottom_;
