@@ -42,9 +42,20 @@ TEST(Transactions, ChannelsThatCarryOneStampAreReadTogether) {
 
 TEST(Transactions, AReadingThatIsMissingNowAndThenDoesNotPartThem) {
   Transactions transactions(rig_on_one_device());
-  for (const int channel : {0, 1, 2}) transactions.sample(sample_of(channel, 0));
-  for (const int channel : {1, 2}) transactions.sample(sample_of(channel, 1000));
+  for (int poll = 0; poll < 3; ++poll)
+    for (const int channel : {0, 1, 2}) transactions.sample(sample_of(channel, 1000 * poll));
+  for (const int channel : {1, 2}) transactions.sample(sample_of(channel, 3000));
   EXPECT_EQ(transactions.of(2), 0);
+}
+
+// 8000 polls of two stations whose instants jitter by a millisecond meet to the nanosecond once in a hundred runs.
+TEST(Transactions, StampsThatMeetByChanceDoNotUniteTwoStations) {
+  Transactions transactions(rig_on_one_device());
+  for (int poll = 0; poll < 100; ++poll)
+    for (const int channel : {0, 1, 2, 3})
+      transactions.sample(sample_of(channel, 1000 * poll + (channel == 3 && poll % 10 != 0 ? 500 : 0)));
+  EXPECT_EQ(transactions.of(2), 0);
+  EXPECT_EQ(transactions.of(3), 3);
 }
 
 TEST(Transactions, DevicesStampsOfOtherWidthAndReplacedStampsAreApart) {

@@ -53,6 +53,9 @@ void tell(const Case& about, const Dwell& dwell, double worst, bool warned, cons
                (given.stiffness.value - about.chain.stiffness[e]) / given.stiffness.u,
                100 * (given.damping.value / about.chain.damping[e] - 1),
                (given.damping.value - about.chain.damping[e]) / given.damping.u));
+    for (const BudgetShare& share : given.budget)
+      if (share.stiffness_share > 0.1 || share.damping_share > 0.1)
+        trace("    " + share.source + text(": %.2f of c, %.2f of r", share.stiffness_share, share.damping_share));
   }
   for (const std::string& line : dwell.warnings) trace("  warning: " + line);
   for (const Doubt& doubt : dwell.doubts) trace("  doubt: " + doubt.what);
