@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
@@ -44,12 +45,10 @@ Eigen::VectorXcd readings(const Rig& rig, const Chain& truth, const std::vector<
   return out;
 }
 
-// The steady motion of `truth` as `read` reads it, evaluated as `rig` believes.
-ElementsResult identified_by(const Rig& rig, const Rig& read, const Chain& truth) {
+// Readings of a steady motion, evaluated as `rig` believes.
+ElementsResult identified_from(const Rig& rig, const Eigen::VectorXcd& X) {
   const double omega = 2 * M_PI * kHz;
-  const auto steady = steady_response(truth, omega, 0.002);
   std::vector<Evidence> evidence(rig.channels.size());
-  const Eigen::VectorXcd X = readings(read, truth, steady.Y, {0.0, omega});
   for (std::size_t c = 0; c < evidence.size(); ++c) {
     evidence[c].usable = true;
     evidence[c].X[0] = X(static_cast<Index>(c));
@@ -60,14 +59,16 @@ ElementsResult identified_by(const Rig& rig, const Rig& read, const Chain& truth
   return estimate_elements(rig, gain, evidence, {omega, 0.0, 0.0});
 }
 
-// Its first natural oscillation likewise.
-SeenMode mode_of(const Rig& read, const Chain& truth) {
-  const NaturalMode natural = natural_modes(truth).front();
-  std::vector<Complex> y{0.0};
-  for (const Complex at : natural.shape) y.push_back(at);
+// The steady motion of `truth` as `read` reads it, evaluated as `rig` believes.
+ElementsResult identified_by(const Rig& rig, const Rig& read, const Chain& truth) {
+  const double omega = 2 * M_PI * kHz;
+  return identified_from(rig, readings(read, truth, steady_response(truth, omega, 0.002).Y, {0.0, omega}));
+}
+
+SeenMode seen_as(Complex pole, const Eigen::VectorXcd& amplitude) {
   SeenMode mode;
-  mode.pole = natural.pole;
-  mode.amplitude = readings(read, truth, y, natural.pole);
+  mode.pole = pole;
+  mode.amplitude = amplitude;
   const Index size = 2 * mode.amplitude.size() + 2;
   mode.covariance.setZero(size, size);
   for (Index c = 0; c < mode.amplitude.size(); ++c)
@@ -77,6 +78,68 @@ SeenMode mode_of(const Rig& read, const Chain& truth) {
   mode.fitted.assign(static_cast<std::size_t>(mode.amplitude.size()), true);
   return mode;
 }
+
+// Its first natural oscillation as `read` reads it.
+SeenMode mode_of(const Rig& read, const Chain& truth) {
+  const NaturalMode natural = natural_modes(truth).front();
+  std::vector<Complex> y{0.0};
+  for (const Complex at : natural.shape) y.push_back(at);
+  return seen_as(natural.pole, readings(read, truth, y, natural.pole));
+}
+
+// A chain with a spring or a damper that its file does not have, by its matrices: places 1 … n, the table held.
+struct Connected {
+  Chain chain;
+  int from, to;  // kGround: the ground
+  double spring, damper;
+
+  // The force that holds the places 1 … n in a motion exp(st), by their motions; and that which a table that moves by
+  // one exerts on them.
+  [[nodiscard]] Eigen::MatrixXcd dynamic(Complex s, Eigen::VectorXcd* of_table = nullptr) const {
+    const int n = chain.mass_count();
+    Eigen::MatrixXcd D = Eigen::MatrixXcd::Zero(n + 1, n + 1);
+    const auto connect = [&](int a, int b, Complex Z) {
+      D(a, a) += Z;
+      if (b == kGround) return;
+      D(b, b) += Z;
+      D(a, b) -= Z;
+      D(b, a) -= Z;
+    };
+    for (int k = 1; k <= chain.element_count(); ++k) {
+      const auto e = static_cast<std::size_t>(k - 1);
+      const Complex Z = chain.stiffness[e] + s * chain.damping[e];
+      k <= n ? connect(k - 1, k, Z) : connect(n, kGround, Z);
+    }
+    connect(from, to, spring + s * damper);
+    for (int k = 1; k <= n; ++k) D(k, k) += s * s * chain.masses[static_cast<std::size_t>(k - 1)];
+    if (of_table) *of_table = -D.col(0).tail(n);
+    return D.bottomRightCorner(n, n);
+  }
+  [[nodiscard]] std::vector<Complex> steady(double omega) const {
+    Eigen::VectorXcd of_table;
+    const Eigen::MatrixXcd D = dynamic({0.0, omega}, &of_table);
+    const Eigen::VectorXcd Y = D.partialPivLu().solve(0.002 * of_table);
+    std::vector<Complex> y{0.002};
+    for (const Complex at : Y) y.push_back(at);
+    return y;
+  }
+  // By Newton's steps on det D(λ) from the chain's own; the shape by an inverse iteration.
+  [[nodiscard]] SeenMode mode(const Rig& read) const {
+    const NaturalMode natural = natural_modes(chain).front();
+    Complex pole = natural.pole;
+    Eigen::VectorXcd shape = natural.shape;
+    for (int step = 0; step < 20; ++step) {
+      const Complex h = 1e-6 * pole;
+      const Eigen::MatrixXcd slope = (dynamic(pole + h) - dynamic(pole - h)) / (2.0 * h);
+      pole -= 1.0 / (dynamic(pole).partialPivLu().solve(slope)).trace();
+      shape = dynamic(pole * (1.0 + 1e-12)).partialPivLu().solve(shape).normalized();
+    }
+    shape *= natural.shape(0) / shape(0);  // in the phase of the chain's own
+    std::vector<Complex> y{0.0};
+    for (const Complex at : shape) y.push_back(at);
+    return seen_as(pole, readings(read, chain, y, pole));
+  }
+};
 
 void expect_near(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double part) {
   ASSERT_EQ(a.size(), b.size());
@@ -120,7 +183,45 @@ TEST(ModeResidual, IsMovedByEachSingleFaultAsItsDerivativeSays) {
     const SeenMode late_mode = mode_of(read, chain);
     expect_near(ModeResidual(rig, of_delay, omega, late_mode).force(),
                 late_s * ModeResidual(rig, exact, omega, exact_mode).by_delay(1), 1e-3);
+
+    // The last channel, the load cell of a clamped chain, reads too much.
+    const auto last = static_cast<Index>(rig.channels.size()) - 1;
+    Eigen::VectorXcd X = readings(rig, chain, steady_response(chain, omega, 0.002).Y, {0.0, omega});
+    constexpr double kPart = 0.1 * kSmall;
+    X(last) *= 1 + kPart;
+    SeenMode large = exact_mode;
+    large.amplitude(last) *= 1 + kPart;
+    expect_near(ModeResidual(rig, identified_from(rig, X), omega, large).force(),
+                kPart * ModeResidual(rig, exact, omega, exact_mode).by_scale(last), 2e-3);
   }
+}
+
+TEST(ModeResidual, IsMovedByEachConnectionThatTheFileDoesNotHaveAsItsDerivativeSays) {
+  int tried = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const Chain chain = any_chain(random);
+    const Rig rig = rig_of(chain, kHz);
+    const double omega = 2 * M_PI * kHz;
+    const ElementsResult exact = identified_by(rig, rig, chain);
+    const SeenMode exact_mode = mode_of(rig, chain);
+    const ModeResidual residual(rig, exact, omega, exact_mode);
+    const int n = chain.mass_count();
+    for (const auto& [from, to] : {std::pair{n, static_cast<int>(kGround)}, {0, n}, {1, n}})
+      for (const bool damps : {false, true}) {
+        if (to != kGround && to - from < 2) continue;                        // an element of its own
+        if (to == kGround && chain.boundary == Boundary::clamped) continue;  // likewise
+        const double size = 1e-6 * (damps ? chain.stiffness[0] / omega : chain.stiffness[0]);
+        const Connected truth{chain, from, to, damps ? 0.0 : size, damps ? size : 0.0};
+        const ElementsResult of_it = identified_from(rig, readings(rig, chain, truth.steady(omega), {0.0, omega}));
+        const SeenMode mode = truth.mode(rig);
+        expect_near(ModeResidual(rig, of_it, omega, mode).force().normalized(),
+                    (size * residual.by_connection(from, to, damps)).normalized(), 1e-2);
+        ++tried;
+      }
+  }
+  EXPECT_GT(tried, 100);
 }
 
 // A low-pass whose corner is not known moves steady motion and oscillation by different parts of themselves.
