@@ -258,6 +258,7 @@ void Pipeline::Impl::remember_modes() {
       history, modal,      chain_poles(), is_imposed, std::max(free_ns, history[history.begin()].t_ns),
       now_ns,  period_s(), !from_motion()};
   std::fill(left_over.begin(), left_over.end(), 0.0);
+  // A fit that explains more of the hold takes the place of all before: a mode that only these show was none.
   for (whole_hold.begin(given); whole_hold.earlier(given);) {
     seen_modes.clear();
     seen_modes.take(whole_hold.modes(), now_ns, left_over);

@@ -19,8 +19,10 @@
 //
 // A register that is refreshed three, four or five times a period shows the same few numbers over and over: its
 // smallest jump is no rounding step, and none interrupts the motion. There the runs themselves tell: kEvenRuns in a row
-// of kLeastRun readings or more that differ by one at most. Rounding makes runs as even only where the motion is as
-// coarse as its steps, or goes on evenly; then all jumps are of one step.
+// of kLeastRun readings or more that differ by one at most, and kReversals jumps among them that go back by another
+// size than the jump before. Of a motion as coarse as its rounding steps runs may be as even, but it goes back over the
+// same step, however unequal a second rounding has made the steps. (Noise makes a run of three or more one of two
+// lengths at most one time in four: so many in a row once in 10⁵ holds of 10⁴ runs.)
 #pragma once
 
 #include <algorithm>
@@ -49,7 +51,7 @@ class HeldReadings {
       return true;
     }
     const double size = std::abs(jump), least = kJump * step();
-    see_run(size);
+    see_run(jump);
     path_ += size;
     see(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
@@ -84,6 +86,7 @@ class HeldReadings {
   // A new hold of the drive: counts begin anew. What was found stands until as much is seen again.
   void restart() noexcept {
     pairs_ = same_ = one_step_ = interrupting_ = 0;
+    even_runs_ = reversals_ = 0;
     path_ = 0.0;
     smallest_ = {INFINITY, INFINITY, INFINITY};
   }
@@ -98,10 +101,9 @@ class HeldReadings {
   static constexpr double kSlowBeat = 30.0, kRegular = 0.12, kBunch = 0.3, kSilent = 3.0;
   static constexpr double kNoChance = 0.03, kSameStep = 0.9;
   static constexpr int kBeats = 3, kMissedBeats = 3;
-  // Noise on a coarse step makes a run one of two lengths at most three times in ten: this many in a row once in 10⁶.
-  static constexpr int kEvenRuns = 12;
+  static constexpr int kEvenRuns = 16, kReversals = 3;
   static constexpr std::int64_t kLeastRun = 3;
-  static constexpr double kUnlike = 1.5;  // times the smallest: a jump of another size
+  static constexpr double kUnlike = 1.5;  // ratio of two jumps of another size
 
   // A repeat between two jumps, the smaller `beside`; onwards: both go the same way.
   void see_beat(bool onwards, double beside, double grid) noexcept {
@@ -121,20 +123,22 @@ class HeldReadings {
     if (onwards_ > 0 && regular_ >= kBeats && by_chance < kNoChance) held_ = beats_ = true;
   }
 
-  // A run that ends in a jump of this size.
-  void see_run(double size) noexcept {
-    if (even_runs_ == 0 || run_ > shortest_ + 1 || run_ < longest_ - 1) {
-      even_runs_ = 0;
+  // The run ends in this jump.
+  void see_run(double jump) noexcept {
+    if (run_ < kLeastRun || run_ > shortest_ + 1 || run_ < longest_ - 1) {
+      even_runs_ = reversals_ = 0;
       shortest_ = longest_ = run_;
-      smallest_jump_ = largest_jump_ = size;
     }
+    if (run_ < kLeastRun) return;
     shortest_ = std::min(shortest_, run_);
     longest_ = std::max(longest_, run_);
-    smallest_jump_ = std::min(smallest_jump_, size);
-    largest_jump_ = std::max(largest_jump_, size);
-    if (++even_runs_ < kEvenRuns || shortest_ < kLeastRun || !(largest_jump_ > kUnlike * smallest_jump_)) return;
-    held_ = true;
+    even_runs_ = std::min(even_runs_ + 1, kEvenRuns);
+    const double a = std::abs(before_), b = std::abs(jump);
+    if (before_ * jump < 0 && std::max(a, b) > kUnlike * std::min(a, b))
+      reversals_ = std::min(reversals_ + 1, kReversals);
+    if (even()) held_ = true;
   }
+  [[nodiscard]] bool even() const noexcept { return even_runs_ == kEvenRuns && reversals_ == kReversals; }
 
   void see(double size) noexcept {
     const double before = step();
@@ -154,18 +158,17 @@ class HeldReadings {
     const double expected = 0.5 * static_cast<double>(one_step_) + kDensity * changes * changes * step() / path_;
     const bool many = static_cast<double>(interrupting_) > 2 * expected + 6 * std::sqrt(expected) + 6;
     if (many) held_ = true;
-    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_ && even_runs_ < kEvenRuns) held_ = false;
+    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_ && !even()) held_ = false;
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
   std::int64_t run_ = 1, pairs_ = 0, same_ = 0, one_step_ = 0, interrupting_ = 0;
   std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
-  double since_beat_ = 0.0, beat_ = 0.0;             // readings
-  double beside_ = 0.0;                              // smallest jump beside the beats
-  std::int64_t shortest_ = 0, longest_ = 0;          // of the runs in a row that are even
-  double smallest_jump_ = 0.0, largest_jump_ = 0.0;  // that ended them
-  int even_runs_ = 0;
-  int regular_ = 0, onwards_ = 0;  // beats in a row, and those of them amid a motion
+  double since_beat_ = 0.0, beat_ = 0.0;     // readings
+  double beside_ = 0.0;                      // smallest jump beside the beats
+  std::int64_t shortest_ = 0, longest_ = 0;  // of the latest runs whose lengths differ by one at most
+  int even_runs_ = 0, reversals_ = 0;        // how many these are, and jumps among them that go back by another size
+  int regular_ = 0, onwards_ = 0;            // beats in a row, and those of them amid a motion
   bool held_ = false, beats_ = false;
 };
 

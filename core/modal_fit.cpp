@@ -17,9 +17,10 @@ constexpr double kSecondPerNs = 1e-9;
 constexpr double kFaded = 1e-13;    // of an amplitude: as good as nothing
 constexpr int kTurnsInARow = 256;   // from turn to turn: their rounding stays below 1e-13
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
-// Probability that noise is fitted by such amplitudes at one given pole. The pole being chosen among some hundred, this
-// is once in 10⁴ holds.
+// Probability that noise is fitted by such amplitudes at one given pole. Where the pole is chosen among some hundred
+// lines and refined on them, at ten begins of a hold, that is once in 10³ holds.
 constexpr double kOfNoise = 1e-6;
+constexpr double kNothingOpen = 1e-6, kSurely = 1e3;  // of the variance that the data leave; χ²
 
 }  // namespace
 
@@ -259,9 +260,9 @@ bool ModalFit::certain(std::size_t mode) const noexcept {
   for (const PerChannel& of : channels_) {
     if (!of.usable) continue;
     const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
-    const double chi2 = a.dot(of.covariance.block<2, 2>(i, i).inverse() * a);
-    if (!(chi2 > 0)) continue;
-    half += 0.5 * chi2;
+    // What is imposed has no transient, by a prior that leaves nothing open.
+    if (!(of.covariance(i, i) > kNothingOpen * of.sigma2 / of.samples)) continue;
+    half += 0.5 * std::min(kSurely, a.dot(of.covariance.block<2, 2>(i, i).inverse() * a));
     ++shown;
   }
   double term = std::exp(-half), sum = 0.0;

@@ -81,9 +81,9 @@ class ModalFit {
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
   // Covariance of (Re, Im) of a pole at the last step, (rad/s)², from the data alone: an open pole has a large one.
   [[nodiscard]] Eigen::Matrix2d pole_covariance(std::size_t m) const noexcept;
-  // By how much the channel that contradicts the others most would have a pole otherwise, by the last step: χ² of two
-  // degrees of freedom, or less. A natural oscillation has one pole in all channels; a bracket that rings beside it
-  // draws the pole of its own channel alone.
+  // χ² of the channel that disagrees most with the common pole, at the last step: two degrees of freedom, or less. A
+  // natural oscillation has one pole in all channels; a bracket that rings beside it draws the pole of its own channel
+  // alone.
   [[nodiscard]] double disagreement(std::size_t m) const noexcept { return disagreement_[m]; }
   // How far the last step went, in standard deviations of the poles and of ω.
   [[nodiscard]] double converged() const noexcept { return converged_; }
@@ -113,8 +113,7 @@ class ModalFit {
 
   // Whether the amplitude of a mode stands out of the noise in any channel.
   [[nodiscard]] bool shows(std::size_t mode) const noexcept;
-  // Whether noise alone would hardly be fitted by amplitudes as large as those of all channels together, even at a pole
-  // chosen among a hundred.
+  // Whether the amplitudes of all channels together are more than noise gives: at one given pole it does once in 10⁶.
   [[nodiscard]] bool certain(std::size_t mode) const noexcept;
 
   // What may be left of the transient from t on: the envelope of what stands out of the noise, and the standard

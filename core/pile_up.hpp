@@ -7,7 +7,7 @@
 // times happens: so the topmost may have 5 times as many. Noise of more than a step leaves a tail that thins out: then
 // it may have as many, p = 5/6 or 1/2 of the n readings of both. That so many have the topmost number by chance, a part
 // x of them, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below 10^-6 it
-// is no chance: 27 clipped readings and one beside show above noise, 97 where rounding hides it.
+// is no chance: 26 clipped readings and one beside show above noise, 97 where rounding hides it.
 //
 // A number that is far from the motion is no clipping: the reading before one that is clipped is clipped as well, or
 // near.
@@ -67,11 +67,11 @@ class PileUp {
       }
     }
     [[nodiscard]] std::int64_t clipped(bool noisy) const noexcept {
-      const double all = static_cast<double>(at_value), others = static_cast<double>(at_next), both = all + others;
+      const double top = static_cast<double>(at_value), others = static_cast<double>(at_next), both = top + others;
       const double p = noisy ? 1.0 / 2 : 5.0 / 6;
-      if (!(all > p * both) || 8 * from_far >= at_value) return 0;
-      const double unlikely =
-          all * std::log(all / (p * both)) + (others > 0 ? others * std::log(others / ((1 - p) * both)) : 0.0);
+      // A crest has readings beside it; a channel at rest has none.
+      if (at_next == 0 || !(top > p * both) || 8 * from_far >= at_value) return 0;
+      const double unlikely = top * std::log(top / (p * both)) + others * std::log(others / ((1 - p) * both));
       return unlikely > kNoChance ? at_value : 0;
     }
   };

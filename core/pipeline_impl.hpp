@@ -192,7 +192,7 @@ struct Pipeline::Impl {
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   SeenModes seen_modes;           // of this hold
-  WholeHold whole_hold;           // for these
+  WholeHold whole_hold;           // for the same
   std::vector<char> is_imposed;   // per channel: shows_drive()
   std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
   DecayRate decay;

@@ -18,12 +18,12 @@ constexpr double kResolved = 0.2;
 // Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by that step
 // squared; otherwise by kUnsettled times the step, squared: the fit is not at its optimum.
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
-// Probability that chance makes one channel's pole differ as much from that of all: what differs more is no oscillation
-// of the whole rig alone. At a tenth, brackets that ring beside a mode are taken for the chain; at ten times as much a
-// sound mode goes unused now and then, which the next fit mends.
+// Probability of as much disagreement by chance. Below it the pole is not that of a mode of the whole rig alone. At a
+// tenth of this, brackets that ring beside a mode are taken for the chain; at ten times as much a sound mode goes
+// unused now and then, which the next fit mends.
 constexpr double kOneChannel = 1e-3;
-// Standard deviations of their difference by which two poles must be apart: nearer, they may as well be exchanged, and
-// the fit is far from linear. A pole that is not resolved disturbs those within the sum of both decay rates.
+// Standard deviations of their difference by which two poles must be apart: nearer, they could as well be exchanged,
+// and the fit is far from linear. A pole that is not resolved disturbs those within the sum of both decay rates.
 constexpr double kApart = 5.0;
 // Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
 constexpr double kStandsOut = 3.0;
@@ -43,8 +43,8 @@ SeenModes::SeenModes(int channels) {
   prepare(now_);
 }
 
-// moved: variance of either component of the pole, beside what the fit says of it.
-void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double moved,
+// extra: variance of either component of the pole, beside what the fit says of it.
+void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
                          SeenMode& mode) noexcept {
   const auto channels = mode.amplitude.size(), pole = 2 * channels;
   const double size = std::abs(fit.poles()[m]);
@@ -56,7 +56,7 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const dou
   mode.pole = fit.moved_poles()[m];
   mode.covariance.setZero();
   mode.covariance.block<2, 2>(pole, pole) =
-      size * size * of_poles.block<2, 2>(at_pole, at_pole) + moved * Eigen::Matrix2d::Identity();
+      size * size * of_poles.block<2, 2>(at_pole, at_pole) + extra * Eigen::Matrix2d::Identity();
   for (Index c = 0; c < channels; ++c) {
     const int channel = static_cast<int>(c);
     const bool fitted = fit.has_propagated(channel);
@@ -83,8 +83,8 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const dou
 }
 
 // Variance of either component of mode m's pole beside what the fit says of it.
-double SeenModes::moved_beside(const ModalFit& fit, std::size_t m, double scale,
-                               std::span<const double> left_over) noexcept {
+double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
+                                      std::span<const double> left_over) noexcept {
   double moved = 0.0;  // at most, by what the fit leaves over, relative to the scale; squared
   for (std::size_t c = 0; c < left_over.size(); ++c) {
     const int channel = static_cast<int>(c);
@@ -102,13 +102,13 @@ double SeenModes::moved_beside(const ModalFit& fit, std::size_t m, double scale,
 void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept {
   const double seen_s = 1e-9 * static_cast<double>(until_ns - fit.t0_ns());
   const auto refined = fit.moved_poles();
-  std::array<double, ModalFit::kMaxModes> u{}, beside{};
+  std::array<double, ModalFit::kMaxModes> u{}, extra{};
   for (std::size_t m = 0; m < refined.size(); ++m) {
     const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
-    beside[m] = moved_beside(fit, m, scale, left_over);
+    extra[m] = extra_pole_variance(fit, m, scale, left_over);
     const auto at = 2 * static_cast<Index>(m);
     const double size = std::abs(fit.poles()[m]);
-    u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * beside[m]);
+    u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * extra[m]);
     if (!(u[m] < kResolved * scale)) u[m] = INFINITY;
   }
   for (std::size_t m = 0; m < refined.size(); ++m) {
@@ -124,7 +124,7 @@ void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const
               (std::isfinite(u[other]) ? kApart * std::hypot(u[m], u[other]) : -pole.real() - refined[other].real());
     }
     if (!alone) continue;
-    describe(fit, m, left_over, beside[m], now_);
+    describe(fit, m, left_over, extra[m], now_);
     const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
     const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
       return std::norm(other.pole - pole) <

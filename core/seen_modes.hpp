@@ -37,14 +37,15 @@ class SeenModes {
   // Those that stand out of the noise and whose poles the data resolve. fit: refined, its poles' errors propagated.
   // until_ns: the newest sample in the fit. left_over: per channel, variance of the residuals beyond the noise, in its
   // unit squared. Such a residual of rms ρ may belong to a mode: it adds an error of up to √2 ρ to an amplitude a, and
-  // of √2 ρ/|a| of its decay rate to the pole. A mode that was seen better before stays as it was. No allocation.
+  // of √2 ρ/|a| of its decay rate to the pole. A mode that was seen better since clear() stays as it was. No
+  // allocation.
   void take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 
  private:
-  [[nodiscard]] static double moved_beside(const ModalFit& fit, std::size_t m, double scale,
-                                           std::span<const double> left_over) noexcept;
-  void describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double moved,
+  [[nodiscard]] static double extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
+                                                  std::span<const double> left_over) noexcept;
+  void describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
                 SeenMode& mode) noexcept;
 
   std::array<SeenMode, ModalFit::kMaxModes> modes_;

@@ -3,14 +3,15 @@
 // A device answers one request with several readings: one transaction, one instant, one stamp. Two requests, be they to
 // two stations of a line or to two blocks of registers, are two transactions: each has a turnaround of its own, which
 // nothing ties to the other's. The stream itself tells: samples of one device that follow each other at one and the
-// same stamp, with one half width, three times in a row, are of one transaction. Two transactions of a device never
-// begin at one instant; their stamps meet by chance, to the nanosecond, once in some million. A stamp that the driver
-// had to replace tells nothing.
+// same stamp, with one half width, three times in a row, are of one transaction. Two transactions of a device do not
+// begin at one instant; their stamps may meet by chance, to the nanosecond once in some million. A stamp that the
+// driver had to replace tells nothing.
 //
 // Pure, fixed memory after construction, bound to one thread. A sample costs a comparison; the first that two channels
 // share O(channels).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -36,8 +37,8 @@ class Transactions {
     const bool together = sample.t_ns == last_.t_ns && sample.t_half_ns == last_.t_half_ns && heard_ &&
                           devices_[sample.channel] == devices_[last_.channel];
     Met& met = met_[sample.channel];
-    met = {last_.channel, !together ? 0 : met.with == last_.channel ? met.times + 1 : 1};
-    if (met.times >= kTimes) unite(sample.channel, last_.channel);
+    met = {last_.channel, !together ? 0 : met.with == last_.channel ? std::min(met.times + 1, kTimes) : 1};
+    if (met.times == kTimes) unite(sample.channel, last_.channel);
     last_ = sample;
     heard_ = true;
   }
@@ -55,7 +56,7 @@ class Transactions {
   }
 
   static constexpr int kTimes = 3;
-  // The channel whose stamp a channel's had last, and how many times in a row.
+  // The last channel with the same stamp, and how many times in a row.
   struct Met {
     std::uint16_t with = 0;
     int times = 0;

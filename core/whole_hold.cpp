@@ -8,23 +8,32 @@
 namespace dwell {
 namespace {
 
-// Of one begin() to the next: passes over the hold, and multiplications, a quarter of a second. Samples beyond what
-// these allow are left out at random.
+// From one begin() to the next: passes over the hold, and multiplications in them, some 0.3 s. Samples beyond what
+// these allow are left out at random, half of the room for those before the latest fit.
 constexpr int kMostPasses = 60;
 constexpr double kMostWork = 4e8;
 
-constexpr double kEarlier = 0.6;  // of the time since the hold's beginning, from one begin to the next
-constexpr double kFirst = 0.25;   // periods after it: the earliest begin, and the first stretch that is judged
-constexpr int kSteps = 8;         // of refinement at one begin; each shortened so many times …
+// Times since the hold's beginning. Each begin is at this part of the one before: a mode that has decayed to the noise
+// at one is then at most e^(0.4 · 5) times as large at the next, and its poles are still found from there.
+constexpr double kEarlier = 0.6;
+constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;  // periods
+constexpr int kSteps =
+    8;  // of refinement at one begin, each shortened so many times to this part where it made it worse
 constexpr int kShortened = 2;
-constexpr double kShorter = 0.3;                     // … to this part, where it made things worse
+constexpr double kShorter = 0.3;
 constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // relative change of a pole and of ω in one step
-constexpr double kConverged = 0.1;                   // of the uncertainty of a pole
-constexpr double kNear = 0.1;  // relative: a chain's pole that near to one of the data is that one
-// Standard deviations of what is left over. At 3 one stretch in a hundred of healthy holds ends the fits.
+constexpr double kConverged = 0.1;                   // standard deviations of a pole
+constexpr double kSamePole = 0.1;                    // relative
+constexpr double kPerParameter = 4.0;                // samples of a channel, at least
+// Standard deviations (of a normal number as improbable as χ²) of what is left over: by chance once in 30 000
+// stretches. At 3 one healthy hold in fifty would end its fits early; at 5 what is left over may move a pole by as many
+// deviations.
 constexpr double kSure = 4.0;
-constexpr double kSearched = 4.0;   // periods of the beginning, in which a further pole is looked for
-constexpr std::size_t kLines = 64;  // from a quarter of a cycle in them on, by as much
+// Where a further pole is looked for: so many periods of the beginning, up to this harmonic of the drive, by steps of a
+// quarter of a cycle in that stretch; in so many samples at most.
+constexpr double kSearched = 4.0, kHighest = 12.0;
+constexpr std::size_t kMostLines = 200;
+constexpr double kMostSearched = 2e4;
 
 double to_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -37,14 +46,23 @@ double chance(std::uint64_t number) {
   return static_cast<double>((number ^ (number >> 33)) >> 11) * 0x1p-53;
 }
 
+// As improbable as so many standard deviations of a normal number (Wilson and Hilferty, 1931). χ² is relative to a
+// variance that was itself found from `samples`.
+double deviations(double chi2, double freedom, double samples) {
+  const double spread = 2 / (9 * freedom);
+  return (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread * (1 + freedom / samples));
+}
+
 }  // namespace
 
 WholeHold::WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated)
-    : fit_(channels, harmonics, modes), most_poles_(static_cast<std::size_t>(modes)) {
+    : fit_(channels, harmonics, modes),
+      most_poles_(std::min(static_cast<std::size_t>(modes), std::size_t{ModalFit::kMaxModes})) {
   fit_.state_omega(stated);
   poles_.reserve(most_poles_);
   trial_.reserve(most_poles_);
   channels_.resize(static_cast<std::size_t>(channels));
+  for (PerChannel& channel : channels_) channel.lines.resize(kMostLines);
 }
 
 void WholeHold::begin(const Given& given) noexcept {
@@ -55,25 +73,25 @@ void WholeHold::begin(const Given& given) noexcept {
 }
 
 bool WholeHold::earlier(const Given& given) noexcept {
-  const std::int64_t first_ns = given.begin_ns + to_ns(kFirst * given.period_s);
+  const std::int64_t first_ns = given.begin_ns + to_ns(kFirstBegin * given.period_s);
   if (from_ns_ <= first_ns) return false;
   from_ns_ = std::max(first_ns, given.begin_ns + to_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
   omega_ += given.latest.rate() * to_s(from_ns_ - omega_at_ns_);
   omega_at_ns_ = from_ns_;
   refine(given);
   if (!explains(given)) {
-    if (!add_pole(given)) return false;
+    if (passes_left_ <= 0 || !add_pole(given)) return false;
     refine(given);
     if (!explains(given)) return false;
   }
-  if (passes_left_ <= 0) return false;
   static_cast<void>(fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega));
   fit_.propagate_poles(given.omega_known);
   take_poles(given, fit_);
   return true;
 }
 
-// Steady lines and what a fit shows beyond doubt, then the poles of the chain that none of these is, one for one.
+// Steady lines and what a fit shows beyond doubt, then each pole of the chain that none of these matches; one matches
+// one at most.
 void WholeHold::take_poles(const Given& given, const ModalFit& fit) noexcept {
   poles_.clear();
   for (std::size_t m = 0; m < fit.poles().size() && poles_.size() < most_poles_; ++m)
@@ -82,7 +100,7 @@ void WholeHold::take_poles(const Given& given, const ModalFit& fit) noexcept {
   for (const Complex& pole : given.chain) {
     const auto nearer = [&](Complex a, Complex b) { return std::abs(a - pole) < std::abs(b - pole); };
     const auto own = std::min_element(trial_.begin(), trial_.end(), nearer);
-    if (own != trial_.end() && std::abs(*own - pole) < kNear * std::abs(pole))
+    if (own != trial_.end() && std::abs(*own - pole) < kSamePole * std::abs(pole))
       trial_.erase(own);
     else if (poles_.size() < most_poles_ && pole.real() < 0)
       poles_.push_back(pole);
@@ -119,7 +137,7 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   return fit_.misfit();
 }
 
-// Moves the poles that show beyond doubt, and ω.
+// Moves the poles that show beyond doubt, and ω with them.
 void WholeHold::refine(const Given& given) noexcept {
   double best = run(given, omega_, poles_);
   for (int step = 0; step < kSteps && passes_left_ > 0; ++step) {
@@ -129,7 +147,7 @@ void WholeHold::refine(const Given& given) noexcept {
     for (std::size_t m = 0; m < trial_.size(); ++m)
       if (poles_[m].real() < 0 && !fit_.certain(m))
         trial_[m] = poles_[m];
-      else
+      else if (fit_.u_pole(m) > 0)
         farthest = std::max(farthest, std::abs(trial_[m] - poles_[m]) / fit_.u_pole(m));
     if (farthest < kConverged) return;
     double by = given.omega_known ? 0.0 : fit_.refined_omega() - omega_;
@@ -149,12 +167,27 @@ void WholeHold::refine(const Given& given) noexcept {
   }
 }
 
-// Over ever longer stretches the residuals are no more than the noise, in each channel and in all together.
+// Every channel of the latest fit, by readings enough.
+bool WholeHold::solved(const Given& given) const noexcept {
+  bool any = false;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!given.latest.usable(channel)) continue;
+    if (!fit_.usable(channel) || !(given.latest.variance(channel) > 0) ||
+        fit_.samples(channel) < kPerParameter * fit_.parameters())
+      return false;
+    any = true;
+  }
+  return any;
+}
+
+// Over ever longer stretches the residuals are no more than the noise.
 bool WholeHold::explains(const Given& given) noexcept {
+  if (!solved(given)) return false;
   const std::int64_t until_ns = given.latest.t0_ns();
   for (PerChannel& channel : channels_) channel.squares = channel.count = 0.0;
   std::uint64_t i = given.history.first_at(from_ns_);
-  for (std::int64_t length_ns = to_ns(kFirst * given.period_s);; length_ns *= 2) {
+  for (std::int64_t length_ns = std::max<std::int64_t>(1, to_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];
@@ -164,49 +197,57 @@ bool WholeHold::explains(const Given& given) noexcept {
       channel.squares += r * r;
       channel.count += 1.0;
     }
-    double beyond = 0.0, variance = 0.0;
-    for (std::size_t c = 0; c < channels_.size(); ++c) {
-      const double count = channels_[c].count;
-      const int channel = static_cast<int>(c);
-      if (!(count > 0)) continue;
-      const double own = channels_[c].squares / given.latest.variance(channel) - count;
-      const double own_variance = 2 * count + 2 * count * count / given.latest.samples(channel);
-      if (own > kSure * std::sqrt(own_variance)) return false;
-      beyond += own;
-      variance += own_variance;
-    }
-    if (beyond > kSure * std::sqrt(variance)) return false;
+    if (!within_noise(given)) return false;
     if (end_ns == until_ns) return true;
   }
 }
 
-// A pole where the residuals of the beginning show the strongest line; in the place of one that shows nowhere, if there
-// is one. false: there is no room.
+// In each channel and in all together. What the poles and amplitudes take of the freedom is left aside: they are fitted
+// to the whole hold.
+bool WholeHold::within_noise(const Given& given) const noexcept {
+  double chi2 = 0.0, freedom = 0.0, samples = INFINITY;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!(channels_[c].count > 0)) continue;
+    const double own = channels_[c].squares / given.latest.variance(channel);
+    if (deviations(own, channels_[c].count, given.latest.samples(channel)) > kSure) return false;
+    chi2 += own;
+    freedom += channels_[c].count;
+    samples = std::min(samples, given.latest.samples(channel));
+  }
+  return !(freedom > 0) || deviations(chi2, freedom, samples) <= kSure;
+}
+
+// A pole where the residuals of the beginning show the strongest line, in the place of the first that does not show,
+// else beside the others. false: there is no room, or nothing is left over.
 bool WholeHold::add_pole(const Given& given) noexcept {
   std::size_t at = 0;
   while (at < poles_.size() && (poles_[at].real() == 0 || fit_.certain(at))) ++at;
   if (at == most_poles_) return false;
   const double stretch_s = std::min(to_s(given.latest.t0_ns() - from_ns_), kSearched * given.period_s);
   const double grid = 0.5 * std::numbers::pi / stretch_s;
+  const auto lines = std::clamp(static_cast<std::size_t>(kHighest * omega_ / grid), std::size_t{1}, kMostLines);
   const std::uint64_t first = given.history.first_at(from_ns_),
                       end = given.history.first_at(from_ns_ + to_ns(stretch_s));
+  const double part = kMostSearched / std::max(1.0, static_cast<double>(end - first));
+  for (PerChannel& channel : channels_) std::fill(channel.lines.begin(), channel.lines.end(), Complex{});
+  for (std::uint64_t i = first; i < end; ++i) {
+    const SampleHistory::Sample& s = given.history[i];
+    if (!fit_.usable(s.channel) || chance(i) >= part) continue;
+    std::vector<Complex>& sums = channels_[static_cast<std::size_t>(s.channel)].lines;
+    const Complex step = std::polar(1.0, grid * to_s(s.t_ns - from_ns_));
+    Complex turned = fit_.residual(s.channel, s.t_ns, s.value) * step;
+    for (std::size_t k = 0; k < lines; ++k, turned *= step) sums[k] += turned;
+  }
   double strongest = 0.0, found = 0.0;
-  for (std::size_t k = 1; k <= kLines; ++k) {
-    const double line = grid * static_cast<double>(k);
-    for (PerChannel& channel : channels_) channel.line = 0.0;
-    for (std::uint64_t i = first; i < end; ++i) {
-      const SampleHistory::Sample& s = given.history[i];
-      if (fit_.usable(s.channel))
-        channels_[static_cast<std::size_t>(s.channel)].line +=
-            fit_.residual(s.channel, s.t_ns, s.value) * std::polar(1.0, line * to_s(s.t_ns - from_ns_));
-    }
+  for (std::size_t k = 0; k < lines; ++k) {
     double power = 0.0;
     for (std::size_t c = 0; c < channels_.size(); ++c)
       if (const int channel = static_cast<int>(c); fit_.usable(channel) && given.imposed[c] == 0)
-        power += std::norm(channels_[c].line) / given.latest.variance(channel);
-    if (power > strongest) strongest = power, found = line;
+        power += std::norm(channels_[c].lines[k]) / given.latest.variance(channel);
+    if (power > strongest) strongest = power, found = grid * static_cast<double>(k + 1);
   }
-  if (!(strongest > 0)) return false;
+  if (!(strongest > 0) || !std::isfinite(strongest)) return false;
   const Complex pole{-1 / stretch_s, found};
   if (at < poles_.size())
     poles_[at] = pole;

@@ -1,11 +1,11 @@
 // The natural oscillations over the whole of a hold, for the check of the model (docs/method.md, Cross-check).
 //
-// The fit that judges when a transient has decayed leaves out the beginning of the hold, and with it what tells most of
-// the modes that decay fast. Once the steady motion and the noise are known, the same fit is made from ever earlier on.
-// Each begin starts with the poles of the one before; those that do not show stand where the identified chain has them,
-// as noise would lead them astray. What a fit leaves over of the beginning is compared with the noise: where there is
-// more, a pole is added at its strongest line (a bracket that rings; a mode that is far from where the chain has it),
-// and where that does not help either, the fits end.
+// The fit that judges when a transient has decayed leaves out the beginning of the hold: the part in which modes that
+// decay fast are visible. Once the steady motion and the noise are known, the same fit is made from ever earlier on.
+// Each begin starts with the poles of the one before; a mode that is hidden in noise keeps the pole that the identified
+// chain has, as fitting it would follow the noise. What a fit leaves over of the beginning is compared with the noise:
+// where there is more, a pole is added at its strongest line (a bracket that rings; a mode that is far from where the
+// chain has it), and where that does not help either, the fits end.
 #pragma once
 
 #include <cmath>
@@ -35,8 +35,8 @@ class WholeHold {
   };
   // Begins where `latest` does.
   void begin(const Given& given) noexcept;
-  // The fit from earlier on; false: it does not explain the data, there are none earlier, or it has cost enough: from
-  // one begin() to the next kMostWork multiplications. No allocation.
+  // The fit from earlier on; false: there are no earlier data, it does not explain them, or enough has been spent since
+  // begin(), half a second of a processor at most. No allocation.
   bool earlier(const Given& given) noexcept;
   // Of the last earlier() that returned true: refined, its poles' errors propagated.
   [[nodiscard]] const ModalFit& modes() const noexcept { return fit_; }
@@ -46,12 +46,14 @@ class WholeHold {
   double run(const Given& given, double omega, std::span<const std::complex<double>> poles) noexcept;
   void refine(const Given& given) noexcept;
   [[nodiscard]] bool explains(const Given& given) noexcept;
+  [[nodiscard]] bool within_noise(const Given& given) const noexcept;
+  [[nodiscard]] bool solved(const Given& given) const noexcept;
   bool add_pole(const Given& given) noexcept;
 
   struct PerChannel {
     double low = INFINITY, high = -INFINITY;  // of the readings
     double squares = 0.0, count = 0.0;        // of the residuals
-    std::complex<double> line;
+    std::vector<std::complex<double>> lines;  // Fourier sums of the residuals
   };
   ModalFit fit_;
   std::size_t most_poles_;

@@ -144,12 +144,13 @@ TEST_F(DisturbedReadings, ATableRefreshedAFewTimesAPeriodIsNamed) {
 
 // As coarse as its own rounding steps: runs of a few readings, one step apart, twice rounded too.
 TEST_F(DisturbedReadings, AMotionOfOneOrTwoRoundingStepsIsNotHeld) {
-  for (const double step : {0.0012, 0.0016, 0.0024})
-    for (const double again : {0.0, 0.0007}) {
+  for (const double step : {0.0012, 0.0016, 0.0024, 0.0028})
+    for (const double again : {0.0, 0.0007, 0.0011}) {
       measured(
           [&](Record& record, double) {
             if (record.channel != 0) return;
-            record.value = step * std::round(record.value / step);
+            record.value =
+                step * std::round(record.value / step) + 0.0072;  // off the middle: unequal steps on either side
             if (again > 0) record.value = again * std::round(record.value / again);
           },
           30);

@@ -190,7 +190,7 @@ TEST(ModalFit, ChannelsDisagreeAboutAPoleWhereOneOfThemRingsBesideIt) {
       EXPECT_GT(of_two(0.1, seed).disagreement(0), 2 * std::log(1e4)) << seed;
     }
   }
-  EXPECT_LE(beyond, 30);
+  EXPECT_LE(beyond, 6);
 }
 
 TEST(ModalFit, IsCertainOfAModeThatIsThereAndOfNoneInNoise) {

@@ -121,7 +121,7 @@ TEST(WholeHold, APoleThatDoesNotShowStaysWhereTheChainHasIt) {
 // Beyond what is affordable samples are left out at random; the poles are then known less well, and it says so.
 TEST(WholeHold, OfALongHoldLeavesOutSamplesAndStaysRight) {
   Hold hold(healthy, 7, 2.0, 150.0);
-  ASSERT_EQ(hold.history.end(), hold.history.end() - hold.history.begin());
+  ASSERT_EQ(hold.history.begin(), 0u);
   ASSERT_GT(hold.go(), 3);
   EXPECT_LT(hold.whole.modes().samples(0), 0.9 * (150.0 - 0.05) * kRate_hz);
   EXPECT_LT(hold.off(kFast), 4.0);
