@@ -217,8 +217,9 @@ std::string ChannelIntake::left_out_reason() const {
   add(overrange_ - end_codes_, " reading beyond its range", " readings beyond its range");
   add(end_codes_, " end code of an integer type", " end codes of an integer type");
   add(foreign.repeats + (held() ? 0 : repeated_), " repeat of an older reading", " repeats of an older reading");
-  add(spiked_ + foreign.all - foreign.repeats, " reading far from all others", " readings far from all others");
-  if (foreign.commonest > 1) text += " (with a cluster at " + in_unit(foreign.value) + ")";
+  const std::uint64_t far = spiked_ + foreign.all - foreign.repeats;
+  add(far, " reading far from all others", " readings far from all others");
+  if (far > 1 && foreign.commonest > 1) text += " (with a cluster at " + in_unit(foreign.value) + ")";
   return text.empty() ? text : "left out of " + std::to_string(readings_) + " readings: " + text;
 }
 

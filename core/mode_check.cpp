@@ -34,7 +34,7 @@ constexpr std::size_t kMostCauses = 3;  // that are named
 // One mode of the data, the eigenvalue that it belongs to, and how far the chain's equations hold for it.
 struct Pair {
   const SeenMode* seen;
-  const NaturalMode* natural;
+  const NaturalMode* natural;  // nullptr: the chain does not oscillate
   ModeResidual residual;
   double by_chance = 1.0;
 };
@@ -227,13 +227,15 @@ void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural,
   };
   const auto nearest = std::min_element(natural.begin(), natural.end(), nearer);
   const int last = rig.element_count();
-  dwell.doubts.push_back({{},
-                          "mode at " + brief(mode.pole.imag() / kTwoPi, 4) + " Hz: the transient in " + names +
-                              " shows it, decaying at " + brief(-mode.pole.real()) + " /s, and the identified chain (" +
-                              (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) +
-                              ") has none there; its nearest is at " + brief(nearest->pole.imag() / kTwoPi, 4) +
-                              " Hz, decaying at " + brief(-nearest->pole.real()) +
-                              " /s: look at units, signs, masses and their order, and what else is connected"});
+  dwell.doubts.push_back(
+      {{},
+       "mode at " + brief(mode.pole.imag() / kTwoPi, 4) + " Hz: the transient in " + names + " shows it, decaying at " +
+           brief(-mode.pole.real()) + " /s, and the identified chain (" +
+           (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) + ") " +
+           (nearest == natural.end() ? "does not oscillate by itself"
+                                     : "has none there; its nearest is at " + brief(nearest->pole.imag() / kTwoPi, 4) +
+                                           " Hz, decaying at " + brief(-nearest->pole.real()) + " /s") +
+           ": look at units, signs, instants, masses and their order, and what else is connected"});
 }
 
 }  // namespace
@@ -255,20 +257,20 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
       return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
     };
     const auto own = std::min_element(natural.begin(), natural.end(), nearer);
-    if (own == natural.end()) continue;
-    const bool far = std::abs(own->pole - mode.pole) > kSameMode * std::abs(own->pole);
+    const bool none = own == natural.end();
+    const bool far = none || std::abs(own->pole - mode.pole) > kSameMode * std::abs(own->pole);
     // Of two poles near one eigenvalue the nearer one is the chain's.
     if (!far && std::any_of(seen.begin(), seen.end(), [&](const SeenMode& other) {
           return std::abs(other.pole - own->pole) < std::abs(mode.pole - own->pole);
         }))
       continue;
     if (!far && of_one_channel(rig, identified, omega, mode, *own)) continue;
-    Pair pair{&mode, &*own, ModeResidual(rig, identified, omega, mode)};
+    Pair pair{&mode, none ? nullptr : &*own, ModeResidual(rig, identified, omega, mode)};
     // Two tests: of poles and shapes, and of the pole alone.
-    pair.by_chance = 2 * std::min(pair.residual.by_chance(), pair.residual.pole_by_chance(own->shape));
+    pair.by_chance = 2 * std::min(pair.residual.by_chance(), none ? 1.0 : pair.residual.pole_by_chance(own->shape));
     if (!far)
       pairs.push_back(std::move(pair));
-    else if (own->pole.real() < 0 && pair.by_chance * static_cast<double>(seen.size()) < kFalseAlarm)
+    else if ((none || own->pole.real() < 0) && pair.by_chance * static_cast<double>(seen.size()) < kFalseAlarm)
       foreign = &mode;
   }
   if (pairs.empty()) {

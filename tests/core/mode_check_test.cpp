@@ -96,6 +96,19 @@ TEST(ModeCheck, AChannelTwoMillisecondsLateIsDoubtedAndNamed) {
   expect_doubt(dwell_of(chain, rig, 1), "y1 2.1 ms late");
 }
 
+// Then the steady motion makes the chain so damped that it has no natural oscillation at all; the data show one.
+TEST(ModeCheck, ALateChannelOfOneFreeMassIsDoubtedThoughTheChainDoesNotOscillateByItself) {
+  for (const double damping : {50.0, 20.0, 8.0})
+    for (const double late_s : {1.25e-3, 2.5e-3, 5e-3}) {
+      const Chain chain{Boundary::free, {3}, {36000}, {damping}};
+      Rig rig = rig_of(chain, kDrive_hz);
+      rig.channels[1].delay_s = -late_s;
+      const Dwell dwell = dwell_of(chain, rig, 1);
+      EXPECT_FALSE(trustworthy(dwell)) << damping << " " << late_s;
+      EXPECT_GE(dwell.doubts.size(), 1u);
+    }
+}
+
 TEST(ModeCheck, ASpringFromTheMassToGroundThatTheFileDoesNotHaveIsDoubtedAndNamed) {
   const Chain chain{Boundary::clamped, {12.5}, {24000, 400}, {20, 1}};
   Rig rig = rig_of(chain, kDrive_hz);
