@@ -113,7 +113,7 @@ class ModalFit {
 
   // Whether the amplitude of a mode stands out of the noise in any channel.
   [[nodiscard]] bool shows(std::size_t mode) const noexcept;
-  // Whether the amplitudes of all channels together are more than noise gives: at one given pole it does once in 10⁶.
+  // Whether the amplitudes of all channels together are more than noise gives: at one given pole it does once in 10⁹.
   [[nodiscard]] bool certain(std::size_t mode) const noexcept;
 
   // What may be left of the transient from t on: the envelope of what stands out of the noise, and the standard
