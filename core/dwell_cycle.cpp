@@ -158,7 +158,8 @@ void Pipeline::Impl::begin_hold(int from) {
   blocks.set_drift({});
   for (Live& channel : live) {
     channel.half_ns_sum = channel.half_count = 0.0;
-    if (channel.intake.holding_changed()) channel.sampling = {};
+    // Refreshes before it may have been passed over, or not found yet.
+    if (channel.intake.held() || channel.intake.holding_changed()) channel.sampling = {};
     channel.intake.begin_hold();
   }
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;

@@ -16,9 +16,10 @@ constexpr double kMatters = 0.05;                 // of the variance
 constexpr double kOwnOmega = 2.5;                 // standard deviations
 constexpr double kTurned = 0.1;                   // standard deviations
 constexpr int kRefits = 4;                        // of the fit at a better frequency, at most
-// Of what is allowed, which is itself an estimate. Lateness of white noise, median, at 0.8, 0.85, 0.9: 0.50, 0.38,
-// 0.27; too early by none of 600 dwells at either.
-constexpr double kSafety = 0.85;
+// Of what is allowed, which is itself an estimate; less where a channel is rounded more coarsely than its noise, since
+// what rounding does to the fit is in no uncertainty. White noise: lateness, median, at 0.8, 0.85, 0.9: 0.50, 0.38,
+// 0.27; too early by none of 600 dwells at the latter two. Rounded: at 0.85 too early by 11 of 2000.
+constexpr double kSafety = 0.85, kSafetyRounded = 0.82;
 constexpr double kSure = 3.0;                         // standard deviations of what may be left of the transient
 constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;                  // of the tolerance: nothing is subtracted any more …
@@ -48,7 +49,7 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
     if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const double allowed = allowed_left(c);
     const ModalFit::Left left = modal.left(c, t_ns);
-    double ratio = (left.envelope + kSure * left.u) / (kSafety * allowed);
+    double ratio = (left.envelope + kSure * left.u) / ((rounded(c) ? kSafetyRounded : kSafety) * allowed);
     // What the fit leaves over beyond the noise is not known to be no transient.
     if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / allowed);
     if (ratio > largest) {
@@ -173,21 +174,23 @@ bool Pipeline::Impl::determined() const {
   return true;
 }
 
+// Whether a channel's noise is hidden by its rounding.
+bool Pipeline::Impl::rounded(int c) const {
+  const double step = live[static_cast<std::size_t>(c)].intake.step();
+  return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
+}
+
 // Rounding is no noise: it may lead a fit astray, and another with some more data again elsewhere. What is said of a
 // sudden where readings are rounded is asked of a second fit.
 bool Pipeline::Impl::believed(double left_before) {
-  const auto rounds = [&](int c) {
-    const double step = live[static_cast<std::size_t>(c)].intake.step();
-    return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
-  };
   if (verdict.worst_left > 1) {
     believe_at_ns = INT64_MIN;
     return false;
   }
   if (believe_at_ns == INT64_MIN) {
-    bool rounded = false;
-    for (int c = 0; c < channel_count; ++c) rounded = rounded || rounds(c);
-    if (!rounded || !(left_before > kSudden)) return true;
+    bool any = false;
+    for (int c = 0; c < channel_count; ++c) any = any || rounded(c);
+    if (!any || !(left_before > kSudden)) return true;
     believe_at_ns = now_ns + std::max(to_ns(kAgainPeriods * period_s()),
                                       static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_ns)));
     modal_refit_at_ns = believe_at_ns;

@@ -17,7 +17,9 @@ class SamplingRegularity {
  public:
   void add(double step_s) noexcept {
     if (!(step_s > 0)) return;
-    if (n_ > 8 && step_s > 1.6 * mean_s_ && ++lost_ < kNotLost) return;
+    // Of the first few the shortest is the rule: among so few one gap would move the mean for long.
+    if (n_ <= kFew && kLong * step_s < mean_s_) n_ = 0;
+    if (n_ > 0 && step_s > kLong * mean_s_ && ++lost_ < kNotLost) return;
     if (lost_ == kNotLost) n_ = 0;  // so many in a row are the rule: those before came in a burst
     lost_ = 0;
     if (n_ < kMost) weight_ = 1 / ++n_;
@@ -59,7 +61,8 @@ class SamplingRegularity {
  private:
   static constexpr double kMost = 4096;
   static constexpr int kNotLost = 16;
-  int lost_ = 0;  // in a row
+  static constexpr double kFew = 8, kLong = 1.6;  // steps; times the mean: one or more readings were lost
+  int lost_ = 0;                                  // in a row
   double n_ = 0, weight_ = 1, mean_s_ = 0, variance_ = 0;
 };
 

@@ -131,7 +131,7 @@ struct Pipeline::Impl {
     std::int64_t last_ns = INT64_MIN;
     std::int64_t refreshed_ns = INT64_MIN;       // of the reading that counted last
     double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
-    SamplingRegularity sampling;
+    SamplingRegularity sampling;                 // of the values: of the refreshes, where the register is held
     bool referenced = false;
   };
 
@@ -387,6 +387,7 @@ struct Pipeline::Impl {
   // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
   bool believed(double left_before);
+  [[nodiscard]] bool rounded(int c) const;
   [[nodiscard]] bool determined() const;
   void refit_later(double growth);
   void refit_soon();
