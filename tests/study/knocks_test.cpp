@@ -24,13 +24,15 @@ TEST(StudyKnocks, AKnockAddsItsVelocityAndLeavesTheTableAlone) {
 
 // The fit began at the hold's beginning, and left out at most six tenths of it: the verdict came as long after the
 // knocks as they had lasted, where it came.
-TEST(StudyKnocks, TheVerdictComesSoonAfterTheLastOfManyAndNotTooEarly) {
-  for (const int index : {0, 2, 3, 4, 7}) {
-    const Outcome outcome = play_dwell(draw(Population::knocks, 1, index));
-    EXPECT_LE(late_by(outcome, 10, 1), 1.0) << "rig " << index;
-    EXPECT_LE(outcome.left, 1.0) << "rig " << index;
-  }
+class KnockedRig : public testing::TestWithParam<int> {};  // of the population
+
+TEST_P(KnockedRig, HasItsVerdictSoonAfterTheLastOfManyKnocksAndNotTooEarly) {
+  const Outcome outcome = play_dwell(draw(Population::knocks, 1, GetParam()));
+  EXPECT_LE(late_by(outcome, 10, 1), 1.0);
+  EXPECT_LE(outcome.left, 1.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(StudyKnocks, KnockedRig, testing::Values(0, 2, 3, 4, 7));
 
 }  // namespace
 }  // namespace dwell::study
