@@ -110,7 +110,7 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
   return {moved_.data(), count_};
 }
 
-// At the optimum of all channels the score of each is what its own optimum differs by, times its information.
+// At the common optimum the score of a channel is its information times the distance to its own optimum.
 void ModalFit::take_disagreement(Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept {
   information.diagonal().array() += 1 / (kOpen * kOpen);
   double& most = disagreement_[static_cast<std::size_t>(m)];

@@ -34,10 +34,10 @@ class ModeResidual {
   [[nodiscard]] int freedom() const noexcept { return 2 * static_cast<int>(elements_.size()); }
   // Probability of as much by chance.
   [[nodiscard]] double by_chance() const noexcept;
-  // The same for the pole alone: of the combination Σ δ_k R_k that to first order no amplitude changes, δ_k the
-  // deformations of the chain's own mode of this shape (the virtual work of what each element lacks). Two degrees of
-  // freedom instead of two an element: the sharper test where poles tell and shapes do not. 1 where an element does not
-  // take part.
+  // The same for the pole alone. Σ δ_k R_k is the work that the lacking forces do in the chain's own mode: δ_k are its
+  // deformations, shape its displacements of masses 1 … n, of any size. To first order no amplitude changes that sum.
+  // It has two degrees of freedom, by_chance() two an element: this test is the sharper one where the pole contradicts
+  // and the shape does not. 1 where an element does not take part. Allocates; O(elements²).
   [[nodiscard]] double pole_by_chance(const Eigen::VectorXcd& shape) const;
   // The element that contradicts most by itself, as a position in elements(), and its own χ² of two.
   [[nodiscard]] Eigen::Index worst(double* chi2) const noexcept;

@@ -17,9 +17,9 @@ std::string range(double low, double high, int digits) {
 }  // namespace
 
 std::string SeenDrive::at_rest(const Rig& rig) const {
-  // It moved as long as it was heard.
+  // Its data ended while it moved.
   if (newest_ > rig.excitation.minimum)
-    return "no drive is recognized; the table was heard last with " + length(rig, newest_) +
+    return "no drive is recognized; when last heard, the table moved by " + length(rig, newest_) +
            " at the drive's frequency";
   return "the table does not move: its amplitude at the drive's frequency is " + length(rig, newest_) + ", at most " +
          length(rig, largest_) + " so far; a drive has more than " + length(rig, rig.excitation.minimum) +

@@ -13,21 +13,20 @@ namespace {
 constexpr int kMostPasses = 60;
 constexpr double kMostWork = 4e8;
 
-// Times since the hold's beginning. Each begin is at this part of the one before: a mode that has decayed to the noise
-// at one is then at most e^(0.4 · 5) times as large at the next, and its poles are still found from there.
+// Each begin lies at this part of the time from the hold's beginning to the one before. Not derived; no other was
+// tried.
 constexpr double kEarlier = 0.6;
 constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;  // periods
-constexpr int kSteps =
-    8;  // of refinement at one begin, each shortened so many times to this part where it made it worse
-constexpr int kShortened = 2;
-constexpr double kShorter = 0.3;
+constexpr int kSteps = 8;                                   // of refinement at one begin
+constexpr int kShortened = 2;     // a step that made the misfit worse is tried again so many times …
+constexpr double kShorter = 0.3;  // … each time this part as long
 constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // relative change of a pole and of ω in one step
 constexpr double kConverged = 0.1;                   // standard deviations of a pole
 constexpr double kSamePole = 0.1;                    // relative
 constexpr double kPerParameter = 4.0;                // samples of a channel, at least
-// Standard deviations (of a normal number as improbable as χ²) of what is left over: by chance once in 30 000
-// stretches. At 3 one healthy hold in fifty would end its fits early; at 5 what is left over may move a pole by as many
-// deviations.
+// χ² of what is left over may be as improbable as so many standard deviations of a normal number. Chance passes 4 once
+// in 30 000 stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end
+// early.
 constexpr double kSure = 4.0;
 // Where a further pole is looked for: so many periods of the beginning, up to this harmonic of the drive, by steps of a
 // quarter of a cycle in that stretch; in so many samples at most.
@@ -39,7 +38,7 @@ double to_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(1e9 * s); }
 
-// A number in [0, 1) that looks like chance.
+// A number in [0, 1) without a pattern: equal steps would fold what is sampled (an integer hash).
 double chance(std::uint64_t number) {
   number = (number ^ (number >> 31)) * 0x7fb5d329728ea185U;
   number = (number ^ (number >> 27)) * 0x81dadef4bc2dd44dU;

@@ -21,7 +21,7 @@ namespace dwell {
 
 class WholeHold {
  public:
-  // All memory is allocated here, as of one ModalFit.
+  // modes: as many poles at most. stated: of ω. All memory is allocated here: that of a ModalFit, and 3 kB a channel.
   WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated);
 
   struct Given {

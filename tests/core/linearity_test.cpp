@@ -150,13 +150,17 @@ TEST(Linearity, OfAChainTheElementThatRubsIsNamedAndNoOther) {
   }
 }
 
-TEST(Linearity, ACubicSpringHasAnEquivalentStiffness) {
-  const Rig rig = rig_of(clamped_chain(), 4);
+// Element 2 of clamped_chain() hardens by a twentieth at its amplitude; noise 1e-5.
+std::vector<Evidence> hardening() {
   const Chain chain = clamped_chain();
-  const double a = estimate(rig, simulated(chain, 2, nothing())).elements[1].deformation.value;
+  const double a = estimate(rig_of(chain, 4), simulated(chain, 2, nothing())).elements[1].deformation.value;
   std::vector<Evidence> evidence = simulated(chain, 2, cubic(0.05 * chain.stiffness[1] / (a * a)));
   set_noise(evidence, 1e-5);
-  const ElementsResult result = estimate(rig, evidence);
+  return evidence;
+}
+
+TEST(Linearity, ACubicSpringHasAnEquivalentStiffness) {
+  const ElementsResult result = estimate(rig_of(clamped_chain(), 4), hardening());
   ASSERT_EQ(result.warnings.size(), 1u) << all(result.warnings);
   for (const char* named : {"element 2", "equivalent stiffness", "at this amplitude", "hardens", " % of c"})
     EXPECT_TRUE(says(result, named)) << all(result.warnings);
@@ -164,13 +168,9 @@ TEST(Linearity, ACubicSpringHasAnEquivalentStiffness) {
 
 // A beat that is left in the fundamental widens c and r, and says nothing of harmonic 3.
 TEST(Linearity, IsNotHiddenByAScatterOfTheFundamental) {
-  const Rig rig = rig_of(clamped_chain(), 4);
-  const Chain chain = clamped_chain();
-  const double a = estimate(rig, simulated(chain, 2, nothing())).elements[1].deformation.value;
-  std::vector<Evidence> evidence = simulated(chain, 2, cubic(0.05 * chain.stiffness[1] / (a * a)));
-  set_noise(evidence, 1e-5);
+  std::vector<Evidence> evidence = hardening();
   for (Evidence& one : evidence) one.widened = 1e4;
-  EXPECT_TRUE(says(estimate(rig, evidence), "element 2"));
+  EXPECT_TRUE(says(estimate(rig_of(clamped_chain(), 4), evidence), "element 2"));
 }
 
 // A transducer that compresses, y - βy³: its third harmonic has the phase of its reading.

@@ -40,6 +40,15 @@ TEST(SamplingRegularity, ABurstAtTheBeginningIsNotTheRate) {
   EXPECT_NEAR(sampling.distance_hz(50, 5.2), 0.2, 1e-3);
 }
 
+// A mean that keeps a thousandth of it moves an alias by a thousandth of the line.
+TEST(SamplingRegularity, AGapAmongTheFirstFewStepsDoesNotMoveTheRate) {
+  for (int gap_at = 0; gap_at < 6; ++gap_at) {
+    SamplingRegularity sampling;
+    for (int i = 0; i < 500; ++i) sampling.add((i == gap_at ? 2 : 1) / 55.0);
+    EXPECT_NEAR(sampling.distance_hz(50, 5.2), 0.2, 1e-9) << gap_at;
+  }
+}
+
 TEST(SamplingRegularity, JitterLeavesOnlyTheLineItself) {
   EXPECT_NEAR(sampled(55, 0.02, 0).distance_hz(50, 5.2), 44.8, 1e-6);
 }

@@ -74,7 +74,7 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
   outcome.warned = outcome.warned || warned;
   outcome.worst = std::max(outcome.worst, worst);
   // A dwell before the transient cannot tell what only a transient shows.
-  const bool tells = !(moved.by_transient && dwell.settled_s < about.change_s);
+  const bool tells = !(moved.by_transient && about.disturbances.size() == 1 && dwell.settled_s < about.change_s);
   if (!warned && tells && worst > outcome.worst_silent) {
     outcome.worst_silent = worst;
     outcome.doubted = !dwell.doubts.empty();

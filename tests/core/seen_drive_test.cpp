@@ -1,0 +1,21 @@
+// What is said of a table that counts as at rest.
+#include "core/seen_drive.hpp"
+
+#include <gtest/gtest.h>
+
+namespace dwell {
+namespace {
+
+TEST(SeenDrive, ATableThatMovedWhenLastHeardIsNotSaidToBeAtRest) {
+  Rig rig;
+  rig.excitation.minimum = 1e-5;
+  SeenDrive seen;
+  seen.take(1e-6, 4.0, false);
+  EXPECT_NE(seen.at_rest(rig).find("does not move"), std::string::npos) << seen.at_rest(rig);
+  seen.take(5e-3, 4.0, true);
+  EXPECT_EQ(seen.at_rest(rig).find("does not move"), std::string::npos) << seen.at_rest(rig);
+  EXPECT_NE(seen.at_rest(rig).find("5 mm"), std::string::npos) << seen.at_rest(rig);
+}
+
+}  // namespace
+}  // namespace dwell
