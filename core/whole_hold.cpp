@@ -113,14 +113,17 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   const std::uint64_t first = given.history.first_at(from_ns_), late = given.history.first_at(given.latest.t0_ns()),
                       end = given.history.first_at(given.until_ns);
   const double products = 0.5 * std::pow(fit_.parameters() + 2.0 * static_cast<double>(poles.size()) + 2, 2);
-  const double room = kMostWork / (kMostPasses * products), beginning = static_cast<double>(late - first);
-  const double early_part = std::min(1.0, 0.5 * room / std::max(1.0, beginning));
+  // Twice what every channel needs, whatever that costs.
+  const double least = 2 * kPerParameter * fit_.parameters() * static_cast<double>(channels_.size());
+  const double room = std::max(least, kMostWork / (kMostPasses * products));
+  const double beginning = static_cast<double>(late - first);
+  early_part_ = std::min(1.0, 0.5 * room / std::max(1.0, beginning));
   const double late_part =
-      std::min(1.0, (room - early_part * beginning) / std::max(1.0, static_cast<double>(end - late)));
+      std::min(1.0, (room - early_part_ * beginning) / std::max(1.0, static_cast<double>(end - late)));
   for (PerChannel& channel : channels_) channel.low = INFINITY, channel.high = -INFINITY;
   for (std::uint64_t i = first; i < end; ++i) {
     const SampleHistory::Sample& s = given.history[i];
-    if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? early_part : late_part)) continue;
+    if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? early_part_ : late_part)) continue;
     fit_.add(s.channel, s.t_ns, s.value);
     PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
     channel.low = std::min(channel.low, s.value);
@@ -190,7 +193,8 @@ bool WholeHold::explains(const Given& given) noexcept {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];
-      if (!fit_.usable(s.channel)) continue;
+      // Those that were fitted: of others the errors of the fit make the residuals larger than the noise.
+      if (!fit_.usable(s.channel) || chance(i) >= early_part_) continue;
       const double r = fit_.residual(s.channel, s.t_ns, s.value);
       PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
       channel.squares += r * r;

@@ -36,7 +36,7 @@ class WholeHold {
   // Begins where `latest` does.
   void begin(const Given& given) noexcept;
   // The fit from earlier on; false: there are no earlier data, it does not explain them, or enough has been spent since
-  // begin(), half a second of a processor at most. No allocation.
+  // begin(): 0.3 s of a processor for 32 channels and 10 modes. No allocation.
   bool earlier(const Given& given) noexcept;
   // Of the last earlier() that returned true: refined, its poles' errors propagated.
   [[nodiscard]] const ModalFit& modes() const noexcept { return fit_; }
@@ -60,7 +60,7 @@ class WholeHold {
   std::vector<std::complex<double>> poles_, trial_;
   std::vector<PerChannel> channels_;
   std::int64_t from_ns_ = 0, omega_at_ns_ = 0;
-  double omega_ = 0.0;
+  double omega_ = 0.0, early_part_ = 1.0;  // of the samples before the latest fit's begin that are fitted
   int passes_left_ = 0;
 };
 
