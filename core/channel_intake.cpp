@@ -117,8 +117,8 @@ bool ChannelIntake::frozen(double omega) const noexcept {
 }
 
 void ChannelIntake::begin_hold() noexcept {
+  pile_up_.restart(noise());
   held_.restart();
-  pile_up_.restart();
   cluster_.restart();
   motion_.restart();
   refresh_half_ns_ = refreshes_ = 0.0;
@@ -154,9 +154,9 @@ double ChannelIntake::interval_s() const noexcept {
   return readings_ > 1 ? 1e-9 * static_cast<double>(newest_ns_ - first_ns_) / static_cast<double>(readings_ - 1) : 0.0;
 }
 
-bool ChannelIntake::noisy() const noexcept {
+PileUp::Noise ChannelIntake::noise() const noexcept {
   const double noise = motion_.noise(), largest = std::max(std::abs(largest_), std::abs(smallest_));
-  return noise > apart() && noise > kRealNoise * largest;
+  return {noise > apart() && noise > kRealNoise * largest, apart()};
 }
 
 double ChannelIntake::clipping_bias() const noexcept {

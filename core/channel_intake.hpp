@@ -81,10 +81,10 @@ class ChannelIntake {
  private:
   [[nodiscard]] bool end_code(double raw) const noexcept;
   [[nodiscard]] double apart() const noexcept;
-  [[nodiscard]] bool noisy() const noexcept;
+  [[nodiscard]] PileUp::Noise noise() const noexcept;
   [[nodiscard]] bool frozen(double omega) const noexcept;
-  [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noisy()); }
-  [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noisy()); }
+  [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
+  [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noise()); }
   [[nodiscard]] double interval_s() const noexcept;
   RefreshClock date_refresh(Reading& reading) const noexcept;
   [[nodiscard]] std::string in_unit(double raw) const;

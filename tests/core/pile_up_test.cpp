@@ -1,0 +1,102 @@
+// Readings cut off at an extreme show, and those of a motion that is not cut off never do.
+#include "core/pile_up.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace dwell {
+namespace {
+
+struct Motion {
+  double noise = 0.0, step = 0.0;  // of an amplitude of 1
+  double end = INFINITY;           // of the transducer
+  double readings_a_period = 40.3;
+};
+
+// So many periods of a sine of amplitude 1 as the transducer shows it.
+void play(PileUp& pile_up, const Motion& motion, double periods, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double phase = std::uniform_real_distribution<double>(0.0, 6.0)(random);
+  double before = 0.0;
+  for (int i = 0; i < periods * motion.readings_a_period; ++i) {
+    double reading = std::sin(2 * M_PI * i / motion.readings_a_period + phase) + motion.noise * normal(random);
+    if (motion.step > 0) reading = motion.step * std::nearbyint(reading / motion.step);
+    reading = std::min(reading, motion.end);
+    pile_up.add(reading, before, 4 / motion.readings_a_period);
+    before = reading;
+  }
+}
+
+PileUp::Noise seen(const Motion& motion) { return {motion.noise > motion.step, motion.step}; }
+
+std::int64_t found(const Motion& motion, double periods, std::uint64_t seed) {
+  PileUp pile_up;
+  play(pile_up, motion, periods, seed);
+  EXPECT_EQ(pile_up.below(seen(motion)), 0) << seed;
+  return pile_up.above(seen(motion));
+}
+
+TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNone) {
+  std::uint64_t seed = 0;
+  for (const double noise : {1e-4, 1e-3, 1.2e-3, 5e-3, 0.02})
+    for (const double step : {0.0, 1e-6, 1e-4, 1e-3, 0.01})
+      for (const double readings : {4.03, 7.07, 40.3, 403.0})
+        for (const double periods : {3.0, 8.0, 100.0})
+          EXPECT_EQ(found({noise, step, INFINITY, readings}, periods, ++seed), 0)
+              << "noise " << noise << ", step " << step << ", readings " << readings << ", periods " << periods;
+}
+
+// Two readings of each crest are cut off, then six.
+TEST(PileUp, ANoisyCrestCutOffShowsWithinAFewPeriods) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    EXPECT_GT(found({0.02, 0.0, 0.99}, 8.0, seed), 4);
+    EXPECT_GT(found({0.02, 1e-5, 0.99}, 20.0, seed), 12);
+    EXPECT_GT(found({0.02, 1e-3, 0.9}, 8.0, seed), 30);
+  }
+}
+
+// A held register that is not known to be one yet.
+TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeated) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    PileUp pile_up;
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    double before = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      const double reading = std::sin(0.157 * i) + 0.02 * normal(random);
+      for (int k = 0; k < 5; ++k, before = reading) pile_up.add(reading, before, 0.1);
+    }
+    EXPECT_EQ(pile_up.above({true, 0.0}), 0) << seed;
+  }
+}
+
+TEST(PileUp, RepeatsOfALargestReadingAreNone) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    PileUp pile_up;
+    const Motion motion{0.02};
+    play(pile_up, motion, 8.0, seed);
+    const double largest = pile_up.largest();
+    for (int i = 0; i < 2; ++i) pile_up.add(largest, largest, 0.1);
+    EXPECT_EQ(pile_up.above(seen(motion)), 0);
+  }
+}
+
+TEST(PileUp, AnEndOnceFoundNeedsNoProofLater) {
+  const Motion motion{1e-4, 1e-3, 0.9};
+  PileUp pile_up;
+  play(pile_up, motion, 30.0, 1);
+  ASSERT_GT(pile_up.above(seen(motion)), 0);
+  PileUp other;
+  play(other, motion, 3.0, 2);
+  EXPECT_EQ(other.above(seen(motion)), 0);
+  pile_up.restart(seen(motion));
+  EXPECT_EQ(pile_up.above(seen(motion)), 0);
+  play(pile_up, motion, 3.0, 2);
+  EXPECT_GT(pile_up.above(seen(motion)), 10);
+}
+
+}  // namespace
+}  // namespace dwell
