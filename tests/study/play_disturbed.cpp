@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/pipeline.hpp"
 #include "tests/study/disturbed.hpp"
@@ -8,7 +9,8 @@
 namespace dwell::study {
 namespace {
 
-constexpr double kPatience = 1.5;  // times the lateness that one dwell in twenty may have
+constexpr double kPatience = 1.5;     // times the lateness that one dwell in twenty may have
+constexpr double kSeenWithin = 50.0;  // periods, that the drive has changed
 
 double oracle_s(const Case& about) {
   double last_s = about.change_s;
@@ -24,18 +26,37 @@ double largest(const std::vector<double>& values, const std::vector<bool>& of) {
 }
 
 // Errors over their stated standard uncertainties, of all that a dwell shows.
-double worst_of(const Case& about, const Dwell& dwell) {
+double worst_of(const Chain& truth, const Dwell& dwell) {
   double worst = 0.0;
   for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
     const ElementEstimate& given = dwell.elements[e];
     if (!given.identifiable) continue;
-    const double c = std::abs(given.stiffness.value - about.chain.stiffness[e]) / given.stiffness.u;
-    const double r = std::abs(given.damping.value - about.chain.damping[e]) / given.damping.u;
+    const double c = std::abs(given.stiffness.value - truth.stiffness[e]) / given.stiffness.u;
+    const double r = std::abs(given.damping.value - truth.damping[e]) / given.damping.u;
     // Not a number: as bad as any.
     if (!(c <= worst)) worst = std::isnan(c) ? INFINITY : c;
     if (!(r <= worst)) worst = std::isnan(r) ? INFINITY : r;
   }
   return worst;
+}
+
+// The chain that a dwell before the transient shows where the model is at fault: no such dwell could tell. What devices
+// do to the readings moves it further, and that it must tell. None: there is no such dwell.
+std::optional<Chain> shown_before_the_transient(const Case& about) {
+  Case alone = about;
+  alone.mishaps.clear();
+  Pipeline pipeline(alone.rig);
+  Player player(alone);
+  while (player.now_s() < about.change_s + kSeenWithin * about.period_s()) {
+    if (!(pipeline.push(player.next()) & kCompleted) || !(pipeline.completed().settled_s < about.change_s)) continue;
+    Chain shown = about.chain;
+    for (std::size_t e = 0; e < shown.stiffness.size(); ++e) {
+      shown.stiffness[e] = pipeline.completed().elements[e].stiffness.value;
+      shown.damping[e] = pipeline.completed().elements[e].damping.value;
+    }
+    return shown;
+  }
+  return std::nullopt;
 }
 
 void tell(const Case& about, const Dwell& dwell, double worst, bool warned, const Trace& trace) {
@@ -69,14 +90,15 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
   bool warned = false;
   for (const std::string& line : told_by(dwell))
     for (const Disturbance& disturbance : about.disturbances) warned = warned || names(about, disturbance, line);
-  const double worst = worst_of(about, dwell);
+  const double worst = worst_of(about.chain, dwell);
   outcome.settled = true;
   outcome.warned = outcome.warned || warned;
   outcome.worst = std::max(outcome.worst, worst);
-  // A dwell before the transient cannot tell what only a transient shows.
-  const bool tells = !(moved.by_transient && about.disturbances.size() == 1 && dwell.settled_s < about.change_s);
-  if (!warned && tells && worst > outcome.worst_silent) {
-    outcome.worst_silent = worst;
+  double silent = warned ? 0.0 : worst;
+  if (silent > kWrong && moved.by_transient && dwell.settled_s < about.change_s)
+    if (const auto shown = shown_before_the_transient(about)) silent = worst_of(*shown, dwell);
+  if (silent > outcome.worst_silent) {
+    outcome.worst_silent = silent;
     outcome.doubted = !dwell.doubts.empty();
   }
   bool all = !dwell.elements.empty();
