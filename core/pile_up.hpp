@@ -6,9 +6,9 @@
 // noise of more than a step leaves a tail that thins out, at most half of the readings of two steps in the upper one. A
 // crest cut off has more. That noise puts so many into the topmost step by chance, a part x of n where the part p is
 // possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below 10^-6, over
-// all d looked at, it is no chance. 26 clipped readings and one in the next step show; beside one that is a thousand steps away,
-// as noise of many steps has it, six do. There a reading that is repeated at once counts once, since a register may be held;
-// fewer than four may be repeats of one reading.
+// all d looked at, it is no chance. 26 clipped readings and one in the next step show; beside one that is a thousand
+// steps away, as noise of many steps has it, six do. There a reading that is repeated at once counts once, since a
+// register may be held; fewer than four may be repeats of one reading.
 //
 // Where rounding hides the noise only the next number counts: sampled at a whole fraction of the period the two counts
 // are whole numbers of readings a period, and up to 4 times happens, so the topmost may have 5 times as many, p = 5/6:
@@ -64,7 +64,7 @@ class PileUp {
   static constexpr double kNoChance = 13.8;  // -ln 10⁻⁶
   static constexpr std::int64_t kFewest = 4;
   static constexpr double kUnrounded = 1e6;  // steps: more tell no more
-  static constexpr double kNear = 4.0;  // mean differences: a sine's largest is π/2 of them, with two harmonics 3
+  static constexpr double kNear = 4.0;       // mean differences: a sine's largest is π/2 of them, with two harmonics 3
   struct Number {
     double value = -INFINITY;
     std::int64_t readings = 0, runs = 0;  // of equal readings
