@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "config/draft.hpp"
-#include "core/folding.hpp"
+#include "core/fit/folding.hpp"
 
 namespace dwell::config {
 namespace {

@@ -48,7 +48,7 @@ void read_service(Section& root, Draft& draft);
 void read_devices(Section& root, const SchemaSource& schemas, Draft& draft);
 // [[channel]], likewise; needs what came before.
 void read_channels(Section& root, const SchemaSource& schemas, Draft& draft);
-// What the plugins say of their devices by these settings; rates are shifted where they may be (core/folding.hpp).
+// What the plugins say of their devices by these settings; rates are shifted where they may be (core/fit/folding.hpp).
 void describe_devices(Draft& draft);
 // What only the whole shows: names, chain, rates, and each plugin's own check.
 void validate(Draft& draft);

@@ -15,7 +15,7 @@
 
 #include "config/driver_settings.hpp"
 #include "config/mistake.hpp"
-#include "core/rig.hpp"
+#include "core/rig/rig.hpp"
 #include "drivers/dwell_driver.h"
 
 namespace dwell::config {

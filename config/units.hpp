@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/rig.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell::config {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/rig.hpp"
+#include "core/rig/rig.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"

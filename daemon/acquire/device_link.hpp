@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "core/record.hpp"
+#include "core/stream/record.hpp"
 #include "daemon/acquire/channel_counters.hpp"
 #include "drivers/dwell_driver.h"
 

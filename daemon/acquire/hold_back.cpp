@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/scan_clocks.hpp"
+#include "core/stream/scan_clocks.hpp"
 
 namespace dwell {
 namespace {

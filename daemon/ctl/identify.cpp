@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/merger.hpp"
-#include "core/pipeline.hpp"
-#include "core/scan_clocks.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/stream/merger.hpp"
+#include "core/stream/scan_clocks.hpp"
 
 namespace dwell::ctl {
 namespace {

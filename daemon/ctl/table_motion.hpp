@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "core/dwell.hpp"
-#include "core/rig.hpp"
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
 namespace dwell::ctl {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/condition.hpp"
+#include "core/result/condition.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/dwell.hpp"
+#include "core/result/dwell.hpp"
 #include "daemon/report/dwell_view.hpp"
 
 namespace dwell::ctl {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/record.hpp"
+#include "core/stream/record.hpp"
 
 namespace dwell {
 

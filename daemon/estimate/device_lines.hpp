@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/record.hpp"
+#include "core/stream/record.hpp"
 #include "daemon/estimate/missed_polls.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/log/throttle.hpp"

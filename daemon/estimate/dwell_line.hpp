@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "core/dwell.hpp"
-#include "core/rig.hpp"
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell {
 

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "core/merger.hpp"
-#include "core/pipeline.hpp"
-#include "core/rig.hpp"
-#include "core/scan_clocks.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/merger.hpp"
+#include "core/stream/scan_clocks.hpp"
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/device_lines.hpp"

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/condition.hpp"
-#include "core/dwell.hpp"
-#include "core/record.hpp"
-#include "core/rig.hpp"
+#include "core/result/condition.hpp"
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/record.hpp"
 #include "daemon/acquire/channel_counters.hpp"
 
 namespace dwell {

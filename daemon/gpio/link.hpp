@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "core/record.hpp"
+#include "core/stream/record.hpp"
 #include "daemon/gpio/lamps.hpp"
 
 namespace dwell::gpio {

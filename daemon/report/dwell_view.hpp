@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "config/units.hpp"
-#include "core/dwell.hpp"
-#include "core/rig.hpp"
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/rig.hpp"
+#include "core/rig/rig.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/health.hpp"

@@ -7,11 +7,11 @@
 #include <random>
 #include <vector>
 
-#include "core/blocks.hpp"
-#include "core/identify.hpp"
-#include "core/merger.hpp"
-#include "core/pipeline.hpp"
-#include "core/scan_clocks.hpp"
+#include "core/chain/identify.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/fit/blocks.hpp"
+#include "core/stream/merger.hpp"
+#include "core/stream/scan_clocks.hpp"
 #include "tests/bench/steady_rig.hpp"
 
 namespace dwell {

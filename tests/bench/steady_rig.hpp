@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/folding.hpp"
+#include "core/fit/folding.hpp"
 #include "tests/config/fake_drivers.hpp"
 
 namespace dwell::config::testing {

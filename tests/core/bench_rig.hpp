@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/chain.hpp"
-#include "core/driven_chain.hpp"
-#include "core/pipeline.hpp"
-#include "core/rig.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/driven_chain.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell {
 

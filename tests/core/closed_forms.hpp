@@ -1,5 +1,5 @@
 // The paper's closed forms, as corrected and as printed; they live here and nowhere else. The code computes the phasor
-// form (core/identify.hpp). Equation numbers: Konchak and Nazarenko, 2016.
+// form (core/chain/identify.hpp). Equation numbers: Konchak and Nazarenko, 2016.
 #pragma once
 
 #include <cmath>

@@ -1,12 +1,12 @@
-#include "core/contradiction.hpp"
+#include "core/chain/contradiction.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "core/forward.hpp"
-#include "core/identify.hpp"
+#include "core/chain/identify.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

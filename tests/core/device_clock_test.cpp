@@ -1,4 +1,4 @@
-#include "core/device_clock.hpp"
+#include "core/stream/device_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <map>
 #include <random>
 
-#include "core/forward.hpp"
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/expect.hpp"
 #include "tests/core/tones.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/dwell.hpp"
+#include "core/result/dwell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "core/estimate.hpp"
+#include "core/chain/estimate.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "core/forward.hpp"
-#include "core/identify.hpp"
-#include "core/transducer.hpp"
+#include "core/chain/identify.hpp"
+#include "core/model/forward.hpp"
+#include "core/rig/transducer.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

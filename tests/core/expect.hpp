@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/dwell.hpp"
+#include "core/result/dwell.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

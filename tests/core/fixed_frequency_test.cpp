@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

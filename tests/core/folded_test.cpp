@@ -1,4 +1,4 @@
-#include "core/folded.hpp"
+#include "core/fit/folded.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "core/folding.hpp"
+#include "core/fit/folding.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 
 namespace dwell {
 namespace {

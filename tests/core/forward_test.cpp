@@ -1,6 +1,6 @@
 // The forward model against independent truths: the differential equations themselves, a closed form, a small-step
 // integrator, and the golden phasors.
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/driven_chain.hpp"
+#include "core/model/driven_chain.hpp"
 
 namespace dwell {
 namespace {

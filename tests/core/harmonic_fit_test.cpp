@@ -1,4 +1,4 @@
-#include "core/harmonic_fit.hpp"
+#include "core/fit/harmonic_fit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "core/blocks.hpp"
+#include "core/fit/blocks.hpp"
 
 namespace dwell {
 namespace {

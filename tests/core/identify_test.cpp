@@ -1,4 +1,4 @@
-#include "core/identify.hpp"
+#include "core/chain/identify.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/forward.hpp"
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

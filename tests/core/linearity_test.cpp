@@ -1,4 +1,4 @@
-#include "core/linearity.hpp"
+#include "core/chain/linearity.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-#include "core/identify.hpp"
+#include "core/chain/identify.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

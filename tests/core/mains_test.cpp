@@ -1,4 +1,4 @@
-#include "core/mains.hpp"
+#include "core/fit/mains.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/merger.hpp"
+#include "core/stream/merger.hpp"
 
 #include <gtest/gtest.h>
 

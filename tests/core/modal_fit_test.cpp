@@ -1,4 +1,4 @@
-#include "core/modal_fit.hpp"
+#include "core/transient/modal_fit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/complex.hpp"
+#include "core/base/complex.hpp"
 
 namespace dwell {
 namespace {

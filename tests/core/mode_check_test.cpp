@@ -1,5 +1,5 @@
 // What the transient tells of the model: rigs that are not as their files say.
-#include "core/mode_check.hpp"
+#include "core/chain/mode_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

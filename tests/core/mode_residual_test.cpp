@@ -1,5 +1,5 @@
 // The equations of the chain, held against natural oscillations that are known exactly.
-#include "core/mode_residual.hpp"
+#include "core/chain/mode_residual.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
-#include "core/chain_state.hpp"
-#include "core/complex.hpp"
-#include "core/forward.hpp"
-#include "core/natural_modes.hpp"
+#include "core/base/complex.hpp"
+#include "core/chain/chain_state.hpp"
+#include "core/model/forward.hpp"
+#include "core/model/natural_modes.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

@@ -1,4 +1,4 @@
-#include "core/natural_modes.hpp"
+#include "core/model/natural_modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/complex.hpp"
-#include "core/forward.hpp"
+#include "core/base/complex.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

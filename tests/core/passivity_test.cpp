@@ -1,5 +1,5 @@
 // Negative coefficients: what chance does, and what it does not.
-#include "core/passivity.hpp"
+#include "core/chain/passivity.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Readings cut off at an extreme show, and those of a motion that is not cut off never do.
-#include "core/pile_up.hpp"
+#include "core/intake/pile_up.hpp"
 
 #include <gtest/gtest.h>
 

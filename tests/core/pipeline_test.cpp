@@ -1,4 +1,4 @@
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/forward.hpp"
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

@@ -1,5 +1,5 @@
 // At which instants a register is refreshed that is read more often: recovered from the readings that show a new value.
-#include "core/refresh_clock.hpp"
+#include "core/intake/refresh_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "core/scan_clocks.hpp"
+#include "core/stream/scan_clocks.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "core/forward.hpp"
-#include "core/merger.hpp"
+#include "core/model/forward.hpp"
+#include "core/stream/merger.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/streaming_device.hpp"
 

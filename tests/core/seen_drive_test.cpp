@@ -1,5 +1,5 @@
 // What is said of a table that counts as at rest.
-#include "core/seen_drive.hpp"
+#include "core/drive/seen_drive.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

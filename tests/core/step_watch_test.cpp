@@ -1,4 +1,4 @@
-#include "core/step_watch.hpp"
+#include "core/drive/step_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/student.hpp"
+#include "core/base/student.hpp"
 
 #include <gtest/gtest.h>
 

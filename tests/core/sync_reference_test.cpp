@@ -1,11 +1,11 @@
-#include "core/sync_reference.hpp"
+#include "core/drive/sync_reference.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 
 namespace dwell {
 namespace {

@@ -1,12 +1,12 @@
-#include "core/transactions.hpp"
+#include "core/stream/transactions.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/estimate.hpp"
-#include "core/forward.hpp"
+#include "core/chain/estimate.hpp"
+#include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 

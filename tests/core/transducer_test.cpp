@@ -1,4 +1,4 @@
-#include "core/transducer.hpp"
+#include "core/rig/transducer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/unstated.hpp"
+#include "core/rig/unstated.hpp"
 
 #include <gtest/gtest.h>
 

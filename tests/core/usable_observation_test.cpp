@@ -1,13 +1,13 @@
-#include "core/usable_observation.hpp"
+#include "core/rig/usable_observation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "core/complex.hpp"
-#include "core/forward.hpp"
-#include "core/observation.hpp"
+#include "core/base/complex.hpp"
+#include "core/model/forward.hpp"
+#include "core/rig/observation.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

@@ -1,5 +1,5 @@
 // The modes of the whole of a hold: what decays before the ordinary fit begins, and a bracket that rings beside them.
-#include "core/whole_hold.hpp"
+#include "core/transient/whole_hold.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "core/complex.hpp"
+#include "core/base/complex.hpp"
 
 namespace dwell {
 namespace {

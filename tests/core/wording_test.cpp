@@ -1,4 +1,4 @@
-#include "core/wording.hpp"
+#include "core/base/wording.hpp"
 
 #include <gtest/gtest.h>
 

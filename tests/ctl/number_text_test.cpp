@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "core/dwell.hpp"
+#include "core/result/dwell.hpp"
 #include "daemon/report/table.hpp"
 
 namespace dwell {

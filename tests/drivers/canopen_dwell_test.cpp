@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/driven_chain.hpp"
-#include "core/identify.hpp"
+#include "core/chain/identify.hpp"
+#include "core/model/driven_chain.hpp"
 #include "tests/drivers/canopen_bench.hpp"
 
 namespace dwell::canopen {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 
 namespace rigsim {
 namespace {

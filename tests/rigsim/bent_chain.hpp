@@ -10,11 +10,11 @@
 #include <deque>
 #include <vector>
 
-#include "core/driven_chain.hpp"
+#include "core/model/driven_chain.hpp"
 
 namespace rigsim {
 
-// Plain data; all zero: a chain that core/driven_chain.hpp solves exactly.
+// Plain data; all zero: a chain that core/model/driven_chain.hpp solves exactly.
 struct Bend {
   struct Element {
     int element = 1;        // k

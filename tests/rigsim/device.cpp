@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 #include "tests/rigsim/control.hpp"
 
 namespace rigsim {

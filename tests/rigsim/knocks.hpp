@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/driven_chain.hpp"
+#include "core/model/driven_chain.hpp"
 
 namespace rigsim {
 
@@ -53,7 +53,7 @@ class Knocker {
   std::vector<Kind> kinds_;
 };
 
-// The free response of a linear chain to all knocks so far: exact, as core/driven_chain.hpp. Bound to one thread.
+// The free response of a linear chain to all knocks so far: exact, as core/model/driven_chain.hpp. Bound to one thread.
 class Ringing {
  public:
   explicit Ringing(const dwell::Chain& chain);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/chain.hpp"
-#include "core/driven_chain.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/driven_chain.hpp"
 #include "tests/rigsim/bent_chain.hpp"
 #include "tests/rigsim/knocks.hpp"
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 
 namespace rigsim {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "core/chain.hpp"
-#include "core/driven_chain.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/driven_chain.hpp"
 
 namespace rigsim {
 

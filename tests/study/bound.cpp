@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/forward.hpp"
+#include "core/model/forward.hpp"
 
 namespace dwell::study {
 

@@ -1,5 +1,5 @@
 // The Cramér-Rao bound of the harmonic-only model for the coefficients of a case, written from the method page's
-// sections 5 and 7 with the true phasors; it shares nothing with core/estimate.cpp.
+// sections 5 and 7 with the true phasors; it shares nothing with core/chain/estimate.cpp.
 #pragma once
 
 #include <Eigen/Core>

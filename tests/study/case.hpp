@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/chain.hpp"
-#include "core/rig.hpp"
+#include "core/model/chain.hpp"
+#include "core/rig/rig.hpp"
 #include "tests/study/disturbance.hpp"
 #include "tests/study/motion.hpp"
 #include "tests/study/random.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 #include "tests/study/disturbance.hpp"
 
 namespace dwell::study {

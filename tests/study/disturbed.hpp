@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/dwell.hpp"
+#include "core/result/dwell.hpp"
 #include "tests/study/moved.hpp"
 #include "tests/study/outcome.hpp"
 #include "tests/study/table.hpp"

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 #include "tests/study/bound.hpp"
 #include "tests/study/recording.hpp"
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angle.hpp"
-#include "core/forward.hpp"
+#include "core/base/angle.hpp"
+#include "core/model/forward.hpp"
 #include "tests/study/case.hpp"
 #include "tests/study/draw_parts.hpp"
 

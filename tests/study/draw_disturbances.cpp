@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 #include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {

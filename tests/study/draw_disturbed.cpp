@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 #include "tests/study/draw_parts.hpp"
 #include "tests/study/table.hpp"
 

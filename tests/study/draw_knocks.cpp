@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "core/angle.hpp"
-#include "core/forward.hpp"
+#include "core/base/angle.hpp"
+#include "core/model/forward.hpp"
 #include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include "core/angle.hpp"
-#include "core/forward.hpp"
+#include "core/base/angle.hpp"
+#include "core/model/forward.hpp"
 #include "tests/study/draw_parts.hpp"
 
 namespace dwell::study {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "core/angle.hpp"
-#include "core/forward.hpp"
+#include "core/base/angle.hpp"
+#include "core/model/forward.hpp"
 #include "tests/study/bound.hpp"
 #include "tests/study/case.hpp"
 #include "tests/study/figures.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/angle.hpp"
-#include "core/forward.hpp"
+#include "core/base/angle.hpp"
+#include "core/model/forward.hpp"
 
 namespace dwell::study {
 namespace {

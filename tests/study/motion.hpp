@@ -1,15 +1,15 @@
 // What transducers on a driven chain read, by modal superposition: steady phasors plus decaying modes, each channel's
-// sum written down once and evaluated at any instant. Ten times as fast as core/driven_chain.hpp, from which it is
-// independent and against which it is tested; and it knows the transient apart from the rest, which is what the study
-// judges by.
+// sum written down once and evaluated at any instant. Ten times as fast as core/model/driven_chain.hpp, from which it
+// is independent and against which it is tested; and it knows the transient apart from the rest, which is what the
+// study judges by.
 #pragma once
 
 #include <complex>
 #include <optional>
 #include <vector>
 
-#include "core/chain.hpp"
-#include "core/rig.hpp"
+#include "core/model/chain.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell::study {
 

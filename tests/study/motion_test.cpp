@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/driven_chain.hpp"
+#include "core/model/driven_chain.hpp"
 #include "tests/study/case.hpp"
 #include "tests/study/draw_parts.hpp"
 #include "tests/study/recording.hpp"

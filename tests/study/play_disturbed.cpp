@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
 #include "tests/study/disturbed.hpp"
 #include "tests/study/recording.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
 #include "tests/study/bound.hpp"
 #include "tests/study/disturbed.hpp"
 #include "tests/study/outcome.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/pipeline.hpp"
+#include "core/dwell/pipeline.hpp"
 #include "tests/study/outcome.hpp"
 #include "tests/study/recording.hpp"
 #include "tests/study/table.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/record.hpp"
+#include "core/stream/record.hpp"
 #include "tests/study/case.hpp"
 
 namespace dwell::study {

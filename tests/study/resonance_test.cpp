@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "core/angle.hpp"
-#include "core/pipeline.hpp"
+#include "core/base/angle.hpp"
+#include "core/dwell/pipeline.hpp"
 #include "tests/study/case.hpp"
 #include "tests/study/outcome.hpp"
 #include "tests/study/recording.hpp"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/angle.hpp"
+#include "core/base/angle.hpp"
 #include "tests/study/bound.hpp"
 #include "tests/study/recording.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <cstdlib>
 
-#include "core/merger.hpp"
-#include "core/scan_clocks.hpp"
+#include "core/stream/merger.hpp"
+#include "core/stream/scan_clocks.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/streaming_device.hpp"
 

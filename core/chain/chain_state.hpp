@@ -1,0 +1,50 @@
+// The chain at one harmonic of the drive: each element's force and deformation as a linear function of
+// x = (Y_0, d_1 … d_n, F), the unknowns of core/rig/observation.hpp. Internal to core. Allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+// Row a with a·x = the force, N, that element k (1 …) transmits towards the ground, where the chain moves as exp(st).
+// inertia: -s², so ω² of a steady motion.
+template <class Scalar>
+[[nodiscard]] Eigen::VectorXcd force_row(const Rig& rig, int k, Scalar inertia) {
+  const int n = rig.mass_count();
+  Eigen::VectorXcd row = Eigen::VectorXcd::Zero(n + 2);
+  if (rig.boundary == Boundary::clamped) row(n + 1) = k == n + 1 ? 1.0 : -1.0;
+  if (k == n + 1) return row;
+  double beyond = 0.0;  // mass of all that moves with d_l: Σ_{i >= max(k, l)} m_i
+  for (int l = n; l >= 1; --l) {
+    if (l >= k) beyond += rig.masses[static_cast<std::size_t>(l - 1)];
+    row(l) = inertia * beyond;
+  }
+  row(0) = inertia * beyond;
+  return row;
+}
+
+// Row a with a·x = the deformation of element k, m.
+[[nodiscard]] inline Eigen::VectorXcd deformation_row(int n, int k) {
+  Eigen::VectorXcd row = Eigen::VectorXcd::Zero(n + 2);
+  if (k <= n)
+    row(k) = 1.0;
+  else
+    row.head(n + 1).setOnes();  // Y_n (n = 0: Y_0)
+  return row;
+}
+
+struct ChainState {
+  const Rig& rig;
+  int n;         // masses
+  double omega;  // rad/s, of this harmonic
+  Eigen::VectorXcd x;
+
+  [[nodiscard]] std::complex<double> Y(int k) const { return x.head(k + 1).sum(); }
+  [[nodiscard]] Eigen::VectorXcd force_row(int k) const { return dwell::force_row(rig, k, omega * omega); }
+  [[nodiscard]] Eigen::VectorXcd deformation_row(int k) const { return dwell::deformation_row(n, k); }
+};
+
+}  // namespace dwell

@@ -1,0 +1,112 @@
+#include "core/chain/contradiction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/angle.hpp"
+#include "core/base/student.hpp"
+#include "core/base/wording.hpp"
+#include "core/chain/chain_state.hpp"
+#include "core/chain/identify.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+
+// Standard deviations. One source may be all of it (a scale), so the normal law counts: 3 would doubt one healthy dwell
+// in 370 per redundant transducer, 5 one in two million. Six would hide a fifth more of a wrong scale.
+constexpr double kSureOfContradiction = 5.0;
+constexpr double kRoundingOfSums = 1e-9;  // of the largest reading: a thousand roundings are no contradiction
+
+struct Observed {
+  Eigen::VectorXcd o;                    // displacement or force on the ground
+  Eigen::VectorXd own;                   // variance by what each channel has of its own, both components
+  std::map<int, Eigen::VectorXcd> late;  // what one standard deviation of an instant shared by some does to o
+};
+
+Observed observed(const Rig& rig, const std::vector<Evidence>& evidence, double omega) {
+  const auto count = static_cast<Index>(evidence.size());
+  const Eigen::VectorXcd nothing = Eigen::VectorXcd::Zero(count);
+  Observed out{nothing, Eigen::VectorXd::Zero(count), {}};
+  for (Index c = 0; c < count; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    const Evidence& of = evidence[i];
+    if (!of.usable) continue;
+    const Channel& channel = rig.channels[i];
+    const Device device = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)] : Device{};
+    const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, omega, 1);
+    const LogSlopes slopes = response_slopes(channel, device.delay_s, omega / kTwoPi);
+    const double few = std::pow(student_t95(of.dof) / kNormal95, 2);  // the noise is itself uncertain
+    out.o(c) = of.X[0] * per_reading;
+    out.own(c) = std::norm(per_reading) * (few * few * (of.widened * of.covariance.trace() + of.transient.trace()) +
+                                           2 * (of.quantization_u * of.quantization_u + of.folded_u * of.folded_u)) +
+                 std::norm(out.o(c)) * (channel.scale_u * channel.scale_u +
+                                        std::pow(omega * std::hypot(channel.delay_u_s, of.refresh_u_s), 2) +
+                                        std::norm(slopes.lowpass_corner * channel.lowpass.hz_u) +
+                                        std::norm(slopes.highpass_corner * channel.highpass.hz_u));
+    // Delays of a device as -1 - device, turnarounds of a transaction as they are: neither is a channel's own.
+    const Complex delayed = Complex{0.0, omega} * out.o(c);
+    if (device.delay_u_s > 0)
+      out.late.try_emplace(-1 - channel.device, nothing).first->second(c) = delayed * device.delay_u_s;
+    if (of.turnaround_u_s > 0)
+      out.late.try_emplace(std::max(of.transaction, 0), nothing).first->second(c) = delayed * of.turnaround_u_s;
+  }
+  return out;
+}
+
+std::vector<int> elements_using(const Rig& rig, const Gain& gain, const std::vector<Index>& channels, double omega) {
+  const ChainState chain{rig, rig.mass_count(), omega, {}};
+  std::vector<int> out;
+  for (int k = 1; k <= rig.element_count(); ++k)
+    if (std::any_of(channels.begin(), channels.end(), [&](Index c) {
+          return gain.uses(chain.force_row(k), c) || gain.uses(chain.deformation_row(k), c);
+        }))
+      out.push_back(k);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, const Gain& gain,
+                                  const std::vector<Evidence>& evidence, double omega) {
+  const Observed seen = observed(rig, evidence, omega);
+  const Index count = G.rows();
+  const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(count, count) - G * gain.gain;
+  const Eigen::VectorXcd left = rest * seen.o;
+  std::vector<Index> off;
+  std::vector<std::string> names, figures;
+  for (Index c = 0; c < count; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    const Channel& channel = rig.channels[i];
+    if (!evidence[i].usable || channel.measures == Quantity::auxiliary) continue;
+    double variance = rest.row(c).cwiseAbs2().dot(seen.own);
+    for (const auto& [shared, on_o] : seen.late) variance += std::norm((rest.row(c) * on_o)(0));
+    // Of one quantity: a force's rounding is none of a displacement's.
+    double largest = 0.0;
+    for (Index other = 0; other < count; ++other)
+      if (rest(c, other) != 0) largest = std::max(largest, std::abs(seen.o(other)));
+    if (!(std::abs(left(c)) > kSureOfContradiction * std::sqrt(variance) + kRoundingOfSums * largest)) continue;
+    const bool force = channel.measures == Quantity::force, turns = rig.motion == Motion::rotation;
+    const std::string unit = force ? (turns ? "N·m" : "N") : (turns ? "rad" : "m");
+    off.push_back(c);
+    names.push_back(channel.name);
+    figures.push_back(channel.name + " by " + brief(std::abs(left(c))) + " " + unit + " (" +
+                      brief(100 * std::abs(left(c) / seen.o(c)), 2) + " % of it, explained are " +
+                      brief(kNormal95 * std::sqrt(variance), 2) + " " + unit + ")");
+  }
+  if (off.empty()) return {};
+  constexpr std::size_t kNamed = 4;
+  if (figures.size() > kNamed) figures.resize(kNamed);
+  Doubt doubt;
+  doubt.elements = elements_using(rig, gain, off, omega);
+  doubt.what = listed(names) + " contradict" + (off.size() == 1 ? "s" : "") +
+               " the other transducers of that motion: off is " + listed(figures) +
+               ". Look at scale, unit, delay and place of them, and state their scale_u and delay_u; " +
+               elements_text(doubt.elements) + (doubt.elements.size() == 1 ? " is" : " are") + " computed from them";
+  return {doubt};
+}
+
+}  // namespace dwell

@@ -1,0 +1,233 @@
+#include "core/chain/linearity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/angle.hpp"
+#include "core/base/student.hpp"
+#include "core/base/wording.hpp"
+#include "core/chain/chain_state.hpp"
+#include "core/chain/identify.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::VectorXcd;
+using Index = Eigen::Index;
+
+// In standard deviations, noise and the stated uncertainties together. One component beyond 5 by chance: 6e-7; a dwell
+// of 30 elements and 7 harmonics tells of it once in 4000. Four would be once in 40, six hides a fifth more of
+// friction.
+constexpr double kSureOfHarmonic = 5.0;
+
+// Any harmonic above this part of the element's force makes it far from linear, whatever it does to c and r: it is then
+// no small correction to the harmonic linearization that c and r rest on.
+constexpr double kFarFromLinear = 0.1;
+
+// A channel's own harmonic must explain an element's to this part: a distortion that is not small has more than a third
+// harmonic. Halved, a transducer that saturates at twice its amplitude, tanh(½)/½, is not named; at this, no single
+// element that rubs or hardens blames a channel in the tests.
+constexpr double kSameDistortion = 0.4;
+
+// The chain at harmonic h, and what each channel sees of it.
+struct Harmonic {
+  int h;
+  ChainState chain;
+  VectorXcd seen;  // displacement or force on the ground
+};
+
+Harmonic harmonic_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence, double omega, int h) {
+  VectorXcd seen = VectorXcd::Zero(gain.gain.cols());
+  for (Index c = 0; c < seen.size(); ++c) {
+    const Evidence& of = evidence[static_cast<std::size_t>(c)];
+    if (of.usable) seen(c) = as_observed(rig, static_cast<int>(c), of.X[static_cast<std::size_t>(h - 1)], omega, h);
+  }
+  VectorXcd x = gain.gain * seen;
+  return {h, {rig, rig.mass_count(), h * omega, std::move(x)}, std::move(seen)};
+}
+
+// Relative variance of a channel's phasor at ω, from the uncertainties that the rig file states.
+double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double omega) {
+  const Channel& channel = rig.channels[c];
+  const Device device = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)] : Device{};
+  const LogSlopes slopes = response_slopes(channel, device.delay_s, omega / kTwoPi);
+  const double delay_u = std::hypot(std::hypot(channel.delay_u_s, of.refresh_u_s), device.delay_u_s, of.turnaround_u_s);
+  return channel.scale_u * channel.scale_u + std::pow(omega * delay_u, 2) +
+         std::norm(slopes.lowpass_corner) * channel.lowpass.hz_u * channel.lowpass.hz_u +
+         std::norm(slopes.highpass_corner) * channel.highpass.hz_u * channel.highpass.hz_u;
+}
+
+// What c and r leave of a harmonic of the element's force, N.
+struct Excess {
+  Complex force;  // relative to the phase of the deformation
+  double sure;    // a component beyond this is no noise
+  // Per channel, what its distortion y - βy³ would add, per ρ = βa²/4: a third harmonic of its own in phase with its
+  // fundamental, and by the loss of 3ρ of that other c and r.
+  VectorXcd by_channel;
+};
+
+// What that loss makes of c + jhωr.
+Complex lost_by(const Rig& rig, const Gain& gain, const Harmonic& first, const ElementEstimate& element, Index c,
+                Complex X, int h) {
+  const double omega = first.chain.omega;
+  const Complex Z{element.stiffness.value, omega * element.damping.value};
+  const VectorXcd deformation = first.chain.deformation_row(element.k);
+  const VectorXcd row = first.chain.force_row(element.k) - Z * deformation;
+  const Complex read = as_observed(rig, static_cast<int>(c), -3.0 * X, omega, 1);
+  const Complex dZ = row.cwiseProduct(gain.gain.col(c)).sum() * read / deformation.cwiseProduct(first.chain.x).sum();
+  return {dZ.real(), h * dZ.imag()};
+}
+
+Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence, const Frequency& frequency,
+                 const Harmonic& first, const Harmonic& at, const ElementEstimate& element, double phase_rad) {
+  const double omega = at.chain.omega;
+  const Complex Z{element.stiffness.value, omega * element.damping.value};
+  const VectorXcd deformation = at.chain.deformation_row(element.k);
+  const VectorXcd row = at.chain.force_row(element.k) - Z * deformation;
+  const auto times_x = [&](const VectorXcd& function) { return function.cwiseProduct(at.chain.x).sum(); };
+  double variance =
+      std::norm(times_x(deformation)) * (std::pow(element.stiffness.u, 2) + std::pow(omega * element.damping.u, 2));
+  double least_dof = std::numeric_limits<double>::infinity();
+  VectorXcd by_channel = VectorXcd::Zero(at.seen.size());
+  for (Index c = 0; c < at.seen.size(); ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    const Evidence& of = evidence[i];
+    if (!of.usable || !gain.uses(row, c)) continue;
+    const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, at.h);
+    const Complex part = row.cwiseProduct(gain.gain.col(c)).sum();
+    // The fundamental's own scatter (of.widened) says nothing of this harmonic.
+    const double noise = 0.5 * (of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
+    const Complex lost = lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation);
+    by_channel(c) = -lost * std::polar(1.0, -at.h * phase_rad);
+    by_channel(c) += part * per_reading * std::abs(of.X[0]) * std::polar(1.0, at.h * (std::arg(of.X[0]) - phase_rad));
+    variance += std::norm(part * per_reading) * noise;
+    variance += std::norm(part * at.seen(c)) * stated_variance(rig, i, of, omega);
+    least_dof = std::min(least_dof, of.dof);
+  }
+  for (std::size_t i = static_cast<std::size_t>(element.k - 1); i < rig.mass_u.size(); ++i)
+    variance += std::norm(omega * omega * rig.mass_u[i] * at.chain.Y(static_cast<int>(i) + 1));
+  const double clock = 2 * std::hypot(frequency.u / frequency.omega, frequency.clock_u);
+  variance += std::norm(times_x(at.chain.force_row(element.k))) * clock * clock;
+  // From few degrees of freedom the noise is itself uncertain.
+  const double few = std::pow(student_t95(least_dof) / kNormal95, 2);
+  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSureOfHarmonic * few * std::sqrt(variance),
+          std::move(by_channel)};
+}
+
+// The channels whose own third harmonic would explain that of all elements; empty: none would.
+std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
+  std::string text;
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    const auto i = static_cast<Index>(c);
+    double overlap = 0.0, power = 0.0;
+    for (const Excess& third : thirds) {
+      overlap += (std::conj(third.by_channel(i)) * third.force).real() / (third.sure * third.sure);
+      power += std::norm(third.by_channel(i)) / (third.sure * third.sure);
+    }
+    if (!(power > 0)) continue;
+    const double part = overlap / power;
+    const bool explains = std::all_of(thirds.begin(), thirds.end(), [&](const Excess& third) {
+      return std::abs(third.force - part * third.by_channel(i)) <
+             std::max(third.sure, kSameDistortion * std::abs(third.force));
+    });
+    if (!explains) continue;
+    text += (text.empty() ? "" : ", or ") + rig.channels[c].name + " distorts: a harmonic 3 of " +
+            percent(std::abs(part)) + " of its reading, in phase with it";
+    text += ", would explain what " + elements_text(told) + " show, and a reading " + percent(3 * std::abs(part)) +
+            (part > 0 ? " too small" : " too large");
+  }
+  return text.empty() ? text : text + ": look at its range and its amplifier";
+}
+
+// What of c and r harmonic 3 stands for.
+struct Parts {
+  double in_c = 0.0, in_r = 0.0;  // N/m, N·s/m
+  bool tells_c = false, tells_r = false;
+};
+
+Parts explained_by(const Excess& third, const ElementEstimate& element, double omega) {
+  const double a = element.deformation.value, elastic = third.force.real(), dissipative = third.force.imag();
+  Parts parts;
+  parts.in_c = -3 * elastic / a;
+  parts.in_r = (dissipative < 0 ? -3 : 5) * dissipative / (omega * a);
+  parts.tells_c = std::abs(elastic) > third.sure && std::abs(parts.in_c) > element.stiffness.U95;
+  parts.tells_r = std::abs(dissipative) > third.sure && std::abs(parts.in_r) > element.damping.U95;
+  return parts;
+}
+
+std::string words_of(const Rig& rig, const ElementEstimate& element, const Excess& third, const Parts& parts,
+                     double omega, bool is_far) {
+  const bool turns = rig.motion == Motion::rotation;
+  const std::string newton = turns ? "N·m" : "N";
+  const double a = element.deformation.value, U = third.sure * kNormal95 / kSureOfHarmonic;
+  const double elastic = third.force.real(), dissipative = third.force.imag();
+  std::string text = "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ");
+  text += parts.tells_c && parts.tells_r
+              ? "its c and r are equivalent stiffness and equivalent damping at this amplitude"
+          : parts.tells_c ? "its c is an equivalent stiffness at this amplitude"
+                          : "its r is an equivalent damping at this amplitude";
+  text += " (" + brief(a) + (turns ? " rad" : " m") + "). Harmonic 3 of its force holds " +
+          plus_minus(std::abs(dissipative), U, newton) + " in phase with the velocity and " +
+          plus_minus(std::abs(elastic), U, newton) +
+          " in phase with the deformation that they do not explain, beside " +
+          brief(omega * element.damping.value * a) + " " + newton + " of ωr|d| and " +
+          brief(element.stiffness.value * a) + " " + newton + " of c|d|. ";
+  if (std::abs(dissipative) < std::abs(elastic))
+    text += std::string("A spring that ") + (elastic < 0 ? "hardens" : "softens") +
+            " with the cube of the deformation would explain it, and " +
+            brief(100 * std::abs(parts.in_c / element.stiffness.value), 2) + " % of c";
+  else if (dissipative < 0)
+    text += "Friction of about " + brief(0.75 * std::numbers::pi * -dissipative, 2) + " " + newton +
+            " would explain it, and " + brief(100 * std::abs(parts.in_r / element.damping.value), 2) + " % of r";
+  else
+    text += "Damping with the square of the velocity would explain it, and " +
+            brief(100 * std::abs(parts.in_r / element.damping.value), 2) + " % of r";
+  return text + ". Measure at other amplitudes; a transducer that distorts looks alike";
+}
+
+}  // namespace
+
+std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const std::vector<Evidence>& evidence,
+                                         const Frequency& frequency, const std::vector<ElementEstimate>& elements) {
+  std::vector<Harmonic> harmonics;
+  for (int h = 1; h <= rig.excitation.harmonics; ++h)
+    harmonics.push_back(harmonic_of(rig, gain, evidence, frequency.omega, h));
+  std::vector<std::string> warnings;
+  std::vector<Excess> thirds;  // of all elements
+  std::vector<int> told;
+  for (const ElementEstimate& element : elements) {
+    if (!element.identifiable) continue;
+    const ChainState& chain = harmonics.front().chain;
+    const Complex d = chain.deformation_row(element.k).cwiseProduct(chain.x).sum();
+    const double omega = frequency.omega;
+    const double force = std::hypot(element.stiffness.value, omega * element.damping.value) * std::abs(d);
+    double worst = kFarFromLinear;
+    int worst_h = 0;
+    Excess third{{}, INFINITY, {}};
+    for (std::size_t i = 1; i < harmonics.size(); ++i) {
+      const Excess excess =
+          excess_of(rig, gain, evidence, frequency, harmonics.front(), harmonics[i], element, std::arg(d));
+      if (harmonics[i].h == 3) third = excess;
+      const double size = std::abs(excess.force);
+      if (size > excess.sure && size > worst * force) worst = size / force, worst_h = harmonics[i].h;
+    }
+    const Parts parts = explained_by(third, element, omega);
+    if (std::isfinite(third.sure)) thirds.push_back(third);
+    if (parts.tells_c || parts.tells_r) told.push_back(element.k);
+    if (parts.tells_c || parts.tells_r)
+      warnings.push_back(words_of(rig, element, third, parts, omega, worst_h == 3));
+    else if (worst_h > 0)
+      warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +
+                         std::to_string(worst_h) + " of its force that c and r do not explain is " +
+                         brief(100 * worst, 2) +
+                         " % of the fundamental; c and r are equivalent stiffness and damping at this amplitude");
+  }
+  // What one element shows is its own or a channel's: that cannot be told.
+  if (told.size() > 1)
+    if (std::string channels = distorting(rig, thirds, told); !channels.empty()) warnings.push_back(channels);
+  return warnings;
+}
+
+}  // namespace dwell

@@ -1,0 +1,286 @@
+#include "core/chain/mode_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "core/base/angle.hpp"
+#include "core/base/complex.hpp"
+#include "core/base/wording.hpp"
+#include "core/chain/identify.hpp"
+#include "core/chain/mode_residual.hpp"
+#include "core/model/natural_modes.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+
+constexpr int kMostMasses = 24;  // beyond, the eigenvectors ten times a second cost more than 5 ms
+// Of one evaluation, all modes together. A dwell is evaluated some ten times with new data: once in 10⁵ dwells, if all
+// errors were normal. Seen: seven of 8000 healthy dwells of the study.
+constexpr double kFalseAlarm = 1e-6;
+constexpr double kSameMode = 0.2;       // relative: a pole farther from every eigenvalue is none of the chain's
+constexpr double kPlain = 8.0;          // standard deviations: an amplitude that cannot be overlooked …
+constexpr double kMissing = 1.0 / 3;    // … and the part of it below which it is not there
+constexpr double kExplains = 0.3;       // of the contradiction, that a single fault may leave over
+constexpr double kLargestError = 0.5;   // relative, of a mass or a reading that may be named as the cause
+constexpr std::size_t kMostCauses = 3;  // that are named
+
+// One mode of the data, the eigenvalue that it belongs to, and how far the chain's equations hold for it.
+struct Pair {
+  const SeenMode* seen;
+  const NaturalMode* natural;  // nullptr: the chain does not oscillate
+  ModeResidual residual;
+  double by_chance = 1.0;
+};
+
+// How much a channel shows of a natural oscillation, up to a common factor; the transducer's own filter left aside.
+double shown(const Rig& rig, const ElementsResult& identified, double omega, const NaturalMode& mode, Index c) {
+  const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
+  const auto place = [&](int at) { return at > 0 ? mode.shape(at - 1) : Complex{}; };
+  if (channel.measures == Quantity::auxiliary) return 0.0;
+  if (channel.measures == Quantity::force) {
+    const Complex Z = identified.Z.back();
+    return std::abs((stiffness(Z) + mode.pole * damping(Z, omega)) * place(rig.mass_count()));
+  }
+  const Complex moves = place(channel.at) - (channel.relative_to ? place(*channel.relative_to) : Complex{});
+  return std::abs(moves * std::pow(mode.pole, derivative_order(channel.measures)));
+}
+
+// What one channel shows and another that ought to show it does not, is that channel's own: its bracket rings.
+bool of_one_channel(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen,
+                    const NaturalMode& mode) {
+  Index most = 0;
+  double stands_out = 0.0;
+  for (Index c = 0; c < seen.amplitude.size(); ++c)
+    if (seen.fitted[static_cast<std::size_t>(c)] && std::abs(seen.amplitude(c)) > stands_out * seen.u_amplitude(c))
+      stands_out = std::abs(seen.amplitude(c)) / seen.u_amplitude(c), most = c;
+  const double factor = std::abs(seen.amplitude(most)) / shown(rig, identified, omega, mode, most);
+  for (Index c = 0; c < seen.amplitude.size(); ++c) {
+    const double expected = factor * shown(rig, identified, omega, mode, c);
+    if (seen.fitted[static_cast<std::size_t>(c)] && expected > kPlain * seen.u_amplitude(c) &&
+        std::abs(seen.amplitude(c)) < kMissing * expected)
+      return true;
+  }
+  return false;
+}
+
+// One statement of the rig file that may be wrong.
+struct Cause {
+  enum class Kind { mass, scale, delay, spring, damper } kind;
+  Index at;          // of mass or channel, from 0; of a connection its first place, 0 the table
+  int to = kGround;  // of a connection its second place
+};
+
+Eigen::VectorXd force_by(const Cause& cause, const ModeResidual& residual) {
+  switch (cause.kind) {
+    case Cause::Kind::mass:
+      return residual.by_mass(cause.at);
+    case Cause::Kind::scale:
+      return residual.by_scale(cause.at);
+    case Cause::Kind::delay:
+      return residual.by_delay(cause.at);
+    default:
+      return residual.by_connection(static_cast<int>(cause.at), cause.to, cause.kind == Cause::Kind::damper);
+  }
+}
+
+std::string place_text(int place) {
+  return place == kGround ? "ground" : place == 0 ? "the table" : "mass " + std::to_string(place);
+}
+
+std::string told(const Cause& cause, double size, const Rig& rig) {
+  const std::string way = size > 0 ? " too large" : " too small";
+  const double a = std::abs(size);
+  const bool rotates = rig.motion == Motion::rotation;
+  switch (cause.kind) {
+    case Cause::Kind::mass:
+      return "mass " + std::to_string(cause.at + 1) + " stated " + percent(a) + way;
+    case Cause::Kind::scale:
+      return rig.channels[static_cast<std::size_t>(cause.at)].name + " reading " + percent(a) + way;
+    case Cause::Kind::delay:
+      return rig.channels[static_cast<std::size_t>(cause.at)].name + " " + brief(1e3 * a, 2) + " ms" +
+             (size > 0 ? " late" : " early");
+    case Cause::Kind::spring:
+      return "a spring of " + brief(a) + (rotates ? " N·m/rad" : " N/m") + " from " +
+             place_text(static_cast<int>(cause.at)) + " to " + place_text(cause.to);
+    default:
+      return "a damper of " + brief(a) + (rotates ? " N·m·s/rad" : " N·s/m") + " from " +
+             place_text(static_cast<int>(cause.at)) + " to " + place_text(cause.to);
+  }
+}
+
+// All single faults that are tried.
+std::vector<Cause> faults(const Rig& rig) {
+  std::vector<Cause> all;
+  const int n = rig.mass_count();
+  const auto connect = [&](int from, int to) {
+    for (const auto kind : {Cause::Kind::spring, Cause::Kind::damper}) all.push_back({kind, from, to});
+  };
+  for (int k = 1; k <= n; ++k) {
+    all.push_back({Cause::Kind::mass, k - 1});
+    if (k < n || rig.boundary == Boundary::free) connect(k, kGround);
+    for (int from = 0; from < k - 1; ++from) connect(from, k);
+  }
+  for (std::size_t c = 0; c < rig.channels.size(); ++c)
+    for (const auto kind : {Cause::Kind::scale, Cause::Kind::delay}) all.push_back({kind, static_cast<Index>(c)});
+  return all;
+}
+
+// What single fault would explain all modes, likeliest first.
+std::string causes(const std::vector<Pair>& pairs, const Rig& rig) {
+  struct Found {
+    Cause cause;
+    double size, left;
+  };
+  std::vector<Found> found;
+  double whole = 0.0;
+  for (const Pair& pair : pairs) whole += pair.residual.chi2();
+  for (const Cause& cause : faults(rig)) {
+    double information = 0.0, score = 0.0;
+    for (const Pair& pair : pairs) {
+      const Eigen::VectorXd by = force_by(cause, pair.residual);
+      information += pair.residual.product(by, by);
+      score += pair.residual.product(by, pair.residual.force());
+    }
+    if (!(information > 0)) continue;
+    const double size = score / information;
+    const bool pulls = cause.kind == Cause::Kind::spring || cause.kind == Cause::Kind::damper;
+    const bool relative = cause.kind == Cause::Kind::mass || cause.kind == Cause::Kind::scale;
+    if ((pulls && size < 0) || (relative && std::abs(size) > kLargestError)) continue;
+    const double left = (whole - score * size) / whole;
+    if (left < kExplains * kExplains) found.push_back({cause, size, left});
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.left < b.left; });
+  std::string text;
+  const std::size_t named = std::min(found.size(), kMostCauses);
+  for (std::size_t i = 0; i < named; ++i)
+    text += (i == 0 ? "" : i + 1 == named ? " or " : ", ") + told(found[i].cause, found[i].size, rig);
+  return text;
+}
+
+// By how much the element that contradicts most differs; empty: none does by itself, the pole alone contradicts.
+std::string worst_element(const Pair& pair, const Rig& rig, double omega) {
+  double chi2 = 0.0;
+  const Index worst = pair.residual.worst(&chi2);
+  if (std::exp(-0.5 * chi2) > kFalseAlarm) return "";
+  const auto e = static_cast<std::size_t>(pair.residual.elements()[static_cast<std::size_t>(worst)]);
+  const Eigen::Vector2d change = pair.residual.change(worst);
+  const Eigen::Matrix2d covariance = pair.residual.change_covariance(worst);
+  const bool rotates = rig.motion == Motion::rotation;
+  const std::string c_unit = rotates ? "N·m/rad" : "N/m", r_unit = rotates ? "N·m·s/rad" : "N·s/m";
+  const auto apart = [&](Index i, const std::string& unit) {
+    return plus_minus(std::abs(change(i)), 2 * std::sqrt(covariance(i, i)), unit) + (change(i) > 0 ? " more" : " less");
+  };
+  return "by this oscillation element " + std::to_string(e + 1) + " has " + apart(0, c_unit) + " and " +
+         apart(1, r_unit) + " than by the drive at " + brief(omega / kTwoPi, 4) + " Hz";
+}
+
+std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig& rig, double omega) {
+  const Complex seen = pair.seen->pole, natural = pair.natural->pole;
+  char mode[160];
+  std::snprintf(mode, sizeof mode,
+                "mode at %.5g Hz, decaying at %.3g /s (the identified chain: %.5g Hz, %.3g /s): ", seen.imag() / kTwoPi,
+                -seen.real(), natural.imag() / kTwoPi, -natural.real());
+  const std::string element = worst_element(pair, rig, omega), single = causes(pairs, rig);
+  const int last = rig.element_count();
+  return mode +
+         (element.empty() ? "the uncertainty of c and r of " +
+                                (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) +
+                                " does not explain that"
+                          : element) +
+         "; " +
+         (single.empty() ? "look for a mass, a unit, a delay, or a connection that the rig file does not have, or an "
+                           "element that is not linear"
+                         : "this would be explained by " + single + ", or by an element that is not linear");
+}
+
+// How many channels show a mode plainly, of those that can show one of the chain: all but the table's, which is
+// imposed.
+std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, std::size_t& able) {
+  std::vector<std::string> names;
+  able = 0;
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    const Channel& channel = rig.channels[c];
+    if (channel.measures == Quantity::auxiliary || (channel.at == 0 && !channel.relative_to)) continue;
+    ++able;
+    const auto i = static_cast<Index>(c);
+    if (mode.fitted[c] && std::abs(mode.amplitude(i)) > kPlain * mode.u_amplitude(i)) names.push_back(channel.name);
+  }
+  count = names.size();
+  return listed(names);
+}
+
+// An oscillation that the identified chain does not have at all, and that several channels show plainly (or the only
+// one that can): a bracket of one transducer that rings is told from it by that.
+void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural, const SeenMode& mode, Dwell& dwell) {
+  std::size_t count = 0, able = 0;
+  const std::string names = shown_by(rig, mode, count, able);
+  if (count < std::min<std::size_t>(2, able) || count == 0) return;
+  const auto nearer = [&](const auto& a, const auto& b) {
+    return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
+  };
+  const auto nearest = std::min_element(natural.begin(), natural.end(), nearer);
+  const int last = rig.element_count();
+  dwell.doubts.push_back(
+      {{},
+       "mode at " + brief(mode.pole.imag() / kTwoPi, 4) + " Hz: the transient in " + names + " shows it, decaying at " +
+           brief(-mode.pole.real()) + " /s, and the identified chain (" +
+           (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) + ") " +
+           (nearest == natural.end() ? "does not oscillate by itself"
+                                     : "has none there; its nearest is at " + brief(nearest->pole.imag() / kTwoPi, 4) +
+                                           " Hz, decaying at " + brief(-nearest->pole.real()) + " /s") +
+           ": look at units, signs, instants, masses and their order, and what else is connected"});
+}
+
+}  // namespace
+
+void check_modes(const Rig& rig, const ElementsResult& identified, double omega, std::span<const SeenMode> seen,
+                 Dwell& dwell) {
+  if (seen.empty() || rig.mass_count() > kMostMasses) return;
+  Chain chain{rig.boundary, rig.masses, {}, {}};
+  for (const Complex Z : identified.Z) {
+    chain.stiffness.push_back(stiffness(Z));
+    chain.damping.push_back(damping(Z, omega));
+  }
+  if (!chain.fault().empty()) return;
+  const std::vector<NaturalMode> natural = natural_modes(chain);
+  std::vector<Pair> pairs;
+  const SeenMode* foreign = nullptr;  // none of the chain's
+  for (const SeenMode& mode : seen) {
+    const auto nearer = [&](const auto& a, const auto& b) {
+      return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
+    };
+    const auto own = std::min_element(natural.begin(), natural.end(), nearer);
+    const bool none = own == natural.end();
+    const bool far = none || std::abs(own->pole - mode.pole) > kSameMode * std::abs(own->pole);
+    // Of two poles near one eigenvalue the nearer one is the chain's.
+    if (!far && std::any_of(seen.begin(), seen.end(), [&](const SeenMode& other) {
+          return std::abs(other.pole - own->pole) < std::abs(mode.pole - own->pole);
+        }))
+      continue;
+    if (!far && of_one_channel(rig, identified, omega, mode, *own)) continue;
+    Pair pair{&mode, none ? nullptr : &*own, ModeResidual(rig, identified, omega, mode)};
+    // Two tests: of poles and shapes, and of the pole alone.
+    pair.by_chance = 2 * std::min(pair.residual.by_chance(), none ? 1.0 : pair.residual.pole_by_chance(own->shape));
+    if (!far)
+      pairs.push_back(std::move(pair));
+    else if ((none || own->pole.real() < 0) && pair.by_chance * static_cast<double>(seen.size()) < kFalseAlarm)
+      foreign = &mode;
+  }
+  if (pairs.empty()) {
+    if (foreign) doubt_foreign_mode(rig, natural, *foreign, dwell);
+    return;
+  }
+  const auto worst = std::min_element(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+    return a.by_chance < b.by_chance || (a.by_chance == b.by_chance && a.residual.chi2() > b.residual.chi2());
+  });
+  if (worst->by_chance * static_cast<double>(pairs.size()) < kFalseAlarm)
+    dwell.doubts.push_back({{}, message(*worst, pairs, rig, omega)});
+}
+
+}  // namespace dwell

@@ -1,0 +1,73 @@
+#include "core/drive/refine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/angle.hpp"
+#include "core/fit/frequency_prior.hpp"
+#include "core/fit/harmonic_fit.hpp"
+
+namespace dwell {
+namespace {
+constexpr int kSteps = 7;
+constexpr double kNegligibleStep = 1e-2;  // part of the uncertainty that changes nothing anyone could see
+constexpr double kFurthest = 5e-3;  // rad at the ends of the data; its cube over six, 2e-8, is the error of turning
+}  // namespace
+
+Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channel, Totals& out) noexcept {
+  const std::int64_t t_ref_ns = pulses.nearest_ns(sums.centroid_ns(reference_channel));
+  sums.turned(pulses.omega, t_ref_ns, out);
+  const double mean_square = moments::mean_square_u(out.channel(reference_channel).instants, 2 * out.harmonics() + 1);
+  return {pulses.omega, pulses.u, std::abs(pulses.omega - sums.omega()) * std::sqrt(3 * mean_square) <= kFurthest};
+}
+
+double within_search(const Rig& rig, double omega) noexcept {
+  return stated_frequency(rig).within(
+      std::clamp(omega, kTwoPi * rig.excitation.search_low_hz, kTwoPi * rig.excitation.search_high_hz));
+}
+
+Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept {
+  const int H = rig.excitation.harmonics;
+  const std::int64_t t_ref_ns = sums.centroid_ns(reference_channel);
+  const FrequencyPrior stated = stated_frequency(rig);
+  Refined result{.omega = within_search(rig, sums.omega())};
+  sums.turned(result.omega, t_ref_ns, out);
+  for (int step = 0; step < kSteps; ++step) {
+    double score = 0.0, information = 0.0, longest = 0.0;
+    for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+      if (rig.channels[c].measures == Quantity::auxiliary) continue;
+      const HarmonicFit fit = fit_harmonics(out, static_cast<int>(c), H, 0.0);
+      if (!fit.usable) continue;
+      score += fit.score;
+      information += fit.information;
+      longest = std::max(longest, moments::mean_square_u(out.channel(static_cast<int>(c)).instants, 2 * H + 1));
+    }
+    if (information > 0) {
+      result.data_omega = result.omega + score / information;
+      result.u_data = 1 / std::sqrt(information);
+    }
+    if (stated.exact()) break;
+    score += stated.score(result.omega);
+    information += stated.information();
+    if (!(information > 0)) {
+      result.u = std::numeric_limits<double>::quiet_NaN();
+      break;
+    }
+    result.u = 1 / std::sqrt(information);
+    const double delta = score / information;
+    if (std::abs(delta) < kNegligibleStep * result.u || std::abs(delta) < 1e-14 * result.omega) break;
+    const double next = within_search(rig, result.omega + delta);
+    if (next == result.omega) break;
+    result.omega = next;
+    // √3 times the rms of u is half the stretch.
+    if (std::abs(next - sums.omega()) * std::sqrt(3 * longest) > kFurthest) {
+      result.reached = false;
+      break;
+    }
+    sums.turned(next, t_ref_ns, out);
+  }
+  return result;
+}
+
+}  // namespace dwell

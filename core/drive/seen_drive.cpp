@@ -1,0 +1,39 @@
+#include "core/drive/seen_drive.hpp"
+
+#include "core/base/wording.hpp"
+
+namespace dwell {
+namespace {
+
+std::string length(const Rig& rig, double amplitude) {
+  return rig.motion == Motion::translation ? brief(1e3 * amplitude) + " mm" : brief(amplitude) + " rad";
+}
+
+std::string range(double low, double high, int digits) {
+  const std::string from = brief(low, digits), to = brief(high, digits);
+  return from == to ? from : from + " to " + to;
+}
+
+}  // namespace
+
+std::string SeenDrive::at_rest(const Rig& rig) const {
+  // Its data ended while it moved.
+  if (newest_ > rig.excitation.minimum)
+    return "no drive is recognized; when last heard, the table moved by " + length(rig, newest_) +
+           " at the drive's frequency";
+  return "the table does not move: its amplitude at the drive's frequency is " + length(rig, newest_) + ", at most " +
+         length(rig, largest_) + " so far; a drive has more than " + length(rig, rig.excitation.minimum) +
+         " (excitation.minimum)";
+}
+
+std::string SeenDrive::unsteady(const Rig& rig, double seconds) const {
+  std::string text = "the table moves by " + length(rig, most_);
+  if (fastest_ > 0) text += " at " + range(slowest_, fastest_, 4) + " Hz";
+  text += ", but never steadily for long enough: in " + brief(seconds, 2) + " s its amplitude was between " +
+          length(rig, std::min(least_, most_)) + " and " + length(rig, most_) + ", where settling.tolerance allows " +
+          brief(100 * rig.tolerance, 2) + " % of change; searched are " +
+          range(rig.excitation.search_low_hz, rig.excitation.search_high_hz, 6) + " Hz";
+  return text;
+}
+
+}  // namespace dwell

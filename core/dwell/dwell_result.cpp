@@ -1,0 +1,233 @@
+#include <Eigen/Geometry>
+
+#include "core/base/wording.hpp"
+#include "core/dwell/pipeline_impl.hpp"
+#include "core/fit/folded.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr int kManyRestarts = 6;  // of a hold, one after the other, that want to be explained
+
+}  // namespace
+
+// What the fit found to swing beside the drive and the chain.
+std::string Pipeline::Impl::foreign_oscillations() const {
+  std::string lines;
+  for (const Complex pole : extra_poles)
+    if (pole.imag() > 0)
+      lines += (lines.empty() ? "; beside the chain something swings at " : " and at ") +
+               std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
+  return lines;
+}
+
+std::string Pipeline::Impl::barred_reason() const {
+  if (sparse)
+    return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
+           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
+           (live[static_cast<std::size_t>(drive_channel)].intake.held()
+                ? "; it is " + live[static_cast<std::size_t>(drive_channel)].intake.held_reason()
+                : "");
+  if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
+  if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
+  if (state == State::fault) {
+    const Live& table = live[static_cast<std::size_t>(drive_channel)];
+    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel)].name + " is " +
+           to_string(table.now.fault == Fault::none ? Fault::silent : table.now.fault);
+  }
+  if (out_of_search())
+    return "the drive is at " + brief(drive.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
+           brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
+           " Hz (excitation.search)";
+  if (const auto other = contradicting_omega()) return statement_reason(*other);
+  if (state == State::settling && restarts >= kManyRestarts) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
+  return "";
+}
+
+// What of the settled data does not count, and why.
+std::string Pipeline::Impl::left_out_of_dwell() const {
+  if (state != State::measuring || blocks.count() == 0) return "";
+  const std::int64_t from_ns = blocks.block(0).begin_ns;
+  const double left_s = to_s(from_ns - settled_ns), kept_s = to_s(blocks.block(blocks.count() - 1).end_ns - from_ns);
+  if (!(left_s > period_s() / kQuarters)) return "";
+  if (left_s + kept_s > rig.memory_s)
+    return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
+  return "; the first " + brief(left_s, 2) + " s do not count, taken before the drive's frequency was known";
+}
+
+std::string Pipeline::Impl::settling_reason() const {
+  if (std::string reason = barred_reason(); !reason.empty()) return reason;
+  if (state == State::settling) {
+    if (believe_at_ns != INT64_MIN)
+      return "little of the transient seems to be left, but readings are rounded: asked again with more data";
+    if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
+      const std::string times = std::to_string(verdict.worst_left);
+      return taken_back_reason() + "transient left in " +
+             rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
+             times.substr(0, times.find('.') + 2) + " times what is allowed" +
+             (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
+                      blocks.serials() - steady_serial > 10 * kQuarters
+                  ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
+                  : "") +
+             (live[static_cast<std::size_t>(verdict.worst_channel)].intake.held()
+                  ? ", which is " + live[static_cast<std::size_t>(verdict.worst_channel)].intake.held_reason()
+                  : foreign_oscillations());
+    }
+    if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
+    return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
+  }
+  const std::string since = brief(axis_s(settled_ns), 4) + " s";
+  return (quiet_ns != INT64_MIN ? "since " + since + " less is left of the natural oscillations than is allowed"
+                                : "the windows since " + since + " agree") +
+         left_out_of_dwell();
+}
+
+// Before the reason why the rig settles again; empty: no verdict was taken back.
+std::string Pipeline::Impl::taken_back_reason() const {
+  if (taken_back.verdict_ns == INT64_MIN) return "";
+  return "the verdict of " + brief(axis_s(taken_back.verdict_ns), 4) + " s was premature, " +
+         brief(taken_back.left, 2) + " times what is allowed was left in " +
+         rig.channels[static_cast<std::size_t>(taken_back.channel)].name + ": it is taken back; ";
+}
+
+// Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
+// of the frequency: no more independent errors then than one period has samples.
+double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
+  const double step = live[static_cast<std::size_t>(c)].intake.step();
+  if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
+  const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
+  const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
+  return step / std::sqrt(12.0) * std::sqrt(2 / in_period);
+}
+
+ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
+  const Live& channel = live[static_cast<std::size_t>(c)];
+  ChannelResult result;
+  result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
+  result.dof = result.fit.samples - (2 * H + 1);
+  if (stuck(channel))
+    result.withheld = "stuck at one reading";
+  else if (up_to_now && !delivers(c))
+    result.withheld =
+        channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
+            ? "no sample yet"
+            : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
+    // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
+    // rectangular.
+    const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
+    const double u = transient[static_cast<std::size_t>(c)] * time_constant_s / D * -std::expm1(-D / time_constant_s) /
+                     std::numbers::sqrt3;
+    result.transient = u * u * Eigen::Matrix2d::Identity();
+  }
+  if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
+    // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(totals.t_ref_ns())).toRotationMatrix();
+    result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
+  }
+  result.quantization_u = quantization_u(c, result.fit, totals);
+  if (channel.half_count > 0)
+    result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
+  result.transaction = transactions.of(c);
+  return result;
+}
+
+// What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
+void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
+  const double f = omega / kTwoPi;
+  for (const double line : kMainsFundamentals_hz)
+    for (int h = 1; h <= H; ++h) {
+      std::string names;
+      for (int c = 0; c < channel_count; ++c)
+        if (live[static_cast<std::size_t>(c)].sampling.distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
+          names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
+      if (names.empty()) continue;
+      const std::string hertz = std::to_string(static_cast<int>(line));
+      dwell.warnings.push_back("hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                               std::to_string(h) + " in " + names + ": choose another frequency or sampling rate");
+    }
+}
+
+Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
+  Dwell dwell;
+  dwell.state = state;
+  dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
+  dwell.settling_reason = settling_reason();
+  if (origin_ns == INT64_MIN) return dwell;
+  const bool active = state == State::settling || state == State::measuring;
+  if (active) {
+    dwell.index = index;
+    dwell.start_s = axis_s(start_ns);
+  }
+  int quarters_left = 0;
+  for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
+  const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
+  const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
+  const Refined refined = gather(from, to, with_open);
+  // In the middle of the data.
+  const double w = omega_at(totals.t_ref_ns(), refined.omega);
+  dwell.t_ref_s = axis_s(totals.t_ref_ns());
+  std::vector<ChannelResult> results;
+  for (int c = 0; c < channel_count; ++c) {
+    results.push_back(result_of(c, up_to_now));
+    if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
+    if (settled) look_within(c, from, to, results.back());
+    for (int h = 1; h <= H; ++h)
+      results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * bend(totals.t_ref_ns()));
+  }
+  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks.block(to - 1).end_ns) -
+                              (from < blocks.count() ? blocks.block(from).begin_ns : now_ns));
+  double u = refined.u;
+  if (settled) {
+    look_at_settling(results);
+    warn_of_change(results, seconds, dwell);
+    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
+    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, stated.u));
+  }
+  for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
+  if (settled) {
+    std::vector<Folded> folded;
+    for (int c = 0; c < channel_count; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[i].sampling, w / kTwoPi, seconds));
+      results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
+    }
+    warn_of_folded(rig, folded, dwell);
+  }
+  // The frequency of a drive that drifts is another at either end: its spread over the dwell.
+  report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
+  if (!active || out_of_search()) dwell.frequency_hz = {};
+  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
+  warn_of_readings(dwell);
+  if (!settled) {
+    if (state == State::measuring) {
+      dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
+      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+    } else if (active) {
+      if (barred_reason().empty()) dwell.settles_in_s = verdict.settles_in_s;
+      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+    }
+    return dwell;
+  }
+  dwell.settled_s = axis_s(std::max(settled_ns, blocks.count() > 0 ? blocks.block(0).begin_ns : settled_ns));
+  dwell.verdict_s = axis_s(verdict_ns);
+  dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
+  dwell.settles_in_s = 0.0;
+  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s) && quiet_ns == INT64_MIN)
+    dwell.warnings.push_back(
+        "the chain identified while settling would not decay: whether the transient has is judged by "
+        "the windows alone; look at signs, instants and masses");
+  warn_of_pulses(dwell);
+  std::string reason = pulses_unfit(w, u);
+  if (reason.empty()) reason = statement_unfit(refined, seconds);
+  if (!reason.empty()) {
+    dwell.settling_reason = reason;
+    dwell.warnings.push_back("no coefficients: " + reason);
+    return dwell;
+  }
+  warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
+  report_elements(rig, G, results, w, u, seen_modes.modes(), dwell);
+  return dwell;
+}
+
+}  // namespace dwell

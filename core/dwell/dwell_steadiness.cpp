@@ -1,0 +1,141 @@
+// What changes within a dwell: in one channel against the table, in the table itself, in the drive's frequency.
+#include "core/base/wording.hpp"
+#include "core/dwell/pipeline_impl.hpp"
+#include "core/fit/scatter.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kTold = 0.1;  // tolerances, rms of the stretches: what varies by less is not told
+// The same for a slope over data that have stretches, which tell of all that is worth a word but a slow drift.
+constexpr double kToldOfLong = 0.5;
+// Tolerances, within a dwell too short for stretches to show what the masses make of it: beyond it, the slope alone is
+// no longer all that matters. Of 400 dwells of 0.4 s under an amplitude that hunts by 1 %, those five standard
+// uncertainties off had 0.4 and more; half of it would doubt what a slope describes well.
+constexpr double kDoubted = 0.25;
+
+// Of |slope|² over its variance, from which it is told in words: once in 10 000 dwells by chance, exp(-9.2). The
+// uncertainty heeds smaller ones (PhasorSlope::shows), and nobody is blamed for these: one healthy dwell in a hundred.
+constexpr double kToldSlope = 9.2;
+
+// Rms of a stretch's deviation, relative to the phasor: along it and across.
+struct Wander {
+  double amplitude = 0.0, phase_rad = 0.0;
+};
+
+Wander wander_of(const ChannelResult& result) {
+  Wander sum;
+  double count = 0.0;
+  for (const PhasorStretch& stretch : result.stretches) {
+    if (!stretch.usable) continue;
+    const Complex relative = stretch.off / result.fit.X[0];
+    sum.amplitude += relative.real() * relative.real();
+    sum.phase_rad += relative.imag() * relative.imag();
+    count += 1.0;
+  }
+  count = std::max(1.0, count);
+  return {std::sqrt(sum.amplitude / count), std::sqrt(sum.phase_rad / count)};
+}
+
+// The table's phasor over the data that count, relative to that over the modal fit, minus one.
+Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channel, std::int64_t t_ref_ns) {
+  return table.X[0] / (modal.phasor(channel, 1) * std::polar(1.0, modal.angle(t_ref_ns))) - 1.0;
+}
+
+}  // namespace
+
+void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result) const {
+  result.stretches = phasor_stretches(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
+  result.scatter = scatter_of(result.stretches);
+  result.slope = fit_slope(totals, c, H, result.fit, blocks.reference(c));
+  const Complex turn = std::polar(1.0, bend(totals.t_ref_ns()));
+  for (PhasorStretch& stretch : result.stretches) stretch.off *= turn;
+  result.slope.value *= turn;
+}
+
+// Where the table's phasor over the data that count is not that over the modal fit, the drive has changed in between,
+// and what the masses answered to that is no natural oscillation, though the modes may have taken it for one. In
+// channel c it is at most the change itself, and at most what the modes take out of c.
+void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
+  const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel)].fit;
+  if (quiet_ns == INT64_MIN || !table.usable || !modal.usable(drive_channel)) return;
+  const Complex change = since_fitted(table, modal, drive_channel, totals.t_ref_ns());
+  if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
+  for (int c = 0; c < channel_count; ++c) {
+    ChannelResult& result = results[static_cast<std::size_t>(c)];
+    if (!result.fit.usable || shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
+    const double taken_out = 2 / result.fit.samples * modal.taken_out(c, overlap[static_cast<std::size_t>(c)]).norm();
+    const Complex answer = change * result.fit.X[0];
+    result.absorbed = answer * std::min(1.0, taken_out / std::abs(answer));
+  }
+}
+
+// A channel whose ratio to the table varies has changed, or what it stands on has; all together only the drive.
+void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const {
+  const auto table = static_cast<std::size_t>(drive_channel);
+  std::vector<std::vector<PhasorStretch>> stretches;
+  for (const ChannelResult& result : results) stretches.push_back(result.stretches);
+  if (!results[table].fit.usable) return;
+  for (std::size_t c = 0; c < results.size(); ++c) {
+    if (c == table || !results[c].withheld.empty() || !results[c].fit.usable) continue;
+    Eigen::VectorXcd against = Eigen::VectorXcd::Zero(channel_count);
+    against(static_cast<Eigen::Index>(c)) = 1.0 / results[c].fit.X[0];
+    against(drive_channel) = -1.0 / results[table].fit.X[0];
+    const Scatter scatter = scatter_of_sum(against, stretches);
+    if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
+    const Wander wander = wander_of(results[c]);
+    if (std::max(wander.amplitude, wander.phase_rad) > kTold * rig.tolerance)
+      dwell.warnings.push_back(rig.channels[c].name + " is not steady: its phasor relative to the table's varies " +
+                               brief(std::sqrt(scatter.ratio), 2) + " times as much as its noise explains");
+  }
+  const Wander drive_wanders = wander_of(results[table]);
+  if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&
+      std::max(drive_wanders.amplitude, drive_wanders.phase_rad) > kTold * rig.tolerance) {
+    dwell.warnings.push_back("the drive is not steady: within the dwell its amplitude varies by " +
+                             percent(drive_wanders.amplitude) + " and its phase by " +
+                             brief(drive_wanders.phase_rad, 2) + " rad (rms); c and r are those of the mean");
+    return;
+  }
+  const Complex rate = results[table].slope.value / results[table].fit.X[0];
+  const double changed = std::abs(rate) * seconds;
+  // In data too short for stretches the slope is all that there is to tell.
+  const double told = results[table].scatter.dof > 0 ? kToldSlope : PhasorSlope::kShows;
+  const double least = results[table].scatter.dof > 0 ? kToldOfLong : kTold;
+  const bool sure = std::norm(results[table].slope.value) > told * results[table].slope.variance;
+  if (!results[table].slope.shows() || !sure || !(changed > least * rig.tolerance)) {
+    double absorbed = 0.0;  // the largest part of a phasor
+    for (const ChannelResult& result : results)
+      if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
+    // Long after the transient was fitted its frequency alone turns the phasor: that is no change of the drive.
+    if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
+    const Complex change = since_fitted(results[table].fit, modal, drive_channel, totals.t_ref_ns());
+    if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
+      dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
+                               percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
+                               " rad; the uncertainties allow for it (\"drive's change while settling\")");
+    return;
+  }
+  const std::string seen = "the drive is not steady: its amplitude changes by " + percent(rate.real()) +
+                           " and its phase by " + brief(rate.imag(), 2) + " rad in a second";
+  if (rig.mass_count() > 0 && results[table].scatter.dof == 0 && changed > kDoubted * rig.tolerance)
+    dwell.doubts.push_back({{}, seen + ", in data of " + brief(seconds, 2) + " s; wait until it is steady"});
+  else
+    dwell.warnings.push_back(seen + "; the uncertainties allow for it (\"change within the dwell\")");
+}
+
+// By what phases that wander make the frequency less certain than white residuals would.
+double Pipeline::Impl::frequency_widens(const ChannelResult& table) const {
+  if (!table.fit.usable) return 1.0;
+  double sum = 0.0, count = 0.0;
+  for (const PhasorStretch& stretch : table.stretches) {
+    if (!stretch.usable || !(stretch.variance > 0)) continue;
+    const double off = (stretch.off / table.fit.X[0]).imag();
+    sum += off * off * std::norm(table.fit.X[0]) / (0.5 * stretch.variance);
+    count += 1.0;
+  }
+  // A phase and a frequency are fitted.
+  if (count < 4) return 1.0;
+  return std::sqrt(Scatter{sum / (count - 2), count - 2}.widens());
+}
+
+}  // namespace dwell

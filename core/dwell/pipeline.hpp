@@ -1,0 +1,77 @@
+// The pipeline: the ordered stream in, dwells out. One object, no threads, no clock, no I/O; the same stream fed twice
+// gives the same bits.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/result/condition.hpp"
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/record.hpp"
+
+namespace dwell {
+
+// What a push brought about; a bit set.
+enum Change : std::uint8_t {
+  kNothing = 0,
+  kStateChanged = 1,  // the state (idle, settling, measuring) is another than before
+  kCompleted = 2,     // a dwell has ended: completed() is it
+};
+
+// What the newest sample of a channel says, for displays.
+struct ChannelNow {
+  double value = kNaN;  // SI
+  std::int64_t t_ns = 0;
+  Fault fault = Fault::silent;  // none: it delivers
+  bool overrange = false;       // the newest reading is beyond its range
+  Condition condition = Condition::unheard;
+  std::uint64_t used = 0;      // samples taken into account
+  std::uint64_t rejected = 0;  // samples that were not: not finite, overrange, spikes, not after the one before
+  std::uint64_t gaps = 0;      // times that samples were lost
+};
+
+class Pipeline {
+ public:
+  // The rig must be valid (config::validate). Everything is allocated here.
+  explicit Pipeline(const Rig& rig);
+  ~Pipeline();
+  Pipeline(Pipeline&&) noexcept;
+  Pipeline& operator=(Pipeline&&) noexcept;
+
+  // Takes the next record of the ordered stream; t = 0 of all reported times is the first record. Returns a set of
+  // Change. Cost: O(1) per sample; at the end of a block (a quarter of a period) O(channels · H²), while settling
+  // O(channels · (H² + windows seen)) and now and then the chain's eigenvalues, O(masses³), masses <= 64. Each time
+  // that the hold has grown by a quarter to two times, its transient is fitted anew: at least four passes over the
+  // samples that are held, (2H + 3 + 4 modes)²/2 multiplications each, 0.1 s where that is no more, some seconds for
+  // sixteen full rings. No allocation, but once per completed dwell.
+  std::uint8_t push(const Record& record) noexcept;
+
+  // The end of the run: completes the current dwell with `end`. Returns a set of Change.
+  std::uint8_t finish();
+
+  // The dwell as it stands: all phasors, coefficients, uncertainties. Allocates; meant for every Rig::update_s.
+  [[nodiscard]] Dwell current() const;
+
+  // The dwell that ended last; valid once push or finish has returned kCompleted.
+  [[nodiscard]] const Dwell& completed() const noexcept;
+
+  [[nodiscard]] State state() const noexcept;
+
+  // Amplitude and phase now, over the data that count (while settling: over the last period), SI in the channel's own
+  // quantity with the transducer's response divided out, phase at the newest sample's instant. NaN: none. No
+  // allocation.
+  [[nodiscard]] std::complex<double> phasor(int channel) const noexcept;
+
+  [[nodiscard]] ChannelNow channel(int channel) const noexcept;
+  // The channel's condition in words, with figures; empty where it is ok or unheard. Allocates.
+  [[nodiscard]] std::string condition_reason(int channel) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dwell

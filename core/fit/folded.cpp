@@ -1,0 +1,70 @@
+#include "core/fit/folded.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/base/angle.hpp"
+#include "core/base/wording.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+// Harmonic m of a drive is taken as at most 0.3/m of its fundamental: a third of a square wave's, 3 % for the ninth.
+// Halved, 3 % of the ninth would lie beyond 3 u; doubled, every dwell sampled at 10 f has twice the ±.
+constexpr double kLargest = 0.3;
+
+// The highest order allowed for: gears, poles and slots of a motor make harmonics of such orders. Beyond, the inertia
+// of the table leaves little: a twentieth of its acceleration is 1e-4 of its displacement at order 20. Doubled, every
+// recording at up to 40 f is made uncertain by what hardly any drive has.
+constexpr int kHighest = 20;
+
+// Turns of the alias against the fundamental within the dwell. From half a turn on its scatter over the dwell covers it
+// (core/fit/scatter.hpp). Below a fiftieth nothing shows, and the rate is said to be a whole multiple; a tenth would
+// say so of one healthy dwell in 400 sampled at any rate up to 20 f.
+constexpr double kScatters = 0.5, kExactly = 0.02;
+
+// Below this part of it, what irregular instants leave of an alias does not count.
+constexpr double kSpread = 0.05;
+
+double device_delay_s(const Rig& rig, const Channel& channel) {
+  return channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
+}
+
+}  // namespace
+
+Folded folded_onto_fundamental(const Rig& rig, const Channel& channel, const SamplingRegularity& sampling, double f,
+                               double seconds) noexcept {
+  Folded worst;
+  for (int m = rig.excitation.harmonics + 1; m <= kHighest; ++m) {
+    const SamplingRegularity::Alias alias = sampling.alias(m * f, f);
+    const double turns = alias.apart_hz * seconds;
+    if (!(turns < kScatters) || alias.kept < kSpread) continue;
+    const double averaged = turns > 0 ? std::sin(kTwoPi / 2 * turns) / (kTwoPi / 2 * turns) : 1.0;
+    const double delay_s = device_delay_s(rig, channel);
+    const double passed = std::min(1.0, std::abs(response(channel, delay_s, m * f) / response(channel, delay_s, f)));
+    const double part = kLargest / m * averaged * alias.kept * passed;
+    if (part > worst.part) worst = {m, part, turns < kExactly};
+  }
+  return worst;
+}
+
+void warn_of_folded(const Rig& rig, const std::vector<Folded>& folded, Dwell& dwell) {
+  for (int m = 1; m <= kHighest; ++m) {
+    std::vector<std::string> names;
+    double part = 0.0;
+    for (std::size_t c = 0; c < folded.size(); ++c)
+      if (folded[c].order == m && folded[c].exactly) {
+        names.push_back(rig.channels[c].name);
+        part = std::max(part, folded[c].part);
+      }
+    if (names.empty()) continue;
+    dwell.warnings.push_back("harmonic " + std::to_string(m) +
+                             " of the drive, if there is any, folds onto the fundamental in " + listed(names) +
+                             ": the sampling rate is a whole multiple of the drive's frequency. ± allows for " +
+                             brief(100 * part, 2) + " % of the amplitude; choose another rate, 1 % beside is enough");
+  }
+}
+
+}  // namespace dwell

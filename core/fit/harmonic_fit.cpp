@@ -1,0 +1,149 @@
+#include "core/fit/harmonic_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+
+namespace dwell {
+namespace {
+
+constexpr int kMaxParameters = 2 * kMaxHarmonics + 1;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxParameters, 1>;
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxParameters, kMaxParameters>;
+
+// Σ u^j cos kθ and Σ u^j sin kθ, k of either sign.
+struct Instants {
+  const double* set;
+  int count;
+  [[nodiscard]] double c(int j, int k) const noexcept { return set[moments::cosine(count, j, std::abs(k))]; }
+  [[nodiscard]] double s(int j, int k) const noexcept {
+    const double value = set[moments::sine(count, j, std::abs(k))];
+    return k < 0 ? -value : value;
+  }
+  // Σ u^j times products of two of the regressors, by the sums and differences of their angles.
+  [[nodiscard]] double sin_sin(int j, int h, int l) const noexcept { return 0.5 * (c(j, h - l) - c(j, h + l)); }
+  [[nodiscard]] double cos_cos(int j, int h, int l) const noexcept { return 0.5 * (c(j, h - l) + c(j, h + l)); }
+  [[nodiscard]] double sin_cos(int j, int h, int l) const noexcept { return 0.5 * (s(j, h + l) + s(j, h - l)); }
+};
+
+// R of the harmonic fit, its lower triangle; order of the parameters: b, p_1 … p_H, q_1 … q_H.
+void assemble(const Instants& M, int H, Matrix& R) noexcept {
+  R(0, 0) = M.c(0, 0);
+  for (int h = 1; h <= H; ++h) {
+    R(h, 0) = M.s(0, h);
+    R(H + h, 0) = M.c(0, h);
+    for (int l = 1; l <= H; ++l) {
+      if (l <= h) R(h, l) = M.sin_sin(0, h, l);
+      R(H + h, l) = M.sin_cos(0, l, h);
+      if (l <= h) R(H + h, H + l) = M.cos_cos(0, h, l);
+    }
+  }
+}
+
+}  // namespace
+
+HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept {
+  HarmonicFit fit;
+  const ChannelMoments sums = totals.channel(channel);
+  const int H = harmonics, parameters = 2 * H + 1, in_set = totals.harmonics() + 1;
+  assert(H < in_set);
+  const Instants M{sums.instants, 2 * totals.harmonics() + 1};
+  const double* Z = sums.readings;
+  const double sum_squares = Z[moments::squares(in_set)];
+  fit.samples = M.c(0, 0);
+  if (fit.samples < parameters + 1) return fit;
+
+  Matrix R(parameters, parameters);
+  assemble(M, H, R);
+  Vector z(parameters);
+  z(0) = Z[moments::cosine(in_set, 0, 0)];
+  for (int h = 1; h <= H; ++h) {
+    z(h) = Z[moments::sine(in_set, 0, h)];
+    z(H + h) = Z[moments::cosine(in_set, 0, h)];
+  }
+  const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
+  // A pivot is the part of a regressor's energy that those before it do not explain; what is left of one in a
+  // thousandth of its energy cannot be told from the others.
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-3 * fit.samples)) return fit;
+  const Vector theta = factor.solve(z);
+
+  // Below the second term the difference is rounding.
+  const double squares = std::max(sum_squares - theta.dot(z), 1e-15 * sum_squares);
+  fit.sigma2 = squares / (fit.samples - parameters);
+  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> unit(parameters, 2);
+  unit.setZero();
+  unit(1, 0) = unit(H + 1, 1) = 1.0;
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> columns = factor.solve(unit);
+  fit.covariance << columns(1, 0), columns(1, 1), columns(H + 1, 0), columns(H + 1, 1);
+  fit.covariance *= fit.sigma2;
+  fit.mean = theta(0) + reference;
+  for (int h = 1; h <= H; ++h) fit.X[static_cast<std::size_t>(h - 1)] = {theta(h), theta(H + h)};
+  fit.usable = theta.allFinite() && fit.covariance.allFinite();
+  if (!fit.usable) return fit;
+
+  // ∂s/∂ω = g = u Σ_h h (p_h cos hθ - q_h sin hθ). gX = Xᵀg, gs = gᵀs; of gᵀg the part that does not oscillate,
+  // ½ Σ h²|X_h|² Σu², which leaves out one part in the number of periods squared.
+  Vector gX = Vector::Zero(parameters);
+  double gg = 0.0, gs = 0.0;
+  for (int h = 1; h <= H; ++h) {
+    const double p = h * theta(h), q = h * theta(H + h);
+    gs += p * Z[moments::cosine(in_set, 1, h)] - q * Z[moments::sine(in_set, 1, h)];
+    gg += 0.5 * (p * p + q * q) * sums.instants[moments::squares(M.count)];
+    gX(0) += p * M.c(1, h) - q * M.s(1, h);
+    for (int l = 1; l <= H; ++l) {
+      gX(l) += p * M.sin_cos(1, l, h) - q * M.sin_sin(1, l, h);
+      gX(H + l) += p * M.cos_cos(1, l, h) - q * M.sin_cos(1, h, l);
+    }
+  }
+  const Vector explained = factor.solve(gX);
+  const double curvature = gg - gX.dot(explained);
+  if (fit.sigma2 > 0 && curvature > 0) {
+    fit.score = (gs - gX.dot(theta)) / fit.sigma2;
+    fit.information = curvature / fit.sigma2;
+  }
+  return fit;
+}
+
+PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const HarmonicFit& fit,
+                      double reference) noexcept {
+  PhasorSlope slope;
+  if (!fit.usable) return slope;
+  const ChannelMoments sums = totals.channel(channel);
+  const int H = harmonics, parameters = 2 * H + 1, in_set = totals.harmonics() + 1;
+  const Instants M{sums.instants, 2 * totals.harmonics() + 1};
+  Matrix R(parameters, parameters);
+  assemble(M, H, R);
+  const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
+  Vector theta(parameters);
+  theta(0) = fit.mean - reference;
+  for (int h = 1; h <= H; ++h) {
+    theta(h) = fit.X[static_cast<std::size_t>(h - 1)].real();
+    theta(H + h) = fit.X[static_cast<std::size_t>(h - 1)].imag();
+  }
+  // The regressors u sin θ and u cos θ: their products with those of the fit, and with the readings.
+  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> G(parameters, 2);
+  G.row(0) << M.s(1, 1), M.c(1, 1);
+  for (int l = 1; l <= H; ++l) {
+    G.row(l) << M.sin_sin(1, 1, l), M.sin_cos(1, l, 1);
+    G.row(H + l) << M.sin_cos(1, 1, l), M.cos_cos(1, 1, l);
+  }
+  const double square = 0.5 * sums.instants[moments::squares(M.count)];
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> explained = factor.solve(G);
+  const Eigen::Matrix2d S = square * Eigen::Matrix2d::Identity() - G.transpose() * explained;
+  const Eigen::Vector2d score =
+      Eigen::Vector2d(sums.readings[moments::sine(in_set, 1, 1)], sums.readings[moments::cosine(in_set, 1, 1)]) -
+      G.transpose() * theta;
+  const double determinant = S.determinant();
+  // Of less than a tenth of Σu²/2 the rest is no slope.
+  if (!(determinant > 0.01 * square * square)) return slope;
+  const Eigen::Matrix2d inverse = S.inverse();
+  const Eigen::Vector2d value = inverse * score;
+  slope.value = {value(0), value(1)};
+  slope.variance = fit.sigma2 * inverse.trace();
+  return slope;
+}
+
+}  // namespace dwell

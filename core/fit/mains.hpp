@@ -1,0 +1,69 @@
+// Mains hum and sampling: where 50 or 60 Hz comes to lie in what a channel delivers.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/angle.hpp"
+
+namespace dwell {
+
+inline constexpr double kMainsFundamentals_hz[] = {50.0, 60.0};
+inline constexpr double kMainsWander_hz = 0.1;  // of a grid in normal operation, and as much again of a sampling clock
+
+// How regularly a channel is sampled, from its instants. One thread, a few operations each.
+class SamplingRegularity {
+ public:
+  void add(double step_s) noexcept {
+    if (!(step_s > 0)) return;
+    // Of the first few the shortest is the rule: among so few one gap would move the mean for long.
+    if (n_ <= kFew && kLong * step_s < mean_s_) n_ = 0;
+    if (n_ > 0 && step_s > kLong * mean_s_ && ++lost_ < kNotLost) return;
+    if (lost_ == kNotLost) n_ = 0;  // so many in a row are the rule: those before came in a burst
+    lost_ = 0;
+    if (n_ < kMost) weight_ = 1 / ++n_;
+    const double off = step_s - mean_s_;
+    mean_s_ += off * weight_;
+    variance_ += (off * off * (1 - weight_) - variance_) * weight_;
+  }
+  // Least distance of the alias of line_hz to f_hz, Hz. Jitter spreads an alias until only the line itself is left.
+  [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
+    double least = std::abs(line_hz - f_hz);
+    if (!(mean_s_ > 0)) return least;
+    const double rate_hz = 1 / mean_s_, jitter_s = std::sqrt(variance_);
+    for (int sign = -1; sign <= 1; sign += 2) {
+      const double off = line_hz + sign * f_hz, folds = std::round(off / rate_hz);
+      if (kTwoPi * std::abs(folds) * rate_hz * jitter_s < 3) least = std::min(least, std::abs(off - folds * rate_hz));
+    }
+    return least;
+  }
+  // What sampling makes of a line beside f_hz: the least distance of an alias of it, Hz (infinity: none folds there),
+  // and the part of its amplitude that irregular instants leave of that alias, exp(-φ²/2), φ the phase by which they
+  // shift it.
+  struct Alias {
+    double apart_hz = std::numeric_limits<double>::infinity(), kept = 0.0;
+  };
+  [[nodiscard]] Alias alias(double line_hz, double f_hz) const noexcept {
+    Alias nearest;
+    if (!(mean_s_ > 0)) return nearest;
+    for (int sign = -1; sign <= 1; sign += 2) {
+      const double off = line_hz + sign * f_hz, folds = std::round(off * mean_s_);
+      const double apart_hz = std::abs(off - folds / mean_s_);
+      if (folds < 1 || apart_hz >= nearest.apart_hz) continue;
+      // A step has two instants, each with half of its variance.
+      const double phase = kTwoPi * folds / mean_s_;
+      nearest = {apart_hz, std::exp(-0.25 * phase * phase * variance_)};
+    }
+    return nearest;
+  }
+
+ private:
+  static constexpr double kMost = 4096;
+  static constexpr int kNotLost = 16;
+  static constexpr double kFew = 8, kLong = 1.6;  // steps; times the mean: one or more readings were lost
+  int lost_ = 0;                                  // in a row
+  double n_ = 0, weight_ = 1, mean_s_ = 0, variance_ = 0;
+};
+
+}  // namespace dwell

@@ -1,0 +1,47 @@
+#include "core/fit/moments.hpp"
+
+#include <cmath>
+
+namespace dwell::moments {
+namespace {
+
+void turn_angles(const double* __restrict in, int count, const Turn& turn, double mean_square,
+                 double* __restrict out) noexcept {
+  for (int k = 0; k < count; ++k) {
+    const double c = turn.c[static_cast<std::size_t>(k)], s = turn.s[static_cast<std::size_t>(k)];
+    const double a = k * turn.delta, left = 1 - 0.5 * a * a * mean_square;
+    const double c0 = in[cosine(count, 0, k)], s0 = in[sine(count, 0, k)];
+    const double c1 = in[cosine(count, 1, k)], s1 = in[sine(count, 1, k)];
+    const double x0 = left * c0 - a * s1, y0 = left * s0 + a * c1;
+    const double x1 = c1 - a * mean_square * s0, y1 = s1 + a * mean_square * c0;
+    const double p0 = c * x0 - s * y0, q0 = s * x0 + c * y0;
+    const double p1 = c * x1 - s * y1, q1 = s * x1 + c * y1;
+    out[cosine(count, 0, k)] += p0;
+    out[sine(count, 0, k)] += q0;
+    out[cosine(count, 1, k)] += p1 + turn.shift * p0;
+    out[sine(count, 1, k)] += q1 + turn.shift * q0;
+  }
+}
+
+}  // namespace
+
+Turn::Turn(double faster, double phase, double later, int count) noexcept : delta(faster), shift(later) {
+  c[0] = 1.0, s[0] = 0.0;
+  const double one_c = std::cos(phase), one_s = std::sin(phase);
+  for (std::size_t k = 1; k < static_cast<std::size_t>(count); ++k) {
+    c[k] = c[k - 1] * one_c - s[k - 1] * one_s;
+    s[k] = c[k - 1] * one_s + s[k - 1] * one_c;
+  }
+}
+
+void add_instants(const double* in, int count, const Turn& turn, double* out) noexcept {
+  turn_angles(in, count, turn, mean_square_u(in, count), out);
+  out[squares(count)] += in[squares(count)] + turn.shift * (2 * in[cosine(count, 1, 0)] + turn.shift * in[0]);
+}
+
+void add_readings(const double* in, int count, const Turn& turn, double mean_square, double* out) noexcept {
+  turn_angles(in, count, turn, mean_square, out);
+  out[squares(count)] += in[squares(count)];
+}
+
+}  // namespace dwell::moments

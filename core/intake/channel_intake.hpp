@@ -1,0 +1,121 @@
+// The intake of one channel: every reading is judged by the readings around it before it counts.
+//
+// In this order: range and end codes, held registers, pile-up at an extreme, spikes, the motion of the readings before.
+// Each has a file of its own, and there the false-alarm probability. Auxiliary channels pass all but the first.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/intake/held_readings.hpp"
+#include "core/intake/motion_gate.hpp"
+#include "core/intake/pile_up.hpp"
+#include "core/intake/refresh_clock.hpp"
+#include "core/intake/rounding_step.hpp"
+#include "core/intake/spike_gate.hpp"
+#include "core/intake/value_cluster.hpp"
+#include "core/result/condition.hpp"
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+// Bound to one thread; judge() and what asks for numbers is real-time safe, what makes text allocates.
+class ChannelIntake {
+ public:
+  using Reading = MotionGate::Reading;  // value: the device's own number
+  using Says = MotionGate::Says;
+
+  explicit ChannelIntake(const Channel& channel);
+
+  // SI of the device's own number.
+  [[nodiscard]] double si(double raw) const noexcept { return gain_ * raw + offset_; }
+
+  // The next reading, finite and after the one before; ω of the drive, rad/s. give_back: waiting() first, then this.
+  // A new value of a held register gets the instant of its refresh.
+  Says judge(Reading& reading, double omega) noexcept;
+  [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
+
+  // Readings left out, of all time.
+  [[nodiscard]] std::uint64_t left() const noexcept { return left_ + motion_.left(); }
+
+  void next_period() noexcept { spikes_.next_period(); }
+  // The drive is steady from now on: what is counted, is counted anew.
+  void begin_hold() noexcept;
+  // The data count from about now on: what the gate took for foreign while the transient was large is said no more.
+  void begin_to_count() noexcept;
+
+  [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
+  // One and the same reading for longer than allowed.
+  [[nodiscard]] double same_for_s() const noexcept;
+  // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.
+  [[nodiscard]] double step() const noexcept { return std::abs(gain_) * rounding_.step(); }
+  [[nodiscard]] bool clipped() const noexcept { return clipped_above() + clipped_below() > 0; }
+  // Relative loss of the fundamental's amplitude by clipping; 0: none. If the part p of all readings is clipped, the
+  // loss is (2/3π) (πp)³.
+  [[nodiscard]] double clipping_bias() const noexcept;
+  // The register is refreshed more slowly than it is read, so that each new value is used once: half width to which the
+  // instants of the refreshes are known, mean of this hold, s; 0: it is not held.
+  [[nodiscard]] double refresh_half_s() const noexcept;
+  [[nodiscard]] bool held() const noexcept { return held_.held(); }
+  // The register began or ceased to be held after this hold began, so its data are of both kinds.
+  [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }
+  // One number is among the readings far too often.
+  [[nodiscard]] bool clustered() const noexcept { return cluster_.found(rounding_.step()); }
+  [[nodiscard]] std::string clustered_reason() const;
+  // Part of the readings of this hold that were left out as foreign or beyond the range.
+  [[nodiscard]] double left_out() const noexcept;
+
+  // Whether what was left out says something of the device: far spikes, numbers beyond the range, or more than the gate
+  // takes of good readings.
+  [[nodiscard]] bool left_out_matters() const noexcept;
+
+  [[nodiscard]] Condition condition() const noexcept;
+  // In words, with figures.
+  [[nodiscard]] std::string held_reason() const;
+  [[nodiscard]] std::string clipped_reason() const;
+  [[nodiscard]] std::string left_out_reason() const;
+  [[nodiscard]] std::string condition_reason() const;
+
+ private:
+  [[nodiscard]] bool end_code(double raw) const noexcept;
+  [[nodiscard]] double apart() const noexcept;
+  [[nodiscard]] PileUp::Noise noise() const noexcept;
+  [[nodiscard]] bool frozen(double omega) const noexcept;
+  [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
+  [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noise()); }
+  [[nodiscard]] double interval_s() const noexcept;
+  RefreshClock date_refresh(Reading& reading) const noexcept;
+  [[nodiscard]] std::string in_unit(double raw) const;
+
+  double gain_, offset_, low_, high_;  // SI
+  double si_per_unit_;
+  std::string unit_;
+  bool judged_;  // not auxiliary
+  HeldReadings held_;
+  RefreshClock refresh_;
+  PileUp pile_up_;
+  ValueCluster cluster_;
+  SpikeGate spikes_;
+  MotionGate motion_;
+  RoundingStep rounding_;
+
+  double newest_ = NAN, newest_taken_ = NAN;
+  double largest_ = -INFINITY, smallest_ = INFINITY;  // of readings that are no end codes
+  std::int64_t newest_ns_ = INT64_MIN, changed_ns_ = INT64_MIN;
+  std::int64_t old_seen_ns_ = INT64_MIN;  // stamp of the newest reading that was taken, or showed again what was there
+  std::int64_t dated_ns_ = INT64_MIN;     // of the reading dated last
+  std::uint64_t left_ = 0;                // of all time, not by their motion
+  bool overrange_now_ = false, held_at_begin_ = false;
+  // Of this hold.
+  std::int64_t first_ns_ = INT64_MIN;
+  std::uint64_t readings_ = 0, overrange_ = 0, end_codes_ = 0, spiked_ = 0, repeated_ = 0;
+  double refresh_half_ns_ = 0.0, refreshes_ = 0.0;  // sum, number
+  bool far_spike_ = false;
+  struct {
+    std::uint64_t readings = 0, spiked = 0, left = 0;
+  } before_counting_;  // of this hold
+};
+
+}  // namespace dwell

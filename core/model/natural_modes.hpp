@@ -1,0 +1,29 @@
+// The natural oscillations of a chain with the table held, and how they move when the chain changes.
+//
+//   (λ² M + λ C + K) φ = 0,   N = φ'(2λ M + C) φ,   δ_e = φ_e - φ_{e-1} (table and ground: 0)
+//   ∂λ/∂c_e = -δ_e² / N,   ∂λ/∂r_e = -λ δ_e² / N,   ∂λ/∂m_k = -λ² φ_k² / N
+//
+// M, C and K are symmetric, so φ is the left eigenvector as well (no conjugate), and first-order perturbation gives the
+// derivatives (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, section 6).
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "core/model/chain.hpp"
+
+namespace dwell {
+
+struct NaturalMode {
+  std::complex<double> pole;      // λ, rad/s, Im > 0
+  Eigen::VectorXcd by_stiffness;  // ∂λ/∂c_e per element, 1/s per N/m; that by r_e is λ times it
+  Eigen::VectorXcd by_mass;       // ∂λ/∂m_k per mass, 1/s per kg
+  Eigen::VectorXcd shape;         // φ_1 … φ_n, of any size
+};
+
+// All modes that oscillate. The chain has no fault(); coefficients may be negative. Empty where the eigenvalues cannot
+// be computed. O(n³), allocates; thread-safe.
+[[nodiscard]] std::vector<NaturalMode> natural_modes(const Chain& chain);
+
+}  // namespace dwell

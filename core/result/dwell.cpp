@@ -1,0 +1,50 @@
+#include "core/result/dwell.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dwell {
+
+const char* to_string(State state) noexcept {
+  switch (state) {
+    case State::idle:
+      return "idle";
+    case State::settling:
+      return "settling";
+    case State::measuring:
+      return "measuring";
+    case State::complete:
+      return "complete";
+    case State::fault:
+      return "fault";
+  }
+  return "unknown";
+}
+
+const char* to_string(EndedBy ended_by) noexcept {
+  switch (ended_by) {
+    case EndedBy::none:
+      return "none";
+    case EndedBy::drive_changed:
+      return "drive changed";
+    case EndedBy::drive_stopped:
+      return "drive stopped";
+    case EndedBy::interlock:
+      return "interlock";
+    case EndedBy::data_lost:
+      return "data lost";
+    case EndedBy::end:
+      return "end";
+    case EndedBy::rearmed:
+      return "re-armed";
+  }
+  return "unknown";
+}
+
+bool trustworthy(const Dwell& dwell) noexcept {
+  return std::isfinite(dwell.settled_s) && dwell.doubts.empty() && !dwell.elements.empty() &&
+         std::all_of(dwell.elements.begin(), dwell.elements.end(),
+                     [](const ElementEstimate& element) { return element.identifiable; });
+}
+
+}  // namespace dwell

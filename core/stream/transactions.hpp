@@ -1,0 +1,71 @@
+// Which channels are read together, and so share what is not known of their instant.
+//
+// A device answers one request with several readings: one transaction, one instant, one stamp. Two requests, be they to
+// two stations of a line or to two blocks of registers, are two transactions: each has a turnaround of its own, which
+// nothing ties to the other's. The stream itself tells: samples of one device that follow each other at one and the
+// same stamp, with one half width, three times in a row, are of one transaction. Two transactions of a device do not
+// begin at one instant; their stamps may meet by chance, to the nanosecond once in some million. A stamp that the
+// driver had to replace tells nothing.
+//
+// Pure, fixed memory after construction, bound to one thread. A sample costs a comparison; the first that two channels
+// share O(channels).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+#include "core/stream/record.hpp"
+
+namespace dwell {
+
+class Transactions {
+ public:
+  explicit Transactions(const Rig& rig) {
+    for (std::size_t i = 0; i < rig.channels.size(); ++i) {
+      devices_.push_back(rig.channels[i].device);
+      first_.push_back(static_cast<std::uint16_t>(i));
+    }
+    met_.resize(devices_.size());
+  }
+
+  // The next sample of the merged stream.
+  void sample(const Record& sample) noexcept {
+    if ((sample.flags & kStampReplaced) != 0) return;
+    const bool together = sample.t_ns == last_.t_ns && sample.t_half_ns == last_.t_half_ns && heard_ &&
+                          devices_[sample.channel] == devices_[last_.channel];
+    Met& met = met_[sample.channel];
+    met = {last_.channel, !together ? 0 : met.with == last_.channel ? std::min(met.times + 1, kTimes) : 1};
+    if (met.times == kTimes) unite(sample.channel, last_.channel);
+    last_ = sample;
+    heard_ = true;
+  }
+
+  // The transaction of a channel: the lowest index of the channels that have been read with it.
+  [[nodiscard]] int of(int channel) const noexcept { return first_[static_cast<std::size_t>(channel)]; }
+
+ private:
+  void unite(std::size_t a, std::size_t b) noexcept {
+    if (first_[a] == first_[b]) return;
+    const std::uint16_t kept = first_[a] < first_[b] ? first_[a] : first_[b];
+    const std::uint16_t given_up = first_[a] < first_[b] ? first_[b] : first_[a];
+    for (std::uint16_t& first : first_)
+      if (first == given_up) first = kept;
+  }
+
+  static constexpr int kTimes = 3;
+  // The last channel with the same stamp, and how many times in a row.
+  struct Met {
+    std::uint16_t with = 0;
+    int times = 0;
+  };
+  std::vector<int> devices_;          // by channel
+  std::vector<Met> met_;              // by channel
+  std::vector<std::uint16_t> first_;  // by channel
+  Record last_;
+  bool heard_ = false;
+};
+
+}  // namespace dwell

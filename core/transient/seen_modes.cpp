@@ -1,0 +1,143 @@
+#include "core/transient/seen_modes.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/complex.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+
+// Largest standard deviation of a pole, relative to the larger of 1/T and its decay rate. Above it the error is no
+// longer normal. Doubled, poles of weak modes take part that are off by more than their uncertainty says; halved,
+// faults go unseen that the data do resolve.
+constexpr double kResolved = 0.2;
+// Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by that step
+// squared; otherwise by kUnsettled times the step, squared: the fit is not at its optimum.
+constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
+// Probability of as much disagreement by chance. Below it the pole is not that of a mode of the whole rig alone. At a
+// tenth of this, brackets that ring beside a mode are taken for the chain; at ten times as much a sound mode goes
+// unused now and then, which the next fit mends.
+constexpr double kOneChannel = 1e-3;
+// Standard deviations of their difference by which two poles must be apart: nearer, they could as well be exchanged,
+// and the fit is far from linear. A pole that is not resolved disturbs those within the sum of both decay rates.
+constexpr double kApart = 5.0;
+// Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
+constexpr double kStandsOut = 3.0;
+constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
+// Standard deviations: two fits' poles that near are of one mode.
+constexpr double kSameMode = 5.0;
+
+}  // namespace
+
+SeenModes::SeenModes(int channels) {
+  const auto prepare = [&](SeenMode& mode) {
+    mode.amplitude.setZero(channels);
+    mode.covariance.setZero(2 * channels + 2, 2 * channels + 2);
+    mode.fitted.resize(static_cast<std::size_t>(channels));
+  };
+  for (SeenMode& mode : modes_) prepare(mode);
+  prepare(now_);
+}
+
+// extra: variance of either component of the pole, beside what the fit says of it.
+void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
+                         SeenMode& mode) noexcept {
+  const auto channels = mode.amplitude.size(), pole = 2 * channels;
+  const double size = std::abs(fit.poles()[m]);
+  using OfPoles = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostChanges, kMostChanges>;
+  using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMostChanges>;
+  const OfPoles of_poles = fit.propagated();
+  const ModalFit::Change change = fit.last_change();
+  const auto at_pole = 2 * static_cast<Index>(m);
+  mode.pole = fit.moved_poles()[m];
+  mode.covariance.setZero();
+  mode.covariance.block<2, 2>(pole, pole) =
+      size * size * of_poles.block<2, 2>(at_pole, at_pole) + extra * Eigen::Matrix2d::Identity();
+  for (Index c = 0; c < channels; ++c) {
+    const int channel = static_cast<int>(c);
+    const bool fitted = fit.has_propagated(channel);
+    mode.fitted[static_cast<std::size_t>(c)] = fitted;
+    mode.amplitude(c) = 0.0;
+    if (!fitted) continue;
+    const Rows by = fit.amplitude_by_poles(channel, m);
+    const Rows onto = by.lazyProduct(of_poles);
+    const Eigen::Vector2d step = by.lazyProduct(change);
+    mode.amplitude(c) = fit.amplitude(channel, m) + Complex{step(0), step(1)};
+    const Eigen::Matrix2d to_pole = size * onto.middleCols<2>(at_pole);
+    mode.covariance.block<2, 2>(2 * c, pole) = to_pole;
+    mode.covariance.block<2, 2>(pole, 2 * c) = to_pole.transpose();
+    for (Index other = 0; other <= c; ++other) {
+      if (!mode.fitted[static_cast<std::size_t>(other)]) continue;
+      const Eigen::Matrix2d both = onto.lazyProduct(fit.amplitude_by_poles(static_cast<int>(other), m).transpose());
+      mode.covariance.block<2, 2>(2 * c, 2 * other) = both;
+      mode.covariance.block<2, 2>(2 * other, 2 * c) = both.transpose();
+    }
+    mode.covariance.block<2, 2>(2 * c, 2 * c) +=
+        fit.amplitude_covariance(channel, m) +
+        std::max(0.0, left_over[static_cast<std::size_t>(c)]) * Eigen::Matrix2d::Identity();
+  }
+}
+
+// Variance of either component of mode m's pole beside what the fit says of it.
+double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
+                                      std::span<const double> left_over) noexcept {
+  double moved = 0.0;  // at most, by what the fit leaves over, relative to the scale; squared
+  for (std::size_t c = 0; c < left_over.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!fit.usable(channel) || !(left_over[c] > 0)) continue;
+    const double a = std::abs(fit.amplitude(channel, m));
+    if (a > kStandsOut * fit.u_amplitude(channel, m)) moved = std::max(moved, 2 * left_over[c] / (a * a));
+  }
+  // A pole that still moves is known less well than the data would allow.
+  const Complex step = fit.moved_poles()[m] - fit.poles()[m];
+  const Eigen::Vector2d moves(step.real(), step.imag());
+  const bool settled = moves.dot(fit.pole_covariance(m).inverse() * moves) < kSettledPole * kSettledPole;
+  return moved * scale * scale + (settled ? 1.0 : kUnsettled * kUnsettled) * moves.squaredNorm();
+}
+
+void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept {
+  const double seen_s = 1e-9 * static_cast<double>(until_ns - fit.t0_ns());
+  const auto refined = fit.moved_poles();
+  std::array<double, ModalFit::kMaxModes> u{}, extra{};
+  for (std::size_t m = 0; m < refined.size(); ++m) {
+    const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
+    extra[m] = extra_pole_variance(fit, m, scale, left_over);
+    const auto at = 2 * static_cast<Index>(m);
+    const double size = std::abs(fit.poles()[m]);
+    u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * extra[m]);
+    if (!(u[m] < kResolved * scale)) u[m] = INFINITY;
+  }
+  for (std::size_t m = 0; m < refined.size(); ++m) {
+    const Complex pole = refined[m];
+    if (!(pole.real() < 0) || !(pole.imag() > 0) || !std::isfinite(u[m])) continue;
+    if (!fit.certain(m)) continue;
+    if (fit.disagreement(m) > -2 * std::log(kOneChannel / static_cast<double>(left_over.size()))) continue;
+    bool alone = true;
+    for (std::size_t other = 0; other < refined.size() && alone; ++other) {
+      if (other == m || !(refined[other].real() < 0) || !fit.certain(other)) continue;
+      const double apart = std::abs(refined[other] - pole);
+      alone = apart >
+              (std::isfinite(u[other]) ? kApart * std::hypot(u[m], u[other]) : -pole.real() - refined[other].real());
+    }
+    if (!alone) continue;
+    describe(fit, m, left_over, extra[m], now_);
+    const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
+    const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
+      return std::norm(other.pole - pole) <
+             kSameMode * kSameMode * (other.pole_covariance().trace() + now_.pole_covariance().trace());
+    });
+    if (before == modes_.end()) continue;
+    if (before != end && before->pole_covariance().trace() < now_.pole_covariance().trace()) continue;
+    if (before == end) ++count_;
+    before->pole = now_.pole;
+    before->amplitude = now_.amplitude;
+    before->covariance = now_.covariance;
+    std::copy(now_.fitted.begin(), now_.fitted.end(), before->fitted.begin());
+  }
+}
+
+}  // namespace dwell

@@ -1,0 +1,56 @@
+// The natural oscillations of one hold as the samples show them: poles and amplitudes refined on the data themselves.
+// Poles depend on instants alone, not on masses, scales or delays; amplitudes tell the shape. What the identified chain
+// is held against (core/chain/mode_check.hpp).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/transient/modal_fit.hpp"
+
+namespace dwell {
+
+struct SeenMode {
+  std::complex<double> pole;  // rad/s, Im > 0
+  // Per channel, of its reading, at one and the same instant; 0 where the channel has no part in the fit.
+  Eigen::VectorXcd amplitude;
+  // Of (Re a_1, Im a_1, Re a_2, …, Re λ, Im λ).
+  Eigen::MatrixXd covariance;
+  std::vector<bool> fitted;  // per channel: it has a part in the fit
+
+  [[nodiscard]] Eigen::Matrix2d pole_covariance() const { return covariance.bottomRightCorner<2, 2>(); }
+  // Standard deviation of an amplitude, either component.
+  [[nodiscard]] double u_amplitude(Eigen::Index channel) const {
+    return std::sqrt(0.5 * covariance.block<2, 2>(2 * channel, 2 * channel).trace());
+  }
+};
+
+class SeenModes {
+ public:
+  // All memory is allocated here: 8·(2·channels + 2)² bytes a mode.
+  explicit SeenModes(int channels);
+  void clear() noexcept { count_ = 0; }
+  // Those that stand out of the noise and whose poles the data resolve. fit: refined, its poles' errors propagated.
+  // until_ns: the newest sample in the fit. left_over: per channel, variance of the residuals beyond the noise, in its
+  // unit squared. Such a residual of rms ρ may belong to a mode: it adds an error of up to √2 ρ to an amplitude a, and
+  // of √2 ρ/|a| of its decay rate to the pole. A mode that was seen better since clear() stays as it was. No
+  // allocation.
+  void take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept;
+  [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
+
+ private:
+  [[nodiscard]] static double extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
+                                                  std::span<const double> left_over) noexcept;
+  void describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
+                SeenMode& mode) noexcept;
+
+  std::array<SeenMode, ModalFit::kMaxModes> modes_;
+  SeenMode now_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace dwell

@@ -1,0 +1,185 @@
+#include "core/transient/settling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace dwell {
+namespace {
+
+// How far two windows of a channel lie apart, in whichever of its mean and phasors that is furthest.
+double distance(const SettlingDetector::Reading& a, const SettlingDetector::Reading& b) noexcept {
+  double squared = std::norm(a.relative - b.relative);
+  for (std::size_t i = 0; i < a.others.size(); ++i) squared = std::max(squared, std::norm(a.others[i] - b.others[i]));
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+SettlingDetector::SettlingDetector(int channels, double tolerance) : channels_(channels), tolerance_(tolerance) {
+  windows_.reserve(kHistory);
+  left_.resize(static_cast<std::size_t>(channels));
+  readings_.resize(static_cast<std::size_t>(kHistory) * static_cast<std::size_t>(channels));
+  restart();
+}
+
+void SettlingDetector::restart() noexcept {
+  windows_.clear();
+  stride_ = 1;
+  skipped_ = 0;
+}
+
+SettlingDetector::Reading& SettlingDetector::reading(int window, int channel) noexcept {
+  return readings_[static_cast<std::size_t>(window) * static_cast<std::size_t>(channels_) +
+                   static_cast<std::size_t>(channel)];
+}
+
+const SettlingDetector::Reading& SettlingDetector::reading(int window, int channel) const noexcept {
+  return const_cast<SettlingDetector*>(this)->reading(window, channel);
+}
+
+std::complex<double> SettlingDetector::later_mean(int channel) const noexcept {
+  if (windows_.empty()) return 0.0;
+  const double from_s = 0.5 * (windows_.front().t_s + windows_.back().t_s);
+  std::complex<double> sum = 0.0;
+  double count = 0.0;
+  for (int i = static_cast<int>(windows_.size()); i-- > 0 && windows_[static_cast<std::size_t>(i)].t_s >= from_s;) {
+    if (!reading(i, channel).usable) continue;
+    sum += reading(i, channel).relative;
+    count += 1.0;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+// Keeps every stride-th window, so that any time since restart is covered by a bounded number of them.
+void SettlingDetector::remember(const Window& window, std::span<const Reading> readings) noexcept {
+  if (++skipped_ < stride_) return;
+  skipped_ = 0;
+  if (windows_.size() == kHistory) {
+    for (int i = 0; i < kHistory / 2; ++i) {
+      windows_[static_cast<std::size_t>(i)] = windows_[2 * static_cast<std::size_t>(i)];
+      for (int c = 0; c < channels_; ++c) reading(i, c) = reading(2 * i, c);
+    }
+    windows_.resize(kHistory / 2);
+    stride_ *= 2;
+  }
+  windows_.push_back(window);
+  for (int c = 0; c < channels_; ++c)
+    reading(static_cast<int>(windows_.size()) - 1, c) = readings[static_cast<std::size_t>(c)];
+}
+
+// tolerance × steady amplitude; a channel that hardly moves is held to what ten periods of its noise resolve.
+double SettlingDetector::allowed(const Reading& now) const noexcept {
+  const double noise = kSure * std::sqrt(now.noise * 2 / (10 * std::max(1.0, now.samples)));
+  return std::max(tolerance_ * std::abs(now.relative), noise);
+}
+
+// Whether an earlier window tells the same as the newest: what may be counted after the fact.
+bool SettlingDetector::agrees(int window, const Window& now, std::span<const Reading> readings) noexcept {
+  const Window& then = windows_[static_cast<std::size_t>(window)];
+  // The drive must agree more closely than the channels: a ramp is no transient that decays.
+  const double u_table = std::hypot(then.table_u, now.table_u);
+  if (std::abs(then.table_amplitude - now.table_amplitude) >
+      std::max(0.1 * tolerance_ * now.table_amplitude, kSure * u_table))
+    return false;
+  for (int c = 0; c < channels_; ++c) {
+    const Reading& a = reading(window, c);
+    const Reading& b = readings[static_cast<std::size_t>(c)];
+    if (!a.usable || !b.usable) continue;
+    // The noise is that of the newest window: an earlier one's may hold a transient.
+    if (distance(a, b) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * 2 * b.u)) return false;
+    if (a.variance >
+        b.variance * (1 + kSure * 2 / std::sqrt(std::max(1.0, b.samples))) + std::norm(0.5 * tolerance_ * b.relative))
+      return false;
+  }
+  return true;
+}
+
+SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int64_t last, double t_s,
+                                                   double table_amplitude, double table_u,
+                                                   std::span<const Reading> readings, double period_s,
+                                                   double time_constant_s) noexcept {
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  Window now{first, last, t_s, table_amplitude, table_u, time_constant_s};
+  Verdict verdict;
+  verdict.settles_in_s = kNotKnown;
+  const int count = static_cast<int>(windows_.size());
+  const double seen_s = windows_.empty() ? 0.0 : t_s - windows_.front().t_s;
+  // Coefficients from a hold that still has much of a transient are off, and so is the T they give: the longest T of
+  // the last quarter of the hold is believed. A chain that would not decay gives none; then the time watched is
+  // divided: a transient of a sixth of it is gone, and a longer one shows as a difference between any two windows.
+  double T = 0.0;
+  bool known = std::isfinite(time_constant_s);
+  for (int i = count; i-- > 0 && windows_[static_cast<std::size_t>(i)].t_s > t_s - 0.25 * seen_s;) {
+    known = known && std::isfinite(windows_[static_cast<std::size_t>(i)].time_constant_s);
+    T = std::max(T, windows_[static_cast<std::size_t>(i)].time_constant_s);
+  }
+  T = known ? std::max(T, time_constant_s) : seen_s / 6;
+  const double as_it_is_s = known ? 1.01 * period_s : std::max(1.01 * period_s, seen_s - T);
+  double longest = 0.0;  // expected time left
+  for (int c = 0; c < channels_; ++c) {
+    const Reading& b = readings[static_cast<std::size_t>(c)];
+    if (!b.usable) continue;
+    const double limit = allowed(b);
+    double left = kUnbounded, latest = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double apart = t_s - windows_[static_cast<std::size_t>(i)].t_s;
+      const double q = T > 0 ? std::exp(-apart / T) : 0.0;
+      // Several modes can cancel in one window, hardly in each of a period's.
+      double difference = 0.0, power = 0.0;
+      for (int j = std::max(0, i - kGroup + 1); j <= i; ++j) {
+        const Reading& a = reading(j, c);
+        if (!a.usable) continue;
+        difference = std::max(difference, distance(a, b) + kSure * std::hypot(a.u, b.u));
+        // The variance of a variance from N residuals is 2/N of its square.
+        power = std::max(power, a.variance - b.variance +
+                                    kSure * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
+      }
+      // The last ones overlap the newest: what they show counts as it is, beyond the noise.
+      if (apart <= as_it_is_s) {
+        const Reading& a = reading(i, c);
+        latest = std::max(latest, distance(a, b) - kSure * std::numbers::sqrt2 * std::hypot(a.u, b.u));
+        continue;
+      }
+      left =
+          std::min(left, std::max(difference * q / (1 - q), std::sqrt(2 * std::max(0.0, power) * q * q / (1 - q * q))));
+    }
+    const double ratio = std::max(left, latest) / limit;
+    if (ratio > verdict.worst_left || verdict.worst_channel < 0) verdict.worst_left = ratio, verdict.worst_channel = c;
+    if (ratio > 1 && std::isfinite(ratio)) longest = std::max(longest, T * std::log(ratio));
+  }
+
+  // How far back the windows agree with this one.
+  int agreeing = static_cast<int>(windows_.size());
+  while (agreeing > 0 && agrees(agreeing - 1, now, readings)) --agreeing;
+  const double agreed_s = agreeing < static_cast<int>(windows_.size())
+                              ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s
+                              : period_s;
+  const double wanted_s = kPeriods * period_s - agreed_s;
+  if (verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s) {
+    verdict.settled = true;
+    verdict.settles_in_s = 0.0;
+    const Window& from = windows_[static_cast<std::size_t>(agreeing)];
+    // The window before did not agree, and this one may hold the end of what it saw: a quarter is left out.
+    for (int c = 0; c < channels_; ++c) {
+      double sum = 0.0, compared = 0.0;
+      for (int i = agreeing; i < static_cast<int>(windows_.size()); ++i) {
+        if (compared > 0 && windows_[static_cast<std::size_t>(i)].t_s > from.t_s + T) break;
+        sum += std::norm(reading(i, c).relative - readings[static_cast<std::size_t>(c)].relative);
+        compared += 1;
+      }
+      left_[static_cast<std::size_t>(c)] =
+          readings[static_cast<std::size_t>(c)].usable ? std::sqrt(sum / compared) : 0.0;
+    }
+    verdict.from_serial = agreeing == 0 ? from.first : from.first + 1;
+  } else {
+    verdict.settles_in_s = std::max(longest, std::max(0.0, wanted_s));
+    if (verdict.worst_left <= 1) verdict.worst_channel = -1;
+  }
+  remember(now, readings);
+  return verdict;
+}
+
+}  // namespace dwell

@@ -1,0 +1,262 @@
+#include "core/transient/whole_hold.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/base/complex.hpp"
+
+namespace dwell {
+namespace {
+
+// From one begin() to the next: passes over the hold, and multiplications in them, some 0.3 s. Samples beyond what
+// these allow are left out at random, half of the room for those before the latest fit.
+constexpr int kMostPasses = 60;
+constexpr double kMostWork = 4e8;
+
+// Each begin lies at this part of the time from the hold's beginning to the one before. Not derived; no other was
+// tried.
+constexpr double kEarlier = 0.6;
+constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;  // periods
+constexpr int kSteps = 8;                                   // of refinement at one begin
+constexpr int kShortened = 2;     // a step that made the misfit worse is tried again so many times …
+constexpr double kShorter = 0.3;  // … each time this part as long
+constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // relative change of a pole and of ω in one step
+constexpr double kConverged = 0.1;                   // standard deviations of a pole
+constexpr double kSamePole = 0.1;                    // relative
+constexpr double kPerParameter = 4.0;                // samples of a channel, at least
+// χ² of what is left over may be as improbable as so many standard deviations of a normal number. Chance passes 4 once
+// in 30 000 stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end
+// early.
+constexpr double kSure = 4.0;
+// Where a further pole is looked for: so many periods of the beginning, up to this harmonic of the drive, by steps of a
+// quarter of a cycle in that stretch; in so many samples at most.
+constexpr double kSearched = 4.0, kHighest = 12.0;
+constexpr std::size_t kMostLines = 200;
+constexpr double kMostSearched = 2e4;
+
+double to_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+std::int64_t to_ns(double s) { return static_cast<std::int64_t>(1e9 * s); }
+
+// A number in [0, 1) without a pattern: equal steps would fold what is sampled (an integer hash).
+double chance(std::uint64_t number) {
+  number = (number ^ (number >> 31)) * 0x7fb5d329728ea185U;
+  number = (number ^ (number >> 27)) * 0x81dadef4bc2dd44dU;
+  return static_cast<double>((number ^ (number >> 33)) >> 11) * 0x1p-53;
+}
+
+// As improbable as so many standard deviations of a normal number (Wilson and Hilferty, 1931). χ² is relative to a
+// variance that was itself found from `samples`.
+double deviations(double chi2, double freedom, double samples) {
+  const double spread = 2 / (9 * freedom);
+  return (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread * (1 + freedom / samples));
+}
+
+}  // namespace
+
+WholeHold::WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated)
+    : fit_(channels, harmonics, modes),
+      most_poles_(std::min(static_cast<std::size_t>(modes), std::size_t{ModalFit::kMaxModes})) {
+  fit_.state_omega(stated);
+  poles_.reserve(most_poles_);
+  trial_.reserve(most_poles_);
+  channels_.resize(static_cast<std::size_t>(channels));
+  for (PerChannel& channel : channels_) channel.lines.resize(kMostLines);
+}
+
+void WholeHold::begin(const Given& given) noexcept {
+  passes_left_ = kMostPasses;
+  from_ns_ = omega_at_ns_ = given.latest.t0_ns();
+  omega_ = given.latest.omega();
+  take_poles(given, given.latest);
+}
+
+bool WholeHold::earlier(const Given& given) noexcept {
+  const std::int64_t first_ns = given.begin_ns + to_ns(kFirstBegin * given.period_s);
+  if (from_ns_ <= first_ns) return false;
+  from_ns_ = std::max(first_ns, given.begin_ns + to_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
+  omega_ += given.latest.rate() * to_s(from_ns_ - omega_at_ns_);
+  omega_at_ns_ = from_ns_;
+  refine(given);
+  if (!explains(given)) {
+    if (passes_left_ <= 0 || !add_pole(given)) return false;
+    refine(given);
+    if (!explains(given)) return false;
+  }
+  static_cast<void>(fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega));
+  fit_.propagate_poles(given.omega_known);
+  take_poles(given, fit_);
+  return true;
+}
+
+// Steady lines and what a fit shows beyond doubt, then each pole of the chain that none of these matches; one matches
+// one at most.
+void WholeHold::take_poles(const Given& given, const ModalFit& fit) noexcept {
+  poles_.clear();
+  for (std::size_t m = 0; m < fit.poles().size() && poles_.size() < most_poles_; ++m)
+    if (fit.poles()[m].real() == 0 || fit.certain(m)) poles_.push_back(fit.poles()[m]);
+  trial_ = poles_;
+  for (const Complex& pole : given.chain) {
+    const auto nearer = [&](Complex a, Complex b) { return std::abs(a - pole) < std::abs(b - pole); };
+    const auto own = std::min_element(trial_.begin(), trial_.end(), nearer);
+    if (own != trial_.end() && std::abs(*own - pole) < kSamePole * std::abs(pole))
+      trial_.erase(own);
+    else if (poles_.size() < most_poles_ && pole.real() < 0)
+      poles_.push_back(pole);
+  }
+}
+
+// The fit with these poles; its misfit.
+double WholeHold::run(const Given& given, double omega, std::span<const Complex> poles) noexcept {
+  --passes_left_;
+  fit_.restart(omega, given.latest.rate(), from_ns_, poles);
+  const std::uint64_t first = given.history.first_at(from_ns_), late = given.history.first_at(given.latest.t0_ns()),
+                      end = given.history.first_at(given.until_ns);
+  const double products = 0.5 * std::pow(fit_.parameters() + 2.0 * static_cast<double>(poles.size()) + 2, 2);
+  // Twice what every channel needs, whatever that costs.
+  const double least = 2 * kPerParameter * fit_.parameters() * static_cast<double>(channels_.size());
+  const double room = std::max(least, kMostWork / (kMostPasses * products));
+  const double beginning = static_cast<double>(late - first);
+  early_part_ = std::min(1.0, 0.5 * room / std::max(1.0, beginning));
+  const double late_part =
+      std::min(1.0, (room - early_part_ * beginning) / std::max(1.0, static_cast<double>(end - late)));
+  for (PerChannel& channel : channels_) channel.low = INFINITY, channel.high = -INFINITY;
+  for (std::uint64_t i = first; i < end; ++i) {
+    const SampleHistory::Sample& s = given.history[i];
+    if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? early_part_ : late_part)) continue;
+    fit_.add(s.channel, s.t_ns, s.value);
+    PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
+    channel.low = std::min(channel.low, s.value);
+    channel.high = std::max(channel.high, s.value);
+  }
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!given.latest.usable(channel)) continue;
+    const double range = channels_[c].high - channels_[c].low;
+    fit_.expect(channel, given.latest.variance(channel));
+    fit_.solve(channel, given.imposed[c] != 0 ? 0.0 : range, range);
+  }
+  return fit_.misfit();
+}
+
+// Moves the poles that show beyond doubt, and ω with them.
+void WholeHold::refine(const Given& given) noexcept {
+  double best = run(given, omega_, poles_);
+  for (int step = 0; step < kSteps && passes_left_ > 0; ++step) {
+    const auto moved = fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega);
+    trial_.assign(moved.begin(), moved.end());
+    double farthest = 0.0;  // in standard deviations
+    for (std::size_t m = 0; m < trial_.size(); ++m)
+      if (poles_[m].real() < 0 && !fit_.certain(m))
+        trial_[m] = poles_[m];
+      else if (fit_.u_pole(m) > 0)
+        farthest = std::max(farthest, std::abs(trial_[m] - poles_[m]) / fit_.u_pole(m));
+    if (farthest < kConverged) return;
+    double by = given.omega_known ? 0.0 : fit_.refined_omega() - omega_;
+    double misfit = run(given, omega_ + by, trial_);
+    for (int shorter = 0; shorter < kShortened && !(misfit < best); ++shorter) {
+      for (std::size_t m = 0; m < trial_.size(); ++m) trial_[m] = poles_[m] + kShorter * (trial_[m] - poles_[m]);
+      by *= kShorter;
+      misfit = run(given, omega_ + by, trial_);
+    }
+    if (!(misfit < best)) {
+      run(given, omega_, poles_);
+      return;
+    }
+    best = misfit;
+    omega_ += by;
+    poles_.swap(trial_);
+  }
+}
+
+// Every channel of the latest fit, by readings enough.
+bool WholeHold::solved(const Given& given) const noexcept {
+  bool any = false;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!given.latest.usable(channel)) continue;
+    if (!fit_.usable(channel) || !(given.latest.variance(channel) > 0) ||
+        fit_.samples(channel) < kPerParameter * fit_.parameters())
+      return false;
+    any = true;
+  }
+  return any;
+}
+
+// Over ever longer stretches the residuals are no more than the noise.
+bool WholeHold::explains(const Given& given) noexcept {
+  if (!solved(given)) return false;
+  const std::int64_t until_ns = given.latest.t0_ns();
+  for (PerChannel& channel : channels_) channel.squares = channel.count = 0.0;
+  std::uint64_t i = given.history.first_at(from_ns_);
+  for (std::int64_t length_ns = std::max<std::int64_t>(1, to_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
+    const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
+    for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
+      const SampleHistory::Sample& s = given.history[i];
+      // Those that were fitted: of others the errors of the fit make the residuals larger than the noise.
+      if (!fit_.usable(s.channel) || chance(i) >= early_part_) continue;
+      const double r = fit_.residual(s.channel, s.t_ns, s.value);
+      PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
+      channel.squares += r * r;
+      channel.count += 1.0;
+    }
+    if (!within_noise(given)) return false;
+    if (end_ns == until_ns) return true;
+  }
+}
+
+// In each channel and in all together. What the poles and amplitudes take of the freedom is left aside: they are fitted
+// to the whole hold.
+bool WholeHold::within_noise(const Given& given) const noexcept {
+  double chi2 = 0.0, freedom = 0.0, samples = INFINITY;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const int channel = static_cast<int>(c);
+    if (!(channels_[c].count > 0)) continue;
+    const double own = channels_[c].squares / given.latest.variance(channel);
+    if (deviations(own, channels_[c].count, given.latest.samples(channel)) > kSure) return false;
+    chi2 += own;
+    freedom += channels_[c].count;
+    samples = std::min(samples, given.latest.samples(channel));
+  }
+  return !(freedom > 0) || deviations(chi2, freedom, samples) <= kSure;
+}
+
+// A pole where the residuals of the beginning show the strongest line, in the place of the first that does not show,
+// else beside the others. false: there is no room, or nothing is left over.
+bool WholeHold::add_pole(const Given& given) noexcept {
+  std::size_t at = 0;
+  while (at < poles_.size() && (poles_[at].real() == 0 || fit_.certain(at))) ++at;
+  if (at == most_poles_) return false;
+  const double stretch_s = std::min(to_s(given.latest.t0_ns() - from_ns_), kSearched * given.period_s);
+  const double grid = 0.5 * std::numbers::pi / stretch_s;
+  const auto lines = std::clamp(static_cast<std::size_t>(kHighest * omega_ / grid), std::size_t{1}, kMostLines);
+  const std::uint64_t first = given.history.first_at(from_ns_),
+                      end = given.history.first_at(from_ns_ + to_ns(stretch_s));
+  const double part = kMostSearched / std::max(1.0, static_cast<double>(end - first));
+  for (PerChannel& channel : channels_) std::fill(channel.lines.begin(), channel.lines.end(), Complex{});
+  for (std::uint64_t i = first; i < end; ++i) {
+    const SampleHistory::Sample& s = given.history[i];
+    if (!fit_.usable(s.channel) || chance(i) >= part) continue;
+    std::vector<Complex>& sums = channels_[static_cast<std::size_t>(s.channel)].lines;
+    const Complex step = std::polar(1.0, grid * to_s(s.t_ns - from_ns_));
+    Complex turned = fit_.residual(s.channel, s.t_ns, s.value) * step;
+    for (std::size_t k = 0; k < lines; ++k, turned *= step) sums[k] += turned;
+  }
+  double strongest = 0.0, found = 0.0;
+  for (std::size_t k = 0; k < lines; ++k) {
+    double power = 0.0;
+    for (std::size_t c = 0; c < channels_.size(); ++c)
+      if (const int channel = static_cast<int>(c); fit_.usable(channel) && given.imposed[c] == 0)
+        power += std::norm(channels_[c].lines[k]) / given.latest.variance(channel);
+    if (power > strongest) strongest = power, found = grid * static_cast<double>(k + 1);
+  }
+  if (!(strongest > 0) || !std::isfinite(strongest)) return false;
+  const Complex pole{-1 / stretch_s, found};
+  if (at < poles_.size())
+    poles_[at] = pole;
+  else
+    poles_.push_back(pole);
+  return true;
+}
+
+}  // namespace dwell

@@ -1,0 +1,67 @@
+// The natural oscillations over the whole of a hold, for the check of the model (docs/method.md, Cross-check).
+//
+// The fit that judges when a transient has decayed leaves out the beginning of the hold: the part in which modes that
+// decay fast are visible. Once the steady motion and the noise are known, the same fit is made from ever earlier on.
+// Each begin starts with the poles of the one before; a mode that is hidden in noise keeps the pole that the identified
+// chain has, as fitting it would follow the noise. What a fit leaves over of the beginning is compared with the noise:
+// where there is more, a pole is added at its strongest line (a bracket that rings; a mode that is far from where the
+// chain has it), and where that does not help either, the fits end.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/stream/sample_history.hpp"
+#include "core/transient/modal_fit.hpp"
+
+namespace dwell {
+
+class WholeHold {
+ public:
+  // modes: as many poles at most. stated: of ω. All memory is allocated here: that of a ModalFit, and 3 kB a channel.
+  WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated);
+
+  struct Given {
+    const SampleHistory& history;
+    const ModalFit& latest;                       // its residuals are noise
+    std::span<const std::complex<double>> chain;  // eigenvalues of the identified chain, rad/s
+    std::span<const char> imposed;                // per channel: it shows the table, which has no transient
+    std::int64_t begin_ns, until_ns;              // of the hold; history goes back to begin_ns
+    double period_s;
+    bool omega_known;
+  };
+  // Begins where `latest` does.
+  void begin(const Given& given) noexcept;
+  // The fit from earlier on; false: there are no earlier data, it does not explain them, or enough has been spent since
+  // begin(): 0.3 s of a processor for 32 channels and 10 modes. No allocation.
+  bool earlier(const Given& given) noexcept;
+  // Of the last earlier() that returned true: refined, its poles' errors propagated.
+  [[nodiscard]] const ModalFit& modes() const noexcept { return fit_; }
+
+ private:
+  void take_poles(const Given& given, const ModalFit& fit) noexcept;
+  double run(const Given& given, double omega, std::span<const std::complex<double>> poles) noexcept;
+  void refine(const Given& given) noexcept;
+  [[nodiscard]] bool explains(const Given& given) noexcept;
+  [[nodiscard]] bool within_noise(const Given& given) const noexcept;
+  [[nodiscard]] bool solved(const Given& given) const noexcept;
+  bool add_pole(const Given& given) noexcept;
+
+  struct PerChannel {
+    double low = INFINITY, high = -INFINITY;  // of the readings
+    double squares = 0.0, count = 0.0;        // of the residuals
+    std::vector<std::complex<double>> lines;  // Fourier sums of the residuals
+  };
+  ModalFit fit_;
+  std::size_t most_poles_;
+  std::vector<std::complex<double>> poles_, trial_;
+  std::vector<PerChannel> channels_;
+  std::int64_t from_ns_ = 0, omega_at_ns_ = 0;
+  double omega_ = 0.0, early_part_ = 1.0;  // of the samples before the latest fit's begin that are fitted
+  int passes_left_ = 0;
+};
+
+}  // namespace dwell
