@@ -10,9 +10,10 @@
 // steps away, as noise of many steps has it, six do. There a reading that is repeated at once counts once, since a
 // register may be held; fewer than four may be repeats of one reading.
 //
-// Where rounding hides the noise only the next number counts: sampled at a whole fraction of the period the two counts
-// are whole numbers of readings a period, and up to 4 times happens, so the topmost may have 5 times as many, p = 5/6:
-// 97 clipped readings and one beside show.
+// Where rounding hides the noise, single numbers are compared. Sampled at a whole fraction of the period their counts
+// are whole numbers of readings a period, and up to 4 times happens: so the topmost may have 5 times as many as the
+// commonest of the others, p = 5/6; 97 clipped readings and one beside show. It is the commonest that counts: the
+// number next to a crest may have only what little noise there is.
 //
 // An end once found stays where it is: later on readings that pile up there need not prove that it is no chance.
 //
@@ -92,8 +93,13 @@ class PileUp {
       // A crest has readings beside it; a channel at rest has none.
       if (next.readings == 0 || 8 * from_far >= topmost.readings) return 0;
       const double unlikely = topmost.value == known ? 0.0 : kNoChance;
-      if (exceeds(topmost.readings, next.readings, noise.noisy ? 1.0 / 2 : 5.0 / 6, unlikely)) return topmost.readings;
-      if (!noise.noisy || topmost.runs < kFewest) return 0;
+      if (!noise.noisy) {
+        std::int64_t others = 0;
+        for (std::size_t i = 1; i < kDepth; ++i) others = std::max(others, numbers[i].readings);
+        return exceeds(topmost.readings, others, 5.0 / 6, unlikely) ? topmost.readings : 0;
+      }
+      if (exceeds(topmost.readings, next.readings, 1.0 / 2, unlikely)) return topmost.readings;
+      if (topmost.runs < kFewest) return 0;
       std::int64_t others = 0;
       for (std::size_t i = 1; i < kDepth && numbers[i].runs > 0; ++i) {
         others += numbers[i].runs;

@@ -58,6 +58,13 @@ TEST(PileUp, ANoisyCrestCutOffShowsWithinAFewPeriods) {
   }
 }
 
+// One reading a period at the crest, two next to it some steps below, and now and then one between.
+TEST(PileUp, ACrestSampledAtAWholeFractionOfThePeriodIsNotCutOff) {
+  for (const double readings : {20.0, 40.0, 100.0})
+    for (std::uint64_t seed = 1; seed <= 50; ++seed)
+      EXPECT_EQ(found({2e-4, 1e-3, INFINITY, readings}, 200.0, seed), 0) << readings << " readings a period, " << seed;
+}
+
 // A held register that is not known to be one yet.
 TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeated) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
