@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "core/dwell/pipeline.hpp"
-#include "core/stream/merger.hpp"
-#include "core/stream/scan_clocks.hpp"
+#include "core/stream/assembler.hpp"
 
 namespace dwell::ctl {
 namespace {
@@ -31,54 +30,40 @@ class Stream {
   explicit Stream(const Rig& rig) : rig_(rig) {
     const auto own_clock = [](const Device& device) { return device.clock == Clock::device; };
     if (std::none_of(rig.devices.begin(), rig.devices.end(), own_clock)) return;
-    std::vector<std::vector<std::uint16_t>> channels(rig.devices.size());
+    std::vector<Assembler::Source> sources = Assembler::sources(rig);
+    sources.emplace_back();  // of the channels without a device
     for (std::size_t i = 0; i < rig.channels.size(); ++i)
-      if (rig.channels[i].device >= 0)
-        channels[static_cast<std::size_t>(rig.channels[i].device)].push_back(static_cast<std::uint16_t>(i));
-    for (std::size_t i = 0; i < rig.devices.size(); ++i)
-      clocks_.emplace_back(rig.devices[i].clock, channels[i], rig.devices[i].rate_hz);
-    merger_.emplace(rig.devices.size() + 1, ScanClocks::kHoldBack_ns, kMerged);
+      if (rig.channels[i].device < 0) sources.back().channels.push_back(static_cast<std::uint16_t>(i));
+    devices_ = sources.size();
+    assembler_.emplace(sources, ScanClocks::kHoldBack_ns, kMerged);
   }
 
   template <class Take>
   void push(const Record& record, const Take& take) {
-    if (!merger_) {
+    if (!assembler_) {
       take(record);
       return;
     }
-    for (std::size_t i = 0; i < clocks_.size(); ++i) {
-      clocks_[i].wait(record.t_ns);
-      drain(i);
-    }
+    for (std::size_t i = 0; i < devices_; ++i) assembler_->wait(i, record.t_ns, kAsItIs, kWhatever);
     const int device = rig_.channels[record.channel].device;
-    if (device < 0) {
-      merger_->push(clocks_.size(), record);
-    } else {
-      clocks_[static_cast<std::size_t>(device)].push(record);
-      drain(static_cast<std::size_t>(device));
-    }
-    for (Record out; merger_->pop(out);) take(out);
+    assembler_->sample(device < 0 ? devices_ - 1 : static_cast<std::size_t>(device), record, kAsItIs, kWhatever);
+    for (Record out; assembler_->next(out);) take(out);
   }
   template <class Take>
   void finish(const Take& take) {
-    if (!merger_) return;
-    for (std::size_t i = 0; i < clocks_.size(); ++i) {
-      clocks_[i].flush();
-      drain(i);
-    }
-    for (Record out; merger_->flush(out);) take(out);
+    if (!assembler_) return;
+    for (std::size_t i = 0; i < devices_; ++i) assembler_->stopped(i, kAsItIs, kWhatever);
+    for (Record out; assembler_->flush(out);) take(out);
   }
 
  private:
   static constexpr std::size_t kMerged = 65536;  // samples of a device within the time held back
-
-  void drain(std::size_t device) {
-    for (Record out; clocks_[device].pop(out);) merger_->push(device, out);
-  }
+  static constexpr auto kAsItIs = [](Record&) {};
+  static constexpr auto kWhatever = [](const Record&, Merger::Admission) {};
 
   const Rig& rig_;
-  std::vector<ScanClocks> clocks_;  // by device
-  std::optional<Merger> merger_;    // none: every stamp stands
+  std::size_t devices_ = 0;
+  std::optional<Assembler> assembler_;  // none: every stamp stands
 };
 
 }  // namespace

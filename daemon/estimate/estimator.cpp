@@ -30,14 +30,15 @@ std::size_t merger_capacity(const std::vector<DeviceLink*>& links) {
   return kSpare + 2 * largest;
 }
 
-std::vector<ScanClocks> clocks_of(const Rig& rig, const std::vector<DeviceLink*>& links) {
-  std::vector<ScanClocks> clocks;
-  clocks.reserve(links.size());
+// A device without a link is not heard.
+std::vector<Assembler::Source> sources_of(const Rig& rig, const std::vector<DeviceLink*>& links,
+                                          const std::vector<bool>& leads) {
+  std::vector<Assembler::Source> sources = Assembler::sources(rig);
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const auto channels = links[i] != nullptr ? links[i]->channels() : std::vector<std::uint16_t>{};
-    clocks.emplace_back(rig.devices[i].clock, channels, rig.devices[i].rate_hz);
+    sources[i].channels = links[i] != nullptr ? links[i]->channels() : std::vector<std::uint16_t>{};
+    sources[i].leads = i < leads.size() && leads[i];
   }
-  return clocks;
+  return sources;
 }
 
 std::string seconds(std::int64_t ns) {
@@ -73,21 +74,15 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceLink*> links, const Estim
       options_(options),
       log_(log),
       published_(std::move(published)),
-      edge_source_(links_.size()),
-      tick_source_(links_.size() + 1),
-      merger_(links_.size() + 2, options.hold_back_ns, merger_capacity(links_)),
+      assembler_(sources_of(rig, links_, options.leads), options.hold_back_ns, merger_capacity(links_)),
       pipeline_(rig),
       watch_(options.nominal_rate_hz, now_ns),
       actions_(kActions),
       scratch_(kScratch),
       channels_(rig.channels.size()),
       devices_(links_.size()),
-      clocks_(clocks_of(rig, links_)),
-      released_ns_(std::numeric_limits<std::int64_t>::min()),
       next_publish_ns_(now_ns),
       finished_(options.kept_dwells, options.kept_bytes) {
-  for (std::size_t i = 0; i < links_.size() && i < options_.leads.size(); ++i)
-    if (options_.leads[i]) merger_.set_leading(i);
   for (std::size_t i = 0; i < links_.size(); ++i) {
     if (links_[i] == nullptr) continue;
     const auto& channels = links_[i]->channels();
@@ -102,7 +97,7 @@ Estimator::~Estimator() = default;
 void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped) {
   if (start_utc_ns_ == 0) start_utc_ns_ = utc_ns;
   skipped_ += skipped;
-  merger_.set_now(now_ns);
+  assembler_.set_now(now_ns);
   offer_states();
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
@@ -118,15 +113,12 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   Action action{};
   while (actions_.pop(action)) {
     Record record;
-    record.t_ns = std::max(now_ns, released_ns_);
+    record.t_ns = now_ns;
     record.kind = Kind::action;
     record.flags = static_cast<std::uint8_t>(action);
-    merger_.push(tick_source_, record);
+    assembler_.action(record);
   }
-  Record tick;
-  tick.t_ns = now_ns;
-  tick.kind = Kind::tick;
-  merger_.push(tick_source_, tick);  // late only beside a recording played faster than real time, which needs no ticks
+  assembler_.tick(now_ns);
   release(false);
   settle_counters();
   if (now_ns >= next_publish_ns_) {
@@ -141,8 +133,9 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
   turn(now_ns, utc_ns);
   for (std::size_t device = 0; device < links_.size(); ++device) {
     if (links_[device] == nullptr) continue;
-    clocks_[device].flush();
-    admit_samples(device, now_ns);
+    assembler_.stopped(
+        device, [this](Record& r) { enters(r); },
+        [&](const Record& r, Merger::Admission a) { admitted(device, r, a, now_ns); });
   }
   release(true);
   offer_states();
@@ -174,6 +167,10 @@ void Estimator::take_events(std::size_t device, std::int64_t now_ns) {
 
 void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
   DeviceLink& link = *links_[device];
+  const auto enter = [this](Record& record) { enters(record); };
+  const auto decided = [&](const Record& record, Merger::Admission admission) {
+    admitted(device, record, admission, now_ns);
+  };
   // A driver faster than this loop must not keep it from going on: one ring's worth at most.
   for (std::size_t left = link.capacity(); left > 0;) {
     const std::size_t taken = link.pop_samples(scratch_.data(), std::min(left, scratch_.size()));
@@ -183,16 +180,13 @@ void Estimator::take_samples(std::size_t device, std::int64_t now_ns) {
       const Record& record = scratch_[i];
       if (stamped_ahead(device, record, now_ns)) continue;
       heard(device, record, now_ns);
-      clocks_[device].push(record);
-      admit_samples(device, now_ns);
+      assembler_.sample(device, record, enter, decided);
     }
   }
-  clocks_[device].wait(now_ns);
+  assembler_.wait(device, now_ns, enter, decided);
   const bool live = std::any_of(link.channels().begin(), link.channels().end(),
                                 [this](std::uint16_t channel) { return watch_[channel].fault == Fault::none; });
-  if (!live) clocks_[device].flush();
-  admit_samples(device, now_ns);
-  if (!live) merger_.set_live(device, false);
+  if (!live) assembler_.stopped(device, enter, decided);
 }
 
 // A sample is proof that its channel delivers. One that delivers what cannot be put in order is not back before one
@@ -228,47 +222,48 @@ void Estimator::note_untimely(std::size_t channel, std::int64_t t_ns, std::int64
   if (own.untimely_since_ns == 0) own.untimely_since_ns = now_ns;
 }
 
-// Hands on what the device's clocks have decided on.
-void Estimator::admit_samples(std::size_t device, std::int64_t now_ns) {
+// What the device's clocks have decided on is on its way to the merger.
+void Estimator::enters(Record& record) {
+  PerChannel& own = channels_[record.channel];
+  own.half_width_s = record.t_half_ns * 1e-9;
+  if (own.gap != 0) record.flags |= kGap;
+}
+
+void Estimator::admitted(std::size_t device, const Record& record, Merger::Admission admission, std::int64_t now_ns) {
   DeviceLink& link = *links_[device];
-  Record record;
-  while (clocks_[device].pop(record)) {
-    PerChannel& own = channels_[record.channel];
-    own.half_width_s = record.t_half_ns * 1e-9;
-    if (own.gap != 0) record.flags |= kGap;
-    ChannelCounters& counters = link.counters(link.position(record.channel));
-    switch (merger_.push(device, record)) {
-      case Merger::Admission::queued:
-        own.gap = 0;
-        own.untimely_since_ns = 0;
-        if (watch_[record.channel].fault == Fault::untimely) {
-          own.recovered = true;
-          own.stale_ns = now_ns - watch_[record.channel].since_ns;
-          watch_.said(record.channel, now_ns, Fault::none, nullptr);
-        }
-        break;
-      case Merger::Admission::late:
-        counters.late();
-        note_untimely(record.channel, record.t_ns, now_ns);
-        break;
-      case Merger::Admission::full:
-        own.gap = 1;
-        counters.overflow();
-        break;
-    }
+  PerChannel& own = channels_[record.channel];
+  ChannelCounters& counters = link.counters(link.position(record.channel));
+  switch (admission) {
+    case Merger::Admission::queued:
+      own.gap = 0;
+      own.untimely_since_ns = 0;
+      if (watch_[record.channel].fault == Fault::untimely) {
+        own.recovered = true;
+        own.stale_ns = now_ns - watch_[record.channel].since_ns;
+        watch_.said(record.channel, now_ns, Fault::none, nullptr);
+      }
+      break;
+    case Merger::Admission::late:
+      counters.late();
+      note_untimely(record.channel, record.t_ns, now_ns);
+      break;
+    case Merger::Admission::full:
+      own.gap = 1;
+      counters.overflow();
+      break;
   }
 }
 
 void Estimator::admit_state(std::size_t device, std::size_t channel, std::int64_t t_ns, Fault fault) {
   Record record;
-  record.t_ns = std::max(t_ns, released_ns_);  // a state is never too late to matter
+  record.t_ns = t_ns;
   record.channel = static_cast<std::uint16_t>(channel);
   record.kind = Kind::channel_state;
   record.flags = static_cast<std::uint8_t>(fault);
   // Only the newest counts: where there is no room it waits.
   std::optional<Record>& waiting = channels_[channel].state;
   waiting.reset();
-  if (merger_.push(device, record) == Merger::Admission::full) waiting = record;
+  if (!assembler_.state(device, record)) waiting = record;
 }
 
 // What the merger had no room for; a state is never lost.
@@ -276,9 +271,7 @@ void Estimator::offer_states() {
   for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
     std::optional<Record>& waiting = channels_[channel].state;
     if (!waiting) continue;
-    waiting->t_ns = std::max(waiting->t_ns, released_ns_);
-    if (merger_.push(static_cast<std::size_t>(rig_.channels[channel].device), *waiting) != Merger::Admission::full)
-      waiting.reset();
+    if (assembler_.state(static_cast<std::size_t>(rig_.channels[channel].device), *waiting)) waiting.reset();
   }
 }
 
@@ -352,23 +345,20 @@ void Estimator::take_edges(std::int64_t now_ns) {
   Record edge;
   while (options_.gpio->pop(edge)) {
     // The interlock is never too late to matter, nor may it wait; a pulse with a wrong instant is worse than none.
-    if (edge.channel == static_cast<std::uint16_t>(Line::interlock))
-      edge.t_ns = std::max(std::min(edge.t_ns, now_ns), released_ns_);
-    if (merger_.push(edge_source_, edge) != Merger::Admission::queued) options_.gpio->late();
+    const bool urgent = edge.channel == static_cast<std::uint16_t>(Line::interlock);
+    if (urgent) edge.t_ns = std::min(edge.t_ns, now_ns);
+    if (urgent ? !assembler_.urgent_edge(edge) : assembler_.edge(edge) != Merger::Admission::queued)
+      options_.gpio->late();
   }
-  Record heard;
-  heard.t_ns = seen_to_ns;
-  heard.kind = Kind::tick;
-  if (seen_to_ns > released_ns_) merger_.push(edge_source_, heard);
+  assembler_.edges_seen_to(seen_to_ns);
 }
 
 void Estimator::release(bool everything) {
   Record record;
-  while (everything ? merger_.flush(record) : merger_.pop(record)) feed(record);
+  while (everything ? assembler_.flush(record) : assembler_.next(record)) feed(record);
 }
 
 void Estimator::feed(const Record& record) {
-  released_ns_ = record.t_ns;
   if (record.kind == Kind::sample) ++channels_[record.channel].handed;
   note(pipeline_.push(record));
 }
@@ -424,7 +414,7 @@ void Estimator::publish(std::int64_t now_ns) {
     if (channel.device < 0) continue;
     const auto device = static_cast<std::size_t>(channel.device);
     if (links_[device] == nullptr) continue;
-    view.clock = clock_view(rig_.devices[device], clocks_[device].figures(static_cast<std::uint16_t>(i)));
+    view.clock = clock_view(rig_.devices[device], assembler_.figures(device, static_cast<std::uint16_t>(i)));
     view.tally = links_[device]->counters(links_[device]->position(i)).read();
     if (view.fault == Fault::none) to.devices[device].up = true;
   }

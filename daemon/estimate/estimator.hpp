@@ -15,8 +15,7 @@
 
 #include "core/dwell/pipeline.hpp"
 #include "core/rig/rig.hpp"
-#include "core/stream/merger.hpp"
-#include "core/stream/scan_clocks.hpp"
+#include "core/stream/assembler.hpp"
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/device_lines.hpp"
@@ -64,7 +63,8 @@ class Estimator {
  private:
   void take_events(std::size_t device, std::int64_t now_ns);
   void take_samples(std::size_t device, std::int64_t now_ns);
-  void admit_samples(std::size_t device, std::int64_t now_ns);
+  void enters(Record& record);
+  void admitted(std::size_t device, const Record& record, Merger::Admission admission, std::int64_t now_ns);
   void heard(std::size_t device, const Record& record, std::int64_t now_ns);
   [[nodiscard]] bool stamped_ahead(std::size_t device, const Record& record, std::int64_t now_ns);
   void note_untimely(std::size_t channel, std::int64_t t_ns, std::int64_t now_ns);
@@ -109,16 +109,13 @@ class Estimator {
   const EstimatorOptions options_;
   Log& log_;
   const std::function<void()> published_;
-  std::size_t edge_source_, tick_source_;
-  Merger merger_;
+  Assembler assembler_;
   Pipeline pipeline_;
   ChannelWatch watch_;
   boost::lockfree::spsc_queue<Action> actions_;
   std::vector<Record> scratch_;
   std::vector<PerChannel> channels_;
   std::vector<PerDevice> devices_;
-  std::vector<ScanClocks> clocks_;  // by device; for one without a link it has no channels
-  std::int64_t released_ns_;
   std::int64_t next_publish_ns_ = 0;
   std::int64_t start_utc_ns_ = 0;
   State state_ = State::idle;
