@@ -156,7 +156,7 @@ double ChannelIntake::interval_s() const noexcept {
 
 PileUp::Noise ChannelIntake::noise() const noexcept {
   const double noise = motion_.noise(), largest = std::max(std::abs(largest_), std::abs(smallest_));
-  return {noise > apart() && noise > kRealNoise * largest, apart()};
+  return {noise > kRealNoise * largest ? noise : 0.0, apart()};
 }
 
 double ChannelIntake::clipping_bias() const noexcept {

@@ -3,7 +3,8 @@
 //
 // The topmost numbers that occur lie within d + 1 rounding steps. Of a sine sampled at instants of its own at most the
 // part 1/√(d + 1) of the readings of these steps is in the topmost one (its crest just at the upper end of that step);
-// noise of more than a step leaves a tail that thins out, at most half of the readings of two steps in the upper one. A
+// noise leaves a tail that thins out, at most half of the readings of two steps in the upper one. It must be 3/4 of a
+// step or more: of less, more than half of the readings of one and the same instant of the motion can be one number. A
 // crest cut off has more. That noise puts so many into the topmost step by chance, a part x of n where the part p is
 // possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below 10^-6, over
 // all d looked at, it is no chance. 26 clipped readings and one in the next step show; beside one that is a thousand
@@ -32,10 +33,10 @@ namespace dwell {
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
 class PileUp {
  public:
-  // How the readings scatter: noisy: by more than the rounding step, in the device's numbers; 0: none.
+  // Standard deviation of a reading, that of rounding included, and the rounding step, in the device's numbers; 0:
+  // none.
   struct Noise {
-    bool noisy;
-    double step;
+    double sigma, step;
   };
   // The next reading, the one before it, and the mean difference of two readings one after the other.
   void add(double reading, double before, double difference) noexcept {
@@ -65,6 +66,7 @@ class PileUp {
   static constexpr double kNoChance = 13.8;  // -ln 10⁻⁶
   static constexpr std::int64_t kFewest = 4;
   static constexpr double kUnrounded = 1e6;  // steps: more tell no more
+  static constexpr double kNoisy = 0.8;      // steps: 3/4 of noise, and the 1/√12 of rounding
   static constexpr double kNear = 4.0;       // mean differences: a sine's largest is π/2 of them, with two harmonics 3
   struct Number {
     double value = -INFINITY;
@@ -93,7 +95,7 @@ class PileUp {
       // A crest has readings beside it; a channel at rest has none.
       if (next.readings == 0 || 8 * from_far >= topmost.readings) return 0;
       const double unlikely = topmost.value == known ? 0.0 : kNoChance;
-      if (!noise.noisy) {
+      if (!(noise.sigma > kNoisy * noise.step)) {
         std::int64_t others = 0;
         for (std::size_t i = 1; i < kDepth; ++i) others = std::max(others, numbers[i].readings);
         return exceeds(topmost.readings, others, 5.0 / 6, unlikely) ? topmost.readings : 0;

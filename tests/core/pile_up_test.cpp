@@ -30,7 +30,9 @@ void play(PileUp& pile_up, const Motion& motion, double periods, std::uint64_t s
   }
 }
 
-PileUp::Noise seen(const Motion& motion) { return {motion.noise > motion.step, motion.step}; }
+PileUp::Noise seen(const Motion& motion) {
+  return {std::hypot(motion.noise, motion.step / std::sqrt(12.0)), motion.step};
+}
 
 std::int64_t found(const Motion& motion, double periods, std::uint64_t seed) {
   PileUp pile_up;
@@ -50,11 +52,21 @@ TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNone) {
 }
 
 // Two readings of each crest are cut off, then six.
+// Noise of three quarters of a step, at instants of its own and at a whole fraction of the period.
+TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneWhereNoiseIsHardlyMoreThanRounding) {
+  for (const double readings : {20.0, 40.3, 100.0})
+    for (const double periods : {3.0, 8.0, 30.0, 200.0})
+      for (std::uint64_t seed = 1; seed <= 100; ++seed)
+        EXPECT_EQ(found({0.76e-3, 1e-3, INFINITY, readings}, periods, seed), 0)
+            << readings << " readings a period, " << periods << " periods, " << seed;
+}
+
 TEST(PileUp, ANoisyCrestCutOffShowsWithinAFewPeriods) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     EXPECT_GT(found({0.02, 0.0, 0.99}, 8.0, seed), 4);
     EXPECT_GT(found({0.02, 1e-5, 0.99}, 20.0, seed), 12);
     EXPECT_GT(found({0.02, 1e-3, 0.9}, 8.0, seed), 30);
+    EXPECT_GT(found({0.8e-3, 1e-3, 0.9}, 8.0, seed), 30);
   }
 }
 
@@ -76,7 +88,7 @@ TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeate
       const double reading = std::sin(0.157 * i) + 0.02 * normal(random);
       for (int k = 0; k < 5; ++k, before = reading) pile_up.add(reading, before, 0.1);
     }
-    EXPECT_EQ(pile_up.above({true, 0.0}), 0) << seed;
+    EXPECT_EQ(pile_up.above({0.02, 0.0}), 0) << seed;
   }
 }
 
