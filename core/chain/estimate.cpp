@@ -49,6 +49,40 @@ struct Source {
   int mass = 0;           // as SourceEffect
   double clock_u = 0.0;
   std::vector<ReadingError> readings = {};
+  VectorXcd bends_x = {};  // to x to second order, where an error turns phasors: -φ²/2 of them; empty: nothing
+};
+
+// What errors t_i ~ N(0, 1) do to Z = f/d of one element to second order (JCGM 100, 5.1.2, note): with A_i = ∂Z/∂t_i
+// and B_i = ∂d/∂t_i / d it is Σ_ij q_ij t_i t_j, where q_ij = -(A_i B_j + A_j B_i)/2, and D_i beside it in q_ii where
+// the error turns phasors. Of its components p, q (real, imaginary) the mean product is 2 Σ_ij q_ij,p q_ij,q + Σ_i
+// q_ii,p Σ_i q_ii,q. With v = (Re A, Im A, Re B, Im B) and M = Σ_i v_i v_i' the sums are traces: q_ij,p = v_i' K_p v_j.
+class SecondOrder {
+ public:
+  void add(Complex A, Complex B, Complex D) {
+    const Eigen::Vector4d v{A.real(), A.imag(), B.real(), B.imag()};
+    M_ += v * v.transpose();
+    if (D == 0.0) return;
+    const Complex own = -A * B, bent = own + D;
+    const Eigen::Vector2d before{own.real(), own.imag()}, after{bent.real(), bent.imag()};
+    beside_ += after * after.transpose() - before * before.transpose();
+    mean_ += after - before;
+  }
+  // Mean products of (Re, Im) of what Z is off by.
+  [[nodiscard]] Eigen::Matrix2d mean_product() const {
+    Eigen::Matrix4d K[2] = {Eigen::Matrix4d::Zero(), Eigen::Matrix4d::Zero()};
+    K[0](0, 2) = K[0](2, 0) = K[1](0, 3) = K[1](3, 0) = K[1](1, 2) = K[1](2, 1) = -0.5;
+    K[0](1, 3) = K[0](3, 1) = 0.5;
+    Eigen::Matrix2d product = 2 * beside_;
+    const Eigen::Vector2d mean = mean_ + Eigen::Vector2d{(K[0] * M_).trace(), (K[1] * M_).trace()};
+    for (int p = 0; p < 2; ++p)
+      for (int q = 0; q < 2; ++q) product(p, q) += 2 * (K[p] * M_ * K[q] * M_).trace() + mean(p) * mean(q);
+    return product;
+  }
+
+ private:
+  Eigen::Matrix4d M_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix2d beside_ = Eigen::Matrix2d::Zero();  // by D, of the sum of products
+  Eigen::Vector2d mean_ = Eigen::Vector2d::Zero();    // by D
 };
 
 class Propagation {
@@ -63,6 +97,9 @@ class Propagation {
     deformation_rows_ = deformation_rows;
     deformation_variance_ = VectorXd::Zero(elements_);
     scatter_.resize(static_cast<std::size_t>(elements_));
+    second_.resize(static_cast<std::size_t>(elements_));
+    for (Index e = 0; e < elements_; ++e) deformation_rows_.row(e) /= d(e);
+    d_ = d;
   }
 
   // What the elements' own stiffness scatters from stretch to stretch: before any source is added. per_reading: x by a
@@ -84,22 +121,34 @@ class Propagation {
       v(2 * e + 1) = dZ.imag() / omega - damping(Z_(e), omega) * source.on_omega / omega;
       v.segment<2>(2 * e) *= std::sqrt(widens);
       // per component, which is what |d| against its noise is about
-      deformation_variance_(e) +=
-          0.5 * widens * std::norm(deformation_rows_.row(e).transpose().cwiseProduct(source.on_x).sum());
+      const Complex relative = deformation_rows_.row(e).transpose().cwiseProduct(source.on_x).sum();
+      deformation_variance_(e) += 0.5 * widens * std::norm(relative * d_(e));
+      const Complex bent =
+          source.bends_x.size() > 0 ? through_x_.row(e).transpose().cwiseProduct(source.bends_x).sum() : 0.0;
+      second_[static_cast<std::size_t>(e)].add(std::sqrt(widens) * dZ, std::sqrt(widens) * relative, bent);
     }
     v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined are left out later
-    covariance_ += v * v.transpose();
-    effects_.push_back({v, source.mass,
-                        source.mass > 0 ? chain_.rig.mass_u[static_cast<std::size_t>(source.mass - 1)] : 0.0,
-                        source.clock_u, source.readings});
-    auto& of_name = by_name_
-                        .try_emplace(source.name, Contribution{VectorXd::Zero(2 * elements_),
-                                                               VectorXd::Constant(2 * elements_, source.dof)})
-                        .first->second;
-    of_name.variance += v.cwiseAbs2();
+    const double mass_u = source.mass > 0 ? chain_.rig.mass_u[static_cast<std::size_t>(source.mass - 1)] : 0.0;
+    Contribution& of_name =
+        add_effect(source.name, source.dof, {v, source.mass, mass_u, source.clock_u, source.readings});
     for (Index e = 0; e < elements_; ++e)
       if (const Scatter& scatter = scatter_[static_cast<std::size_t>(e)]; source.residual && scatter.shows())
         of_name.dof.segment<2>(2 * e).setConstant(scatter.dof);
+  }
+
+  // What all sources together do to second order, once all are added.
+  void add_second_order() {
+    for (Index e = 0; e < elements_; ++e) {
+      const Eigen::Matrix2d product = second_[static_cast<std::size_t>(e)].mean_product();
+      if (!product.allFinite()) continue;  // of an element that is not determined
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(product);
+      for (Index axis = 0; axis < 2; ++axis) {
+        VectorXd v = VectorXd::Zero(2 * elements_);
+        v.segment<2>(2 * e) = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
+        v(2 * e + 1) /= chain_.omega;
+        add_effect("all to second order", std::numeric_limits<double>::infinity(), {v, 0, 0.0, 0.0, {}});
+      }
+    }
   }
 
   [[nodiscard]] double deformation_u(Index e) const { return std::sqrt(deformation_variance_(e)); }
@@ -138,13 +187,26 @@ class Propagation {
   struct Contribution {
     VectorXd variance, dof;  // per coefficient
   };
+  Contribution& add_effect(const std::string& name, double dof, SourceEffect effect) {
+    const VectorXd& v = effect.on_coefficients;
+    covariance_ += v * v.transpose();
+    Contribution& of_name =
+        by_name_.try_emplace(name, Contribution{VectorXd::Zero(2 * elements_), VectorXd::Constant(2 * elements_, dof)})
+            .first->second;
+    of_name.variance += v.cwiseAbs2();
+    effects_.push_back(std::move(effect));
+    return of_name;
+  }
+
   const ChainState& chain_;
   const VectorXcd& Z_;
   Index elements_;
-  MatrixXcd through_x_, deformation_rows_;
+  MatrixXcd through_x_, deformation_rows_;  // of Z; of d, relative to d
+  VectorXcd d_;
   Eigen::MatrixXd covariance_;
   VectorXd deformation_variance_;
-  std::vector<Scatter> scatter_;  // per element
+  std::vector<Scatter> scatter_;     // per element
+  std::vector<SecondOrder> second_;  // likewise
   std::vector<SourceEffect> effects_;
   std::map<std::string, Contribution> by_name_;
 };
@@ -215,17 +277,23 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
   VectorXcd relative_omega = VectorXcd::Zero(chain.n + 2);  // ∂x/∂ω through the transducers
   // An error of instants that several channels share.
   struct Shared {
-    VectorXcd on_x;
+    VectorXcd on_x, bends_x;
     std::vector<ReadingError> readings;
   };
   std::map<int, Shared> by_device, by_transaction;
+  // ∂²o/∂τ² u²/2
+  const auto bent = [&](Complex delayed, double u_s) { return 0.5 * Complex{0.0, omega} * delayed * u_s * u_s; };
   const auto share = [&](std::map<int, Shared>& of, int key, Index c, Complex delayed, double u_s) {
-    Shared& shared = of.try_emplace(key, Shared{VectorXcd::Zero(chain.n + 2), {}}).first->second;
+    const VectorXcd none = VectorXcd::Zero(chain.n + 2);
+    Shared& shared = of.try_emplace(key, Shared{none, none, {}}).first->second;
     shared.on_x += through_channel(c, delayed * u_s);
+    shared.bends_x += through_channel(c, bent(delayed, u_s));
     shared.readings.push_back({.channel = c, .late_s = u_s});
   };
-  const auto add_of_reading = [&](std::string name, VectorXcd on_x, std::vector<ReadingError> readings) {
-    out.push_back({std::move(name), kInfinity, std::move(on_x), nothing, 0.0, false, 0, 0.0, std::move(readings)});
+  const auto add_of_reading = [&](std::string name, VectorXcd on_x, std::vector<ReadingError> readings,
+                                  VectorXcd bends_x = {}) {
+    out.push_back({std::move(name), kInfinity, std::move(on_x), nothing, 0.0, false, 0, 0.0, std::move(readings),
+                   std::move(bends_x)});
   };
   for (Index c = 0; c < o.size(); ++c) {
     const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
@@ -256,17 +324,13 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
     if (channel.scale_u > 0)
       add_of_reading("scale of " + channel.name, through_channel(c, o(c) * channel.scale_u),
                      {{.channel = c, .relative = channel.scale_u}});
-    if (seen.refresh_u_s > 0) {
-      add_of_reading("refresh of " + channel.name, through_channel(c, delayed * seen.refresh_u_s),
-                     {{.channel = c, .late_s = seen.refresh_u_s}});
-      // To second order: within ± √3 u the phasor turns by at most φ = √3 ω u, and 1 - cos φ or sin φ / φ is lost of
-      // it.
-      const double lost = 1.5 * std::pow(omega * seen.refresh_u_s, 2) / std::numbers::sqrt3;
-      out.push_back({"refresh of " + channel.name, kInfinity, through_channel(c, o(c) * lost), nothing, 0.0});
-    }
-    if (channel.delay_u_s > 0)
-      add_of_reading("delay of " + channel.name, through_channel(c, delayed * channel.delay_u_s),
-                     {{.channel = c, .late_s = channel.delay_u_s}});
+    const auto add_late = [&](const std::string& name, double u_s) {
+      if (u_s > 0)
+        add_of_reading(name + channel.name, through_channel(c, delayed * u_s), {{.channel = c, .late_s = u_s}},
+                       through_channel(c, bent(delayed, u_s)));
+    };
+    add_late("refresh of ", seen.refresh_u_s);
+    add_late("delay of ", channel.delay_u_s);
     if (channel.lowpass.hz_u > 0)
       add_of_reading("low-pass of " + channel.name,
                      through_channel(c, -o(c) * slopes.lowpass_corner * channel.lowpass.hz_u),
@@ -285,9 +349,11 @@ std::vector<Source> sources_of(const Rig& rig, const Gain& gain, const std::vect
         c, -o(c) * (static_cast<double>(derivative_order(channel.measures)) / omega + slopes.frequency / (kTwoPi)));
   }
   for (auto& [device, shared] : by_device)
-    add_of_reading("delay of " + rig.devices[static_cast<std::size_t>(device)].name, shared.on_x, shared.readings);
+    add_of_reading("delay of " + rig.devices[static_cast<std::size_t>(device)].name, shared.on_x, shared.readings,
+                   shared.bends_x);
   for (auto& [transaction, shared] : by_transaction)
-    add_of_reading("turnaround of " + name_of_transaction(rig, evidence, transaction), shared.on_x, shared.readings);
+    add_of_reading("turnaround of " + name_of_transaction(rig, evidence, transaction), shared.on_x, shared.readings,
+                   shared.bends_x);
 
   for (std::size_t i = 0; i < rig.mass_u.size(); ++i) {
     if (!(rig.mass_u[i] > 0)) continue;
@@ -417,6 +483,7 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
     x_per_reading.col(c) *= as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, 1);
   propagation.heed_scatter(x_per_reading, evidence);
   for (const Source& source : sources_of(rig, gain, evidence, o, chain, Z, d, frequency)) propagation.add(source);
+  propagation.add_second_order();
 
   ElementsResult result;
   const std::string missing = missing_channels(rig, evidence);

@@ -3,13 +3,13 @@
 //
 // The topmost numbers that occur lie within d + 1 rounding steps. Of a sine sampled at instants of its own at most the
 // part 1/√(d + 1) of the readings of these steps is in the topmost one (its crest just at the upper end of that step);
-// noise leaves a tail that thins out, at most half of the readings of two steps in the upper one. It must be 3/4 of a
-// step or more: of less, more than half of the readings of one and the same instant of the motion can be one number. A
-// crest cut off has more. That noise puts so many into the topmost step by chance, a part x of n where the part p is
-// possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below 10^-6, over
-// all d looked at, it is no chance. 26 clipped readings and one in the next step show; beside one that is a thousand
-// steps away, as noise of many steps has it, six do. There a reading that is repeated at once counts once, since a
-// register may be held; fewer than four may be repeats of one reading.
+// noise leaves a tail that thins out, at most half of the readings of two steps in the upper one. The noise must
+// be at least 3/4 of a step: with less, more than half of the readings of one and the same instant of the motion can be
+// one number. A crest cut off has more. That noise puts so many into the topmost step by chance, a part x of n where
+// the part p is possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952);
+// below 10^-6 it is no chance: once for the next number, once for all others. 26 clipped readings and one in the next
+// step show; beside one that is a thousand steps away, as noise of many steps has it, six do. There a reading that is
+// repeated at once counts once, since a register may be held; fewer than four may be repeats of one reading.
 //
 // Where rounding hides the noise, single numbers are compared. Sampled at a whole fraction of the period their counts
 // are whole numbers of readings a period, and up to 4 times happens: so the topmost may have 5 times as many as the
@@ -94,7 +94,8 @@ class PileUp {
       const Number &topmost = numbers[0], &next = numbers[1];
       // A crest has readings beside it; a channel at rest has none.
       if (next.readings == 0 || 8 * from_far >= topmost.readings) return 0;
-      const double unlikely = topmost.value == known ? 0.0 : kNoChance;
+      const bool again = topmost.value == known;
+      const double unlikely = again ? 0.0 : kNoChance;
       if (!(noise.sigma > kNoisy * noise.step)) {
         std::int64_t others = 0;
         for (std::size_t i = 1; i < kDepth; ++i) others = std::max(others, numbers[i].readings);
@@ -107,12 +108,12 @@ class PileUp {
         others += numbers[i].runs;
         const double steps = noise.step > 0 ? (topmost.value - numbers[i].value) / noise.step : kUnrounded;
         const double p = 1 / std::sqrt(1 + std::clamp(steps, 1.0, kUnrounded));
-        if (exceeds(topmost.runs, others, p, kNoChance + std::log(kDepth))) return topmost.readings;
+        if (exceeds(topmost.runs, others, p, again ? 0.0 : kNoChance + std::log(kDepth))) return topmost.readings;
       }
       return 0;
     }
   };
-  // Of `top` and `others` together so many are the former where the part p is possible: less probable than that (-ln).
+  // Whether `top` of `top + others` is less probable than exp(-unlikely) where each is at the top with probability p.
   [[nodiscard]] static bool exceeds(std::int64_t top, std::int64_t others, double p, double unlikely) noexcept {
     const auto a = static_cast<double>(top), b = static_cast<double>(others), all = a + b;
     return a > p * all && a * std::log(a / (p * all)) + b * std::log(b / ((1 - p) * all)) > unlikely;

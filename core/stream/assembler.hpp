@@ -1,5 +1,5 @@
 // From the raw records of devices to the one ordered stream: each sample passes the clocks of its device and then the
-// merger. Service, `identify` and replay use this one way.
+// merger. Service and `identify` use this one way; only a recording whose every stamp stands needs none.
 //
 //   device 0 ─ clocks ─┐
 //   device 1 ─ clocks ─┼─ merger ─ next()
@@ -38,24 +38,24 @@ class Assembler {
   // It is now_ns; see Merger::set_now().
   void set_now(std::int64_t now_ns) noexcept { merger_.set_now(now_ns); }
 
-  // The next sample of a device, in the order of arrival. Samples whose instants are decided by it go on to the merger:
-  // enter(Record&) may mark one before, left(const Record&, Merger::Admission) is told what became of it.
-  template <class Enter, class Left>
-  void sample(std::size_t device, const Record& record, Enter enter, Left left) {
+  // The next sample of a device, in the order of arrival. The samples whose instants this decides go on to the merger:
+  // enter(Record&) may mark each just before, admitted(const Record&, Merger::Admission) is told what became of it.
+  template <class Enter, class Admitted>
+  void sample(std::size_t device, const Record& record, Enter enter, Admitted admitted) {
     clocks_[device].push(record);
-    hand_on(device, enter, left);
+    hand_on(device, enter, admitted);
   }
   // It is now_ns, and all that this device has delivered has been handed in.
-  template <class Enter, class Left>
-  void wait(std::size_t device, std::int64_t now_ns, Enter enter, Left left) {
+  template <class Enter, class Admitted>
+  void wait(std::size_t device, std::int64_t now_ns, Enter enter, Admitted admitted) {
     clocks_[device].wait(now_ns);
-    hand_on(device, enter, left);
+    hand_on(device, enter, admitted);
   }
-  // The device has stopped: what its clocks hold goes on, and it is not waited for until it is heard again.
-  template <class Enter, class Left>
-  void stopped(std::size_t device, Enter enter, Left left) {
+  // The device has stopped: what its clocks hold goes on, and it is not waited for until its next record.
+  template <class Enter, class Admitted>
+  void stopped(std::size_t device, Enter enter, Admitted admitted) {
     clocks_[device].flush();
-    hand_on(device, enter, left);
+    hand_on(device, enter, admitted);
     merger_.set_live(device, false);
   }
 
@@ -64,7 +64,8 @@ class Assembler {
   bool state(std::size_t device, Record record) noexcept { return enter_now(device, record); }
   // An action, or another record that must not be late; as state().
   bool action(Record record) noexcept { return enter_now(ticks(), record); }
-  // Time goes on, whether or not anything happens. Late only beside a recording played faster than real time.
+  // Time goes on, whether or not anything happens. Dropped as late only where a recording is played faster than real
+  // time, which needs no ticks.
   void tick(std::int64_t now_ns) noexcept { merger_.push(ticks(), tick_at(now_ns)); }
   // An edge of a GPIO line, at its own instant.
   Merger::Admission edge(const Record& record) noexcept { return merger_.push(edges(), record); }
@@ -86,11 +87,11 @@ class Assembler {
   }
 
  private:
-  template <class Enter, class Left>
-  void hand_on(std::size_t device, Enter enter, Left left) {
+  template <class Enter, class Admitted>
+  void hand_on(std::size_t device, Enter enter, Admitted admitted) {
     for (Record record; clocks_[device].pop(record);) {
       enter(record);
-      left(record, merger_.push(device, record));
+      admitted(record, merger_.push(device, record));
     }
   }
   [[nodiscard]] std::size_t edges() const noexcept { return clocks_.size(); }

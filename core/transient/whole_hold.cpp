@@ -9,7 +9,8 @@ namespace dwell {
 namespace {
 
 // From one begin() to the next: passes over the hold, and multiplications in them, some 0.3 s. Samples beyond what
-// these allow are left out at random, half of the room for those before the latest fit.
+// these allow are left out at random, in each channel for itself, but not below twice what a channel needs. Half of the
+// room is for samples from before the latest fit.
 constexpr int kMostPasses = 60;
 constexpr double kMostWork = 4e8;
 
@@ -113,19 +114,24 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   const std::uint64_t first = given.history.first_at(from_ns_), late = given.history.first_at(given.latest.t0_ns()),
                       end = given.history.first_at(given.until_ns);
   const double products = 0.5 * std::pow(fit_.parameters() + 2.0 * static_cast<double>(poles.size()) + 2, 2);
-  // Twice what every channel needs, whatever that costs.
-  const double least = 2 * kPerParameter * fit_.parameters() * static_cast<double>(channels_.size());
-  const double room = std::max(least, kMostWork / (kMostPasses * products));
-  const double beginning = static_cast<double>(late - first);
-  early_part_ = std::min(1.0, 0.5 * room / std::max(1.0, beginning));
-  const double late_part =
-      std::min(1.0, (room - early_part_ * beginning) / std::max(1.0, static_cast<double>(end - late)));
-  for (PerChannel& channel : channels_) channel.low = INFINITY, channel.high = -INFINITY;
+  const double room = std::max(2 * kPerParameter * fit_.parameters(),
+                               kMostWork / (kMostPasses * products * static_cast<double>(channels_.size())));
+  for (PerChannel& channel : channels_)
+    channel.low = INFINITY, channel.high = -INFINITY, channel.early_part = channel.late_part = 0.0;
+  for (std::uint64_t i = first; i < end; ++i) {
+    PerChannel& channel = channels_[static_cast<std::size_t>(given.history[i].channel)];
+    (i < late ? channel.early_part : channel.late_part) += 1.0;
+  }
+  for (PerChannel& channel : channels_) {
+    const double early = channel.early_part;
+    channel.early_part = std::min(1.0, 0.5 * room / std::max(1.0, early));
+    channel.late_part = std::min(1.0, (room - channel.early_part * early) / std::max(1.0, channel.late_part));
+  }
   for (std::uint64_t i = first; i < end; ++i) {
     const SampleHistory::Sample& s = given.history[i];
-    if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? early_part_ : late_part)) continue;
-    fit_.add(s.channel, s.t_ns, s.value);
     PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
+    if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? channel.early_part : channel.late_part)) continue;
+    fit_.add(s.channel, s.t_ns, s.value);
     channel.low = std::min(channel.low, s.value);
     channel.high = std::max(channel.high, s.value);
   }
@@ -193,10 +199,10 @@ bool WholeHold::explains(const Given& given) noexcept {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];
-      // Those that were fitted: of others the errors of the fit make the residuals larger than the noise.
-      if (!fit_.usable(s.channel) || chance(i) >= early_part_) continue;
-      const double r = fit_.residual(s.channel, s.t_ns, s.value);
       PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
+      // Those that were fitted: of others the errors of the fit make the residuals larger than the noise.
+      if (!fit_.usable(s.channel) || chance(i) >= channel.early_part) continue;
+      const double r = fit_.residual(s.channel, s.t_ns, s.value);
       channel.squares += r * r;
       channel.count += 1.0;
     }

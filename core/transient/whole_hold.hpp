@@ -53,6 +53,8 @@ class WholeHold {
   struct PerChannel {
     double low = INFINITY, high = -INFINITY;  // of the readings
     double squares = 0.0, count = 0.0;        // of the residuals
+    // Of the samples before and after the latest fit's begin, those that are fitted.
+    double early_part = 1.0, late_part = 1.0;
     std::vector<std::complex<double>> lines;  // Fourier sums of the residuals
   };
   ModalFit fit_;
@@ -60,7 +62,7 @@ class WholeHold {
   std::vector<std::complex<double>> poles_, trial_;
   std::vector<PerChannel> channels_;
   std::int64_t from_ns_ = 0, omega_at_ns_ = 0;
-  double omega_ = 0.0, early_part_ = 1.0;  // of the samples before the latest fit's begin that are fitted
+  double omega_ = 0.0;
   int passes_left_ = 0;
 };
 

@@ -44,22 +44,23 @@ class Stream {
       take(record);
       return;
     }
-    for (std::size_t i = 0; i < devices_; ++i) assembler_->wait(i, record.t_ns, kAsItIs, kWhatever);
+    for (std::size_t i = 0; i < devices_; ++i) assembler_->wait(i, record.t_ns, kUnmarked, kIgnoreAdmission);
     const int device = rig_.channels[record.channel].device;
-    assembler_->sample(device < 0 ? devices_ - 1 : static_cast<std::size_t>(device), record, kAsItIs, kWhatever);
+    assembler_->sample(device < 0 ? devices_ - 1 : static_cast<std::size_t>(device), record, kUnmarked,
+                       kIgnoreAdmission);
     for (Record out; assembler_->next(out);) take(out);
   }
   template <class Take>
   void finish(const Take& take) {
     if (!assembler_) return;
-    for (std::size_t i = 0; i < devices_; ++i) assembler_->stopped(i, kAsItIs, kWhatever);
+    for (std::size_t i = 0; i < devices_; ++i) assembler_->stopped(i, kUnmarked, kIgnoreAdmission);
     for (Record out; assembler_->flush(out);) take(out);
   }
 
  private:
   static constexpr std::size_t kMerged = 65536;  // samples of a device within the time held back
-  static constexpr auto kAsItIs = [](Record&) {};
-  static constexpr auto kWhatever = [](const Record&, Merger::Admission) {};
+  static constexpr auto kUnmarked = [](Record&) {};
+  static constexpr auto kIgnoreAdmission = [](const Record&, Merger::Admission) {};
 
   const Rig& rig_;
   std::size_t devices_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <utility>
 
 #include "daemon/estimate/dwell_line.hpp"
@@ -222,7 +221,7 @@ void Estimator::note_untimely(std::size_t channel, std::int64_t t_ns, std::int64
   if (own.untimely_since_ns == 0) own.untimely_since_ns = now_ns;
 }
 
-// What the device's clocks have decided on is on its way to the merger.
+// Called for each sample just before it enters the merger.
 void Estimator::enters(Record& record) {
   PerChannel& own = channels_[record.channel];
   own.half_width_s = record.t_half_ns * 1e-9;

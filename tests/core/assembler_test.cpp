@@ -97,6 +97,38 @@ TEST(Assembler, AStateThatComesLateStillComesAndASampleThatDoesIsToldToBeLate) {
             1);
 }
 
+TEST(Assembler, AnEdgeThatComesLateIsToldToBeLateAndAnUrgentOneComesStill) {
+  Stream stream;
+  stream.stop(1);
+  for (int i = 0; i < 100; ++i) {
+    stream.give(0, sample(i * 10 * kMs, 0));
+    stream.assembler.tick(i * 10 * kMs);
+    stream.assembler.edges_seen_to(i * 10 * kMs);
+  }
+  stream.take();
+  Record edge = sample(stream.out.back().t_ns - 50 * kMs, 0);
+  edge.kind = Kind::edge;
+  EXPECT_EQ(stream.assembler.edge(edge), Merger::Admission::late);
+  EXPECT_TRUE(stream.assembler.urgent_edge(edge));
+  Record action = edge;
+  action.kind = Kind::action;
+  EXPECT_TRUE(stream.assembler.action(action));
+  const std::size_t before = stream.out.size();
+  stream.take(true);
+  EXPECT_TRUE(stream.in_order());
+  EXPECT_EQ(std::count_if(stream.out.begin() + static_cast<std::ptrdiff_t>(before), stream.out.end(),
+                          [](const Record& record) { return record.kind == Kind::edge; }),
+            1);
+}
+
+TEST(Assembler, WhereThereIsNoRoomAStateIsGivenBackAndASampleIsToldSo) {
+  Stream stream;
+  for (int i = 0; i < 1100; ++i) stream.give(0, sample(i * kMs / 100, 0));
+  EXPECT_EQ(stream.admissions[Merger::Admission::queued], 1024);
+  EXPECT_EQ(stream.admissions[Merger::Admission::full], 76);
+  EXPECT_FALSE(stream.assembler.state(0, state(11 * kMs, 0)));
+}
+
 TEST(Assembler, ADeviceThatHasStoppedIsNotWaitedFor) {
   Stream stream;
   stream.give(1, sample(0, 1));

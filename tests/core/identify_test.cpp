@@ -41,6 +41,7 @@ std::vector<Case> golden_cases() {
     one.r = json.at("damping_n_s_per_m").get<std::vector<double>>();
     cases.push_back(std::move(one));
   }
+  EXPECT_GT(cases.size(), 10u);
   return cases;
 }
 

@@ -1,7 +1,10 @@
-# The rooms of core stand on one another in this order: no file includes one of a room that stands above its own.
+# The rooms of core, each standing on those before it: a file includes only its own room and those.
 # usage: cmake -DCORE=FOLDER -P rooms.cmake
 set(rooms base result rig model stream fit intake drive transient chain dwell)
 file(GLOB_RECURSE files RELATIVE ${CORE} ${CORE}/*.hpp ${CORE}/*.cpp)
+if(NOT files)
+  message(FATAL_ERROR "no file of core in '${CORE}'")
+endif()
 foreach(file ${files})
   get_filename_component(room ${file} DIRECTORY)
   list(FIND rooms "${room}" own)

@@ -50,7 +50,7 @@ def case(name, boundary, masses, stiffness, damping, frequency_hz, table, phase)
 
 
 def drawn(source, boundary, n):
-    """A chain whose numbers are exact in the file: three to six digits."""
+    """A chain whose numbers are exact in the file: three to five digits."""
     def log_uniform(low, high, digits):
         return float(f"{low * (high / low) ** source.random():.{digits}g}")
 
@@ -78,7 +78,9 @@ def text():
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] not in ([], ["--check"]):
+        sys.exit(f"{sys.argv[1]}: unknown; usage: make.py [--check]")
     made = text()
-    if sys.argv[1:] == ["--check"]:
+    if sys.argv[1:]:
         sys.exit(0 if FILE.read_text() == made else f"{FILE.name} is not what {pathlib.Path(__file__).name} makes")
     FILE.write_text(made)

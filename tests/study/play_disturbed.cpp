@@ -40,8 +40,9 @@ double worst_of(const Chain& truth, const Dwell& dwell) {
   return worst;
 }
 
-// The chain that a dwell before the transient shows where the model is at fault: no such dwell could tell. What devices
-// do to the readings moves it further, and that it must tell. None: there is no such dwell.
+// What a dwell before the transient shows when only the model is wrong. It cannot know better, so it is judged against
+// this; what devices add it must report. An element that it withholds is judged against the truth. None: there is no
+// such dwell.
 std::optional<Chain> shown_before_the_transient(const Case& about) {
   Case alone = about;
   alone.mishaps.clear();
@@ -51,8 +52,10 @@ std::optional<Chain> shown_before_the_transient(const Case& about) {
     if (!(pipeline.push(player.next()) & kCompleted) || !(pipeline.completed().settled_s < about.change_s)) continue;
     Chain shown = about.chain;
     for (std::size_t e = 0; e < shown.stiffness.size(); ++e) {
-      shown.stiffness[e] = pipeline.completed().elements[e].stiffness.value;
-      shown.damping[e] = pipeline.completed().elements[e].damping.value;
+      const ElementEstimate& element = pipeline.completed().elements[e];
+      if (!element.identifiable) continue;
+      shown.stiffness[e] = element.stiffness.value;
+      shown.damping[e] = element.damping.value;
     }
     return shown;
   }

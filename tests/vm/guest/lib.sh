@@ -43,7 +43,8 @@ start_service() {
   systemctl reset-failed dwelld 2>/dev/null
   systemctl restart dwelld
 }
-# The rig that rigsim is where nothing else is said, polled and evaluated slowly enough for this machine.
+# The rig that rigsim is where nothing else is said, polled and evaluated more slowly: the fewer instructions, the sooner
+# the dwell is played.
 clamped_rig() { sed 's/^rate .*/rate = 80/; s/^update .*/update = 0.4/' /usr/share/dwell/rigs/clamped.toml; }
 # The same rig on a CAN interface.
 can_rig() {  # INTERFACE

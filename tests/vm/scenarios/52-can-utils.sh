@@ -3,7 +3,7 @@
 one_value() { channel "$1" ".received > 0 and (.value - $2 | fabs) < 1e-6"; }  # CHANNEL VALUE
 
 start_can vcan0
-# On a machine that is busy otherwise the player itself stops for a while now and then.
+# The player stops for a while now and then.
 can_rig vcan0 | sed 's/^timeout .*/timeout = 2/' | start_service
 again() { cansend vcan0 "$1" && "${@:2}"; }  # FRAME COMMAND…
 claim "can-utils: an integer of cansend is measured, Intel" eventually 10 again 200#40420F0000000000 one_value y0 1
