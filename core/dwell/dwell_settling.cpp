@@ -50,7 +50,10 @@ bool Pipeline::Impl::look(int from, int to) {
       window_periods = 2;
       return false;
     }
-    if (watched && fit.usable) take_noise(c, from, to);
+    if (watched && fit.usable) {
+      take_noise(c, from, to);
+      live[i].intake.see_residuals(std::sqrt(fit.sigma2));
+    }
     const double noise =
         watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));

@@ -122,6 +122,7 @@ void ChannelIntake::begin_hold() noexcept {
   cluster_.restart();
   motion_.restart();
   refresh_half_ns_ = refreshes_ = 0.0;
+  residuals2_ = INFINITY;
   held_at_begin_ = held_.held();
   first_ns_ = INT64_MIN;
   readings_ = overrange_ = end_codes_ = spiked_ = repeated_ = 0;
@@ -154,8 +155,15 @@ double ChannelIntake::interval_s() const noexcept {
   return readings_ > 1 ? 1e-9 * static_cast<double>(newest_ns_ - first_ns_) / static_cast<double>(readings_ - 1) : 0.0;
 }
 
+void ChannelIntake::see_residuals(double sigma) noexcept {
+  const double raw = sigma / std::abs(gain_);
+  if (!std::isfinite(raw)) return;
+  residuals2_ = std::isfinite(residuals2_) ? residuals2_ + (raw * raw - residuals2_) / 8 : raw * raw;
+}
+
 PileUp::Noise ChannelIntake::noise() const noexcept {
-  const double noise = motion_.noise(), largest = std::max(std::abs(largest_), std::abs(smallest_));
+  const double noise = std::min(motion_.noise(), std::sqrt(residuals2_)),
+               largest = std::max(std::abs(largest_), std::abs(smallest_));
   return {noise > kRealNoise * largest ? noise : 0.0, apart()};
 }
 

@@ -41,6 +41,9 @@ class ChannelIntake {
   [[nodiscard]] std::uint64_t left() const noexcept { return left_ + motion_.left(); }
 
   void next_period() noexcept { spikes_.next_period(); }
+  // Standard deviation of what a fit of harmonics left over in the newest period, SI. What prediction by the readings
+  // before is off by holds the harmonics as well, where there are few readings a period.
+  void see_residuals(double sigma) noexcept;
   // The drive is steady from now on: what is counted, is counted anew.
   void begin_hold() noexcept;
   // The data count from about now on: what the gate took for foreign while the transient was large is said no more.
@@ -109,6 +112,7 @@ class ChannelIntake {
   std::uint64_t left_ = 0;                // of all time, not by their motion
   bool overrange_now_ = false, held_at_begin_ = false;
   // Of this hold.
+  double residuals2_ = INFINITY;  // variance, the newest period an eighth of it, the device's numbers
   std::int64_t first_ns_ = INT64_MIN;
   std::uint64_t readings_ = 0, overrange_ = 0, end_codes_ = 0, spiked_ = 0, repeated_ = 0;
   double refresh_half_ns_ = 0.0, refreshes_ = 0.0;  // sum, number

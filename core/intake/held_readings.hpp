@@ -23,6 +23,12 @@
 // size than the jump before. Of a motion as coarse as its rounding steps runs may be as even, but it goes back over the
 // same step, however unequal a second rounding has made the steps. (Noise makes a run of three or more one of two
 // lengths at most one time in four: so many in a row once in 10⁵ holds of 10⁴ runs.)
+//
+// A register that is refreshed every other reading or so while there are few readings a period has no such runs. But
+// chance makes a reading equal to the one before no more often than to one of the same instant of the period before:
+// that one differs by noise alone. So where the motion turns after four changes and eight readings at most, the
+// changes to one of the last kRemembered numbers are E for all identical readings that are not at an extreme. A third
+// of all readings must be such, so that a gateway's now and then repeated answers are none.
 #pragma once
 
 #include <algorithm>
@@ -52,6 +58,7 @@ class HeldReadings {
     }
     const double size = std::abs(jump), least = kJump * step();
     see_run(jump);
+    see_number(reading, jump);
     path_ += size;
     see(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
@@ -87,6 +94,9 @@ class HeldReadings {
   void restart() noexcept {
     pairs_ = same_ = one_step_ = interrupting_ = 0;
     even_runs_ = reversals_ = 0;
+    turns_ = recurring_ = same_inside_ = 0;
+    low_ = INFINITY;
+    high_ = -INFINITY;
     path_ = 0.0;
     smallest_ = {INFINITY, INFINITY, INFINITY};
   }
@@ -104,6 +114,8 @@ class HeldReadings {
   static constexpr int kEvenRuns = 16, kReversals = 3;
   static constexpr std::int64_t kLeastRun = 3;
   static constexpr double kUnlike = 1.5;  // ratio of two jumps of another size
+  static constexpr std::size_t kRemembered = 16;
+  static constexpr std::int64_t kFewChanges = 4;  // from turn to turn
 
   // A repeat between two jumps, the smaller `beside`; onwards: both go the same way.
   void see_beat(bool onwards, double beside, double grid) noexcept {
@@ -140,6 +152,25 @@ class HeldReadings {
   }
   [[nodiscard]] bool even() const noexcept { return even_runs_ == kEvenRuns && reversals_ == kReversals; }
 
+  // The run of value_ ends in this jump to another number.
+  void see_number(double reading, double jump) noexcept {
+    if (jump * before_ < 0) ++turns_;
+    if (value_ < high_ && value_ > low_) same_inside_ += run_ - 1;
+    high_ = std::max(high_, value_);
+    low_ = std::min(low_, value_);
+    remembered_[next_remembered_++ % kRemembered] = value_;
+    if (std::find(remembered_.begin(), remembered_.end(), reading) != remembered_.end()) ++recurring_;
+  }
+  // More identical readings than chance brings to a motion of few numbers a period.
+  [[nodiscard]] bool few_numbers() const noexcept {
+    return pairs_ - same_ <= kFewChanges * turns_ && pairs_ <= 2 * kFewChanges * turns_ && 3 * same_inside_ > pairs_ &&
+           beyond_chance(same_inside_, static_cast<double>(recurring_));
+  }
+  // Passed once in 10^7 where so many are expected (Poisson).
+  [[nodiscard]] static bool beyond_chance(std::int64_t seen, double expected) noexcept {
+    return static_cast<double>(seen) > 2 * expected + 6 * std::sqrt(expected) + 6;
+  }
+
   void see(double size) noexcept {
     const double before = step();
     if (size < smallest_[0]) {
@@ -154,11 +185,11 @@ class HeldReadings {
   }
   void judge() noexcept {
     const double changes = static_cast<double>(pairs_ - same_);
+    if (few_numbers()) held_ = true;
     if (changes < 3 || (interrupting_ == 0 && !held_)) return;
     const double expected = 0.5 * static_cast<double>(one_step_) + kDensity * changes * changes * step() / path_;
-    const bool many = static_cast<double>(interrupting_) > 2 * expected + 6 * std::sqrt(expected) + 6;
-    if (many) held_ = true;
-    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_ && !even()) held_ = false;
+    if (beyond_chance(interrupting_, expected)) held_ = true;
+    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !beats_ && !even() && !few_numbers()) held_ = false;
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
@@ -169,6 +200,10 @@ class HeldReadings {
   std::int64_t shortest_ = 0, longest_ = 0;  // of the latest runs whose lengths differ by one at most
   int even_runs_ = 0, reversals_ = 0;        // how many these are, and jumps among them that go back by another size
   int regular_ = 0, onwards_ = 0;            // beats in a row, and those of them amid a motion
+  std::array<double, kRemembered> remembered_{};  // the newest numbers, each but the newest left again
+  std::size_t next_remembered_ = 0;
+  std::int64_t turns_ = 0, recurring_ = 0, same_inside_ = 0;
+  double low_ = INFINITY, high_ = -INFINITY;
   bool held_ = false, beats_ = false;
 };
 

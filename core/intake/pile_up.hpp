@@ -1,20 +1,21 @@
 // Do the readings pile up at an extreme? A clipped crest is cut off at one number; a crest that is not has, for every
 // reading of its topmost number, others of the numbers below.
 //
-// The topmost numbers that occur lie within d + 1 rounding steps. Of a sine sampled at instants of its own at most the
-// part 1/√(d + 1) of the readings of these steps is in the topmost one (its crest just at the upper end of that step);
-// noise leaves a tail that thins out, at most half of the readings of two steps in the upper one. The noise must
-// be at least 3/4 of a step: with less, more than half of the readings of one and the same instant of the motion can be
-// one number. A crest cut off has more. That noise puts so many into the topmost step by chance, a part x of n where
-// the part p is possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952);
-// below 10^-6 it is no chance: once for the next number, once for all others. 26 clipped readings and one in the next
-// step show; beside one that is a thousand steps away, as noise of many steps has it, six do. There a reading that is
-// repeated at once counts once, since a register may be held; fewer than four may be repeats of one reading.
+// With noise of at least 3/4 of a rounding step the numbers thin out towards the top: the topmost has at most as many
+// readings as the commonest of the others, p = 1/2. (With less noise, more than half of the readings of one and the
+// same instant of the motion can be one number.) That so many are in the topmost one by chance, a part x of n where the
+// part p is possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below
+// 10^-6 it is no chance: 26 clipped readings and one beside show.
 //
-// Where rounding hides the noise, single numbers are compared. Sampled at a whole fraction of the period their counts
-// are whole numbers of readings a period, and up to 4 times happens: so the topmost may have 5 times as many as the
-// commonest of the others, p = 5/6; 97 clipped readings and one beside show. It is the commonest that counts: the
-// number next to a crest may have only what little noise there is.
+// With much noise there are many numbers, and few readings of each. Those of the topmost d + 1 steps count then: of a
+// sine at most the part 1/√(d + 1) of them is in the topmost step, its crest just at the upper end of that. Beside one
+// reading a thousand steps away six show. A reading that is repeated at once counts once, since a register may be held;
+// fewer than four may be repeats of one reading.
+//
+// With less noise a crest decides. The topmost number of a sine has at most 1/(√2 - 1) = 2.4 times the readings of the
+// next one, that of a crest which harmonics have flattened 1/(2^¼ - 1) = 5.3 times; and sampled at a whole fraction of
+// the period, where counts are whole numbers of readings a period, about twice that: p = 10/11. What is cut off less
+// deep than five steps stays unseen: it costs less than what rounding leaves open.
 //
 // An end once found stays where it is: later on readings that pile up there need not prove that it is no chance.
 //
@@ -94,15 +95,12 @@ class PileUp {
       const Number &topmost = numbers[0], &next = numbers[1];
       // A crest has readings beside it; a channel at rest has none.
       if (next.readings == 0 || 8 * from_far >= topmost.readings) return 0;
-      const bool again = topmost.value == known;
+      const bool again = topmost.value == known, noisy = noise.sigma > kNoisy * noise.step;
       const double unlikely = again ? 0.0 : kNoChance;
-      if (!(noise.sigma > kNoisy * noise.step)) {
-        std::int64_t others = 0;
-        for (std::size_t i = 1; i < kDepth; ++i) others = std::max(others, numbers[i].readings);
-        return exceeds(topmost.readings, others, 5.0 / 6, unlikely) ? topmost.readings : 0;
-      }
-      if (exceeds(topmost.readings, next.readings, 1.0 / 2, unlikely)) return topmost.readings;
-      if (topmost.runs < kFewest) return 0;
+      std::int64_t commonest = 0;
+      for (std::size_t i = 1; i < kDepth; ++i) commonest = std::max(commonest, numbers[i].readings);
+      if (exceeds(topmost.readings, commonest, noisy ? 1.0 / 2 : 10.0 / 11, unlikely)) return topmost.readings;
+      if (!noisy || topmost.runs < kFewest) return 0;
       std::int64_t others = 0;
       for (std::size_t i = 1; i < kDepth && numbers[i].runs > 0; ++i) {
         others += numbers[i].runs;

@@ -13,6 +13,7 @@ struct Motion {
   double noise = 0.0, step = 0.0;  // of an amplitude of 1
   double end = INFINITY;           // of the transducer
   double readings_a_period = 40.3;
+  double third = 0.0;  // harmonic: 1/9 makes the crest flat
 };
 
 // So many periods of a sine of amplitude 1 as the transducer shows it.
@@ -22,7 +23,8 @@ void play(PileUp& pile_up, const Motion& motion, double periods, std::uint64_t s
   const double phase = std::uniform_real_distribution<double>(0.0, 6.0)(random);
   double before = 0.0;
   for (int i = 0; i < periods * motion.readings_a_period; ++i) {
-    double reading = std::sin(2 * M_PI * i / motion.readings_a_period + phase) + motion.noise * normal(random);
+    const double at = 2 * M_PI * i / motion.readings_a_period + phase;
+    double reading = std::sin(at) + motion.third * std::sin(3 * at) + motion.noise * normal(random);
     if (motion.step > 0) reading = motion.step * std::nearbyint(reading / motion.step);
     reading = std::min(reading, motion.end);
     pile_up.add(reading, before, 4 / motion.readings_a_period);
@@ -77,6 +79,17 @@ TEST(PileUp, ACrestSampledAtAWholeFractionOfThePeriodIsNotCutOff) {
       EXPECT_EQ(found({2e-4, 1e-3, INFINITY, readings}, 200.0, seed), 0) << readings << " readings a period, " << seed;
 }
 
+TEST(PileUp, ACrestThatHarmonicsHaveFlattenedIsNotCutOff) {
+  std::uint64_t seed = 0;
+  for (const double third : {0.01, 0.05, 1.0 / 9, 0.15})
+    for (const double readings : {10.0, 12.0, 20.0, 40.0, 40.3, 100.0, 403.0})
+      for (const double step : {1e-3, 4e-3, 0.02})
+        for (const double noise : {0.0, 0.1, 0.5})
+          for (int k = 0; k < 5; ++k)
+            EXPECT_EQ(found({noise * step, step, INFINITY, readings, third}, 100.0, ++seed), 0)
+                << "third " << third << ", readings " << readings << ", step " << step << ", noise " << noise;
+}
+
 // A held register that is not known to be one yet.
 TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeated) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
@@ -106,7 +119,7 @@ TEST(PileUp, RepeatsOfALargestReadingAreNone) {
 TEST(PileUp, AnEndOnceFoundNeedsNoProofLater) {
   const Motion motion{1e-4, 1e-3, 0.9};
   PileUp pile_up;
-  play(pile_up, motion, 30.0, 1);
+  play(pile_up, motion, 60.0, 1);
   ASSERT_GT(pile_up.above(seen(motion)), 0);
   PileUp other;
   play(other, motion, 3.0, 2);

@@ -1,0 +1,52 @@
+// A register that is refreshed more slowly than it is read, and motions that only look like one.
+#include "core/intake/held_readings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace dwell {
+namespace {
+
+struct Motion {
+  double readings_a_period, noise = 0.0, step = 0.0, end = INFINITY;  // of an amplitude of 1
+};
+
+// So many readings, each given `times` times.
+bool held(const Motion& motion, int readings, int times, std::uint64_t seed) {
+  HeldReadings held;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double phase = std::uniform_real_distribution<double>(0.0, 6.0)(random);
+  double shown = 0.0;
+  for (int i = 0; i < readings; ++i) {
+    if (i % times == 0) {
+      shown = std::sin(2 * M_PI * i / motion.readings_a_period + phase) + motion.noise * normal(random);
+      if (motion.step > 0) shown = motion.step * std::round(shown / motion.step);
+      shown = std::min(shown, motion.end);
+    }
+    held.add(shown, motion.step);
+  }
+  return held.held();
+}
+
+TEST(HeldReadings, ARegisterRefreshedEveryOtherReadingIsSeenHoweverFewReadingsAPeriod) {
+  for (const double readings : {6.0, 8.0, 10.0, 10.003, 12.0, 14.0})
+    for (const double noise : {1e-4, 1e-2})
+      for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        EXPECT_TRUE(held({readings, noise}, 500, 2, seed)) << readings << " readings a period, noise " << noise;
+}
+
+TEST(HeldReadings, OfAMotionOfFewReadingsAPeriodNoneIsHeldHoweverItIsRoundedOrClipped) {
+  std::uint64_t seed = 0;
+  for (const double readings : {3.0, 4.0, 5.0, 6.01, 8.0, 10.0, 10.003, 12.0, 16.0})
+    for (const double noise : {0.0, 1e-3, 0.02, 0.2})
+      for (const double step : {0.0, 1e-3, 0.02, 0.3, 0.7, 1.1})
+        for (const double end : {static_cast<double>(INFINITY), 0.95, 0.55})
+          EXPECT_FALSE(held({readings, noise, step, end}, 4000, 1, ++seed))
+              << readings << " readings a period, noise " << noise << ", step " << step << ", end " << end;
+}
+
+}  // namespace
+}  // namespace dwell
