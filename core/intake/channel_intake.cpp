@@ -18,6 +18,8 @@ constexpr double kRealNoise = 1e-9;
 // it is slowest, √(readings a period) / 5 of such a motion round to one number; noise makes them fewer.
 constexpr double kMoves = 20.0, kAtCrest = 0.25;
 constexpr std::int64_t kAnyway = 3;
+// Repeats of older readings are so many that prediction no longer finds them: this part of all readings.
+constexpr double kManyAgain = 0.1;
 
 // The gate now and then leaves out good readings while a transient is large. It says nothing of up to kUnsaid √N of N
 // readings. If all lie 8 σ off on one side, k of them move a phasor by 16 k σ/N. With u = σ √(2/N) that is 0.57 u at
@@ -54,6 +56,7 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   smallest_ = std::min(smallest_, raw);
   if (!judged_) return Says::take;
 
+  if (const double interval = interval_s(); interval > 0) readings_a_period_ = kTwoPi / (omega * interval);
   const bool same = held_.add(raw, rounding_.step());
   cluster_.add(raw, before);
   pile_up_.add(raw, before, held_.mean_difference());
@@ -135,7 +138,7 @@ void ChannelIntake::begin_to_count() noexcept {
 }
 
 bool ChannelIntake::left_out_matters() const noexcept {
-  if (overrange_ > 0 || spiked_ > before_counting_.spiked || far_spike_) return true;
+  if (overrange_ > 0 || spiked_ > before_counting_.spiked || far_spike_ || older_again() > 0) return true;
   const std::uint64_t left = motion_.foreign().all + (held() ? 0 : repeated_);
   return static_cast<double>(left) - static_cast<double>(before_counting_.left) >
          kUnsaid * std::sqrt(static_cast<double>(readings_ - before_counting_.readings));
@@ -177,10 +180,16 @@ double ChannelIntake::clipping_bias() const noexcept {
   return bias;
 }
 
+// Beyond those that were left out.
+std::uint64_t ChannelIntake::older_again() const noexcept {
+  if (readings_a_period_ < 2.0 * static_cast<double>(HeldReadings::kRemembered)) return 0;
+  const auto again = static_cast<std::uint64_t>(held_.older_again()), left = motion_.foreign().repeats;
+  return again > left && static_cast<double>(again) > kManyAgain * static_cast<double>(readings_) ? again - left : 0;
+}
+
 double ChannelIntake::left_out() const noexcept {
-  return readings_ == 0
-             ? 0.0
-             : static_cast<double>(overrange_ + spiked_ + motion_.foreign().all) / static_cast<double>(readings_);
+  const std::uint64_t bad = overrange_ + spiked_ + motion_.foreign().all + older_again();
+  return readings_ == 0 ? 0.0 : static_cast<double>(bad) / static_cast<double>(readings_);
 }
 
 Condition ChannelIntake::condition() const noexcept {
@@ -224,7 +233,8 @@ std::string ChannelIntake::left_out_reason() const {
   };
   add(overrange_ - end_codes_, " reading beyond its range", " readings beyond its range");
   add(end_codes_, " end code of an integer type", " end codes of an integer type");
-  add(foreign.repeats + (held() ? 0 : repeated_), " repeat of an older reading", " repeats of an older reading");
+  add(foreign.repeats + older_again() + (held() ? 0 : repeated_), " repeat of an older reading",
+      " repeats of an older reading");
   const std::uint64_t far = spiked_ + foreign.all - foreign.repeats;
   add(far, " reading far from all others", " readings far from all others");
   if (far > 1 && foreign.commonest > 1) text += " (with a cluster at " + in_unit(foreign.value) + ")";

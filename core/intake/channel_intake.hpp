@@ -84,6 +84,7 @@ class ChannelIntake {
  private:
   [[nodiscard]] bool end_code(double raw) const noexcept;
   [[nodiscard]] double apart() const noexcept;
+  [[nodiscard]] std::uint64_t older_again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;
   [[nodiscard]] bool frozen(double omega) const noexcept;
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
@@ -112,6 +113,7 @@ class ChannelIntake {
   std::uint64_t left_ = 0;                // of all time, not by their motion
   bool overrange_now_ = false, held_at_begin_ = false;
   // Of this hold.
+  double readings_a_period_ = 0.0;
   double residuals2_ = INFINITY;  // variance, the newest period an eighth of it, the device's numbers
   std::int64_t first_ns_ = INT64_MIN;
   std::uint64_t readings_ = 0, overrange_ = 0, end_codes_ = 0, spiked_ = 0, repeated_ = 0;

@@ -90,6 +90,17 @@ class HeldReadings {
     return static_cast<double>(pairs_) / std::max(1.0, static_cast<double>(pairs_ - same_));
   }
 
+  // How many readings, other than at an extreme, are one of the last numbers again, where that is more than chance
+  // brings; 0: it is not. Of a motion that takes more than 2 kRemembered readings a period: of others numbers come back
+  // with each period. By chance: kDensity of all changes times the step over the mean jump, for each number remembered.
+  [[nodiscard]] std::int64_t older_again() const noexcept {
+    const auto changes = static_cast<double>(pairs_ - same_);
+    if (changes < 3) return 0;
+    const double expected = static_cast<double>(kRemembered) * kDensity * changes * changes * step() / path_;
+    return beyond_chance(recurring_, expected) ? recurring_ : 0;
+  }
+  static constexpr std::size_t kRemembered = 16;
+
   // A new hold of the drive: counts begin anew. What was found stands until as much is seen again.
   void restart() noexcept {
     pairs_ = same_ = one_step_ = interrupting_ = 0;
@@ -113,8 +124,7 @@ class HeldReadings {
   static constexpr int kBeats = 3, kMissedBeats = 3;
   static constexpr int kEvenRuns = 16, kReversals = 3;
   static constexpr std::int64_t kLeastRun = 3;
-  static constexpr double kUnlike = 1.5;  // ratio of two jumps of another size
-  static constexpr std::size_t kRemembered = 16;
+  static constexpr double kUnlike = 1.5;          // ratio of two jumps of another size
   static constexpr std::int64_t kFewChanges = 4;  // from turn to turn
 
   // A repeat between two jumps, the smaller `beside`; onwards: both go the same way.
@@ -159,7 +169,9 @@ class HeldReadings {
     high_ = std::max(high_, value_);
     low_ = std::min(low_, value_);
     remembered_[next_remembered_++ % kRemembered] = value_;
-    if (std::find(remembered_.begin(), remembered_.end(), reading) != remembered_.end()) ++recurring_;
+    if (reading > low_ && reading < high_ &&
+        std::find(remembered_.begin(), remembered_.end(), reading) != remembered_.end())
+      ++recurring_;
   }
   // More identical readings than chance brings to a motion of few numbers a period.
   [[nodiscard]] bool few_numbers() const noexcept {

@@ -48,5 +48,34 @@ TEST(HeldReadings, OfAMotionOfFewReadingsAPeriodNoneIsHeldHoweverItIsRoundedOrCl
               << readings << " readings a period, noise " << noise << ", step " << step << ", end " << end;
 }
 
+// How many of 4000 readings are one of the last numbers again; `stale`: the part that is the reading two before.
+std::int64_t older_again(const Motion& motion, double stale, std::uint64_t seed) {
+  HeldReadings held;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  double shown[3] = {};
+  for (int i = 0; i < 4000; ++i) {
+    double reading = std::sin(2 * M_PI * i / motion.readings_a_period) + motion.noise * normal(random);
+    if (motion.step > 0) reading = motion.step * std::round(reading / motion.step);
+    shown[i % 3] = std::min(reading, motion.end);
+    held.add(uniform(random) < stale ? shown[(i + 1) % 3] : shown[i % 3], motion.step);
+  }
+  return held.older_again();
+}
+
+TEST(HeldReadings, RepeatsOfOlderReadingsAreCountedAndThereAreNoneInAHealthyMotion) {
+  std::uint64_t seed = 0;
+  for (const double readings : {33.37, 40.71, 99.15, 403.3})
+    for (const double noise : {0.0, 1e-3, 0.02}) {
+      EXPECT_GT(older_again({readings, noise}, 0.4, ++seed), 800) << readings << " readings a period, noise " << noise;
+      EXPECT_GT(older_again({readings, noise}, 0.2, ++seed), 400) << readings << " readings a period, noise " << noise;
+      for (const double step : {0.0, 1e-6, 1e-3, 0.01, 0.1, 0.5})
+        for (const double end : {static_cast<double>(INFINITY), 0.9})
+          EXPECT_EQ(older_again({readings, noise, step, end}, 0.0, ++seed), 0)
+              << readings << " readings a period, noise " << noise << ", step " << step << ", end " << end;
+    }
+}
+
 }  // namespace
 }  // namespace dwell
