@@ -47,11 +47,11 @@ std::vector<std::vector<Complex>> fit(const Case& about, double from_s, double s
   return X;
 }
 
-// The same readings without noise.
+// The same readings without noise, and without the rounding that noise would have spread.
 Case quiet(const Case& about) {
   Case quiet = about;
   quiet.without_transient = true;
-  for (Line& line : quiet.lines) line.sigma = line.hum = 0.0;
+  for (Line& line : quiet.lines) line.sigma = line.hum = line.step = 0.0;
   return quiet;
 }
 
