@@ -28,7 +28,8 @@
 // chance makes a reading equal to the one before no more often than to one of the same instant of the period before:
 // that one differs by noise alone. So where the motion turns after four changes and eight readings at most, the
 // changes to one of the last kRemembered numbers are E for all identical readings that are not at an extreme. A third
-// of all readings must be such, so that a gateway's now and then repeated answers are none.
+// of all readings must be such, so that a gateway's now and then repeated answers are none; and nine changes of ten
+// must be to a new number, so that no coarse rounding is taken for it.
 #pragma once
 
 #include <algorithm>
@@ -97,7 +98,7 @@ class HeldReadings {
     const auto changes = static_cast<double>(pairs_ - same_);
     if (changes < 3) return 0;
     const double expected = static_cast<double>(kRemembered) * kDensity * changes * changes * step() / path_;
-    return beyond_chance(recurring_, expected) ? recurring_ : 0;
+    return beyond_chance(recurring_inside_, expected) ? recurring_inside_ : 0;
   }
   static constexpr std::size_t kRemembered = 16;
 
@@ -105,7 +106,7 @@ class HeldReadings {
   void restart() noexcept {
     pairs_ = same_ = one_step_ = interrupting_ = 0;
     even_runs_ = reversals_ = 0;
-    turns_ = recurring_ = same_inside_ = 0;
+    turns_ = recurring_ = recurring_inside_ = same_inside_ = 0;
     low_ = INFINITY;
     high_ = -INFINITY;
     path_ = 0.0;
@@ -169,14 +170,15 @@ class HeldReadings {
     high_ = std::max(high_, value_);
     low_ = std::min(low_, value_);
     remembered_[next_remembered_++ % kRemembered] = value_;
-    if (reading > low_ && reading < high_ &&
-        std::find(remembered_.begin(), remembered_.end(), reading) != remembered_.end())
-      ++recurring_;
+    if (std::find(remembered_.begin(), remembered_.end(), reading) == remembered_.end()) return;
+    ++recurring_;
+    if (reading > low_ && reading < high_) ++recurring_inside_;
   }
   // More identical readings than chance brings to a motion of few numbers a period.
   [[nodiscard]] bool few_numbers() const noexcept {
-    return pairs_ - same_ <= kFewChanges * turns_ && pairs_ <= 2 * kFewChanges * turns_ && 3 * same_inside_ > pairs_ &&
-           beyond_chance(same_inside_, static_cast<double>(recurring_));
+    const std::int64_t changes = pairs_ - same_;
+    return 10 * recurring_ < changes && changes <= kFewChanges * turns_ && pairs_ <= 2 * kFewChanges * turns_ &&
+           3 * same_inside_ > pairs_ && beyond_chance(same_inside_, static_cast<double>(recurring_));
   }
   // Passed once in 10^7 where so many are expected (Poisson).
   [[nodiscard]] static bool beyond_chance(std::int64_t seen, double expected) noexcept {
@@ -214,7 +216,7 @@ class HeldReadings {
   int regular_ = 0, onwards_ = 0;            // beats in a row, and those of them amid a motion
   std::array<double, kRemembered> remembered_{};  // the newest numbers, each but the newest left again
   std::size_t next_remembered_ = 0;
-  std::int64_t turns_ = 0, recurring_ = 0, same_inside_ = 0;
+  std::int64_t turns_ = 0, recurring_ = 0, recurring_inside_ = 0, same_inside_ = 0;  // inside: not at an extreme
   double low_ = INFINITY, high_ = -INFINITY;
   bool held_ = false, beats_ = false;
 };
