@@ -19,7 +19,7 @@ constexpr int kRefits = 4;                        // of the fit at a better freq
 // Of what is allowed, which is itself an estimate. No derivation; set on the study. White noise: at 0.8, 0.85, 0.9 the
 // median lateness is 0.50, 0.38, 0.27, and at the latter two none of 600 verdicts comes too early. No uncertainty holds
 // what rounding does to the fit: of channels rounded more coarsely than their noise 11 of 2000 come too early at 0.85
-// and at 0.82, 10 at 0.80.
+// and at 0.82, 8 at 0.80.
 constexpr double kSafety = 0.85, kSafetyRounded = 0.80;
 constexpr double kSure = 3.0;                         // standard deviations of what may be left of the transient
 constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
