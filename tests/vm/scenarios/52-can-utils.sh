@@ -3,8 +3,9 @@
 one_value() { channel "$1" ".received > 0 and (.value - $2 | fabs) < 1e-6"; }  # CHANNEL VALUE
 
 start_can vcan0
-# The player stops for a while now and then.
-can_rig vcan0 | sed 's/^timeout .*/timeout = 2/' | start_service
+# The player looks once a millisecond what is due: a message waits up to one, which the rig file states for each channel
+# (1 ms/√12). It also stops for a while now and then.
+can_rig vcan0 | sed 's/^timeout .*/timeout = 2/; /^signal /a delay_u = 3e-4' | start_service
 again() { cansend vcan0 "$1" && "${@:2}"; }  # FRAME COMMAND…
 claim "can-utils: an integer of cansend is measured, Intel" eventually 10 again 200#40420F0000000000 one_value y0 1
 claim "can-utils: a float, multiplexed, Motorola" eventually 10 again 201#003FC00000000000 one_value y1 1.5
@@ -13,7 +14,8 @@ claim "can-utils: the value before that stays" one_value y1 1.5
 claim "can-utils: a float of a group from another address" eventually 10 again 0CFF5077#0000C84200000000 one_value reaction 100
 
 start_can vcan1
-start_rig --can vcan1 --can-rate 80 --noise 0.001 --stopped
+# At a rate that is no whole number of milliseconds, nor of the drive's frequency, no message waits equally long each time.
+start_rig --can vcan1 --can-rate 83 --noise 0.001 --stopped
 eventually 20 sh -c 'systemctl is-active rigsim'
 candump -L vcan1 >"$work/frames.log" &
 candump=$!
