@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "core/base/angle.hpp"
 #include "core/base/wording.hpp"
@@ -68,7 +69,9 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   }
   const std::int64_t read_ns = reading.t_ns;
   // Of a held register the value taken last may come back after a foreign reading.
-  if (held_.held() ? same || raw == newest_taken_ : same && frozen(omega)) {
+  const bool was_stuck = std::exchange(stuck_, !held_.held() && same && frozen(omega));
+  if (stuck_ && !was_stuck) pile_up_.stuck();
+  if (stuck_ || (held_.held() && (same || raw == newest_taken_))) {
     ++left_;
     ++repeated_;
     old_seen_ns_ = read_ns;

@@ -112,6 +112,7 @@ class ChannelIntake {
   std::int64_t dated_ns_ = INT64_MIN;     // of the reading dated last
   std::uint64_t left_ = 0;                // of all time, not by their motion
   bool overrange_now_ = false, held_at_begin_ = false;
+  bool stuck_ = false;  // the newest reading is identical to so many before it as no motion explains
   // Of this hold.
   double readings_a_period_ = 0.0;
   double residuals2_ = INFINITY;  // variance, the newest period an eighth of it, the device's numbers

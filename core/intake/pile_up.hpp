@@ -14,8 +14,13 @@
 //
 // With less noise a crest decides. The topmost number of a sine has at most 1/(√2 - 1) = 2.4 times the readings of the
 // next one, that of a crest which harmonics have flattened 1/(2^¼ - 1) = 5.3 times; and sampled at a whole fraction of
-// the period, where counts are whole numbers of readings a period, about twice that: p = 10/11. What is cut off less
-// deep than five steps stays unseen: it costs less than what rounding leaves open.
+// the period, where counts are whole numbers of readings a period, about twice that: p = 10/11. A crest cut off by less
+// than five steps stays unseen. Its error is smaller than that of rounding.
+//
+// At few readings a period, at a whole rate, that leaves much unseen. There runs tell: a run of identical readings that
+// is longer than any crest explains is a repeated answer or a crest cut off. Repeats come at any instant of the motion,
+// so at most one time in five at the extreme; five or more runs there, and hardly any elsewhere, are no repeats (passed
+// by chance less than once in 1000, where there are such runs at all).
 //
 // An end once found stays where it is: later on readings that pile up there need not prove that it is no chance.
 //
@@ -45,21 +50,30 @@ class PileUp {
     top_.add(reading, before, difference);
     bottom_.add(-reading, -before, difference);
   }
+  // The newest reading makes a run of identical ones longer than a crest explains. Once a run.
+  void stuck() noexcept {
+    ++stuck_;
+    top_.see_stuck();
+    bottom_.see_stuck();
+  }
   // How many of the readings are cut off at either end, of those seen since the restart; 0: none.
-  [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept { return top_.clipped(noise); }
-  [[nodiscard]] std::int64_t below(const Noise& noise) const noexcept { return bottom_.clipped(noise); }
+  [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept { return top_.clipped(noise, stuck_elsewhere()); }
+  [[nodiscard]] std::int64_t below(const Noise& noise) const noexcept {
+    return bottom_.clipped(noise, stuck_elsewhere());
+  }
   [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
   // The largest and the smallest reading seen, in the device's numbers.
   [[nodiscard]] double largest() const noexcept { return top_.numbers[0].value; }
   [[nodiscard]] double smallest() const noexcept { return -bottom_.numbers[0].value; }
   // Ends found so far are kept.
   void restart(const Noise& noise) noexcept {
+    const std::int64_t elsewhere = stuck_elsewhere();
     for (End* end : {&top_, &bottom_}) {
-      const double known = end->clipped(noise) > 0 ? end->numbers[0].value : end->known;
+      const double known = end->clipped(noise, elsewhere) > 0 ? end->numbers[0].value : end->known;
       *end = {};
       end->known = known;
     }
-    seen_ = 0;
+    seen_ = stuck_ = 0;
   }
 
  private:
@@ -68,30 +82,38 @@ class PileUp {
   static constexpr std::int64_t kFewest = 4;
   static constexpr double kUnrounded = 1e6;  // steps: more tell no more
   static constexpr double kNoisy = 0.8;      // steps: 3/4 of noise, and the 1/√12 of rounding
-  static constexpr double kNear = 4.0;       // mean differences: a sine's largest is π/2 of them, with two harmonics 3
+  static constexpr double kStuckAtExtreme = 1.0 / 5, kHardlyChance = 6.9;  // -ln 10⁻³
+  static constexpr double kNear = 4.0;  // mean differences: a sine's largest is π/2 of them, with two harmonics 3
   struct Number {
     double value = -INFINITY;
     std::int64_t readings = 0, runs = 0;  // of equal readings
   };
   struct End {
-    std::array<Number, kDepth> numbers;  // the largest first
-    std::int64_t from_far = 0;           // of the readings of the largest
-    double known = INFINITY;             // where the transducer was found to end
+    std::array<Number, kDepth> numbers;    // the largest first
+    std::int64_t from_far = 0, stuck = 0;  // of the readings of the largest; of long runs there
+    bool at_top = false;                   // the newest reading
+    double known = INFINITY;               // where the transducer was found to end
 
     void add(double reading, double before, double difference) noexcept {
+      at_top = reading >= numbers[0].value;
       if (reading < numbers.back().value) return;
       const auto at = std::find_if(numbers.begin(), numbers.end(), [&](const Number& n) { return reading >= n.value; });
       if (reading > at->value) {
         std::move_backward(at, numbers.end() - 1, numbers.end());
         *at = {reading};
-        if (at == numbers.begin()) from_far = 0;
+        if (at == numbers.begin()) from_far = stuck = 0;
       }
       ++at->readings;
       if (reading != before) ++at->runs;
       if (at == numbers.begin() && std::abs(reading - before) > kNear * difference) ++from_far;
     }
 
-    [[nodiscard]] std::int64_t clipped(const Noise& noise) const noexcept {
+    void see_stuck() noexcept {
+      if (at_top) ++stuck;
+    }
+
+    // elsewhere: long runs at neither end.
+    [[nodiscard]] std::int64_t clipped(const Noise& noise, std::int64_t elsewhere) const noexcept {
       const Number &topmost = numbers[0], &next = numbers[1];
       // A crest has readings beside it; a channel at rest has none.
       if (next.readings == 0 || 8 * from_far >= topmost.readings) return 0;
@@ -100,6 +122,7 @@ class PileUp {
       std::int64_t commonest = 0;
       for (std::size_t i = 1; i < kDepth; ++i) commonest = std::max(commonest, numbers[i].readings);
       if (exceeds(topmost.readings, commonest, noisy ? 1.0 / 2 : 10.0 / 11, unlikely)) return topmost.readings;
+      if (exceeds(stuck, elsewhere, kStuckAtExtreme, again ? 0.0 : kHardlyChance)) return topmost.readings;
       if (!noisy || topmost.runs < kFewest) return 0;
       std::int64_t others = 0;
       for (std::size_t i = 1; i < kDepth && numbers[i].runs > 0; ++i) {
@@ -114,10 +137,13 @@ class PileUp {
   // Whether `top` of `top + others` is less probable than exp(-unlikely) where each is at the top with probability p.
   [[nodiscard]] static bool exceeds(std::int64_t top, std::int64_t others, double p, double unlikely) noexcept {
     const auto a = static_cast<double>(top), b = static_cast<double>(others), all = a + b;
-    return a > p * all && a * std::log(a / (p * all)) + b * std::log(b / ((1 - p) * all)) > unlikely;
+    if (!(a > p * all)) return false;
+    return a * std::log(a / (p * all)) + (b > 0 ? b * std::log(b / ((1 - p) * all)) : 0.0) > unlikely;
   }
+  [[nodiscard]] std::int64_t stuck_elsewhere() const noexcept { return stuck_ - top_.stuck - bottom_.stuck; }
+
   End top_, bottom_;
-  std::int64_t seen_ = 0;
+  std::int64_t seen_ = 0, stuck_ = 0;
 };
 
 }  // namespace dwell

@@ -45,15 +45,14 @@ std::int64_t found(const Motion& motion, double periods, std::uint64_t seed) {
 
 TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNone) {
   std::uint64_t seed = 0;
-  for (const double noise : {1e-4, 1e-3, 1.2e-3, 5e-3, 0.02})
+  for (const double noise : {0.0, 1e-4, 1e-3, 1.2e-3, 5e-3, 0.02})
     for (const double step : {0.0, 1e-6, 1e-4, 1e-3, 0.01})
-      for (const double readings : {4.03, 7.07, 40.3, 403.0})
+      for (const double readings : {4.03, 7.07, 20.0, 40.3, 100.0, 403.0})
         for (const double periods : {3.0, 8.0, 100.0})
           EXPECT_EQ(found({noise, step, INFINITY, readings}, periods, ++seed), 0)
               << "noise " << noise << ", step " << step << ", readings " << readings << ", periods " << periods;
 }
 
-// Two readings of each crest are cut off, then six.
 // Noise of three quarters of a step, at instants of its own and at a whole fraction of the period.
 TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneWhereNoiseIsHardlyMoreThanRounding) {
   for (const double readings : {20.0, 40.3, 100.0})
@@ -63,6 +62,7 @@ TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneWhereNoiseIsHardlyMoreThanRoundi
             << readings << " readings a period, " << periods << " periods, " << seed;
 }
 
+// Two readings of each crest are cut off, then six.
 TEST(PileUp, ANoisyCrestCutOffShowsWithinAFewPeriods) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     EXPECT_GT(found({0.02, 0.0, 0.99}, 8.0, seed), 4);
@@ -114,6 +114,26 @@ TEST(PileUp, RepeatsOfALargestReadingAreNone) {
     for (int i = 0; i < 2; ++i) pile_up.add(largest, largest, 0.1);
     EXPECT_EQ(pile_up.above(seen(motion)), 0);
   }
+}
+
+// At 20 readings a period each number comes once a period, the one of the crest five times: a flattened crest might do
+// so. A run of five that no crest explains tells.
+TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
+  const auto play_runs = [](PileUp& pile_up, int periods, int every_other) {
+    double before = 0.0;
+    for (int i = 0; i < 20 * periods; ++i) {
+      const double reading = std::min(1e-3 * std::nearbyint(1e3 * std::sin(M_PI * i / 10)), 0.8);
+      pile_up.add(reading, before, 0.2);
+      before = reading;
+      if (i % 20 == 7) pile_up.stuck();                                                  // the last reading at the end
+      if (every_other > 0 && i % 20 == 1 && i / 20 % every_other == 0) pile_up.stuck();  // a repeated answer
+    }
+    return pile_up.above({3e-4, 1e-3});
+  };
+  PileUp few, enough, repeats;
+  EXPECT_EQ(play_runs(few, 4, 0), 0);
+  EXPECT_EQ(play_runs(enough, 5, 0), 25);
+  EXPECT_EQ(play_runs(repeats, 5, 2), 0);
 }
 
 TEST(PileUp, AnEndOnceFoundNeedsNoProofLater) {
