@@ -6,10 +6,10 @@
 namespace dwell {
 namespace {
 
-// Part of a phasor's standard uncertainty that clipping may make in it without a word.
-constexpr double kClippingMatters = 0.3;
+// Part of a phasor's standard uncertainty by which clipping or repeats may be off without a word.
+constexpr double kBiasMatters = 0.3;
 // The same, relative to the amplitude, while settling, where no uncertainty is known yet: a tenth of the tolerance.
-constexpr double kClippingShows = 0.1;
+constexpr double kBiasShows = 0.1;
 // Part of the readings that may be left out. What disturbs more also passes the gate now and then: of 30 % zeros and 1
 // % noise enough pass to be 30 u, of 10 % none.
 constexpr double kMostLeftOut = 0.15;
@@ -18,8 +18,8 @@ constexpr double kMostLeftOut = 0.15;
 
 bool Pipeline::Impl::unfit(int c) const {
   const ChannelIntake& intake = live[static_cast<std::size_t>(c)].intake;
-  return stuck(live[static_cast<std::size_t>(c)]) || intake.clipping_bias() > kClippingShows * rig.tolerance ||
-         intake.clustered() || intake.left_out() > kMostLeftOut;
+  return stuck(live[static_cast<std::size_t>(c)]) || intake.clipping_bias() > kBiasShows * rig.tolerance ||
+         intake.repeat_bias() > kBiasShows * rig.tolerance || intake.clustered() || intake.left_out() > kMostLeftOut;
 }
 
 bool Pipeline::Impl::holding_changed() const {
@@ -43,8 +43,10 @@ void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
   result.refresh_u_s = intake.refresh_half_s() / std::numbers::sqrt3;
   if (!result.withheld.empty()) return;
   const double u = std::hypot(std::sqrt(0.5 * fit.covariance.trace()), result.quantization_u);
-  if (intake.clipping_bias() * amplitude > kClippingMatters * u)
+  if (intake.clipping_bias() * amplitude > kBiasMatters * u)
     result.withheld = intake.clipped_reason();
+  else if (intake.repeat_bias() * amplitude > kBiasMatters * u)
+    result.withheld = intake.repeat_reason();
   else if (intake.clustered())
     result.withheld = intake.clustered_reason();
   else if (intake.left_out() > kMostLeftOut)
@@ -64,7 +66,8 @@ void Pipeline::Impl::warn_of_readings(Dwell& dwell) const {
                                brief(1e3 * intake.refresh_half_s(), 2) + " ms");
     if (intake.clustered()) dwell.warnings.push_back(name + intake.clustered_reason());
     if (const std::string reason = intake.left_out_reason(); !reason.empty()) dwell.warnings.push_back(name + reason);
-    if (intake.clipping_bias() > kClippingShows * rig.tolerance)
+    if (intake.repeat_bias() > 0) dwell.warnings.push_back(name + intake.repeat_reason());
+    if (intake.clipping_bias() > kBiasShows * rig.tolerance)
       dwell.warnings.push_back(name + intake.clipped_reason() + "; choose a larger range, or a smaller amplitude");
   }
 }

@@ -19,8 +19,10 @@ constexpr double kRealNoise = 1e-9;
 // it is slowest, √(readings a period) / 5 of such a motion round to one number; noise makes them fewer.
 constexpr double kMoves = 20.0, kAtCrest = 0.25;
 constexpr std::int64_t kAnyway = 3;
-// Repeats of older readings are so many that prediction no longer finds them: this part of all readings.
-constexpr double kManyAgain = 0.1;
+// Fewest readings a period, at which a motion of three harmonics does not turn from one reading to the next.
+constexpr double kTurnsSlowly = 12.0;
+// Readings by which an older one again lags: two or three polls.
+constexpr double kOlderLags = 2.5;
 
 // The gate now and then leaves out good readings while a transient is large. It says nothing of up to kUnsaid √N of N
 // readings. If all lie 8 σ off on one side, k of them move a phasor by 16 k σ/N. With u = σ √(2/N) that is 0.57 u at
@@ -141,7 +143,7 @@ void ChannelIntake::begin_to_count() noexcept {
 }
 
 bool ChannelIntake::left_out_matters() const noexcept {
-  if (overrange_ > 0 || spiked_ > before_counting_.spiked || far_spike_ || older_again() > 0) return true;
+  if (overrange_ > 0 || spiked_ > before_counting_.spiked || far_spike_) return true;
   const std::uint64_t left = motion_.foreign().all + (held() ? 0 : repeated_);
   return static_cast<double>(left) - static_cast<double>(before_counting_.left) >
          kUnsaid * std::sqrt(static_cast<double>(readings_ - before_counting_.readings));
@@ -183,15 +185,19 @@ double ChannelIntake::clipping_bias() const noexcept {
   return bias;
 }
 
-// Beyond those that were left out.
-std::uint64_t ChannelIntake::older_again() const noexcept {
-  if (readings_a_period_ < 2.0 * static_cast<double>(HeldReadings::kRemembered)) return 0;
-  const auto again = static_cast<std::uint64_t>(held_.older_again()), left = motion_.foreign().repeats;
-  return again > left && static_cast<double>(again) > kManyAgain * static_cast<double>(readings_) ? again - left : 0;
+HeldReadings::Again ChannelIntake::again() const noexcept {
+  if (held() || readings_a_period_ < kTurnsSlowly || readings_ == 0) return {};
+  return held_.again(static_cast<double>(motion_.foreign().repeats + repeated_) / static_cast<double>(readings_));
+}
+
+double ChannelIntake::repeat_bias() const noexcept {
+  const HeldReadings::Again again = this->again();
+  if (again.one_before == 0 && again.older == 0) return 0.0;
+  return (again.one_before + kOlderLags * again.older) * kTwoPi / readings_a_period_;
 }
 
 double ChannelIntake::left_out() const noexcept {
-  const std::uint64_t bad = overrange_ + spiked_ + motion_.foreign().all + older_again();
+  const std::uint64_t bad = overrange_ + spiked_ + motion_.foreign().all;
   return readings_ == 0 ? 0.0 : static_cast<double>(bad) / static_cast<double>(readings_);
 }
 
@@ -200,7 +206,7 @@ Condition ChannelIntake::condition() const noexcept {
   if (clipped()) return Condition::clipped;
   if (held()) return Condition::held;
   if (overrange_now_) return Condition::overrange;
-  return left_out_matters() || clustered() ? Condition::gated : Condition::ok;
+  return left_out_matters() || clustered() || repeat_bias() > 0 ? Condition::gated : Condition::ok;
 }
 
 std::string ChannelIntake::in_unit(double raw) const { return brief(si(raw) / si_per_unit_, 6) + " " + unit_; }
@@ -227,6 +233,11 @@ std::string ChannelIntake::clustered_reason() const {
   return "a cluster of readings: " + percent(cluster_.part()) + " of them are exactly " + in_unit(cluster_.value());
 }
 
+std::string ChannelIntake::repeat_reason() const {
+  const HeldReadings::Again again = this->again();
+  return "about " + percent(again.one_before + again.older) + " of its readings repeat an older one";
+}
+
 std::string ChannelIntake::left_out_reason() const {
   if (!left_out_matters()) return "";
   const MotionGate::Foreign& foreign = motion_.foreign();
@@ -236,8 +247,7 @@ std::string ChannelIntake::left_out_reason() const {
   };
   add(overrange_ - end_codes_, " reading beyond its range", " readings beyond its range");
   add(end_codes_, " end code of an integer type", " end codes of an integer type");
-  add(foreign.repeats + older_again() + (held() ? 0 : repeated_), " repeat of an older reading",
-      " repeats of an older reading");
+  add(foreign.repeats + (held() ? 0 : repeated_), " repeat of an older reading", " repeats of an older reading");
   const std::uint64_t far = spiked_ + foreign.all - foreign.repeats;
   add(far, " reading far from all others", " readings far from all others");
   if (far > 1 && foreign.commonest > 1) text += " (with a cluster at " + in_unit(foreign.value) + ")";
@@ -252,7 +262,8 @@ std::string ChannelIntake::condition_reason() const {
       return held_reason();
     case Condition::overrange:
     case Condition::gated:
-      return clustered() ? clustered_reason() : left_out_reason();
+      if (clustered()) return clustered_reason();
+      return repeat_bias() > 0 ? repeat_reason() : left_out_reason();
     default:
       return "";
   }

@@ -64,6 +64,10 @@ class ChannelIntake {
   [[nodiscard]] bool held() const noexcept { return held_.held(); }
   // The register began or ceased to be held after this hold began, so its data are of both kinds.
   [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }
+  // Relative error of the phasor by readings that are older ones again and count: each lags by as much as it is old. 0:
+  // there are none. With few readings a period a motion of many harmonics turns as such readings do: then 0.
+  [[nodiscard]] double repeat_bias() const noexcept;
+  [[nodiscard]] std::string repeat_reason() const;
   // One number is among the readings far too often.
   [[nodiscard]] bool clustered() const noexcept { return cluster_.found(rounding_.step()); }
   [[nodiscard]] std::string clustered_reason() const;
@@ -84,7 +88,7 @@ class ChannelIntake {
  private:
   [[nodiscard]] bool end_code(double raw) const noexcept;
   [[nodiscard]] double apart() const noexcept;
-  [[nodiscard]] std::uint64_t older_again() const noexcept;
+  [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;
   [[nodiscard]] bool frozen(double omega) const noexcept;
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }

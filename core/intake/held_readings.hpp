@@ -23,6 +23,7 @@
 #include "core/intake/even_runs.hpp"
 #include "core/intake/recurring_numbers.hpp"
 #include "core/intake/repeat_beat.hpp"
+#include "core/intake/repeated_answers.hpp"
 
 namespace dwell {
 
@@ -47,6 +48,7 @@ class HeldReadings {
     const double size = std::abs(jump), least = kJump * step();
     runs_.add(run_, before_, jump);
     numbers_.add(value_, run_, reading, jump * before_ < 0);
+    answers_.add(run_, before_, jump, std::max(mean_difference(), least));
     path_ += size;
     see(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
@@ -81,15 +83,29 @@ class HeldReadings {
     return static_cast<double>(pairs_) / std::max(1.0, static_cast<double>(changes()));
   }
 
-  // RecurringNumbers::returned().
-  [[nodiscard]] std::int64_t older_again() const noexcept { return changes() < 3 ? 0 : numbers_.returned(by_chance()); }
-  static constexpr std::size_t kRemembered = RecurringNumbers::kRemembered;
+  // Part of all readings that are the one before again, or one of the last again, amid a motion, where that is more
+  // than chance brings and those that were left out; 0: no more. left_out: part of all readings that were left out as
+  // repeats.
+  struct Again {
+    double one_before = 0.0, older = 0.0;
+  };
+  [[nodiscard]] Again again(double left_out) const noexcept {
+    Again again;
+    if (changes() < 3) return again;
+    const double all = static_cast<double>(pairs_), places = static_cast<double>(answers_.places());
+    if (beyond_chance(answers_.repeats(), RepeatedAnswers::kSteepByChance * by_chance() + left_out * places))
+      again.one_before = std::max(0.0, static_cast<double>(same_) - by_chance()) / all;
+    if (beyond_chance(numbers_.returned(), RecurringNumbers::kRemembered * by_chance() + left_out * all))
+      again.older = static_cast<double>(numbers_.returned()) / all;
+    return again;
+  }
 
   // A new hold of the drive: counts begin anew. What was found stands until as much is seen again.
   void restart() noexcept {
     pairs_ = same_ = one_step_ = interrupting_ = 0;
     runs_.restart();
     numbers_.restart();
+    answers_.restart();
     path_ = 0.0;
     smallest_ = {INFINITY, INFINITY, INFINITY};
   }
@@ -132,6 +148,7 @@ class HeldReadings {
   RepeatBeat beat_;
   EvenRuns runs_;
   RecurringNumbers numbers_;
+  RepeatedAnswers answers_;
   bool held_ = false;
 };
 

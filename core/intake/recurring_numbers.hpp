@@ -8,7 +8,8 @@
 // gateway repeats an answer only now and then; and nine changes of ten must be to a new number, for a coarsely rounded
 // motion has few numbers.
 //
-// A gateway that answers with a reading two or three polls old: a number comes back that was left a moment before.
+// A gateway that answers with a reading two or three polls old: a number comes back that was left a moment before, and
+// the motion turns there and turns back. A crest that comes down over the same numbers turns once.
 #pragma once
 
 #include <algorithm>
@@ -33,13 +34,14 @@ class RecurringNumbers {
   // The number `left` was read `run` times; then came another, `reading`. turned: the motion turned at `left`.
   void add(double left, std::int64_t run, double reading, bool turned) noexcept {
     if (turned) ++turns_;
+    if (turned && back_) ++returned_;
     if (left < high_ && left > low_) same_inside_ += run - 1;
     high_ = std::max(high_, left);
     low_ = std::min(low_, left);
     remembered_[next_++ % kRemembered] = left;
-    if (std::find(remembered_.begin(), remembered_.end(), reading) == remembered_.end()) return;
-    ++recurring_;
-    if (reading > low_ && reading < high_) ++recurring_inside_;
+    const bool recurring = std::find(remembered_.begin(), remembered_.end(), reading) != remembered_.end();
+    if (recurring) ++recurring_;
+    back_ = recurring && turned && reading > low_ && reading < high_;
   }
 
   // Of a motion of few readings a period more are identical than chance brings. pairs: of readings one after the other;
@@ -49,16 +51,13 @@ class RecurringNumbers {
            3 * same_inside_ > pairs && beyond_chance(same_inside_, static_cast<double>(recurring_));
   }
 
-  // How many readings, other than at an extreme, are one of the last numbers again, where chance makes by_chance equal
-  // to any one of these; 0: no more than by chance. Of a motion that takes more than 2 kRemembered readings a period:
-  // of others numbers come back with each period.
-  [[nodiscard]] std::int64_t returned(double by_chance) const noexcept {
-    return beyond_chance(recurring_inside_, static_cast<double>(kRemembered) * by_chance) ? recurring_inside_ : 0;
-  }
+  // How many readings, other than at an extreme, were one of the last numbers again amid a motion that went on: it
+  // turned before them and after them.
+  [[nodiscard]] std::int64_t returned() const noexcept { return returned_; }
 
   // Counts begin anew; the newest numbers stay known.
   void restart() noexcept {
-    turns_ = recurring_ = recurring_inside_ = same_inside_ = 0;
+    turns_ = recurring_ = returned_ = same_inside_ = 0;
     low_ = INFINITY;
     high_ = -INFINITY;
   }
@@ -68,8 +67,10 @@ class RecurringNumbers {
 
   std::array<double, kRemembered> remembered_{};  // the newest numbers, each but the newest left again
   std::size_t next_ = 0;
-  std::int64_t turns_ = 0, recurring_ = 0, recurring_inside_ = 0, same_inside_ = 0;  // inside: not at an extreme
+  std::int64_t turns_ = 0, recurring_ = 0, returned_ = 0,
+               same_inside_ = 0;  // inside: not at an extreme
   double low_ = INFINITY, high_ = -INFINITY;
+  bool back_ = false;  // the newest number is one of those before, and the motion turned before it
 };
 
 }  // namespace dwell

@@ -49,32 +49,54 @@ TEST(HeldReadings, OfAMotionOfFewReadingsAPeriodNoneIsHeldHoweverItIsRoundedOrCl
 }
 
 // How many of 4000 readings are one of the last numbers again; `stale`: the part that is the reading two before.
-std::int64_t older_again(const Motion& motion, double stale, std::uint64_t seed) {
+// Of 4000 readings the part `stale` are as old as that many polls.
+HeldReadings::Again again_of(const Motion& motion, double stale, int polls, std::uint64_t seed) {
   HeldReadings held;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
-  double shown[3] = {};
+  double shown[4] = {};
   for (int i = 0; i < 4000; ++i) {
     double reading = std::sin(2 * M_PI * i / motion.readings_a_period) + motion.noise * normal(random);
     if (motion.step > 0) reading = motion.step * std::round(reading / motion.step);
-    shown[i % 3] = std::min(reading, motion.end);
-    held.add(uniform(random) < stale ? shown[(i + 1) % 3] : shown[i % 3], motion.step);
+    shown[i % 4] = std::min(reading, motion.end);
+    held.add(uniform(random) < stale ? shown[(i + 4 - polls) % 4] : shown[i % 4], motion.step);
   }
-  return held.older_again();
+  return held.again(0.0);
 }
 
-TEST(HeldReadings, RepeatsOfOlderReadingsAreCountedAndThereAreNoneInAHealthyMotion) {
+TEST(HeldReadings, AnAnswerOfAnEarlierPollShowsAndThereIsNoneInAHealthyMotion) {
   std::uint64_t seed = 0;
-  for (const double readings : {33.37, 40.71, 99.15, 403.3})
+  for (const double readings : {12.0, 13.7, 21.0, 33.37, 40.0, 40.71, 99.15, 100.0, 403.3})
     for (const double noise : {0.0, 1e-3, 0.02}) {
-      EXPECT_GT(older_again({readings, noise}, 0.4, ++seed), 800) << readings << " readings a period, noise " << noise;
-      EXPECT_GT(older_again({readings, noise}, 0.2, ++seed), 400) << readings << " readings a period, noise " << noise;
+      const auto at = [&](double step) {
+        return " at " + std::to_string(readings) + " readings a period, noise " + std::to_string(noise) + ", step " +
+               std::to_string(step);
+      };
+      // Where the answer before was an old one too, the newest need not repeat it.
+      for (const double stale : {0.2, 0.4}) {
+        const double shows = stale * (1 - stale);
+        EXPECT_NEAR(again_of({readings, noise}, stale, 1, ++seed).one_before, shows, 0.3 * shows) << at(0.0);
+        // With few readings a period, or a whole number of them, no two differ by little: what chance brings is not
+        // known.
+        if (readings < 33.0 || readings == std::round(readings)) continue;
+        EXPECT_NEAR(again_of({readings, noise}, stale, 2, ++seed).older, shows, 0.5 * shows) << at(0.0);
+      }
       for (const double step : {0.0, 1e-6, 1e-3, 0.01, 0.1, 0.5})
-        for (const double end : {static_cast<double>(INFINITY), 0.9})
-          EXPECT_EQ(older_again({readings, noise, step, end}, 0.0, ++seed), 0)
-              << readings << " readings a period, noise " << noise << ", step " << step << ", end " << end;
+        for (const double end : {static_cast<double>(INFINITY), 0.9}) {
+          const HeldReadings::Again again = again_of({readings, noise, step, end}, 0.0, 0, ++seed);
+          EXPECT_EQ(again.older, 0.0) << at(step) << ", end " << end;
+          EXPECT_EQ(again.one_before, 0.0) << at(step) << ", end " << end;
+        }
     }
+}
+
+// Steps of a twentieth of the amplitude, 21 readings a period.
+TEST(HeldReadings, RepeatsShowWhereRoundingIsAsCoarseAsTheNoise) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    EXPECT_NEAR(again_of({21.0, 0.006, 0.05}, 0.23, 1, seed).one_before, 0.23 * 0.77, 0.08) << seed;
+    EXPECT_EQ(again_of({21.0, 0.006, 0.05}, 0.0, 1, seed).one_before, 0.0) << seed;
+  }
 }
 
 }  // namespace
