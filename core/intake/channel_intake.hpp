@@ -9,10 +9,14 @@
 #include <span>
 #include <string>
 
+#include "core/intake/device_numbers.hpp"
+#include "core/intake/end_codes.hpp"
 #include "core/intake/held_readings.hpp"
+#include "core/intake/left_out.hpp"
 #include "core/intake/motion_gate.hpp"
 #include "core/intake/pile_up.hpp"
-#include "core/intake/refresh_clock.hpp"
+#include "core/intake/reading_times.hpp"
+#include "core/intake/refresh_stamps.hpp"
 #include "core/intake/rounding_step.hpp"
 #include "core/intake/spike_gate.hpp"
 #include "core/intake/value_cluster.hpp"
@@ -30,7 +34,7 @@ class ChannelIntake {
   explicit ChannelIntake(const Channel& channel);
 
   // SI of the device's own number.
-  [[nodiscard]] double si(double raw) const noexcept { return gain_ * raw + offset_; }
+  [[nodiscard]] double si(double raw) const noexcept { return numbers_.si(raw); }
 
   // The next reading, finite and after the one before; ω of the drive, rad/s. give_back: waiting() first, then this.
   // A new value of a held register gets the instant of its refresh.
@@ -38,7 +42,7 @@ class ChannelIntake {
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
 
   // Readings left out, of all time.
-  [[nodiscard]] std::uint64_t left() const noexcept { return left_ + motion_.left(); }
+  [[nodiscard]] std::uint64_t left() const noexcept { return left_.of_all_time() + motion_.foreign().of_all_time(); }
 
   void next_period() noexcept { spikes_.next_period(); }
   // Standard deviation of what a fit of harmonics left over in the newest period, SI. What prediction by the readings
@@ -51,16 +55,16 @@ class ChannelIntake {
 
   [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
   // One and the same reading for longer than allowed.
-  [[nodiscard]] double same_for_s() const noexcept;
+  [[nodiscard]] double same_for_s() const noexcept { return times_.same_for_s(); }
   // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.
-  [[nodiscard]] double step() const noexcept { return std::abs(gain_) * rounding_.step(); }
+  [[nodiscard]] double step() const noexcept { return numbers_.si_of_difference(rounding_.step()); }
   [[nodiscard]] bool clipped() const noexcept { return clipped_above() + clipped_below() > 0; }
   // Relative loss of the fundamental's amplitude by clipping; 0: none. If the part p of all readings is clipped, the
   // loss is (2/3π) (πp)³.
   [[nodiscard]] double clipping_bias() const noexcept;
   // The register is refreshed more slowly than it is read, so that each new value is used once: half width to which the
   // instants of the refreshes are known, mean of this hold, s; 0: it is not held.
-  [[nodiscard]] double refresh_half_s() const noexcept;
+  [[nodiscard]] double refresh_half_s() const noexcept { return held() ? stamps_.half_s() : 0.0; }
   [[nodiscard]] bool held() const noexcept { return held_.held(); }
   // The register began or ceased to be held after this hold began, so its data are of both kinds.
   [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }
@@ -86,47 +90,32 @@ class ChannelIntake {
   [[nodiscard]] std::string condition_reason() const;
 
  private:
-  [[nodiscard]] bool end_code(double raw) const noexcept;
   [[nodiscard]] double apart() const noexcept;
   [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;
-  [[nodiscard]] bool frozen(double omega) const noexcept;
+  [[nodiscard]] bool frozen() const noexcept;
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
   [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noise()); }
-  [[nodiscard]] double interval_s() const noexcept;
-  RefreshClock date_refresh(Reading& reading) const noexcept;
-  [[nodiscard]] std::string in_unit(double raw) const;
+  Says count(const Reading& reading, std::int64_t read_ns, const RefreshClock& refresh, Says says) noexcept;
 
-  double gain_, offset_, low_, high_;  // SI
-  double si_per_unit_;
-  std::string unit_;
+  DeviceNumbers numbers_;
   bool judged_;  // not auxiliary
+  EndCodes codes_;
   HeldReadings held_;
-  RefreshClock refresh_;
+  RefreshStamps stamps_;
   PileUp pile_up_;
   ValueCluster cluster_;
   SpikeGate spikes_;
   MotionGate motion_;
   RoundingStep rounding_;
+  ReadingTimes times_;
+  LeftOut left_;
 
-  double newest_ = NAN, newest_taken_ = NAN;
-  double largest_ = -INFINITY, smallest_ = INFINITY;  // of readings that are no end codes
-  std::int64_t newest_ns_ = INT64_MIN, changed_ns_ = INT64_MIN;
-  std::int64_t old_seen_ns_ = INT64_MIN;  // stamp of the newest reading that was taken, or showed again what was there
-  std::int64_t dated_ns_ = INT64_MIN;     // of the reading dated last
-  std::uint64_t left_ = 0;                // of all time, not by their motion
+  double newest_taken_ = NAN;
+  double readings_a_period_ = 0.0;  // 0: not known
+  double residuals2_ = INFINITY;    // of this hold: variance, the newest period an eighth of it, the device's numbers
   bool overrange_now_ = false, held_at_begin_ = false;
   bool stuck_ = false;  // the newest reading is identical to so many before it as no motion explains
-  // Of this hold.
-  double readings_a_period_ = 0.0;
-  double residuals2_ = INFINITY;  // variance, the newest period an eighth of it, the device's numbers
-  std::int64_t first_ns_ = INT64_MIN;
-  std::uint64_t readings_ = 0, overrange_ = 0, end_codes_ = 0, spiked_ = 0, repeated_ = 0;
-  double refresh_half_ns_ = 0.0, refreshes_ = 0.0;  // sum, number
-  bool far_spike_ = false;
-  struct {
-    std::uint64_t readings = 0, spiked = 0, left = 0;
-  } before_counting_;  // of this hold
 };
 
 }  // namespace dwell

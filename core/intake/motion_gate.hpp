@@ -1,14 +1,13 @@
 // Does a reading belong to the motion of those before it? Zeros of a gateway, repeats of an older answer, swapped words
 // and codes for "no value" do not.
 //
-// The last kPoints good readings predict the next one: a mean, a sine and a cosine at the drive's frequency through
-// them, by least squares, at their own instants. That follows any motion that is smooth over kPoints readings, whatever
-// its frequency. A reading is judged by its prediction error e over the predictor's gain a (of white noise σ, e has the
-// standard deviation a σ), against the running median s of |e| / a:
+// The last good readings predict the next one (motion_predictor.hpp). A reading is judged by its prediction error e
+// over the predictor's gain a (of white noise σ, e has the standard deviation a σ), against the running median s of |e|
+// / a:
 //
 //   |e| > a · 12 s   8 standard deviations of Gaussian noise: passed by chance once in 10^15 readings. A harmonic that
 //                    the predictor does not follow has a largest error of 1.4 medians, jitter of the instants of 5.
-//   |e| > a ·  k s   for a reading that is bit by bit one of the last kRecent, or a foreign one seen before. Noise σ
+//   |e| > a ·  k s   for a reading that is bit by bit one of the last eight, or a foreign one seen before. Noise σ
 //                    makes it so with the probability p < 7 q / (2 √π σ), q the rounding step; k, at least 3, is where
 //                    p exp(-(0.67 k)²/2) is 10^-8.
 //
@@ -23,6 +22,10 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+
+#include "core/intake/foreign_readings.hpp"
+#include "core/intake/motion_predictor.hpp"
+#include "core/intake/recent_numbers.hpp"
 
 namespace dwell {
 
@@ -52,18 +55,12 @@ class MotionGate {
   // Standard deviation of a reading's noise, as far as the predictor shows it; 0: not known.
   [[nodiscard]] double noise() const noexcept { return seen_ > kFewest ? median_ / 0.6745 : 0.0; }
 
-  // Since the restart: foreign readings, those of them that repeat an older one, and that have the commonest value.
-  struct Foreign {
-    std::uint64_t all = 0, repeats = 0, commonest = 0;
-    double value = 0.0;
-  };
-  [[nodiscard]] const Foreign& foreign() const noexcept { return foreign_; }
-  // Foreign readings of all time.
-  [[nodiscard]] std::uint64_t left() const noexcept { return left_; }
-  void restart() noexcept { foreign_ = {.value = foreign_.value}; }
+  [[nodiscard]] const ForeignReadings& foreign() const noexcept { return foreign_; }
+  void restart() noexcept { foreign_.restart(); }
 
  private:
-  static constexpr std::size_t kPoints = 5, kRecent = 8, kEven = 3, kMost = 4;
+  using Recent = RecentNumbers<8>;
+  static constexpr std::size_t kEven = 3, kMost = 4;
   static constexpr int kFewest = 40;    // readings before anything is judged: the median is known to 20 % by then
   static constexpr double kFar = 12.0;  // medians; halved: 4 σ, once in 16 000 readings
   static constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // medians, at least; see above
@@ -72,34 +69,21 @@ class MotionGate {
   static constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are known no better
   static constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
   static constexpr double kJumped = 6.0;   // the median is at least the error of a jump over this
-  static constexpr double kSparse = 1.2;   // rad between readings: fewer than 5 a period predict nothing
-  static constexpr double kPause = 3.0;    // mean intervals: readings were lost
-  static constexpr double kBlind = 2.0;    // rad since the last good reading: nothing is predicted any more
 
-  struct Prediction {
-    double value = 0.0, gain = 0.0, slope = 0.0;  // gain: 0, there is none
-  };
-  [[nodiscard]] Prediction predict(std::int64_t t_ns, double omega) const noexcept;
   [[nodiscard]] bool even(const Reading& newest, double limit) const noexcept;
   // How far off, in medians, a reading must be that is one of the last.
   [[nodiscard]] double tied_medians(double step) const noexcept;
-  [[nodiscard]] bool recent(double value) const noexcept;
-  void take(const Reading& reading) noexcept;
-  void count_foreign(double value, bool repeat) noexcept;
   Says give_back(const Reading& newest, double relative) noexcept;
 
-  std::array<Reading, kPoints> points_{};  // the newest at (next_point_ - 1) % kPoints
-  std::size_t next_point_ = 0, points_held_ = 0;
-  std::array<double, kRecent> recent_{};
-  std::size_t next_recent_ = 0;
+  MotionPredictor predictor_;
+  Recent recent_;
   std::array<Reading, kMost - 1> waiting_{};
   std::size_t waits_ = 0, given_back_ = 0;
   double median_ = 0.0;
   int seen_ = 0;
   bool active_ = false;
   std::int64_t last_ns_ = INT64_MIN;  // of the newest reading, taken or not
-  Foreign foreign_;
-  std::uint64_t left_ = 0;
+  ForeignReadings foreign_;
 };
 
 }  // namespace dwell

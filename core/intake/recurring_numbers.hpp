@@ -13,10 +13,11 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+
+#include "core/intake/recent_numbers.hpp"
 
 namespace dwell {
 
@@ -38,8 +39,8 @@ class RecurringNumbers {
     if (left < high_ && left > low_) same_inside_ += run - 1;
     high_ = std::max(high_, left);
     low_ = std::min(low_, left);
-    remembered_[next_++ % kRemembered] = left;
-    const bool recurring = std::find(remembered_.begin(), remembered_.end(), reading) != remembered_.end();
+    remembered_.add(left);
+    const bool recurring = remembered_.has(reading);
     if (recurring) ++recurring_;
     back_ = recurring && turned && reading > low_ && reading < high_;
   }
@@ -65,8 +66,7 @@ class RecurringNumbers {
  private:
   static constexpr std::int64_t kFewChanges = 4;  // from turn to turn
 
-  std::array<double, kRemembered> remembered_{};  // the newest numbers, each but the newest left again
-  std::size_t next_ = 0;
+  RecentNumbers<kRemembered> remembered_;  // each but the newest left again
   std::int64_t turns_ = 0, recurring_ = 0, returned_ = 0,
                same_inside_ = 0;  // inside: not at an extreme
   double low_ = INFINITY, high_ = -INFINITY;

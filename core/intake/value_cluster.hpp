@@ -7,9 +7,10 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+
+#include "core/intake/recent_numbers.hpp"
 
 namespace dwell {
 
@@ -21,9 +22,8 @@ class ValueCluster {
     ++seen_;
     low_ = std::min(low_, reading);
     high_ = std::max(high_, reading);
-    if (std::find(recent_.begin(), recent_.end(), reading) == recent_.end()) {
-      recent_[next_] = reading;
-      next_ = (next_ + 1) % recent_.size();
+    if (!recent_.has(reading)) {
+      recent_.add(reading);
     } else if (reading != value_ && --votes_ < 0) {
       *this = ValueCluster(*this, reading);
     }
@@ -48,10 +48,9 @@ class ValueCluster {
   static constexpr double kPart = 0.05, kAllOver = 0.5, kLevels = 1000.0;
   static constexpr std::int64_t kFewest = 20;
   ValueCluster(const ValueCluster& before, double value) noexcept
-      : recent_(before.recent_), next_(before.next_), low_(before.low_), high_(before.high_), value_(value), seen_(1) {}
+      : recent_(before.recent_), low_(before.low_), high_(before.high_), value_(value), seen_(1) {}
 
-  std::array<double, 8> recent_{NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-  std::size_t next_ = 0;
+  RecentNumbers<8> recent_;
   double low_ = INFINITY, high_ = -INFINITY, from_low_ = INFINITY, from_high_ = -INFINITY, value_ = NAN;
   std::int64_t seen_ = 0, count_ = 0, votes_ = 0;
 };

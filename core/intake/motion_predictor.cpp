@@ -1,0 +1,52 @@
+#include "core/intake/motion_predictor.hpp"
+
+#include <cmath>
+
+#include "core/fit/moments.hpp"
+
+namespace dwell {
+
+MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int64_t before_ns,
+                                                     double omega) const noexcept {
+  if (held_ < kPoints) return {};
+  // Instants before t_ns, rad; h, their mean distance, scales the regressors 1, sin x / h, (1 - cos x) / h² to like
+  // sizes, however densely the motion is sampled.
+  std::array<double, kPoints> x;
+  for (std::size_t j = 0; j < kPoints; ++j)
+    x[j] = 1e-9 * omega * static_cast<double>(points_[(next_ + j) % kPoints].t_ns - t_ns);
+  const double h = (x[kPoints - 1] - x[0]) / (kPoints - 1);
+  if (!(h > 0) || h > kSparse || -x[kPoints - 1] > kBlind) return {};
+  if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * h) return {};
+  std::array<double, kPoints> s, c;
+  double m01 = 0, m02 = 0, m11 = 0, m12 = 0, m22 = 0;
+  for (std::size_t j = 0; j < kPoints; ++j) {
+    // Half the angle's sine and cosine: accurate however small it is.
+    double sine, cosine;
+    moments::sin_cos(0.5 * x[j], sine, cosine);
+    s[j] = 2 * sine * cosine / h;
+    c[j] = 2 * sine * sine / (h * h);
+    m01 += s[j];
+    m02 += c[j];
+    m11 += s[j] * s[j];
+    m12 += s[j] * c[j];
+    m22 += c[j] * c[j];
+  }
+  // At t_ns the regressors are (1, 0, 0): the first column of the inverse gives the weights.
+  const double m00 = kPoints;
+  const double a00 = m11 * m22 - m12 * m12, a01 = m12 * m02 - m01 * m22, a02 = m01 * m12 - m11 * m02;
+  const double determinant = m00 * a00 + m01 * a01 + m02 * a02;
+  if (!(determinant > 1e-6 * m00 * m11 * m22)) return {};
+  Prediction out;
+  double squares = 1.0;
+  for (std::size_t j = 0; j < kPoints; ++j) {
+    const double weight = (a00 + a01 * s[j] + a02 * c[j]) / determinant;
+    out.value += weight * points_[(next_ + j) % kPoints].value;
+    squares += weight * weight;
+  }
+  const Point& newest = points_[(next_ + kPoints - 1) % kPoints];
+  out.gain = std::sqrt(squares);
+  out.slope = std::abs(out.value - newest.value) / (1e-9 * static_cast<double>(t_ns - newest.t_ns));
+  return out;
+}
+
+}  // namespace dwell

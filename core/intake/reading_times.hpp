@@ -1,0 +1,44 @@
+// When the readings of a channel came: how often, and since when the device has shown one and the same number.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace dwell {
+
+// Of one channel. Bound to one thread; real-time safe.
+class ReadingTimes {
+ public:
+  // The next reading; the number before it (NAN: this is the first).
+  double add(std::int64_t t_ns, double raw) noexcept {
+    const double before = number_;
+    ++count_;
+    if (first_ns_ == INT64_MIN) first_ns_ = t_ns;
+    newest_ns_ = t_ns;
+    if (raw != number_) changed_ns_ = t_ns;
+    number_ = raw;
+    return before;
+  }
+  [[nodiscard]] bool heard() const noexcept { return newest_ns_ != INT64_MIN; }
+  // Since the restart.
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+  // Mean time between two readings, s; 0: not known.
+  [[nodiscard]] double interval_s() const noexcept {
+    return count_ > 1 ? 1e-9 * static_cast<double>(newest_ns_ - first_ns_) / static_cast<double>(count_ - 1) : 0.0;
+  }
+  // For so long the reading has been the same, s.
+  [[nodiscard]] double same_for_s() const noexcept {
+    return changed_ns_ == INT64_MIN ? 0.0 : 1e-9 * static_cast<double>(newest_ns_ - changed_ns_);
+  }
+  void restart() noexcept {
+    first_ns_ = INT64_MIN;
+    count_ = 0;
+  }
+
+ private:
+  double number_ = NAN;
+  std::int64_t newest_ns_ = INT64_MIN, changed_ns_ = INT64_MIN, first_ns_ = INT64_MIN;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace dwell

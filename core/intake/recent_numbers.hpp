@@ -1,0 +1,34 @@
+// The last few numbers that a channel has shown.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace dwell {
+
+// One thread; real-time safe; N comparisons to look for a number.
+template <std::size_t N>
+class RecentNumbers {
+ public:
+  static constexpr std::size_t kRemembered = N;
+
+  RecentNumbers() noexcept { numbers_.fill(NAN); }
+  // The oldest is forgotten.
+  void add(double number) noexcept {
+    numbers_[next_] = number;
+    next_ = (next_ + 1) % N;
+  }
+  [[nodiscard]] bool has(double number) const noexcept {
+    return std::find(numbers_.begin(), numbers_.end(), number) != numbers_.end();
+  }
+  // NaN: none yet.
+  [[nodiscard]] double newest() const noexcept { return numbers_[(next_ + N - 1) % N]; }
+
+ private:
+  std::array<double, N> numbers_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace dwell
