@@ -55,17 +55,16 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
     stamps_.see_old(read_ns);
     return Says::leave;
   }
-  const bool dated = !same && (held() || held_.suspected());
-  const RefreshClock refresh = dated ? stamps_.date(reading, held()) : stamps_.clock();
+  stamps_.next();
+  if (!same && (held() || held_.suspected())) stamps_.date(reading, held());
   const Says says = motion_.judge(reading, omega, apart());
   if (says != Says::leave) stamps_.keep_order(reading.t_ns);
   if (spike && (says == Says::leave || says == Says::wait)) left_.far_spike();
-  return count(reading, read_ns, refresh, says);
+  return count(reading, read_ns, says);
 }
 
-// What the motion gate says of the reading, which was read at read_ns; refresh: the clock if it counts.
-ChannelIntake::Says ChannelIntake::count(const Reading& reading, std::int64_t read_ns, const RefreshClock& refresh,
-                                         Says says) noexcept {
+// What the motion gate says of the reading, which was read at read_ns.
+ChannelIntake::Says ChannelIntake::count(const Reading& reading, std::int64_t read_ns, Says says) noexcept {
   if (says != Says::take && says != Says::give_back) return says;
   const auto take = [&](double value) {
     rounding_.add(value - newest_taken_);
@@ -73,7 +72,7 @@ ChannelIntake::Says ChannelIntake::count(const Reading& reading, std::int64_t re
   };
   for (const Reading& back : motion_.waiting()) take(back.value);
   take(reading.value);
-  stamps_.take(refresh, held() ? static_cast<double>(reading.refresh_half_ns) : -1.0);
+  stamps_.take(held() ? static_cast<double>(reading.refresh_half_ns) : -1.0);
   stamps_.see_old(read_ns);
   return says;
 }

@@ -96,7 +96,7 @@ class ChannelIntake {
   [[nodiscard]] bool frozen() const noexcept;
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
   [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noise()); }
-  Says count(const Reading& reading, std::int64_t read_ns, const RefreshClock& refresh, Says says) noexcept;
+  Says count(const Reading& reading, std::int64_t read_ns, Says says) noexcept;
 
   DeviceNumbers numbers_;
   bool judged_;  // not auxiliary

@@ -11,20 +11,23 @@ MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int
   if (held_ < kPoints) return {};
   // Instants before t_ns, rad; h, their mean distance, scales the regressors 1, sin x / h, (1 - cos x) / h² to like
   // sizes, however densely the motion is sampled.
-  std::array<double, kPoints> x;
+  std::array<double, kEven> x{}, s, c;
   for (std::size_t j = 0; j < kPoints; ++j)
     x[j] = 1e-9 * omega * static_cast<double>(points_[(next_ + j) % kPoints].t_ns - t_ns);
   const double h = (x[kPoints - 1] - x[0]) / (kPoints - 1);
   if (!(h > 0) || h > kSparse || -x[kPoints - 1] > kBlind) return {};
   if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * h) return {};
-  std::array<double, kPoints> s, c;
-  double m01 = 0, m02 = 0, m11 = 0, m12 = 0, m22 = 0;
-  for (std::size_t j = 0; j < kPoints; ++j) {
-    // Half the angle's sine and cosine: accurate however small it is.
+  // Half the angle's sine and cosine: accurate however small it is. A loop of its own, which the compiler takes two at
+  // a time.
+  const double h2 = h * h;
+  for (std::size_t j = 0; j < kEven; ++j) {
     double sine, cosine;
     moments::sin_cos(0.5 * x[j], sine, cosine);
     s[j] = 2 * sine * cosine / h;
-    c[j] = 2 * sine * sine / (h * h);
+    c[j] = 2 * sine * sine / h2;
+  }
+  double m01 = 0, m02 = 0, m11 = 0, m12 = 0, m22 = 0;
+  for (std::size_t j = 0; j < kPoints; ++j) {
     m01 += s[j];
     m02 += c[j];
     m11 += s[j] * s[j];

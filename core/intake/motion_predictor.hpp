@@ -29,7 +29,7 @@ class MotionPredictor {
   void restart() noexcept { held_ = 0; }
 
  private:
-  static constexpr std::size_t kPoints = 5;
+  static constexpr std::size_t kPoints = 5, kEven = 6;
   static constexpr double kSparse = 1.2;  // rad between readings: fewer than 5 a period predict nothing
   static constexpr double kPause = 3.0;   // mean intervals: readings were lost
   static constexpr double kBlind = 2.0;   // rad since the last good reading: nothing is predicted any more

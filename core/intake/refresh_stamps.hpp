@@ -12,25 +12,26 @@ namespace dwell {
 // Of one channel. Bound to one thread; real-time safe.
 class RefreshStamps {
  public:
-  // What the clock knows if this new value, read at reading.t_ns, counts. hold: the register is held, and the reading
-  // gets the instant of its refresh. The caller gives the clock back with take(), or forgets it.
-  RefreshClock date(MotionGate::Reading& reading, bool hold) const noexcept {
-    RefreshClock clock = clock_;
-    if (old_seen_ns_ == INT64_MIN) return clock;
-    const RefreshClock::Instant instant = clock.refreshed(old_seen_ns_, reading.t_ns);
-    if (!hold) return clock;
+  // A new value was read at reading.t_ns. The clock is moved on if the value counts in the end: see take(). hold: the
+  // register is held, and the reading gets the instant of its refresh.
+  void date(MotionGate::Reading& reading, bool hold) noexcept {
+    if (old_seen_ns_ == INT64_MIN) return;
+    if_taken_ = clock_;
+    dated_ = true;
+    const RefreshClock::Instant instant = if_taken_.refreshed(old_seen_ns_, reading.t_ns);
+    if (!hold) return;
     reading.t_ns = std::max(instant.t_ns, dated_ns_ + 1);
     reading.refresh_half_ns = instant.half_ns;
-    return clock;
   }
-  [[nodiscard]] const RefreshClock& clock() const noexcept { return clock_; }
+  // Another reading comes: what was dated and not taken is forgotten.
+  void next() noexcept { dated_ = false; }
   // At read_ns a reading was taken, or showed again what was there.
   void see_old(std::int64_t read_ns) noexcept { old_seen_ns_ = read_ns; }
   // A reading may count at that instant: those to come are later.
   void keep_order(std::int64_t t_ns) noexcept { dated_ns_ = t_ns; }
-  // The value counts; half_ns: of its refresh, below 0: the register is not held.
-  void take(const RefreshClock& clock, double half_ns) noexcept {
-    clock_ = clock;
+  // The newest value counts; half_ns: of its refresh, below 0: the register is not held.
+  void take(double half_ns) noexcept {
+    if (dated_) clock_ = if_taken_;
     if (half_ns >= 0) half_ns_ += half_ns, refreshes_ += 1;
   }
   // Half width to which the instants are known, mean since the restart, s; 0: there are none.
@@ -38,7 +39,8 @@ class RefreshStamps {
   void restart() noexcept { half_ns_ = refreshes_ = 0.0; }
 
  private:
-  RefreshClock clock_;
+  RefreshClock clock_, if_taken_;
+  bool dated_ = false;  // if_taken_ is the clock if the newest reading counts
   std::int64_t old_seen_ns_ = INT64_MIN, dated_ns_ = INT64_MIN;
   double half_ns_ = 0.0, refreshes_ = 0.0;  // sum, number
 };

@@ -137,15 +137,17 @@ TEST(MotionPredictor, ASineAtTheDrivesFrequencyIsPredictedExactly) {
 TEST(RefreshStamps, AValueOfAHeldRegisterIsDatedBetweenTheTwoReadings) {
   RefreshStamps stamps;
   MotionGate::Reading reading{10'000'000, 1.0};
-  stamps.take(stamps.date(reading, true), -1.0);
+  stamps.date(reading, true);
+  stamps.take(-1.0);
   EXPECT_EQ(reading.t_ns, 10'000'000);  // nothing is known of when the reading before still held
   stamps.see_old(20'000'000);
   reading = {30'000'000, 2.0};
-  const RefreshClock clock = stamps.date(reading, true);
+  stamps.next();
+  stamps.date(reading, true);
   EXPECT_EQ(reading.t_ns, 25'000'000);
   EXPECT_EQ(reading.refresh_half_ns, 5'000'000u);
   EXPECT_EQ(stamps.half_s(), 0.0);
-  stamps.take(clock, reading.refresh_half_ns);
+  stamps.take(reading.refresh_half_ns);
   EXPECT_DOUBLE_EQ(stamps.half_s(), 5e-3);
 }
 
