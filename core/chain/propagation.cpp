@@ -74,7 +74,7 @@ void Propagation::add_second_order() {
       VectorXd v = VectorXd::Zero(2 * count);
       v.segment<2>(2 * e) = axes.eigenvectors().col(axis) * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
       v(2 * e + 1) /= chain_.omega;
-      add_effect("all to second order", std::numeric_limits<double>::infinity(), {v, 0, 0.0, 0.0, {}});
+      add_effect("errors to second order", std::numeric_limits<double>::infinity(), {v, 0, 0.0, 0.0, {}});
     }
   }
 }

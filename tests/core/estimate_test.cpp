@@ -168,7 +168,7 @@ TEST(Estimate, StatesTheSpreadOfErrorsThatActToSecondOrder) {
   }
   for (const ElementEstimate& element : stated.elements)
     for (const BudgetShare& share : element.budget)
-      if (share.source == "all to second order") most = std::max(most, share.stiffness_share);
+      if (share.source == "errors to second order") most = std::max(most, share.stiffness_share);
   EXPECT_GT(most, 0.5);
 }
 
