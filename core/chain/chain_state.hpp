@@ -47,4 +47,25 @@ struct ChainState {
   [[nodiscard]] Eigen::VectorXcd deformation_row(int k) const { return dwell::deformation_row(n, k); }
 };
 
+// Every element of a chain in that state: f = force_rows·x, d = deformation_rows·x, Z = f/d.
+struct ElementStates {
+  explicit ElementStates(const ChainState& chain)
+      : force_rows(chain.rig.element_count(), chain.n + 2),
+        deformation_rows(chain.rig.element_count(), chain.n + 2),
+        d(chain.rig.element_count()),
+        Z(chain.rig.element_count()) {
+    for (Eigen::Index e = 0; e < Z.size(); ++e) {
+      const int k = static_cast<int>(e) + 1;
+      force_rows.row(e) = chain.force_row(k).transpose();
+      deformation_rows.row(e) = chain.deformation_row(k).transpose();
+      const std::complex<double> f = force_rows.row(e).transpose().cwiseProduct(chain.x).sum();
+      d(e) = deformation_rows.row(e).transpose().cwiseProduct(chain.x).sum();
+      Z(e) = f / d(e);
+    }
+  }
+
+  Eigen::MatrixXcd force_rows, deformation_rows;  // elements × (n + 2)
+  Eigen::VectorXcd d, Z;                          // m and N/m, per element
+};
+
 }  // namespace dwell

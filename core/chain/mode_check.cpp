@@ -21,7 +21,7 @@ using Eigen::Index;
 
 constexpr int kMostMasses = 24;  // beyond, the eigenvectors ten times a second cost more than 5 ms
 // Of one evaluation, all modes together. A dwell is evaluated some ten times with new data: once in 10⁵ dwells, if all
-// errors were normal. Seen: seven of 8000 healthy dwells of the study.
+// errors were normal. Seen: six of 8000 healthy dwells of the study.
 constexpr double kFalseAlarm = 1e-6;
 constexpr double kSameMode = 0.2;       // relative: a pole farther from every eigenvalue is none of the chain's
 constexpr double kPlain = 8.0;          // standard deviations: an amplitude that cannot be overlooked …

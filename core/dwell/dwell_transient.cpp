@@ -152,8 +152,8 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
 }
 
 std::int64_t Pipeline::Impl::count_from(std::int64_t end_ns) const {
-  // The data count from the earliest instant at which a verdict would have been right. Where that leaves too few they
-  // count from further back: there what is taken out is at most kMostTakenOut times what may be left.
+  // The data count from the earliest instant at which a verdict would have been right. At least two periods before the
+  // verdict count, as far back as the transient taken out is at most kMostTakenOut times what may be left.
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
   const auto back_to = [&](double allowed) {

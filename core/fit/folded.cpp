@@ -28,10 +28,6 @@ constexpr double kScatters = 0.5, kExactly = 0.02;
 // Below this part of it, what irregular instants leave of an alias does not count.
 constexpr double kSpread = 0.05;
 
-double device_delay_s(const Rig& rig, const Channel& channel) {
-  return channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
-}
-
 }  // namespace
 
 Folded folded_onto_fundamental(const Rig& rig, const Channel& channel, const SamplingRegularity& sampling, double f,

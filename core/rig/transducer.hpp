@@ -8,6 +8,7 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 
 #include "core/rig/rig.hpp"
 
@@ -32,5 +33,10 @@ struct LogSlopes {
   std::complex<double> frequency, lowpass_corner, highpass_corner;
 };
 [[nodiscard]] LogSlopes response_slopes(const Channel& channel, double device_delay_s, double f_hz) noexcept;
+
+// Delay of the device that a channel is read from, s; 0 where it has none.
+[[nodiscard]] inline double device_delay_s(const Rig& rig, const Channel& channel) noexcept {
+  return channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)].delay_s : 0.0;
+}
 
 }  // namespace dwell

@@ -59,8 +59,8 @@ class Assembler {
     merger_.set_live(device, false);
   }
 
-  // A change of state of a device's channel. It is never too late to matter: an instant that has been passed becomes
-  // that of the newest record released. false: there is no room now.
+  // Hands in a change of state of a device's channel. It is never dropped as late: where its instant lies before the
+  // newest record released, it takes that record's instant. false: the device's queue is full; hand it in again.
   bool state(std::size_t device, Record record) noexcept { return enter_now(device, record); }
   // An action, or another record that must not be late; as state().
   bool action(Record record) noexcept { return enter_now(ticks(), record); }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-Record sample(std::int64_t t_ns, std::uint16_t channel) {
+Record sample_at(std::int64_t t_ns, std::uint16_t channel) {
   Record record;
   record.t_ns = t_ns;
   record.channel = channel;
@@ -20,7 +20,7 @@ Record sample(std::int64_t t_ns, std::uint16_t channel) {
 }
 
 Record state(std::int64_t t_ns, std::uint16_t channel) {
-  Record record = sample(t_ns, channel);
+  Record record = sample_at(t_ns, channel);
   record.kind = Kind::channel_state;
   return record;
 }
@@ -50,13 +50,24 @@ struct Stream {
   }
 };
 
+// A hundred scans of the first device, taken as far as they are released; the second has stopped.
+void run_first_device_for_a_second(Stream& stream) {
+  stream.stop(1);
+  for (int i = 0; i < 100; ++i) {
+    stream.give(0, sample_at(i * 10 * kMs, 0));
+    stream.assembler.tick(i * 10 * kMs);
+    stream.assembler.edges_seen_to(i * 10 * kMs);
+  }
+  stream.take();
+}
+
 // Every eleventh answer of the second device comes 3 ms late; its instants come out on its own grid.
 TEST(Assembler, EverySampleComesOutOnceInTheOrderOfRecoveredInstants) {
   Stream stream;
   for (int i = 0; i < 2000; ++i) {
     const std::int64_t t_ns = i * 10 * kMs;
-    stream.give(0, sample(t_ns + 2 * kMs, 0));
-    stream.give(1, sample(t_ns + (i % 11 == 0 ? 3 * kMs : 0), 1));
+    stream.give(0, sample_at(t_ns + 2 * kMs, 0));
+    stream.give(1, sample_at(t_ns + (i % 11 == 0 ? 3 * kMs : 0), 1));
     stream.assembler.tick(t_ns + 5 * kMs);
     stream.take();
   }
@@ -78,17 +89,11 @@ TEST(Assembler, EverySampleComesOutOnceInTheOrderOfRecoveredInstants) {
 
 TEST(Assembler, AStateThatComesLateStillComesAndASampleThatDoesIsToldToBeLate) {
   Stream stream;
-  stream.stop(1);
-  for (int i = 0; i < 100; ++i) {
-    stream.give(0, sample(i * 10 * kMs, 0));
-    stream.assembler.tick(i * 10 * kMs);
-    stream.assembler.edges_seen_to(i * 10 * kMs);
-  }
-  stream.take();
+  run_first_device_for_a_second(stream);
   ASSERT_FALSE(stream.out.empty());
   const std::int64_t released_ns = stream.out.back().t_ns;
   EXPECT_TRUE(stream.assembler.state(0, state(released_ns - 50 * kMs, 0)));
-  stream.give(0, sample(released_ns - 50 * kMs, 0));
+  stream.give(0, sample_at(released_ns - 50 * kMs, 0));
   EXPECT_EQ(stream.admissions[Merger::Admission::late], 1);
   stream.take(true);
   EXPECT_TRUE(stream.in_order());
@@ -99,14 +104,8 @@ TEST(Assembler, AStateThatComesLateStillComesAndASampleThatDoesIsToldToBeLate) {
 
 TEST(Assembler, AnEdgeThatComesLateIsToldToBeLateAndAnUrgentOneComesStill) {
   Stream stream;
-  stream.stop(1);
-  for (int i = 0; i < 100; ++i) {
-    stream.give(0, sample(i * 10 * kMs, 0));
-    stream.assembler.tick(i * 10 * kMs);
-    stream.assembler.edges_seen_to(i * 10 * kMs);
-  }
-  stream.take();
-  Record edge = sample(stream.out.back().t_ns - 50 * kMs, 0);
+  run_first_device_for_a_second(stream);
+  Record edge = sample_at(stream.out.back().t_ns - 50 * kMs, 0);
   edge.kind = Kind::edge;
   EXPECT_EQ(stream.assembler.edge(edge), Merger::Admission::late);
   EXPECT_TRUE(stream.assembler.urgent_edge(edge));
@@ -123,7 +122,7 @@ TEST(Assembler, AnEdgeThatComesLateIsToldToBeLateAndAnUrgentOneComesStill) {
 
 TEST(Assembler, WhereThereIsNoRoomAStateIsGivenBackAndASampleIsToldSo) {
   Stream stream;
-  for (int i = 0; i < 1100; ++i) stream.give(0, sample(i * kMs / 100, 0));
+  for (int i = 0; i < 1100; ++i) stream.give(0, sample_at(i * kMs / 100, 0));
   EXPECT_EQ(stream.admissions[Merger::Admission::queued], 1024);
   EXPECT_EQ(stream.admissions[Merger::Admission::full], 76);
   EXPECT_FALSE(stream.assembler.state(0, state(11 * kMs, 0)));
@@ -131,9 +130,9 @@ TEST(Assembler, WhereThereIsNoRoomAStateIsGivenBackAndASampleIsToldSo) {
 
 TEST(Assembler, ADeviceThatHasStoppedIsNotWaitedFor) {
   Stream stream;
-  stream.give(1, sample(0, 1));
+  stream.give(1, sample_at(0, 1));
   for (int i = 0; i < 20; ++i) {
-    stream.give(0, sample(i * 10 * kMs, 0));
+    stream.give(0, sample_at(i * 10 * kMs, 0));
     stream.assembler.tick(i * 10 * kMs);
     stream.assembler.edges_seen_to(i * 10 * kMs);
   }

@@ -376,7 +376,7 @@ TEST(Pipeline, GivesAmplitudeAndPhaseAtEverySample) {
 }
 
 // A friction damper between table and load cell, driven at 1 Hz: two seconds of ramp, barely three periods of hold, a
-// ramp down that the recording may not see the end of. What settles.
+// ramp down that the recording may not see the end of.
 class FrictionDamper {
  public:
   FrictionDamper() : pipeline_(rig()) {}
@@ -389,6 +389,7 @@ class FrictionDamper {
       if (pipeline_.push(record) & kCompleted) keep();
     }
   }
+  // Ends the recording. Gives the dwells that settled.
   std::vector<Dwell> settled() {
     if (pipeline_.finish() & kCompleted) keep();
     return dwells_;

@@ -8,14 +8,18 @@ Y_k exp(jwt), Y_0 given, and the dynamic stiffness Z_k = c_k + jwr_k of element 
 
 Clamped: Y_{n+1} = 0, and element n+1 exerts F = Z_{n+1} Y_n on the ground. Free: Z_{n+1} = 0.
 
-usage: make.py [--check]      --check: exit 1 if phasors.json is not what this makes
+usage: make.py [--check]      --check: exit 1 if phasors.json is not what this makes; exit 2 without mpmath
 """
 import json
 import pathlib
 import random
 import sys
 
-import mpmath
+try:
+    import mpmath
+except ModuleNotFoundError:
+    print("make.py: python3-mpmath is needed", file=sys.stderr)
+    sys.exit(2)
 
 mpmath.mp.dps = 50
 FILE = pathlib.Path(__file__).with_name("phasors.json")

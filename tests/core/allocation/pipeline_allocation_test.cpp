@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "core/stream/merger.hpp"
+#include "core/stream/assembler.hpp"
 #include "core/stream/scan_clocks.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/streaming_device.hpp"
@@ -58,17 +58,26 @@ TEST(PipelineAllocation, NoneFromTheFirstSampleToTheThousandthPeriod) {
       // Two seconds at rest, then the drive.
       record.value = i < 400 ? 0.0 : exact_reading(rig, motion.at(0.005 * (i - 400)), c);
       record.channel = static_cast<std::uint16_t>(c);
-      if (c == 2 && i % 97 == 0) record.kind = Kind::tick;  // a sample missing now and then
-      stream.push_back(record);
+      if (c != 2 || i % 97 != 0) stream.push_back(record);  // a sample missing now and then
     }
   Pipeline pipeline(rig);
-  Merger merger(2, 100'000'000, 1000);
+  // Two devices, the load cell one of its own; ticks and edges beside them, as the service has them.
+  Assembler assembler({{Clock::host, {0, 1, 2}, 200.0, false}, {Clock::host, {3}, 200.0, false}}, 100'000'000, 1000);
+  const auto enter = [](Record&) {};
+  bool all_queued = true;
+  const auto admitted = [&](const Record&, Merger::Admission admission) {
+    all_queued = all_queued && admission == Merger::Admission::queued;
+  };
   std::complex<double> sum = 0;
   bool idle = false, settling = false, measuring = false;
   forbidden = true;
   for (const Record& record : stream) {
-    merger.push(record.channel == 3 ? 1 : 0, record);
-    for (Record out; merger.pop(out);) {
+    assembler.sample(record.channel == 3 ? 1 : 0, record, enter, admitted);
+    if (record.channel == 3) {
+      assembler.tick(record.t_ns);
+      assembler.edges_seen_to(record.t_ns);
+    }
+    for (Record out; assembler.next(out);) {
       pipeline.push(out);
       idle = idle || pipeline.state() == State::idle;
       settling = settling || pipeline.state() == State::settling;
@@ -83,6 +92,7 @@ TEST(PipelineAllocation, NoneFromTheFirstSampleToTheThousandthPeriod) {
   forbidden = false;
   EXPECT_EQ(allocations, 1);
   EXPECT_TRUE(idle && settling && measuring);
+  EXPECT_TRUE(all_queued);
 }
 
 TEST(ScanClocksAllocation, NoneWhileAClockIsFoundFollowedAndLost) {
