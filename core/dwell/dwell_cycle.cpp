@@ -139,15 +139,11 @@ void Pipeline::Impl::begin_hold(int from) {
   modal_poles.clear();
   modal_skipped = 0.0;
   extra_poles.clear();
-  for (Noise& noise : noises) noise = {};
-  modal_refit_at_ns = INT64_MIN;
-  modal_fitted = false;
+  residual_noise.begin_hold();
+  schedule.begin_hold();
   seen_modes.clear();
-  believe_at_ns = INT64_MIN;
   taken_back = {};
-  free_ns = steady_ns;
-  knock_ns = INT64_MIN;
-  knocks = false;
+  knock_watch.begin_hold(steady_ns);
   quiet_ns = INT64_MIN;
   settling.restart();
   history_omega = omega;

@@ -58,7 +58,7 @@ std::string Pipeline::Impl::left_out_of_dwell() const {
 std::string Pipeline::Impl::settling_reason() const {
   if (std::string reason = barred_reason(); !reason.empty()) return reason;
   if (state == State::settling) {
-    if (believe_at_ns != INT64_MIN)
+    if (schedule.asks_again_ns())
       return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
@@ -122,7 +122,7 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   }
   if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(totals.t_ref_ns())).toRotationMatrix();
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(hold_fit.fit().angle(totals.t_ref_ns())).toRotationMatrix();
     result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
   }
   result.quantization_u = quantization_u(c, result.fit, totals);

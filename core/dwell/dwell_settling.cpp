@@ -54,8 +54,9 @@ bool Pipeline::Impl::look(int from, int to) {
       take_noise(c, from, to);
       live[i].intake.see_residuals(std::sqrt(fit.sigma2));
     }
-    const double noise =
-        watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
+    const double noise = watched && fit.usable
+                             ? std::min(fit.sigma2, residual_noise.known(c) ? residual_noise.variance(c) : INFINITY)
+                             : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
     // Relative to the table's phase, whose own noise comes on top.
     readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
@@ -76,7 +77,6 @@ bool Pipeline::Impl::look(int from, int to) {
 // In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine
 // follow any smooth motion; the newest period counts an eighth of all.
 void Pipeline::Impl::take_noise(int c, int from, int to) {
-  Noise& noise = noises[static_cast<std::size_t>(c)];
   const double in_quarter = fits[static_cast<std::size_t>(c)].samples / (to - from);
   const int length = in_quarter >= 5 ? 1 : 2;
   double squares = 0.0, freedom = 0.0;
@@ -88,10 +88,7 @@ void Pipeline::Impl::take_noise(int c, int from, int to) {
     freedom += fit.samples - 3;
   }
   // Windows are a quarter of a period apart and share three quarters.
-  const double before = std::min(noise.freedom, 8 * freedom / kQuarters), now = freedom / kQuarters;
-  if (!(before + now > 0)) return;
-  noise.variance = ((before > 0 ? before * noise.variance : 0.0) + squares / kQuarters) / (before + now);
-  noise.freedom = before + now;
+  residual_noise.learn(c, squares / kQuarters, freedom / kQuarters);
 }
 
 void Pipeline::Impl::provisional() {

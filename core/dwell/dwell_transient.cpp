@@ -21,38 +21,36 @@ constexpr int kRefits = 4;                        // of the fit at a better freq
 // what rounding does to the fit: of channels rounded more coarsely than their noise 11 of 2000 come too early at 0.85
 // and at 0.82, 8 at 0.80.
 constexpr double kSafety = 0.85, kSafetyRounded = 0.80;
-constexpr double kSure = 3.0;                         // standard deviations of what may be left of the transient
-constexpr double kMostTakenOut = 8.0;                 // of what may be left, where data begin to count
-constexpr double kNegligible = 1e-3;                  // of the tolerance: nothing is subtracted any more …
-constexpr double kNegligibleOfNoise = 0.2;            // … or of the uncertainty of the phasor
-constexpr double kPerParameter = 4.0;                 // readings
-constexpr double kSudden = 1.2;                       // times what is allowed, a moment ago
-constexpr double kAgain = 0.05, kAgainPeriods = 2.0;  // of the hold, periods: later, that is asked again
-constexpr double kShortest = 2.0;                     // and kUnsure, periods, before anything is said
+constexpr double kSure = 3.0;               // standard deviations of what may be left of the transient
+constexpr double kMostTakenOut = 8.0;       // of what may be left, where data begin to count
+constexpr double kNegligible = 1e-3;        // of the tolerance: nothing is subtracted any more …
+constexpr double kNegligibleOfNoise = 0.2;  // … or of the uncertainty of the phasor
+constexpr double kShortest = 2.0;           // and kUnsure, periods, before anything is said
 
 }  // namespace
 
 // What may be left of the transient in a channel: the tolerance of its amplitude, or what ten periods' noise hides.
 double Pipeline::Impl::allowed_left(int c) const {
-  const double span_s = std::max(1e-9, to_s(now_ns - modal.t0_ns()));
-  const double in_ten = std::max(1.0, modal.samples(c) / span_s * 10 * period_s());
-  const Noise& noise = noises[static_cast<std::size_t>(c)];
-  const double floor = std::min({modal.variance(c), noise.variance, noise.in_later > 0 ? noise.later : INFINITY});
-  return std::max({rig.tolerance * std::abs(modal.phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten), 1e-300});
+  const double span_s = std::max(1e-9, to_s(now_ns - hold_fit.fit().t0_ns()));
+  const double in_ten = std::max(1.0, hold_fit.fit().samples(c) / span_s * 10 * period_s());
+  const double floor = residual_noise.floor(c, hold_fit.fit());
+  return std::max({rig.tolerance * std::abs(hold_fit.fit().phasor(c, 1)), 3 * std::sqrt(floor * 2 / in_ten), 1e-300});
 }
 
 // How much of the transient may be left at t, of what is allowed: the worst of all channels.
 double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
+  const HoldNow now = hold_now();
   double largest = 0.0;
   for (int c = 0; c < channel_count; ++c) {
     if (!readings[static_cast<std::size_t>(c)].usable) continue;
-    if (!modal.usable(c)) return INFINITY;
+    if (!hold_fit.fit().usable(c)) return INFINITY;
     if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const double allowed = allowed_left(c);
-    const ModalFit::Left left = modal.left(c, t_ns);
+    const ModalFit::Left left = hold_fit.fit().left(c, t_ns);
     double ratio = (left.envelope + kSure * left.u) / ((rounded(c) ? kSafetyRounded : kSafety) * allowed);
     // What the fit leaves over beyond the noise is not known to be no transient.
-    if (const double power = unexplained(c); power > 0) ratio = std::max(ratio, std::sqrt(2 * power) / allowed);
+    if (const double power = residual_noise.unexplained(c, hold_fit.fit(), now); power > 0)
+      ratio = std::max(ratio, std::sqrt(2 * power) / allowed);
     if (ratio > largest) {
       largest = ratio;
       if (worst) *worst = c;
@@ -63,69 +61,80 @@ double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
 
 // What may be left without being taken out.
 double Pipeline::Impl::negligible_left(int c) const {
-  return std::max(kNegligible * rig.tolerance * std::abs(modal.phasor(c, 1)),
-                  kNegligibleOfNoise * std::sqrt(modal.variance(c) * 2 / modal.samples(c)));
+  return std::max(kNegligible * rig.tolerance * std::abs(hold_fit.fit().phasor(c, 1)),
+                  kNegligibleOfNoise * std::sqrt(hold_fit.fit().variance(c) * 2 / hold_fit.fit().samples(c)));
 }
 
 // What has become negligible in every channel is evaluated no more.
 void Pipeline::Impl::fade_modes(std::int64_t t_ns) {
-  for (std::size_t m = 0; m < modal.poles().size(); ++m) {
-    if (modal.poles()[m].real() == 0) continue;
+  for (std::size_t m = 0; m < hold_fit.fit().poles().size(); ++m) {
+    if (hold_fit.fit().poles()[m].real() == 0) continue;
     double fades_s = 0.0;
     for (int c = 0; c < channel_count; ++c)
-      if (modal.usable(c)) {
-        const double most = modal.most(c, m, t_ns) / negligible_left(c);
-        if (most > 1) fades_s = std::max(fades_s, std::log(most) / -modal.poles()[m].real());
+      if (hold_fit.fit().usable(c)) {
+        const double most = hold_fit.fit().most(c, m, t_ns) / negligible_left(c);
+        if (most > 1) fades_s = std::max(fades_s, std::log(most) / -hold_fit.fit().poles()[m].real());
       }
-    modal.fade(m, t_ns + to_ns(std::min(fades_s, rig.memory_s)));
+    hold_fit.fit().fade(m, t_ns + to_ns(std::min(fades_s, rig.memory_s)));
   }
 }
 
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
+  const std::int64_t free_ns = knock_watch.free_since_ns();
   // Windows alone would be believed too soon.
   if (to_s(end_ns - free_ns) < (kUnsure + kShortest) * 0.99 * period_s()) return true;
-  bool fresh = now_ns >= modal_refit_at_ns;
-  if (!fresh && modal_fitted) {
-    feed_modes();
-    solve_modes();
-    modal.propagate_poles(!from_motion());
+  bool fresh = schedule.due(now_ns);
+  if (!fresh && schedule.made_ns()) {
+    const HoldNow now = hold_now();
+    hold_fit.feed(now.channels);
+    hold_fit.solve(now.channels);
+    hold_fit.fit().propagate_poles(!from_motion());
     // The last refit had fewer data than their uncertainty now counts. Before a verdict the poles are refined on all.
+    const std::int64_t refitted_ns = *schedule.made_ns();
     const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(refitted_ns - free_ns));
-    const bool knocked = knock_ns == INT64_MIN && explained() && knocked_now(end_ns - to_ns(period_s() / kQuarters));
+    const bool knocked = !knock_watch.alarm_ns() && explained() &&
+                         knock_watch.sees_knock(hold_fit, residual_noise, now, end_ns - to_ns(period_s() / kQuarters));
     if (knocked) heed_knock(end_ns);
-    fresh = !(knock_ns > refitted_ns) && now_ns > refitted_ns + grown_ns && modal_left(end_ns, nullptr) <= 1;
+    fresh =
+        !knock_watch.alarmed_since(refitted_ns) && now_ns > refitted_ns + grown_ns && modal_left(end_ns, nullptr) <= 1;
   }
   if (fresh) {
-    modal_fitted = refit_modes();
-    if (!modal_fitted) {
+    if (!refit_modes()) {
+      schedule.failed();
       if (!decay.poles().empty()) refit_later(kHoldGrowth);
       return false;
     }
-    refitted_ns = now_ns;
-    if (explained()) knock_ns = INT64_MIN;
-    modal.propagate_poles(!from_motion());
+    schedule.made(now_ns);
+    if (explained()) knock_watch.clear_alarm();
+    hold_fit.fit().propagate_poles(!from_motion());
     // Far from settled there is time.
     const double left = modal_left(end_ns, nullptr);
     const double ahead_s =
-        left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / slowest_rate() : 0.0;
-    refit_later(std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - free_ns)), kHoldGrowth, kGrowthFar));
-    if (knocks && !explained()) refit_after_knock();
-  } else if (!modal_fitted) {
+        left > 1 && std::isfinite(left) && explained() ? kAhead * std::log(left) / hold_fit.slowest_rate() : 0.0;
+    refit_later(
+        std::clamp(1 + ahead_s / std::max(1e-9, to_s(now_ns - knock_watch.free_since_ns())), kHoldGrowth, kGrowthFar));
+    if (knock_watch.any() && !explained()) refit_after_knock();
+  } else if (!schedule.made_ns()) {
     return false;
   }
   const double left_before = std::exchange(verdict, {}).worst_left;
   verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
   if (verdict.worst_left <= 1) {
-    compare_halves();
+    residual_noise.compare_halves(hold_fit, now_ns);
     verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
-    if (!explained()) refit_soon();
+    // Not before a period has gone by.
+    if (!explained()) schedule.plan_no_later_than(now_ns + to_ns(period_s()));
   }
-  const bool believes = believed(left_before), waits = !believes || !determined() || knock_ns > refitted_ns;
+  bool any_rounded = false;
+  for (int c = 0; c < channel_count; ++c) any_rounded = any_rounded || rounded(c);
+  const bool believes = schedule.believes({verdict.worst_left, left_before, any_rounded}, period_s(),
+                                          knock_watch.free_since_ns(), now_ns);
+  const bool waits = !believes || !hold_fit.determined() || knock_watch.alarmed_since(*schedule.made_ns());
   verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
-                         : verdict.worst_left > 1                     ? std::log(verdict.worst_left) / slowest_rate()
-                         : !believes                                  ? to_s(believe_at_ns - now_ns)
-                                                                      : kNaN;
+                         : verdict.worst_left > 1 ? std::log(verdict.worst_left) / hold_fit.slowest_rate()
+                         : !believes              ? to_s(*schedule.asks_again_ns() - now_ns)
+                                                  : kNaN;
   if (waits || out_of_search()) return true;
   const std::int64_t counts_ns = count_from(end_ns);
   if (counts_ns == INT64_MIN) return true;
@@ -135,14 +144,14 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   enter(State::measuring);
   for (Live& channel : live) channel.intake.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
-  omega = modal.omega();
-  blocks.set_drift({modal.rate(), modal.t0_ns()});
+  omega = hold_fit.fit().omega();
+  blocks.set_drift({hold_fit.fit().rate(), hold_fit.fit().t0_ns()});
   if (pending) emit(EndedBy::drive_changed);
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
   // Again, where the data that count contradict the frequency at which the transient was taken out of them.
-  fits_left = std::max(fits_left, kRefits);
+  hold_fit.allow_at_least(kRefits);
   for (int i = 0; i < kRefits && tracked() && !same_drive() && follow_drive(); ++i) {
     take_transient_out(end_ns);
     count_anew();
@@ -155,7 +164,7 @@ std::int64_t Pipeline::Impl::count_from(std::int64_t end_ns) const {
   // The data count from the earliest instant at which a verdict would have been right. Where that leaves too few they
   // count from further back: there what is taken out is at most kMostTakenOut times what may be left.
   const auto quarter_ns = to_ns(period_s() / kQuarters);
-  const std::int64_t all = (end_ns - modal.t0_ns()) / quarter_ns;
+  const std::int64_t all = (end_ns - hold_fit.fit().t0_ns()) / quarter_ns;
   const auto back_to = [&](double allowed) {
     std::int64_t back = 0, too_far = all + 1;
     while (too_far - back > 1) {
@@ -168,77 +177,47 @@ std::int64_t Pipeline::Impl::count_from(std::int64_t end_ns) const {
   return back < kFewestQuarters ? INT64_MIN : end_ns - back * quarter_ns;
 }
 
-// Few readings more than regressors are explained by any poles.
-bool Pipeline::Impl::determined() const {
-  for (int c = 0; c < channel_count; ++c)
-    if (modal.usable(c) && modal.samples(c) < kPerParameter * modal.parameters()) return false;
-  return true;
-}
-
 // Whether a channel's noise is hidden by its rounding.
 bool Pipeline::Impl::rounded(int c) const {
   const double step = live[static_cast<std::size_t>(c)].intake.step();
-  return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
+  return hold_fit.fit().usable(c) && std::isfinite(step) && hold_fit.fit().variance(c) < step * step * kRounded;
 }
-
-// Rounding is no noise: it may lead a fit astray, and another with some more data again elsewhere. What is said of a
-// sudden where readings are rounded is asked of a second fit.
-bool Pipeline::Impl::believed(double left_before) {
-  if (verdict.worst_left > 1) {
-    believe_at_ns = INT64_MIN;
-    return false;
-  }
-  if (believe_at_ns == INT64_MIN) {
-    bool any = false;
-    for (int c = 0; c < channel_count; ++c) any = any || rounded(c);
-    if (!any || !(left_before > kSudden)) return true;
-    believe_at_ns = now_ns + std::max(to_ns(kAgainPeriods * period_s()),
-                                      static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_ns)));
-    modal_refit_at_ns = believe_at_ns;
-  }
-  return now_ns >= believe_at_ns;
-}
-
-void Pipeline::Impl::refit_later(double growth) {
-  modal_refit_at_ns = free_ns + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - free_ns));
-}
-
-// Not before a period has gone by.
-void Pipeline::Impl::refit_soon() { modal_refit_at_ns = std::min(modal_refit_at_ns, now_ns + to_ns(period_s())); }
 
 // More data tell better what the transient was: now and then, while all since the hold's beginning are there and what
 // is not known of it is a part of the uncertainty that matters.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
-  if (quiet_ns == INT64_MIN || now_ns < modal_refit_at_ns || doubtful_quarters() > 0) return;
-  if (history[history.begin()].t_ns > modal.t0_ns()) {
-    modal_refit_at_ns = INT64_MAX;
+  if (quiet_ns == INT64_MIN || !schedule.due(now_ns) || doubtful_quarters() > 0) return;
+  if (history[history.begin()].t_ns > hold_fit.fit().t0_ns()) {
+    schedule.plan_no_more();
     return;
   }
   // What grows apart from the steady motion as slowly as it decays shows while it decays.
-  double slowest = slowest_rate();
+  double slowest = hold_fit.slowest_rate();
   const auto chain = chain_poles();
   for (const Complex& pole : chain) slowest = std::min(slowest, -pole.real());
-  const bool seen = slowest * to_s(now_ns - free_ns) > kSeenThrough;
+  const bool seen = slowest * to_s(now_ns - knock_watch.free_since_ns()) > kSeenThrough;
   const bool last = seen && !(hums() || transient_matters());
-  fits_left = std::min(kFitsMeasuring, fits_affordable(modal.poles().size()));
+  hold_fit.allow(std::min(kFitsMeasuring, hold_fit.affordable(hold_fit.fit().poles().size())));
   best_poles.assign(extra_poles.begin(), extra_poles.end());
   best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
-  feed_modes();
-  solve_modes();
+  const HoldNow now = hold_now();
+  hold_fit.feed(now.channels);
+  hold_fit.solve(now.channels);
   if (!same_drive()) static_cast<void>(follow_drive());
-  const double refined = refine_poles(modal.misfit(), 1);
+  const double refined = refine_poles(hold_fit.fit().misfit(), 1);
   // A verdict by too few data may have had poles far from the chain's as it shows by now.
   keep_alive(chain, trial_poles);
-  if (fits_left > 0 && !trial_poles.empty())
-    if (const double other = try_poles(modal.omega(), refined); other < refined) refine_poles(other, kManyRefinements);
+  if (hold_fit.may_fit() && !trial_poles.empty())
+    if (const double other = try_poles(hold_fit.fit().omega(), refined); other < refined)
+      refine_poles(other, kManyRefinements);
   take_best_poles();
-  modal.propagate_poles(!from_motion());
+  hold_fit.fit().propagate_poles(!from_motion());
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   if (premature() && !mend_verdict(end_ns)) return;
   take_transient_out(end_ns);
   count_anew();
   remember_modes();
-  if (last) modal_refit_at_ns = INT64_MAX;
+  if (last) schedule.plan_no_more();
 }
 
 // Whether a better fit says that at the verdict more than allowed was left of the transient, by kSure standard
@@ -247,9 +226,9 @@ bool Pipeline::Impl::premature() {
   if (!explained()) return false;
   double most = 1.0;
   for (int c = 0; c < channel_count; ++c) {
-    if (!readings[static_cast<std::size_t>(c)].usable || !modal.usable(c)) continue;
+    if (!readings[static_cast<std::size_t>(c)].usable || !hold_fit.fit().usable(c)) continue;
     if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
-    const ModalFit::Left left = modal.left(c, verdict_ns);
+    const ModalFit::Left left = hold_fit.fit().left(c, verdict_ns);
     const double allowed = allowed_left(c);
     if ((left.swing - kSure * left.u) / allowed <= most) continue;
     most = (left.swing - kSure * left.u) / allowed;
@@ -280,7 +259,7 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   blocks.set_drift({});
   const std::int64_t begin_ns = std::max({steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
   rebuild_blocks(begin_ns, end_ns);
-  refitted_ns = now_ns;
+  schedule.made(now_ns);
   refit_later(kHoldGrowth);
   return false;
 }
@@ -288,23 +267,24 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
 // Tries the frequency of the data that count in the modal fit. The fit has seen more data than these, so it keeps its
 // own frequency unless the other explains all of them better.
 bool Pipeline::Impl::follow_drive() {
-  best_poles.assign(modal.poles().begin(), modal.poles().end());
+  best_poles.assign(hold_fit.fit().poles().begin(), hold_fit.fit().poles().end());
   trial_poles = best_poles;
-  modal_rate = blocks.drift().rate;
-  const double before = modal.misfit();
-  return try_poles(omega_at(modal_from_ns, omega), before) < before;
+  hold_fit.set_rate(blocks.drift().rate);
+  const double before = hold_fit.fit().misfit();
+  return try_poles(omega_at(hold_fit.from_ns(), omega), before) < before;
 }
 
 // Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows, or
 // is no more than the data that count leave open; the modal fit has seen more than these.
 bool Pipeline::Impl::same_drive() const {
-  const double off = std::abs(omega_at(modal.t0_ns(), omega) - modal.omega()), seen_s = to_s(now_ns - modal.t0_ns());
-  const double faster = std::abs(blocks.drift().rate - modal.rate());
+  const double off = std::abs(omega_at(hold_fit.fit().t0_ns(), omega) - hold_fit.fit().omega()),
+               seen_s = to_s(now_ns - hold_fit.fit().t0_ns());
+  const double faster = std::abs(blocks.drift().rate - hold_fit.fit().rate());
   if (from_motion() && faster == 0 && off < kOwnOmega * hold.u_omega) return true;
   const double turned = (off + 0.5 * faster * seen_s) * seen_s;
   for (int c = 0; c < channel_count; ++c)
-    if (modal.usable(c) &&
-        turned * std::abs(modal.phasor(c, 1)) > kTurned * std::sqrt(modal.variance(c) * 2 / modal.samples(c)))
+    if (hold_fit.fit().usable(c) && turned * std::abs(hold_fit.fit().phasor(c, 1)) >
+                                        kTurned * std::sqrt(hold_fit.fit().variance(c) * 2 / hold_fit.fit().samples(c)))
       return false;
   return true;
 }
@@ -313,7 +293,7 @@ bool Pipeline::Impl::same_drive() const {
 bool Pipeline::Impl::transient_matters() const {
   for (int c = 0; c < channel_count; ++c) {
     const HarmonicFit fit = fit_harmonics(counted, c, H, 0.0);
-    if (!fit.usable || !modal.usable(c)) continue;
+    if (!fit.usable || !hold_fit.fit().usable(c)) continue;
     if (transient_covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;
   }
   return false;
@@ -321,19 +301,19 @@ bool Pipeline::Impl::transient_matters() const {
 
 // Of p_1 and q_1 of N samples, referred to the modal fit's zero of time.
 Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) const {
-  return 4 / (samples * samples) * modal.spread(c, overlap[static_cast<std::size_t>(c)]);
+  return 4 / (samples * samples) * hold_fit.fit().spread(c, overlap[static_cast<std::size_t>(c)]);
 }
 
 // Builds the blocks anew from the history, the transient subtracted.
 void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   const std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
   quiet_ns = end_ns;
-  modal.propagate_poles(!from_motion());
+  hold_fit.fit().propagate_poles(!from_motion());
   fade_modes(begin_ns);
-  for (std::size_t m = 0; m < modal.poles().size(); ++m)
-    if (modal.poles()[m].real() < 0) quiet_ns = std::max(quiet_ns, modal.faded_ns(m));
+  for (std::size_t m = 0; m < hold_fit.fit().poles().size(); ++m)
+    if (hold_fit.fit().poles()[m].real() < 0) quiet_ns = std::max(quiet_ns, hold_fit.fit().faded_ns(m));
   // What hums is followed as long as it is fitted anew.
-  if (hums()) quiet_ns = std::max(quiet_ns, modal_refit_at_ns + to_ns(2 * period_s()));
+  if (hums()) quiet_ns = std::max(quiet_ns, schedule.planned_ns() + to_ns(2 * period_s()));
   for (auto& B : overlap) B.setZero();
   rebuild_blocks(begin_ns, end_ns);
 }
@@ -353,9 +333,9 @@ void Pipeline::Impl::rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns) 
 }
 
 double Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
-  if (t_ns < quiet_ns && modal.usable(c)) {
-    value -= modal.disturbance(c, t_ns);
-    modal.overlap_at(t_ns, overlap[static_cast<std::size_t>(c)]);
+  if (t_ns < quiet_ns && hold_fit.fit().usable(c)) {
+    value -= hold_fit.fit().disturbance(c, t_ns);
+    hold_fit.fit().overlap_at(t_ns, overlap[static_cast<std::size_t>(c)]);
   }
   blocks.add(c, t_ns, value);
   return value;

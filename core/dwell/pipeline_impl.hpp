@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
 #include "core/chain/estimate.hpp"
 #include "core/chain/identify.hpp"
 #include "core/drive/drive.hpp"
@@ -33,27 +34,25 @@
 #include "core/rig/usable_observation.hpp"
 #include "core/stream/sample_history.hpp"
 #include "core/stream/transactions.hpp"
-#include "core/transient/modal_fit.hpp"
+#include "core/transient/hold_fit.hpp"
+#include "core/transient/hold_now.hpp"
+#include "core/transient/knock_watch.hpp"
+#include "core/transient/refit_schedule.hpp"
+#include "core/transient/residual_noise.hpp"
 #include "core/transient/seen_modes.hpp"
 #include "core/transient/settling.hpp"
 #include "core/transient/whole_hold.hpp"
 
 namespace dwell {
 
-inline constexpr int kQuarters = 4;          // windows of one period
 inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
 inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
 inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
 inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
-inline constexpr double kRounded = 0.25 + 1.0 / 12;  // steps²: readings of less noise than half a step, and rounding
 inline constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
 inline constexpr int kManyRefinements = 8;  // of poles that are far off
-inline constexpr double kUnsure = 1.0;      // periods at the beginning of a hold, which are left out
-
-[[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
-[[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 // An absolute transducer on the table.
 [[nodiscard]] inline bool shows_drive(const Channel& channel) {
@@ -83,26 +82,24 @@ struct Pipeline::Impl {
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         transactions(given),
-        modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
-        spare(modal),
+        hold_fit(history, channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
+        residual_noise(channel_count),
+        knock_watch(channel_count),
         seen_modes(channel_count),
         whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         usable_observation(given, G),
         omega(kTwoPi * given.excitation.frequency_hz) {
-    for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
     for (const Channel& channel : rig.channels) live.emplace_back(channel);
     fits.resize(live.size());
     readings.resize(live.size());
     transient.resize(live.size());
-    ranges.resize(live.size());
+    fitted_channels.resize(live.size());
     left_over.resize(live.size());
-    noises.resize(live.size());
     spectrum.resize(kMains + 400);
     overlap.resize(live.size());
-    of_quarter.resize(live.size());
-    for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
+    for (auto& B : overlap) B.setZero(2, hold_fit.fit().modal_regressors());
     for (auto* poles :
          {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras, &known_poles})
       poles->reserve(4 * given.masses.size() + 4);
@@ -160,35 +157,16 @@ struct Pipeline::Impl {
   bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
   Transactions transactions;
-  ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
-  std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
-  std::int64_t modal_refit_at_ns = INT64_MIN, modal_from_ns = 0;
-  // Since when the natural oscillations go on undisturbed: since the hold's beginning, or the last knock that was
-  // found.
-  std::int64_t free_ns = 0;
-  std::int64_t knock_ns = INT64_MIN;  // the newest alarm, which the next refit looks at
-  bool knocks = false;                // there was an alarm in this hold
-  struct Newest {
-    double squares = 0.0, count = 0.0;
-  };
-  std::vector<Newest> of_quarter;          // per channel, residuals of the newest quarter
-  std::int64_t refitted_ns = 0;            // when its poles were last refined
-  bool modal_fitted = false;               // in this hold
-  std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
-  double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
-  int fits_left = 0;                       // of the whole hold, before now must be enough
-  double modal_rate = 0.0;                 // rad/s², of the drive as it is fitted
-  double modal_skipped = 0.0;              // part of the hold that the modal fit leaves out
-  std::int64_t quiet_ns = INT64_MIN;       // until then the transient is taken out of what comes in
+  HoldFit hold_fit;              // of the natural oscillations
+  ResidualNoise residual_noise;  // what it leaves over
+  KnockWatch knock_watch;
+  RefitSchedule schedule;
+  mutable std::vector<FittedChannel> fitted_channels;  // of hold_now()
+  double kept_w = 0.0;                                 // rad/s, of the fit with kept_poles
+  double modal_skipped = 0.0;                          // part of the hold that the modal fit leaves out
+  std::int64_t quiet_ns = INT64_MIN;                   // until then the transient is taken out of what comes in
   std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
       spectrum, known_poles;
-  struct Noise {
-    double variance = INFINITY, freedom = 0.0;
-    // Of the modal fit's residuals in either half of it, and their numbers.
-    double earlier = 0.0, later = 0.0, in_earlier = 0.0, in_later = 0.0;
-  };
-  std::vector<Noise> noises;   // per channel, of the readings: from what no smooth motion explains
-  std::vector<double> ranges;  // per channel, largest distance from the reference over the modal fit
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   SeenModes seen_modes;           // of this hold
@@ -340,41 +318,33 @@ struct Pipeline::Impl {
   }
 
   // dwell_modes.cpp: the modal fit of the hold so far.
-  // ω at modal_from_ns and modal_rate that the drive's channel alone tells of, from the blocks of this hold.
-  double drive_omega();
-  // Shows the fit the samples that it has not seen.
-  void feed_modes();
-  // The fit anew, with other poles and ω at modal_from_ns; its misfit.
-  double fit_modes(double w, std::span<const Complex> poles);
-  void solve_modes();
+  // What the model of the transient is told of this moment.
+  [[nodiscard]] HoldNow hold_now() const;
+  // ω that the drive's channel alone tells of, from the blocks of this hold.
+  [[nodiscard]] SeenFrequency drive_omega() const;
+  // The fit anew, with other poles and ω where it begins; its misfit.
+  double fit_modes(double w, std::span<const Complex> poles) { return hold_fit.anew(w, poles, hold_now().channels); }
   // The poles of the chain that the fit's steady motion tells of; none where that cannot be solved.
   std::span<const Complex> chain_poles();
   void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
   void renew_silent_poles();
-  // How often the whole hold may be fitted anew with so many poles.
-  [[nodiscard]] int fits_affordable(std::size_t poles) const;
   // trial_poles become best_poles if they explain the data better; the misfit of best_poles.
   double try_poles(double w, double best);
   double refine_poles(double best, int steps);
   void take_best_poles();
   // Everything again: where the hold's data may begin, the poles, what they leave over. false: no poles are known.
   bool refit_modes();
-  [[nodiscard]] double slowest_rate() const;
   // Keeps what the fit now shows of the natural oscillations, for the check of the model.
   void remember_modes();
 
   // dwell_residuals.cpp: what the fit leaves over.
-  [[nodiscard]] bool explained() const;
-  // Variance of a channel's residuals beyond its noise; not above 0: none.
-  [[nodiscard]] double unexplained(int c) const;
-  void compare_halves();
+  [[nodiscard]] bool explained() const { return residual_noise.explained(hold_fit.fit(), hold_now()); }
   bool find_extra_pole();
   void judge_extra_poles();
   // Whether a steady line beside the drive is fitted.
   [[nodiscard]] bool hums() const;
 
   // dwell_knocks.cpp: what begins the natural oscillations anew while the rig settles.
-  bool knocked_now(std::int64_t from_ns);
   bool fit_since_knock(double w, std::int64_t first_ns);
   void heed_knock(std::int64_t end_ns);
   void refit_after_knock();
@@ -386,11 +356,8 @@ struct Pipeline::Impl {
   double modal_left(std::int64_t t_ns, int* worst) const;
   // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
-  bool believed(double left_before);
   [[nodiscard]] bool rounded(int c) const;
-  [[nodiscard]] bool determined() const;
-  void refit_later(double growth);
-  void refit_soon();
+  void refit_later(double growth) { schedule.plan_growth(growth, knock_watch.free_since_ns(), now_ns); }
   void refit_measuring(std::int64_t end_ns);
   // The modal fit anew, at the frequency and drift of the data that count, where that explains the hold better: whether
   // it does.
