@@ -131,14 +131,13 @@ void Pipeline::Impl::begin_hold(int from) {
   steady_ns = blocks.block(from).begin_ns;
   steady_serial = blocks.block(from).first_serial;
   blocks.forget_before(steady_ns);
-  time_constant_s = kNaN;
+  provisional_chain.forget_time_constant();
   solve_at_serial = 0;
   verdict = {};
   verdict.settles_in_s = kNaN;
   counted_valid = false;
-  modal_poles.clear();
-  modal_skipped = 0.0;
-  extra_poles.clear();
+  pole_search.poles().clear();
+  hold_refit.begin_hold();
   residual_noise.begin_hold();
   schedule.begin_hold();
   seen_modes.clear();

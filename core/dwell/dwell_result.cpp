@@ -14,7 +14,7 @@ constexpr int kManyRestarts = 6;  // of a hold, one after the other, that want t
 // What the fit found to swing beside the drive and the chain.
 std::string Pipeline::Impl::foreign_oscillations() const {
   std::string lines;
-  for (const Complex pole : extra_poles)
+  for (const Complex pole : pole_search.poles().beside)
     if (pole.imag() > 0)
       lines += (lines.empty() ? "; beside the chain something swings at " : " and at ") +
                std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
@@ -65,7 +65,7 @@ std::string Pipeline::Impl::settling_reason() const {
       return taken_back_reason() + "transient left in " +
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +
-             (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
+             (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) &&
                       blocks.serials() - steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
@@ -112,12 +112,13 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
         channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
             ? "no sample yet"
             : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
-  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
+  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 &&
+      std::isfinite(provisional_chain.time_constant_s())) {
     // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
     // rectangular.
     const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
-    const double u = transient[static_cast<std::size_t>(c)] * time_constant_s / D * -std::expm1(-D / time_constant_s) /
-                     std::numbers::sqrt3;
+    const double u = transient[static_cast<std::size_t>(c)] * provisional_chain.time_constant_s() / D *
+                     -std::expm1(-D / provisional_chain.time_constant_s()) / std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
   if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
@@ -151,7 +152,9 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = state;
-  dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
+  dwell.memory_time_predicted_s = std::isfinite(provisional_chain.time_constant_s())
+                                      ? -provisional_chain.time_constant_s() * std::log(rig.tolerance)
+                                      : kNaN;
   dwell.settling_reason = settling_reason();
   if (origin_ns == INT64_MIN) return dwell;
   const bool active = state == State::settling || state == State::measuring;
@@ -213,7 +216,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
-  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s) && quiet_ns == INT64_MIN)
+  if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && quiet_ns == INT64_MIN)
     dwell.warnings.push_back(
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");

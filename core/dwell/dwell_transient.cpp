@@ -25,7 +25,10 @@ constexpr double kSure = 3.0;               // standard deviations of what may b
 constexpr double kMostTakenOut = 8.0;       // of what may be left, where data begin to count
 constexpr double kNegligible = 1e-3;        // of the tolerance: nothing is subtracted any more …
 constexpr double kNegligibleOfNoise = 0.2;  // … or of the uncertainty of the phasor
-constexpr double kShortest = 2.0;           // and kUnsure, periods, before anything is said
+constexpr double kFewPeriods = 2.5;         // after a knock, until the hold is fitted anew
+// Of the time since a knock, and at least a period: before its data are tried again.
+constexpr double kLookAgain = 0.25;
+constexpr double kShortest = 2.0;  // and kUnsure, periods, before anything is said
 
 }  // namespace
 
@@ -100,9 +103,9 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
         !knock_watch.alarmed_since(refitted_ns) && now_ns > refitted_ns + grown_ns && modal_left(end_ns, nullptr) <= 1;
   }
   if (fresh) {
-    if (!refit_modes()) {
+    if (!hold_refit.possible() || !hold_refit.make(drive_omega(), hold_now())) {
       schedule.failed();
-      if (!decay.poles().empty()) refit_later(kHoldGrowth);
+      if (!provisional_chain.last().empty()) refit_later(kHoldGrowth);
       return false;
     }
     schedule.made(now_ns);
@@ -160,6 +163,18 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   return true;
 }
 
+// Asks for a refit once enough has been seen since.
+void Pipeline::Impl::heed_knock(std::int64_t end_ns) {
+  knock_watch.alarm(end_ns);
+  schedule.plan(end_ns + to_ns(kFewPeriods * period_s()));
+}
+
+void Pipeline::Impl::refit_after_knock() {
+  const auto again_ns =
+      static_cast<std::int64_t>(kLookAgain * static_cast<double>(now_ns - knock_watch.free_since_ns()));
+  schedule.plan_no_later_than(now_ns + std::max(to_ns(period_s()), again_ns));
+}
+
 std::int64_t Pipeline::Impl::count_from(std::int64_t end_ns) const {
   // The data count from the earliest instant at which a verdict would have been right. Where that leaves too few they
   // count from further back: there what is taken out is at most kMostTakenOut times what may be left.
@@ -193,24 +208,25 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   }
   // What grows apart from the steady motion as slowly as it decays shows while it decays.
   double slowest = hold_fit.slowest_rate();
-  const auto chain = chain_poles();
+  const auto chain = provisional_chain.seen_by(hold_fit.fit());
   for (const Complex& pole : chain) slowest = std::min(slowest, -pole.real());
   const bool seen = slowest * to_s(now_ns - knock_watch.free_since_ns()) > kSeenThrough;
   const bool last = seen && !(hums() || transient_matters());
   hold_fit.allow(std::min(kFitsMeasuring, hold_fit.affordable(hold_fit.fit().poles().size())));
-  best_poles.assign(extra_poles.begin(), extra_poles.end());
-  best_poles.insert(best_poles.end(), modal_poles.begin(), modal_poles.end());
+  pole_search.best().assign(pole_search.poles().beside.begin(), pole_search.poles().beside.end());
+  pole_search.best().insert(pole_search.best().end(), pole_search.poles().chain.begin(),
+                            pole_search.poles().chain.end());
   const HoldNow now = hold_now();
   hold_fit.feed(now.channels);
   hold_fit.solve(now.channels);
   if (!same_drive()) static_cast<void>(follow_drive());
-  const double refined = refine_poles(hold_fit.fit().misfit(), 1);
+  const double refined = pole_search.refine(hold_fit.fit().misfit(), 1, now);
   // A verdict by too few data may have had poles far from the chain's as it shows by now.
-  keep_alive(chain, trial_poles);
-  if (hold_fit.may_fit() && !trial_poles.empty())
-    if (const double other = try_poles(hold_fit.fit().omega(), refined); other < refined)
-      refine_poles(other, kManyRefinements);
-  take_best_poles();
+  pole_search.still_there(chain, knock_watch.free_since_ns(), now, pole_search.trial());
+  if (hold_fit.may_fit() && !pole_search.trial().empty())
+    if (const double other = pole_search.try_trial(hold_fit.fit().omega(), refined, now); other < refined)
+      pole_search.refine(other, PoleSearch::kManySteps, now);
+  pole_search.take_best();
   hold_fit.fit().propagate_poles(!from_motion());
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   if (premature() && !mend_verdict(end_ns)) return;
@@ -267,11 +283,11 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
 // Tries the frequency of the data that count in the modal fit. The fit has seen more data than these, so it keeps its
 // own frequency unless the other explains all of them better.
 bool Pipeline::Impl::follow_drive() {
-  best_poles.assign(hold_fit.fit().poles().begin(), hold_fit.fit().poles().end());
-  trial_poles = best_poles;
+  pole_search.best().assign(hold_fit.fit().poles().begin(), hold_fit.fit().poles().end());
+  pole_search.trial() = pole_search.best();
   hold_fit.set_rate(blocks.drift().rate);
   const double before = hold_fit.fit().misfit();
-  return try_poles(omega_at(hold_fit.from_ns(), omega), before) < before;
+  return pole_search.try_trial(omega_at(hold_fit.from_ns(), omega), before, hold_now()) < before;
 }
 
 // Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows, or

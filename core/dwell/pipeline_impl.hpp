@@ -1,6 +1,6 @@
 // The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
 // the state machine of the dwell, dwell_settling.cpp judges by windows whether the transient has decayed,
-// dwell_modes.cpp, dwell_residuals.cpp and dwell_transient.cpp by the natural oscillations; dwell_data.cpp keeps the
+// dwell_modes.cpp and dwell_transient.cpp by the natural oscillations (core/transient); dwell_data.cpp keeps the
 // sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
 // of all what is reported. Internal to core.
 #pragma once
@@ -14,9 +14,10 @@
 #include <vector>
 
 #include "core/base/angle.hpp"
+#include "core/base/complex.hpp"
 #include "core/base/instants.hpp"
 #include "core/chain/estimate.hpp"
-#include "core/chain/identify.hpp"
+#include "core/chain/provisional_chain.hpp"
 #include "core/drive/drive.hpp"
 #include "core/drive/refine.hpp"
 #include "core/drive/seen_drive.hpp"
@@ -29,14 +30,15 @@
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/channel_intake.hpp"
-#include "core/model/decay.hpp"
 #include "core/rig/observation.hpp"
-#include "core/rig/usable_observation.hpp"
 #include "core/stream/sample_history.hpp"
 #include "core/stream/transactions.hpp"
+#include "core/transient/foreign_lines.hpp"
 #include "core/transient/hold_fit.hpp"
 #include "core/transient/hold_now.hpp"
+#include "core/transient/hold_refit.hpp"
 #include "core/transient/knock_watch.hpp"
+#include "core/transient/pole_search.hpp"
 #include "core/transient/refit_schedule.hpp"
 #include "core/transient/residual_noise.hpp"
 #include "core/transient/seen_modes.hpp"
@@ -48,11 +50,7 @@ namespace dwell {
 inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
-inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
-inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
-inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
-inline constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
-inline constexpr int kManyRefinements = 8;  // of poles that are far off
+inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
 
 // An absolute transducer on the table.
 [[nodiscard]] inline bool shows_drive(const Channel& channel) {
@@ -87,9 +85,12 @@ struct Pipeline::Impl {
         knock_watch(channel_count),
         seen_modes(channel_count),
         whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
-        decay(given.boundary, given.masses),
         G(observation_matrix(given)),
-        usable_observation(given, G),
+        provisional_chain(rig, G),
+        pole_search(rig, hold_fit, residual_noise),
+        foreign_lines(pole_search, hold_fit, residual_noise, given.masses.size()),
+        hold_refit({provisional_chain, hold_fit, residual_noise, knock_watch, pole_search, foreign_lines},
+                   given.masses.size()),
         omega(kTwoPi * given.excitation.frequency_hz) {
     for (const Channel& channel : rig.channels) live.emplace_back(channel);
     fits.resize(live.size());
@@ -97,12 +98,8 @@ struct Pipeline::Impl {
     transient.resize(live.size());
     fitted_channels.resize(live.size());
     left_over.resize(live.size());
-    spectrum.resize(kMains + 400);
     overlap.resize(live.size());
     for (auto& B : overlap) B.setZero(2, hold_fit.fit().modal_regressors());
-    for (auto* poles :
-         {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras, &known_poles})
-      poles->reserve(4 * given.masses.size() + 4);
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
       is_imposed.push_back(shows_drive(channel));
@@ -112,11 +109,6 @@ struct Pipeline::Impl {
       const Quantity measures = rig.channels[static_cast<std::size_t>(c)].measures;
       if (measures != Quantity::force && measures != Quantity::auxiliary) drive_channel = c;
     }
-    const auto unknowns = static_cast<std::size_t>(rig.mass_count());
-    state_x.resize(G.cols());
-    Y.resize(unknowns + 1);
-    d.resize(unknowns);
-    Z.resize(static_cast<std::size_t>(rig.element_count()));
   }
 
   // One channel as it delivers.
@@ -162,26 +154,22 @@ struct Pipeline::Impl {
   KnockWatch knock_watch;
   RefitSchedule schedule;
   mutable std::vector<FittedChannel> fitted_channels;  // of hold_now()
-  double kept_w = 0.0;                                 // rad/s, of the fit with kept_poles
-  double modal_skipped = 0.0;                          // part of the hold that the modal fit leaves out
   std::int64_t quiet_ns = INT64_MIN;                   // until then the transient is taken out of what comes in
-  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
-      spectrum, known_poles;
   // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   SeenModes seen_modes;           // of this hold
   WholeHold whole_hold;           // for the same
   std::vector<char> is_imposed;   // per channel: shows_drive()
   std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
-  DecayRate decay;
   const Eigen::MatrixXd G;
   int drive_channel = -1;
   std::vector<Live> live;
   std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
-  UsableObservation usable_observation;
-  Eigen::VectorXcd state_x;
-  std::vector<Complex> Y, d, Z;
+  ProvisionalChain provisional_chain;
+  PoleSearch pole_search;
+  ForeignLines foreign_lines;
+  HoldRefit hold_refit;
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
 
   State state = State::idle;
@@ -190,7 +178,6 @@ struct Pipeline::Impl {
   int index = 0, low_windows = 0, window_periods = 1;
   std::int64_t armed_ns = 0;  // since when a drive is looked at that has not settled
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
-  double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
   struct TakenBack {
     std::int64_t verdict_ns = INT64_MIN;  // of the verdict that was premature; INT64_MIN: none in this hold
@@ -322,30 +309,13 @@ struct Pipeline::Impl {
   [[nodiscard]] HoldNow hold_now() const;
   // ω that the drive's channel alone tells of, from the blocks of this hold.
   [[nodiscard]] SeenFrequency drive_omega() const;
-  // The fit anew, with other poles and ω where it begins; its misfit.
-  double fit_modes(double w, std::span<const Complex> poles) { return hold_fit.anew(w, poles, hold_now().channels); }
-  // The poles of the chain that the fit's steady motion tells of; none where that cannot be solved.
-  std::span<const Complex> chain_poles();
-  void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
-  void renew_silent_poles();
-  // trial_poles become best_poles if they explain the data better; the misfit of best_poles.
-  double try_poles(double w, double best);
-  double refine_poles(double best, int steps);
-  void take_best_poles();
-  // Everything again: where the hold's data may begin, the poles, what they leave over. false: no poles are known.
-  bool refit_modes();
   // Keeps what the fit now shows of the natural oscillations, for the check of the model.
   void remember_modes();
 
-  // dwell_residuals.cpp: what the fit leaves over.
   [[nodiscard]] bool explained() const { return residual_noise.explained(hold_fit.fit(), hold_now()); }
-  bool find_extra_pole();
-  void judge_extra_poles();
   // Whether a steady line beside the drive is fitted.
-  [[nodiscard]] bool hums() const;
+  [[nodiscard]] bool hums() const { return pole_search.poles().hums(); }
 
-  // dwell_knocks.cpp: what begins the natural oscillations anew while the rig settles.
-  bool fit_since_knock(double w, std::int64_t first_ns);
   void heed_knock(std::int64_t end_ns);
   void refit_after_knock();
 
@@ -382,7 +352,6 @@ struct Pipeline::Impl {
   [[nodiscard]] int blocks_before(int newest_quarters) const;
   // Why no transient is awaited but something else; empty: nothing else bars.
   [[nodiscard]] std::string barred_reason() const;
-  double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
   // channel delivers, now and then (the eigenvalues cost n³).

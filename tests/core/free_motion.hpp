@@ -10,8 +10,13 @@
 #include <vector>
 
 #include "core/base/complex.hpp"
+#include "core/transient/chain_poles.hpp"
+#include "core/transient/foreign_lines.hpp"
 #include "core/transient/hold_fit.hpp"
 #include "core/transient/hold_now.hpp"
+#include "core/transient/hold_refit.hpp"
+#include "core/transient/knock_watch.hpp"
+#include "core/transient/pole_search.hpp"
 #include "core/transient/residual_noise.hpp"
 
 namespace dwell {
@@ -58,6 +63,49 @@ struct FreeMotion {
     fit.measure_ranges(channels);
     return fit.anew(kDrive, poles, channels);
   }
+};
+
+// A chain that says always the same of its poles.
+class StatedPoles final : public ChainPoles {
+ public:
+  explicit StatedPoles(std::vector<Complex> poles) : poles_(std::move(poles)) {}
+  [[nodiscard]] std::span<const Complex> seen_by(const ModalFit&) noexcept override { return poles_; }
+  [[nodiscard]] std::span<const Complex> last() const noexcept override { return poles_; }
+
+ private:
+  std::vector<Complex> poles_;
+};
+
+inline Rig rig_of_one_mass() {
+  Rig rig;
+  rig.masses = {1.0};
+  rig.excitation.frequency_hz = 5.0;
+  rig.excitation.search_low_hz = 4.9;
+  rig.excitation.search_high_hz = 5.1;
+  return rig;
+}
+
+// The same with all that looks for the poles.
+struct SearchedMotion : FreeMotion {
+  Rig rig = rig_of_one_mass();
+  StatedPoles chain;
+  KnockWatch knocks{2};
+  PoleSearch search{rig, fit, noise};
+  ForeignLines lines{search, fit, noise, 1};
+  HoldRefit refit{{chain, fit, noise, knocks, search, lines}, 1};
+
+  SearchedMotion(std::uint64_t seed, std::vector<Complex> stated) : FreeMotion(seed), chain(std::move(stated)) {}
+
+  // Begins the fit at from_s by these poles, first those of `beside`.
+  double begin(double from_s, const std::vector<Complex>& beside, const std::vector<Complex>& of_chain) {
+    search.poles().beside = beside;
+    search.poles().chain = of_chain;
+    search.best() = beside;
+    search.best().insert(search.best().end(), of_chain.begin(), of_chain.end());
+    fit.allow(1000);
+    return fit_all(from_s, search.best());
+  }
+  [[nodiscard]] bool explained() const { return noise.explained(fit.fit(), now()); }
 };
 
 }  // namespace dwell
