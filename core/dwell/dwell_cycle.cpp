@@ -136,14 +136,7 @@ void Pipeline::Impl::begin_hold(int from) {
   verdict = {};
   verdict.settles_in_s = kNaN;
   counted_valid = false;
-  pole_search.poles().clear();
-  hold_refit.begin_hold();
-  residual_noise.begin_hold();
-  schedule.begin_hold();
-  seen_modes.clear();
-  taken_back = {};
-  knock_watch.begin_hold(steady_ns);
-  quiet_ns = INT64_MIN;
+  modes.begin_hold(steady_ns);
   settling.restart();
   history_omega = omega;
   slips = since_in_phase = 0;

@@ -53,7 +53,7 @@ bool Pipeline::Impl::look(int from, int to) {
       live[i].intake.see_residuals(std::sqrt(fit.sigma2));
     }
     const double noise = watched && fit.usable
-                             ? std::min(fit.sigma2, residual_noise.known(c) ? residual_noise.variance(c) : INFINITY)
+                             ? std::min(fit.sigma2, modes.noise().known(c) ? modes.noise().variance(c) : INFINITY)
                              : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
     // Relative to the table's phase, whose own noise comes on top.
@@ -64,7 +64,7 @@ bool Pipeline::Impl::look(int from, int to) {
     Complex turn = back;
     for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
   }
-  if (!pole_search.poles().chain.empty()) return true;  // the modes tell more than windows do
+  if (modes.has_poles()) return true;  // the modes tell more than windows do
   provisional();
   const double amplitude = std::abs(table.X[0]);
   verdict =
@@ -87,7 +87,7 @@ void Pipeline::Impl::take_noise(int c, int from, int to) {
     freedom += fit.samples - 3;
   }
   // Windows are a quarter of a period apart and share three quarters.
-  residual_noise.learn(c, squares / kQuarters, freedom / kQuarters);
+  modes.noise().learn(c, squares / kQuarters, freedom / kQuarters);
 }
 
 void Pipeline::Impl::provisional() {

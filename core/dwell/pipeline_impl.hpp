@@ -1,6 +1,6 @@
 // The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
 // the state machine of the dwell, dwell_settling.cpp judges by windows whether the transient has decayed,
-// dwell_modes.cpp and dwell_transient.cpp by the natural oscillations (core/transient); dwell_data.cpp keeps the
+// dwell_transient.cpp by the natural oscillations (core/transient); dwell_data.cpp keeps the
 // sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
 // of all what is reported. Internal to core.
 #pragma once
@@ -33,21 +33,12 @@
 #include "core/rig/observation.hpp"
 #include "core/stream/sample_history.hpp"
 #include "core/stream/transactions.hpp"
-#include "core/transient/foreign_lines.hpp"
-#include "core/transient/hold_fit.hpp"
 #include "core/transient/hold_now.hpp"
-#include "core/transient/hold_refit.hpp"
-#include "core/transient/knock_watch.hpp"
-#include "core/transient/pole_search.hpp"
-#include "core/transient/refit_schedule.hpp"
-#include "core/transient/residual_noise.hpp"
-#include "core/transient/seen_modes.hpp"
 #include "core/transient/settling.hpp"
-#include "core/transient/whole_hold.hpp"
+#include "core/transient/transient_model.hpp"
 
 namespace dwell {
 
-inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
 inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
@@ -80,29 +71,17 @@ struct Pipeline::Impl {
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         transactions(given),
-        hold_fit(history, channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
-        residual_noise(channel_count),
-        knock_watch(channel_count),
-        seen_modes(channel_count),
-        whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
         G(observation_matrix(given)),
         provisional_chain(rig, G),
-        pole_search(rig, hold_fit, residual_noise),
-        foreign_lines(pole_search, hold_fit, residual_noise, given.masses.size()),
-        hold_refit({provisional_chain, hold_fit, residual_noise, knock_watch, pole_search, foreign_lines},
-                   given.masses.size()),
+        modes(rig, stated, history, provisional_chain),
         omega(kTwoPi * given.excitation.frequency_hz) {
     for (const Channel& channel : rig.channels) live.emplace_back(channel);
     fits.resize(live.size());
     readings.resize(live.size());
     transient.resize(live.size());
     fitted_channels.resize(live.size());
-    left_over.resize(live.size());
-    overlap.resize(live.size());
-    for (auto& B : overlap) B.setZero(2, hold_fit.fit().modal_regressors());
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
-      is_imposed.push_back(shows_drive(channel));
       if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
     }
     for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
@@ -149,27 +128,14 @@ struct Pipeline::Impl {
   bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
   Transactions transactions;
-  HoldFit hold_fit;              // of the natural oscillations
-  ResidualNoise residual_noise;  // what it leaves over
-  KnockWatch knock_watch;
-  RefitSchedule schedule;
-  mutable std::vector<FittedChannel> fitted_channels;  // of hold_now()
-  std::int64_t quiet_ns = INT64_MIN;                   // until then the transient is taken out of what comes in
-  // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
-  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
-  SeenModes seen_modes;           // of this hold
-  WholeHold whole_hold;           // for the same
-  std::vector<char> is_imposed;   // per channel: shows_drive()
-  std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
   const Eigen::MatrixXd G;
   int drive_channel = -1;
   std::vector<Live> live;
   std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
   ProvisionalChain provisional_chain;
-  PoleSearch pole_search;
-  ForeignLines foreign_lines;
-  HoldRefit hold_refit;
+  TransientModel modes;
+  std::vector<FittedChannel> fitted_channels;  // of hold_now()
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
 
   State state = State::idle;
@@ -179,11 +145,6 @@ struct Pipeline::Impl {
   std::int64_t armed_ns = 0;  // since when a drive is looked at that has not settled
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
   SettlingDetector::Verdict verdict;
-  struct TakenBack {
-    std::int64_t verdict_ns = INT64_MIN;  // of the verdict that was premature; INT64_MIN: none in this hold
-    int channel = -1;
-    double left = 0.0;  // in that channel at that time, over what is allowed
-  } taken_back;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
@@ -304,45 +265,23 @@ struct Pipeline::Impl {
            (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
-  // dwell_modes.cpp: the modal fit of the hold so far.
-  // What the model of the transient is told of this moment.
-  [[nodiscard]] HoldNow hold_now() const;
+  // dwell_transient.cpp: what the model of the transient is told, and what its verdicts do.
+  // What it is told of this moment. Valid until the next call.
+  [[nodiscard]] HoldNow hold_now();
   // ω that the drive's channel alone tells of, from the blocks of this hold.
   [[nodiscard]] SeenFrequency drive_omega() const;
-  // Keeps what the fit now shows of the natural oscillations, for the check of the model.
-  void remember_modes();
-
-  [[nodiscard]] bool explained() const { return residual_noise.explained(hold_fit.fit(), hold_now()); }
-  // Whether a steady line beside the drive is fitted.
-  [[nodiscard]] bool hums() const { return pole_search.poles().hums(); }
-
-  void heed_knock(std::int64_t end_ns);
-  void refit_after_knock();
-
-  // dwell_transient.cpp: how much of the transient is left, and its being taken out.
-  [[nodiscard]] double allowed_left(int c) const;
-  [[nodiscard]] double negligible_left(int c) const;
-  // The largest part of what is allowed that may be left at t.
-  double modal_left(std::int64_t t_ns, int* worst) const;
+  // ω of the data that count.
+  [[nodiscard]] SeenFrequency counted_omega() const {
+    return {omega, blocks.drift().rate, blocks.drift().about_ns, hold.u_omega};
+  }
   // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
-  [[nodiscard]] bool rounded(int c) const;
-  void refit_later(double growth) { schedule.plan_growth(growth, knock_watch.free_since_ns(), now_ns); }
   void refit_measuring(std::int64_t end_ns);
-  // The modal fit anew, at the frequency and drift of the data that count, where that explains the hold better: whether
-  // it does.
-  bool follow_drive();
-  [[nodiscard]] bool same_drive() const;
-  [[nodiscard]] bool transient_matters() const;
-  [[nodiscard]] Eigen::Matrix2d transient_covariance(int c, double samples) const;
-  void fade_modes(std::int64_t t_ns);
-  void take_transient_out(std::int64_t end_ns);
-  // The blocks anew from the history, the transient taken out of them where that is known (quiet_ns).
-  void rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns);
-  // Where the data begin to count after a verdict at end_ns; INT64_MIN: too few would.
-  [[nodiscard]] std::int64_t count_from(std::int64_t end_ns) const;
-  bool premature();
   bool mend_verdict(std::int64_t end_ns);
+  [[nodiscard]] bool transient_matters() const;
+  void take_transient_out(std::int64_t end_ns);
+  // The blocks anew from the history, the transient taken out of them where that is known.
+  void rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns);
   // A reading into the blocks, without what is known of the transient; what was added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
 

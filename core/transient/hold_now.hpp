@@ -17,6 +17,8 @@ namespace dwell {
 inline constexpr double kUnsure = 1.0;
 // Windows are taken at each quarter of a period.
 inline constexpr int kQuarters = 4;
+// Of data that a dwell must keep.
+inline constexpr int kFewestQuarters = 6;
 // Steps squared: the variance of readings with less noise than half a step, rounding included.
 inline constexpr double kRounded = 0.25 + 1.0 / 12;
 
@@ -52,6 +54,7 @@ struct SeenFrequency {
   double omega = 1.0;         // at about_ns, rad/s
   double rate = 0.0;          // by which it drifts, rad/s²
   std::int64_t about_ns = 0;  // in the middle of the data that tell it
+  double u = INFINITY;        // standard uncertainty of omega, rad/s
 
   // ω at t, rad/s.
   [[nodiscard]] double at(std::int64_t t_ns) const { return omega + rate * to_s(t_ns - about_ns); }
