@@ -1,8 +1,8 @@
 // The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
 // the state machine of the dwell, dwell_settling.cpp judges by windows whether the transient has decayed,
-// dwell_transient.cpp by the natural oscillations (core/transient); dwell_data.cpp keeps the
-// sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
-// of all what is reported. Internal to core.
+// dwell_transient.cpp does what the model of the transient (core/transient/transient_model.hpp) says; dwell_data.cpp
+// keeps the sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input,
+// dwell_result.cpp makes of all what is reported. Internal to core.
 #pragma once
 
 #include <algorithm>
