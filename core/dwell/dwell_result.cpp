@@ -14,7 +14,7 @@ constexpr int kManyRestarts = 6;  // of a hold, one after the other, that want t
 // What the fit found to swing beside the drive and the chain.
 std::string Pipeline::Impl::foreign_oscillations() const {
   std::string lines;
-  for (const Complex pole : extra_poles)
+  for (const Complex pole : modes.poles().beside)
     if (pole.imag() > 0)
       lines += (lines.empty() ? "; beside the chain something swings at " : " and at ") +
                std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
@@ -58,14 +58,14 @@ std::string Pipeline::Impl::left_out_of_dwell() const {
 std::string Pipeline::Impl::settling_reason() const {
   if (std::string reason = barred_reason(); !reason.empty()) return reason;
   if (state == State::settling) {
-    if (believe_at_ns != INT64_MIN)
+    if (modes.asks_again())
       return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
       return taken_back_reason() + "transient left in " +
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +
-             (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
+             (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) &&
                       blocks.serials() - steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
@@ -77,17 +77,18 @@ std::string Pipeline::Impl::settling_reason() const {
     return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
   }
   const std::string since = brief(axis_s(settled_ns), 4) + " s";
-  return (quiet_ns != INT64_MIN ? "since " + since + " less is left of the natural oscillations than is allowed"
-                                : "the windows since " + since + " agree") +
+  return (modes.removal().active() ? "since " + since + " less is left of the natural oscillations than is allowed"
+                                   : "the windows since " + since + " agree") +
          left_out_of_dwell();
 }
 
 // Before the reason why the rig settles again; empty: no verdict was taken back.
 std::string Pipeline::Impl::taken_back_reason() const {
-  if (taken_back.verdict_ns == INT64_MIN) return "";
-  return "the verdict of " + brief(axis_s(taken_back.verdict_ns), 4) + " s was premature, " +
-         brief(taken_back.left, 2) + " times what is allowed was left in " +
-         rig.channels[static_cast<std::size_t>(taken_back.channel)].name + ": it is taken back; ";
+  const auto& taken_back = modes.taken_back();
+  if (!taken_back) return "";
+  return "the verdict of " + brief(axis_s(taken_back->verdict_ns), 4) + " s was premature, " +
+         brief(taken_back->left, 2) + " times what is allowed was left in " +
+         rig.channels[static_cast<std::size_t>(taken_back->channel)].name + ": it is taken back; ";
 }
 
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
@@ -112,18 +113,19 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
         channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
             ? "no sample yet"
             : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
-  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
+  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 &&
+      std::isfinite(provisional_chain.time_constant_s())) {
     // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
     // rectangular.
     const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
-    const double u = transient[static_cast<std::size_t>(c)] * time_constant_s / D * -std::expm1(-D / time_constant_s) /
-                     std::numbers::sqrt3;
+    const double u = transient[static_cast<std::size_t>(c)] * provisional_chain.time_constant_s() / D *
+                     -std::expm1(-D / provisional_chain.time_constant_s()) / std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
-  if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
+  if (state == State::measuring && modes.removal().active() && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(totals.t_ref_ns())).toRotationMatrix();
-    result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modes.fit().angle(totals.t_ref_ns())).toRotationMatrix();
+    result.transient = turn * modes.removal().covariance(c, result.fit.samples) * turn.transpose();
   }
   result.quantization_u = quantization_u(c, result.fit, totals);
   if (channel.half_count > 0)
@@ -151,7 +153,9 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = state;
-  dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
+  dwell.memory_time_predicted_s = std::isfinite(provisional_chain.time_constant_s())
+                                      ? -provisional_chain.time_constant_s() * std::log(rig.tolerance)
+                                      : kNaN;
   dwell.settling_reason = settling_reason();
   if (origin_ns == INT64_MIN) return dwell;
   const bool active = state == State::settling || state == State::measuring;
@@ -213,7 +217,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.verdict_s = axis_s(verdict_ns);
   dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
   dwell.settles_in_s = 0.0;
-  if (rig.mass_count() > 0 && !std::isfinite(time_constant_s) && quiet_ns == INT64_MIN)
+  if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && !modes.removal().active())
     dwell.warnings.push_back(
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
@@ -226,7 +230,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     return dwell;
   }
   warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
-  report_elements(rig, G, results, w, u, seen_modes.modes(), dwell);
+  report_elements(rig, G, results, w, u, modes.modes(), dwell);
   return dwell;
 }
 

@@ -5,8 +5,6 @@ namespace {
 
 constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more than they tell
 
-constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of |Z|
-
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
@@ -54,8 +52,9 @@ bool Pipeline::Impl::look(int from, int to) {
       take_noise(c, from, to);
       live[i].intake.see_residuals(std::sqrt(fit.sigma2));
     }
-    const double noise =
-        watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;
+    const double noise = watched && fit.usable
+                             ? std::min(fit.sigma2, modes.noise().known(c) ? modes.noise().variance(c) : INFINITY)
+                             : 0.0;
     const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
     // Relative to the table's phase, whose own noise comes on top.
     readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
@@ -65,18 +64,18 @@ bool Pipeline::Impl::look(int from, int to) {
     Complex turn = back;
     for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
   }
-  if (!modal_poles.empty()) return true;  // the modes tell more than windows do
+  if (modes.has_poles()) return true;  // the modes tell more than windows do
   provisional();
   const double amplitude = std::abs(table.X[0]);
-  verdict = settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns),
-                            amplitude, u_table * amplitude, readings, period_s() * window_periods, time_constant_s);
+  verdict =
+      settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns), amplitude,
+                      u_table * amplitude, readings, period_s() * window_periods, provisional_chain.time_constant_s());
   return true;
 }
 
 // In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine
 // follow any smooth motion; the newest period counts an eighth of all.
 void Pipeline::Impl::take_noise(int c, int from, int to) {
-  Noise& noise = noises[static_cast<std::size_t>(c)];
   const double in_quarter = fits[static_cast<std::size_t>(c)].samples / (to - from);
   const int length = in_quarter >= 5 ? 1 : 2;
   double squares = 0.0, freedom = 0.0;
@@ -88,46 +87,22 @@ void Pipeline::Impl::take_noise(int c, int from, int to) {
     freedom += fit.samples - 3;
   }
   // Windows are a quarter of a period apart and share three quarters.
-  const double before = std::min(noise.freedom, 8 * freedom / kQuarters), now = freedom / kQuarters;
-  if (!(before + now > 0)) return;
-  noise.variance = ((before > 0 ? before * noise.variance : 0.0) + squares / kQuarters) / (before + now);
-  noise.freedom = before + now;
+  modes.noise().learn(c, squares / kQuarters, freedom / kQuarters);
 }
 
 void Pipeline::Impl::provisional() {
   if (rig.mass_count() > kLargestSolved || blocks.serials() < solve_at_serial) return;
   solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - steady_serial) / 32);
-  time_constant_s = kNaN;
+  provisional_chain.forget_time_constant();
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const Complex seen = settling.later_mean(c);
     if (readings[i].usable)
-      usable_observation.observe(c, as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1));
+      provisional_chain.observe(c, seen != 0.0 ? seen : readings[i].relative, omega);
     else
-      usable_observation.leave_out(c);
+      provisional_chain.leave_out(c);
   }
-  if (usable_observation.solve(state_x)) time_constant_s = identified_time_constant(omega);
-}
-
-// From the chain's state in `state_x`.
-double Pipeline::Impl::identified_time_constant(double w) {
-  const int n = rig.mass_count();
-  Y[0] = state_x(0);
-  for (int k = 1; k <= n; ++k) {
-    d[static_cast<std::size_t>(k - 1)] = state_x(k);
-    Y[static_cast<std::size_t>(k)] = Y[static_cast<std::size_t>(k - 1)] + state_x(k);
-  }
-  identify(rig.boundary, rig.masses, w, Y, d, state_x(n + 1), Z);
-  const double as_it_is_s = decay.time_constant_s(Z, w);
-  // A real chain is passive; where noise or a transient make it look otherwise, it is taken as lightly damped.
-  bool passive = true;
-  for (Complex& z : Z) {
-    const Complex nearest{std::max(z.real(), kSoftest * std::abs(z)), std::max(z.imag(), kLeastLoss * std::abs(z))};
-    passive = passive && nearest == z;
-    z = nearest;
-  }
-  if (!passive) static_cast<void>(decay.time_constant_s(Z, w));
-  return as_it_is_s;
+  provisional_chain.solve(omega);
 }
 
 }  // namespace dwell

@@ -58,13 +58,13 @@ void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result)
 // channel c it is at most the change itself, and at most what the modes take out of c.
 void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel)].fit;
-  if (quiet_ns == INT64_MIN || !table.usable || !modal.usable(drive_channel)) return;
-  const Complex change = since_fitted(table, modal, drive_channel, totals.t_ref_ns());
+  if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel)) return;
+  const Complex change = since_fitted(table, modes.fit(), drive_channel, totals.t_ref_ns());
   if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
   for (int c = 0; c < channel_count; ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
     if (!result.fit.usable || shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
-    const double taken_out = 2 / result.fit.samples * modal.taken_out(c, overlap[static_cast<std::size_t>(c)]).norm();
+    const double taken_out = 2 / result.fit.samples * modes.removal().taken_out(c).norm();
     const Complex answer = change * result.fit.X[0];
     result.absorbed = answer * std::min(1.0, taken_out / std::abs(answer));
   }
@@ -108,7 +108,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
     // Long after the transient was fitted its frequency alone turns the phasor: that is no change of the drive.
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
-    const Complex change = since_fitted(results[table].fit, modal, drive_channel, totals.t_ref_ns());
+    const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel, totals.t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
       dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
                                percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +

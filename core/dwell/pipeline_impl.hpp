@@ -1,8 +1,8 @@
 // The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
 // the state machine of the dwell, dwell_settling.cpp judges by windows whether the transient has decayed,
-// dwell_modes.cpp, dwell_residuals.cpp and dwell_transient.cpp by the natural oscillations; dwell_data.cpp keeps the
-// sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
-// of all what is reported. Internal to core.
+// dwell_transient.cpp does what the model of the transient (core/transient/transient_model.hpp) says; dwell_data.cpp
+// keeps the sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input,
+// dwell_result.cpp makes of all what is reported. Internal to core.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,10 @@
 #include <vector>
 
 #include "core/base/angle.hpp"
+#include "core/base/complex.hpp"
+#include "core/base/instants.hpp"
 #include "core/chain/estimate.hpp"
-#include "core/chain/identify.hpp"
+#include "core/chain/provisional_chain.hpp"
 #include "core/drive/drive.hpp"
 #include "core/drive/refine.hpp"
 #include "core/drive/seen_drive.hpp"
@@ -28,32 +30,18 @@
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/channel_intake.hpp"
-#include "core/model/decay.hpp"
 #include "core/rig/observation.hpp"
-#include "core/rig/usable_observation.hpp"
 #include "core/stream/sample_history.hpp"
 #include "core/stream/transactions.hpp"
-#include "core/transient/modal_fit.hpp"
-#include "core/transient/seen_modes.hpp"
+#include "core/transient/hold_now.hpp"
 #include "core/transient/settling.hpp"
-#include "core/transient/whole_hold.hpp"
+#include "core/transient/transient_model.hpp"
 
 namespace dwell {
 
-inline constexpr int kQuarters = 4;          // windows of one period
-inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
 inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
 inline constexpr double kLost_s = 1.0;
-inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
-inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
-inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
-inline constexpr double kRounded = 0.25 + 1.0 / 12;  // steps²: readings of less noise than half a step, and rounding
-inline constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
-inline constexpr int kManyRefinements = 8;  // of poles that are far off
-inline constexpr double kUnsure = 1.0;      // periods at the beginning of a hold, which are left out
-
-[[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
-[[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+inline constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
 
 // An absolute transducer on the table.
 [[nodiscard]] inline bool shows_drive(const Channel& channel) {
@@ -83,43 +71,23 @@ struct Pipeline::Impl {
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         transactions(given),
-        modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
-        spare(modal),
-        seen_modes(channel_count),
-        whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
-        decay(given.boundary, given.masses),
         G(observation_matrix(given)),
-        usable_observation(given, G),
+        provisional_chain(rig, G),
+        modes(rig, stated, history, provisional_chain),
         omega(kTwoPi * given.excitation.frequency_hz) {
-    for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
     for (const Channel& channel : rig.channels) live.emplace_back(channel);
     fits.resize(live.size());
     readings.resize(live.size());
     transient.resize(live.size());
-    ranges.resize(live.size());
-    left_over.resize(live.size());
-    noises.resize(live.size());
-    spectrum.resize(kMains + 400);
-    overlap.resize(live.size());
-    of_quarter.resize(live.size());
-    for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
-    for (auto* poles :
-         {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras, &known_poles})
-      poles->reserve(4 * given.masses.size() + 4);
+    fitted_channels.resize(live.size());
     for (int c = 0; c < channel_count; ++c) {
       const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
-      is_imposed.push_back(shows_drive(channel));
       if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
     }
     for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
       const Quantity measures = rig.channels[static_cast<std::size_t>(c)].measures;
       if (measures != Quantity::force && measures != Quantity::auxiliary) drive_channel = c;
     }
-    const auto unknowns = static_cast<std::size_t>(rig.mass_count());
-    state_x.resize(G.cols());
-    Y.resize(unknowns + 1);
-    d.resize(unknowns);
-    Z.resize(static_cast<std::size_t>(rig.element_count()));
   }
 
   // One channel as it delivers.
@@ -160,50 +128,14 @@ struct Pipeline::Impl {
   bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
   Transactions transactions;
-  ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
-  std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
-  std::int64_t modal_refit_at_ns = INT64_MIN, modal_from_ns = 0;
-  // Since when the natural oscillations go on undisturbed: since the hold's beginning, or the last knock that was
-  // found.
-  std::int64_t free_ns = 0;
-  std::int64_t knock_ns = INT64_MIN;  // the newest alarm, which the next refit looks at
-  bool knocks = false;                // there was an alarm in this hold
-  struct Newest {
-    double squares = 0.0, count = 0.0;
-  };
-  std::vector<Newest> of_quarter;          // per channel, residuals of the newest quarter
-  std::int64_t refitted_ns = 0;            // when its poles were last refined
-  bool modal_fitted = false;               // in this hold
-  std::int64_t believe_at_ns = INT64_MIN;  // when the verdict of rounded readings is asked for again
-  double kept_w = 0.0;                     // rad/s, of the fit with kept_poles
-  int fits_left = 0;                       // of the whole hold, before now must be enough
-  double modal_rate = 0.0;                 // rad/s², of the drive as it is fitted
-  double modal_skipped = 0.0;              // part of the hold that the modal fit leaves out
-  std::int64_t quiet_ns = INT64_MIN;       // until then the transient is taken out of what comes in
-  std::vector<Complex> modal_poles, best_poles, trial_poles, extra_poles, spare_poles, kept_poles, kept_extras,
-      spectrum, known_poles;
-  struct Noise {
-    double variance = INFINITY, freedom = 0.0;
-    // Of the modal fit's residuals in either half of it, and their numbers.
-    double earlier = 0.0, later = 0.0, in_earlier = 0.0, in_later = 0.0;
-  };
-  std::vector<Noise> noises;   // per channel, of the readings: from what no smooth motion explains
-  std::vector<double> ranges;  // per channel, largest distance from the reference over the modal fit
-  // Per channel Σ (sin, cos)' (modes): what an error of the modes' amplitudes does to the steady phasor.
-  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
-  SeenModes seen_modes;           // of this hold
-  WholeHold whole_hold;           // for the same
-  std::vector<char> is_imposed;   // per channel: shows_drive()
-  std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
-  DecayRate decay;
   const Eigen::MatrixXd G;
   int drive_channel = -1;
   std::vector<Live> live;
   std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
-  UsableObservation usable_observation;
-  Eigen::VectorXcd state_x;
-  std::vector<Complex> Y, d, Z;
+  ProvisionalChain provisional_chain;
+  TransientModel modes;
+  std::vector<FittedChannel> fitted_channels;  // of hold_now()
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
 
   State state = State::idle;
@@ -212,13 +144,7 @@ struct Pipeline::Impl {
   int index = 0, low_windows = 0, window_periods = 1;
   std::int64_t armed_ns = 0;  // since when a drive is looked at that has not settled
   std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
-  double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
-  struct TakenBack {
-    std::int64_t verdict_ns = INT64_MIN;  // of the verdict that was premature; INT64_MIN: none in this hold
-    int channel = -1;
-    double left = 0.0;  // in that channel at that time, over what is allowed
-  } taken_back;
   std::int64_t steady_serial = 0, refine_at_serial = 0;
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
@@ -339,73 +265,23 @@ struct Pipeline::Impl {
            (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 
-  // dwell_modes.cpp: the modal fit of the hold so far.
-  // ω at modal_from_ns and modal_rate that the drive's channel alone tells of, from the blocks of this hold.
-  double drive_omega();
-  // Shows the fit the samples that it has not seen.
-  void feed_modes();
-  // The fit anew, with other poles and ω at modal_from_ns; its misfit.
-  double fit_modes(double w, std::span<const Complex> poles);
-  void solve_modes();
-  // The poles of the chain that the fit's steady motion tells of; none where that cannot be solved.
-  std::span<const Complex> chain_poles();
-  void keep_alive(std::span<const Complex> poles, std::vector<Complex>& out) const;
-  void renew_silent_poles();
-  // How often the whole hold may be fitted anew with so many poles.
-  [[nodiscard]] int fits_affordable(std::size_t poles) const;
-  // trial_poles become best_poles if they explain the data better; the misfit of best_poles.
-  double try_poles(double w, double best);
-  double refine_poles(double best, int steps);
-  void take_best_poles();
-  // Everything again: where the hold's data may begin, the poles, what they leave over. false: no poles are known.
-  bool refit_modes();
-  [[nodiscard]] double slowest_rate() const;
-  // Keeps what the fit now shows of the natural oscillations, for the check of the model.
-  void remember_modes();
-
-  // dwell_residuals.cpp: what the fit leaves over.
-  [[nodiscard]] bool explained() const;
-  // Variance of a channel's residuals beyond its noise; not above 0: none.
-  [[nodiscard]] double unexplained(int c) const;
-  void compare_halves();
-  bool find_extra_pole();
-  void judge_extra_poles();
-  // Whether a steady line beside the drive is fitted.
-  [[nodiscard]] bool hums() const;
-
-  // dwell_knocks.cpp: what begins the natural oscillations anew while the rig settles.
-  bool knocked_now(std::int64_t from_ns);
-  bool fit_since_knock(double w, std::int64_t first_ns);
-  void heed_knock(std::int64_t end_ns);
-  void refit_after_knock();
-
-  // dwell_transient.cpp: how much of the transient is left, and its being taken out.
-  [[nodiscard]] double allowed_left(int c) const;
-  [[nodiscard]] double negligible_left(int c) const;
-  // The largest part of what is allowed that may be left at t.
-  double modal_left(std::int64_t t_ns, int* worst) const;
+  // dwell_transient.cpp: what the model of the transient is told, and what its verdicts do.
+  // What it is told of this moment. Valid until the next call.
+  [[nodiscard]] HoldNow hold_now();
+  // ω that the drive's channel alone tells of, from the blocks of this hold.
+  [[nodiscard]] SeenFrequency drive_omega() const;
+  // ω of the data that count.
+  [[nodiscard]] SeenFrequency counted_omega() const {
+    return {omega, blocks.drift().rate, blocks.drift().about_ns, hold.u_omega};
+  }
   // Judges the hold; false: there are no modes to judge by.
   bool settle_by_modes(std::int64_t end_ns);
-  bool believed(double left_before);
-  [[nodiscard]] bool rounded(int c) const;
-  [[nodiscard]] bool determined() const;
-  void refit_later(double growth);
-  void refit_soon();
   void refit_measuring(std::int64_t end_ns);
-  // The modal fit anew, at the frequency and drift of the data that count, where that explains the hold better: whether
-  // it does.
-  bool follow_drive();
-  [[nodiscard]] bool same_drive() const;
-  [[nodiscard]] bool transient_matters() const;
-  [[nodiscard]] Eigen::Matrix2d transient_covariance(int c, double samples) const;
-  void fade_modes(std::int64_t t_ns);
-  void take_transient_out(std::int64_t end_ns);
-  // The blocks anew from the history, the transient taken out of them where that is known (quiet_ns).
-  void rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns);
-  // Where the data begin to count after a verdict at end_ns; INT64_MIN: too few would.
-  [[nodiscard]] std::int64_t count_from(std::int64_t end_ns) const;
-  bool premature();
   bool mend_verdict(std::int64_t end_ns);
+  [[nodiscard]] bool transient_matters() const;
+  void take_transient_out(std::int64_t end_ns);
+  // The blocks anew from the history, the transient taken out of them where that is known.
+  void rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns);
   // A reading into the blocks, without what is known of the transient; what was added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
 
@@ -415,7 +291,6 @@ struct Pipeline::Impl {
   [[nodiscard]] int blocks_before(int newest_quarters) const;
   // Why no transient is awaited but something else; empty: nothing else bars.
   [[nodiscard]] std::string barred_reason() const;
-  double identified_time_constant(double w);
 
   // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
   // channel delivers, now and then (the eigenvalues cost n³).

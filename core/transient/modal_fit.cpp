@@ -14,8 +14,6 @@ namespace {
 using Eigen::Index;
 
 constexpr double kSecondPerNs = 1e-9;
-constexpr double kFaded = 1e-13;    // of an amplitude: as good as nothing
-constexpr int kTurnsInARow = 256;   // from turn to turn: their rounding stays below 1e-13
 constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
 // Probability that noise is fitted by such amplitudes at one given pole. Where the pole is chosen among some hundred
 // lines and refined on them, at ten begins of a hold, that is once in 10⁶ holds. At 1e-6 one of 2000 healthy dwells of
@@ -26,32 +24,27 @@ constexpr double kNothingOpen = 1e-6, kSurely = 1e3;  // of the variance that th
 }  // namespace
 
 ModalFit::ModalFit(int channels, int harmonics, int modes)
-    : harmonics_(harmonics),
-      capacity_(static_cast<std::size_t>(std::min(modes, kMaxModes))),
-      harmonic_(2 * harmonics + 1) {
-  const Index most = 2 * static_cast<Index>(capacity_), all = harmonic_ + 2 * most + 2;
-  poles_.resize(capacity_);
-  moved_.resize(capacity_);
-  sizes_.resize(capacity_);
-  u_poles_.resize(capacity_);
-  disagreement_.resize(capacity_);
-  faded_ns_.resize(capacity_, INT64_MAX);
-  x_.resize(all);
-  work_.resize(harmonic_ + most, harmonic_ + most);
-  columns_.resize(harmonic_ + most, most + 2);
+    : regressors_(harmonics, modes),
+      moved_(regressors_.capacity()),
+      u_poles_(regressors_.capacity()),
+      disagreement_(regressors_.capacity()) {
+  const Index steady = regressors_.steady(), most = 2 * static_cast<Index>(regressors_.capacity()),
+              all = steady + 2 * most + 2;
+  work_.resize(steady + most, steady + most);
+  columns_.resize(steady + most, most + 2);
   slopes_.resize(most + 2, most + 2);
   hessian_.resize(most + 1, most + 1);
   products_.resize(2 * most + 2, most + 1);
   relative_covariance_.setZero(most + 1, most + 1);
   propagated_.resize(most + 1, most + 1);
   gradient_.resize(most + 1);
-  product_.resize(harmonic_ + most);
+  product_.resize(steady + most);
   channels_.resize(static_cast<std::size_t>(channels));
   for (PerChannel& channel : channels_) {
     channel.normal.resize(all, all);
     channel.pending.resize(all, kTogether);
     channel.moments.resize(all);
-    channel.theta.resize(harmonic_ + most);
+    channel.theta.resize(steady + most);
     channel.covariance.resize(most, most);
     channel.by_poles.resize(2 * most, most + 1);
     channel.whole.resize(2 * most, 2 * most);
@@ -59,16 +52,8 @@ ModalFit::ModalFit(int channels, int harmonics, int modes)
 }
 
 void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<const Complex> poles) noexcept {
-  omega_ = omega;
-  rate_ = rate;
-  t0_ns_ = newest_ns_ = t0_ns;
-  evaluated_ns_ = INT64_MIN;
-  for (Step& step : steps_) step.dt_ns = 0;
-  count_ = std::min(poles.size(), capacity_);
-  if (poles.data() != poles_.data()) std::copy_n(poles.begin(), count_, poles_.begin());
-  modal_ = 2 * static_cast<Index>(count_);
-  for (std::size_t m = 0; m < count_; ++m) sizes_[m] = std::abs(poles_[m]);
-  std::fill(faded_ns_.begin(), faded_ns_.end(), INT64_MAX);
+  regressors_.restart(omega, rate, t0_ns, poles);
+  newest_ns_ = t0_ns;
   for (PerChannel& channel : channels_) {
     channel.normal.setZero();
     channel.moments.setZero();
@@ -78,80 +63,8 @@ void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<
   }
 }
 
-double ModalFit::angle(std::int64_t t_ns) const noexcept {
-  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
-  return (omega_ + 0.5 * rate_ * u) * u;
-}
-
-void ModalFit::turn_to(std::int64_t t_ns) noexcept {
-  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
-  drive_turn_ = std::polar(1.0, omega_ * u);
-  for (std::size_t m = 0; m < count_; ++m) {
-    const double envelope = std::exp(poles_[m].real() * u);
-    turns_[m] = envelope < kFaded ? Complex{} : std::polar(envelope, poles_[m].imag() * u);
-  }
-  steps_taken_ = 0;
-}
-
-void ModalFit::turn_by(std::int64_t dt_ns) noexcept {
-  auto step = std::find_if(steps_.begin(), steps_.end(), [&](const Step& each) { return each.dt_ns == dt_ns; });
-  if (step == steps_.end()) {
-    step = steps_.begin() + static_cast<std::ptrdiff_t>(next_step_++ % steps_.size());
-    const double dt_s = kSecondPerNs * static_cast<double>(dt_ns);
-    step->dt_ns = dt_ns;
-    step->drive = std::polar(1.0, omega_ * dt_s);
-    for (std::size_t m = 0; m < count_; ++m)
-      step->modes[m] = std::polar(std::exp(poles_[m].real() * dt_s), poles_[m].imag() * dt_s);
-  }
-  // By hand: std::complex multiplies with care for infinities.
-  const auto times = [](Complex a, Complex b) {
-    return Complex{a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-  };
-  drive_turn_ = times(drive_turn_, step->drive);
-  for (std::size_t m = 0; m < count_; ++m) {
-    turns_[m] = times(turns_[m], step->modes[m]);
-    if (std::norm(turns_[m]) < kFaded * kFaded) turns_[m] = {};
-  }
-  ++steps_taken_;
-}
-
-// The regressors at t: 1, sin, cos, then of each mode those of the real and the imaginary part of its amplitude, then
-// the same of the relative change of its pole, and of that of ω (of the fundamental, which tells most of it).
-void ModalFit::evaluate(std::int64_t t_ns) noexcept {
-  if (t_ns == evaluated_ns_) return;
-  if (t_ns > evaluated_ns_ && evaluated_ns_ >= t0_ns_ && steps_taken_ < kTurnsInARow)
-    turn_by(t_ns - evaluated_ns_);
-  else
-    turn_to(t_ns);
-  if (rate_ != 0) drive_turn_ = std::polar(1.0, angle(t_ns));
-  evaluated_ns_ = t_ns;
-  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
-  Complex turn = drive_turn_;
-  x_(0) = 1.0;
-  for (int h = 1; h <= harmonics_; ++h, turn *= drive_turn_) {
-    x_(h) = turn.imag();
-    x_(harmonics_ + h) = turn.real();
-  }
-  for (std::size_t m = 0; m < count_; ++m) {
-    const Index i = harmonic_ + 2 * static_cast<Index>(m);
-    if (t_ns >= faded_ns_[m]) {
-      x_.segment<2>(i).setZero();
-      x_.segment<2>(modal_ + i).setZero();
-      continue;
-    }
-    const double slope = sizes_[m] * u;
-    x_(i) = turns_[m].real();
-    x_(i + 1) = -turns_[m].imag();
-    x_(modal_ + i) = slope * x_(i);
-    x_(modal_ + i + 1) = slope * x_(i + 1);
-  }
-  const Index w = linear() + modal_;
-  x_(w) = omega_ * u * x_(1);
-  x_(w + 1) = omega_ * u * x_(harmonics_ + 1);
-}
-
 void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
-  evaluate(t_ns);
+  const Eigen::VectorXd& x = regressors_.at(t_ns);
   newest_ns_ = std::max(newest_ns_, t_ns);
   PerChannel& to = channels_[static_cast<std::size_t>(channel)];
   if (!to.referenced) {
@@ -160,11 +73,11 @@ void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
   }
   const double s = value - to.reference;
   const Index all = linear() + slopes();
-  to.moments.head(all) += s * x_.head(all);
+  to.moments.head(all) += s * x.head(all);
   to.squares += s * s;
   to.samples += 1.0;
   // The products of several samples at once: it is the going through the matrix that costs.
-  to.pending.col(to.pending_count).head(all) = x_.head(all);
+  to.pending.col(to.pending_count).head(all) = x.head(all);
   if (++to.pending_count == kTogether) add_pending(to);
 }
 
@@ -196,9 +109,9 @@ bool ModalFit::solve(int channel, double range, double line_range) noexcept {
     factor = of.normal.topLeftCorner(P, P);
     of.line_prior = std::max(sigma2 / width2, 1e-12 * of.samples);
     of.prior = std::max(sigma2 / width2 * tighter, 1e-12 * of.samples);
-    for (Index i = harmonic_; i < P; ++i)
-      factor(i, i) += poles_[static_cast<std::size_t>((i - harmonic_) / 2)].real() < 0 ? of.prior : of.line_prior;
-    for (Index i = 0; i < harmonic_; ++i) factor(i, i) *= 1 + 1e-13;
+    for (Index i = steady(); i < P; ++i)
+      factor(i, i) += poles()[static_cast<std::size_t>((i - steady()) / 2)].real() < 0 ? of.prior : of.line_prior;
+    for (Index i = 0; i < steady(); ++i) factor(i, i) *= 1 + 1e-13;
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);
     if (llt.info() != Eigen::Success) return false;
     of.theta.head(P) = of.moments.head(P);
@@ -208,11 +121,11 @@ bool ModalFit::solve(int channel, double range, double line_range) noexcept {
     const double squares = of.squares + of.theta.head(P).dot(product_.head(P) - 2 * of.moments.head(P));
     sigma2 = std::max(squares, 1e-15 * of.squares) / (of.samples - static_cast<double>(P));
     if (pass == 1) {
-      auto columns = columns_.topLeftCorner(P, modal_);
+      auto columns = columns_.topLeftCorner(P, modal());
       columns.setZero();
-      for (Index i = 0; i < modal_; ++i) columns(harmonic_ + i, i) = 1.0;
+      for (Index i = 0; i < modal(); ++i) columns(steady() + i, i) = 1.0;
       llt.solveInPlace(columns);
-      of.covariance.topLeftCorner(modal_, modal_) = sigma2 * columns.bottomRows(modal_);
+      of.covariance.topLeftCorner(modal(), modal()) = sigma2 * columns.bottomRows(modal());
     }
   }
   of.sigma2 = sigma2;
@@ -221,7 +134,7 @@ bool ModalFit::solve(int channel, double range, double line_range) noexcept {
 }
 
 double ModalFit::misfit() const noexcept {
-  const double off = omega_ - stated_.omega;
+  const double off = omega() - stated_.omega;
   double sum = off * off * stated_.information();
   for (const PerChannel& channel : channels_)
     if (channel.usable) sum += channel.samples * std::log(std::max(channel.sigma2, 1e-300));
@@ -230,11 +143,11 @@ double ModalFit::misfit() const noexcept {
 
 Complex ModalFit::phasor(int channel, int h) const noexcept {
   const PerChannel& of = at(channel);
-  return {of.theta(h), of.theta(harmonics_ + h)};
+  return {of.theta(h), of.theta(regressors_.harmonics() + h)};
 }
 
 Complex ModalFit::amplitude(int channel, std::size_t mode) const noexcept {
-  const auto i = harmonic_ + 2 * static_cast<Index>(mode);
+  const auto i = steady() + 2 * static_cast<Index>(mode);
   return {at(channel).theta(i), at(channel).theta(i + 1)};
 }
 
@@ -247,7 +160,7 @@ double ModalFit::u_amplitude(int channel, std::size_t mode) const noexcept {
 bool ModalFit::shows(std::size_t mode) const noexcept {
   const auto i = 2 * static_cast<Index>(mode);
   for (const PerChannel& of : channels_)
-    if (of.usable && of.theta.segment<2>(harmonic_ + i).squaredNorm() >
+    if (of.usable && of.theta.segment<2>(steady() + i).squaredNorm() >
                          kStandsOut * kStandsOut * 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))
       return true;
   return false;
@@ -260,7 +173,7 @@ bool ModalFit::certain(std::size_t mode) const noexcept {
   int shown = 0;
   for (const PerChannel& of : channels_) {
     if (!of.usable) continue;
-    const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
+    const Eigen::Vector2d a = of.theta.segment<2>(steady() + i);
     // What is imposed has no transient, by a prior that leaves nothing open.
     if (!(of.covariance(i, i) > kNothingOpen * of.sigma2 / of.samples)) continue;
     half += 0.5 * std::min(kSurely, a.dot(of.covariance.block<2, 2>(i, i).inverse() * a));
@@ -276,32 +189,32 @@ bool ModalFit::certain(std::size_t mode) const noexcept {
 
 ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   const PerChannel& of = at(channel);
-  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns_);
+  const double u = kSecondPerNs * static_cast<double>(t_ns - t0_ns());
   Left left{0.0, 0.0, 0.0};
-  for (std::size_t m = 0; m < count_; ++m) {
+  for (std::size_t m = 0; m < poles().size(); ++m) {
     const auto i = 2 * static_cast<Index>(m);
-    if (!(poles_[m].real() < 0)) continue;
-    const double decayed = std::exp(poles_[m].real() * u);
-    const Eigen::Vector2d a = of.theta.segment<2>(harmonic_ + i);
+    if (!(poles()[m].real() < 0)) continue;
+    const double decayed = std::exp(poles()[m].real() * u);
+    const Eigen::Vector2d a = of.theta.segment<2>(steady() + i);
     const double own = std::sqrt(0.5 * std::max(0.0, of.covariance(i, i) + of.covariance(i + 1, i + 1)));
     if (a.norm() > kStandsOut * own) left.envelope += decayed * a.norm();
   }
   // The uncertainty at its largest over half a cycle of the drive.
   const Eigen::MatrixXd& covariance = of.propagated ? of.whole : of.covariance;
-  const Index errors = of.propagated ? 2 * modal_ : modal_;
+  const Index errors = of.propagated ? 2 * modal() : modal();
   for (int angle = 0; angle < 8; ++angle) {
-    const double later = u + angle * std::numbers::pi / 8 / omega_;
+    const double later = u + angle * std::numbers::pi / 8 / omega();
     std::array<double, 4 * kMaxModes> x;
-    for (std::size_t m = 0; m < count_; ++m) {
-      const Complex e = poles_[m].real() < 0 ? std::exp(poles_[m] * later) : Complex{};
-      const std::size_t i = 2 * m, slope = static_cast<std::size_t>(modal_) + i;
+    for (std::size_t m = 0; m < poles().size(); ++m) {
+      const Complex e = poles()[m].real() < 0 ? std::exp(poles()[m] * later) : Complex{};
+      const std::size_t i = 2 * m, slope = static_cast<std::size_t>(modal()) + i;
       x[i] = e.real();
-      x[i + 1] = poles_[m].imag() > 0 ? -e.imag() : 0.0;
-      x[slope] = sizes_[m] * later * x[i];
-      x[slope + 1] = sizes_[m] * later * x[i + 1];
+      x[i + 1] = poles()[m].imag() > 0 ? -e.imag() : 0.0;
+      x[slope] = regressors_.sizes()[m] * later * x[i];
+      x[slope + 1] = regressors_.sizes()[m] * later * x[i + 1];
     }
     double swing = 0.0, variance = 0.0;
-    for (Index j = 0; j < modal_; ++j) swing += of.theta(harmonic_ + j) * x[static_cast<std::size_t>(j)];
+    for (Index j = 0; j < modal(); ++j) swing += of.theta(steady() + j) * x[static_cast<std::size_t>(j)];
     left.swing = std::max(left.swing, std::abs(swing));
     for (Index j = 0; j < errors; ++j) {
       double row = 0.5 * covariance(j, j) * x[static_cast<std::size_t>(j)];
@@ -313,11 +226,11 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
   left.u = std::sqrt(std::max(0.0, left.u));
   // Modes that the data can hardly tell apart may all be uncertain while their sum is not.
   Complex sum{};
-  for (std::size_t m = 0; m < count_; ++m)
-    if (poles_[m].real() < 0)
-      sum += Complex{of.theta(harmonic_ + 2 * static_cast<Index>(m)),
-                     of.theta(harmonic_ + 2 * static_cast<Index>(m) + 1)} *
-             std::exp(poles_[m] * u);
+  for (std::size_t m = 0; m < poles().size(); ++m)
+    if (poles()[m].real() < 0)
+      sum +=
+          Complex{of.theta(steady() + 2 * static_cast<Index>(m)), of.theta(steady() + 2 * static_cast<Index>(m) + 1)} *
+          std::exp(poles()[m] * u);
   if (std::abs(sum) > kStandsOut * left.u) left.envelope = std::max(left.envelope, std::abs(sum));
   return left;
 }
@@ -325,34 +238,34 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
 double ModalFit::most(int channel, std::size_t m, std::int64_t t_ns) const noexcept {
   const PerChannel& of = at(channel);
   const auto i = 2 * static_cast<Index>(m);
-  return std::exp(poles_[m].real() * kSecondPerNs * static_cast<double>(t_ns - t0_ns_)) *
-         (of.theta.segment<2>(harmonic_ + i).norm() +
+  return std::exp(poles()[m].real() * kSecondPerNs * static_cast<double>(t_ns - t0_ns())) *
+         (of.theta.segment<2>(steady() + i).norm() +
           3 * std::sqrt(std::max(0.0, 0.5 * (of.covariance(i, i) + of.covariance(i + 1, i + 1)))));
 }
 
 void ModalFit::overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept {
-  evaluate(t_ns);
-  const double sine = x_(1), cosine = x_(harmonics_ + 1);
-  for (Index i = 0; i < 2 * modal_; ++i) {
-    B(0, i) += sine * x_(harmonic_ + i);
-    B(1, i) += cosine * x_(harmonic_ + i);
+  const Eigen::VectorXd& x = regressors_.at(t_ns);
+  const double sine = x(1), cosine = x(regressors_.harmonics() + 1);
+  for (Index i = 0; i < 2 * modal(); ++i) {
+    B(0, i) += sine * x(steady() + i);
+    B(1, i) += cosine * x(steady() + i);
   }
 }
 
 double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept {
-  evaluate(t_ns);
+  const Eigen::VectorXd& x = regressors_.at(t_ns);
   const PerChannel& of = at(channel);
-  return value - of.reference - of.theta.head(linear()).dot(x_.head(linear()));
+  return value - of.reference - of.theta.head(linear()).dot(x.head(linear()));
 }
 
 double ModalFit::disturbance(int channel, std::int64_t t_ns) noexcept {
-  evaluate(t_ns);
+  const Eigen::VectorXd& x = regressors_.at(t_ns);
   const PerChannel& of = at(channel);
   if (!of.usable) return 0.0;
   double sum = 0.0;
-  for (std::size_t m = 0; m < count_; ++m)
-    for (const Index i : {harmonic_ + 2 * static_cast<Index>(m), harmonic_ + 2 * static_cast<Index>(m) + 1})
-      sum += of.theta(i) * x_(i);
+  for (std::size_t m = 0; m < poles().size(); ++m)
+    for (const Index i : {steady() + 2 * static_cast<Index>(m), steady() + 2 * static_cast<Index>(m) + 1})
+      sum += of.theta(i) * x(i);
   return sum;
 }
 
@@ -361,7 +274,7 @@ Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::Matr
   if (!of.usable) return Eigen::Matrix2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   const Eigen::MatrixXd& covariance = of.propagated ? of.whole : of.covariance;
-  const Index errors = of.propagated ? 2 * modal_ : modal_;
+  const Index errors = of.propagated ? 2 * modal() : modal();
   for (Index j = 0; j < errors; ++j)
     for (Index i = 0; i < errors; ++i)
       spread.noalias() += covariance(std::max(i, j), std::min(i, j)) * B.col(i).lazyProduct(B.col(j).transpose());
@@ -372,7 +285,7 @@ Eigen::Vector2d ModalFit::taken_out(int channel, const Eigen::Ref<const Eigen::M
   const PerChannel& of = at(channel);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   if (!of.usable) return sum;
-  for (Index i = 0; i < modal_; ++i) sum += B.col(i) * of.theta(harmonic_ + i);
+  for (Index i = 0; i < modal(); ++i) sum += B.col(i) * of.theta(steady() + i);
   return sum;
 }
 

@@ -20,12 +20,13 @@
 
 #include "core/fit/frequency_prior.hpp"
 #include "core/rig/rig.hpp"
+#include "core/transient/modal_regressors.hpp"
 
 namespace dwell {
 
 class ModalFit {
  public:
-  static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
+  static constexpr int kMaxModes = ModalRegressors::kMaxModes;
 
   // modes: at most this many poles will be given. All memory is allocated here: 16·(2H+3+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
@@ -55,7 +56,9 @@ class ModalFit {
   // again.
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust, double trust_omega) noexcept;
   // Those poles again.
-  [[nodiscard]] std::span<const std::complex<double>> moved_poles() const noexcept { return {moved_.data(), count_}; }
+  [[nodiscard]] std::span<const std::complex<double>> moved_poles() const noexcept {
+    return {moved_.data(), poles().size()};
+  }
   // ω after that step, rad/s.
   [[nodiscard]] double refined_omega() const noexcept { return moved_omega_; }
 
@@ -69,12 +72,12 @@ class ModalFit {
   [[nodiscard]] Change last_change() const noexcept;
   // Covariance of these relative changes, as propagate_poles() left it.
   [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> propagated() const noexcept {
-    return propagated_.topLeftCorner(modal_ + 1, modal_ + 1);
+    return propagated_.topLeftCorner(modal() + 1, modal() + 1);
   }
   // What they do to (Re, Im) of a mode's amplitude, by propagate_poles(). has_propagated: whether that could be done.
   [[nodiscard]] bool has_propagated(int channel) const noexcept { return at(channel).usable && at(channel).propagated; }
   [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> amplitude_by_poles(int channel, std::size_t mode) const noexcept {
-    return at(channel).by_poles.block(2 * static_cast<Eigen::Index>(mode), 0, 2, modal_ + 1);
+    return at(channel).by_poles.block(2 * static_cast<Eigen::Index>(mode), 0, 2, modal() + 1);
   }
 
   // Standard uncertainty of a pole at the last step, rad/s, either component.
@@ -88,12 +91,12 @@ class ModalFit {
   // How far the last step went, in standard deviations of the poles and of ω.
   [[nodiscard]] double converged() const noexcept { return converged_; }
 
-  [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
-  [[nodiscard]] double omega() const noexcept { return omega_; }
-  [[nodiscard]] double rate() const noexcept { return rate_; }
+  [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return regressors_.poles(); }
+  [[nodiscard]] double omega() const noexcept { return regressors_.omega(); }
+  [[nodiscard]] double rate() const noexcept { return regressors_.rate(); }
   // θ at t, rad.
-  [[nodiscard]] double angle(std::int64_t t_ns) const noexcept;
-  [[nodiscard]] std::int64_t t0_ns() const noexcept { return t0_ns_; }
+  [[nodiscard]] double angle(std::int64_t t_ns) const noexcept { return regressors_.angle(t_ns); }
+  [[nodiscard]] std::int64_t t0_ns() const noexcept { return regressors_.t0_ns(); }
   [[nodiscard]] bool usable(int channel) const noexcept { return at(channel).usable; }
   // Phasor of harmonic h at t_0, of the reading.
   [[nodiscard]] std::complex<double> phasor(int channel, int h) const noexcept;
@@ -127,8 +130,8 @@ class ModalFit {
   // What mode m may at most be at t, three standard deviations included.
   [[nodiscard]] double most(int channel, std::size_t m, std::int64_t t_ns) const noexcept;
   // From t on mode m is as good as nothing: it costs no more until the next restart.
-  void fade(std::size_t m, std::int64_t t_ns) noexcept { faded_ns_[m] = t_ns; }
-  [[nodiscard]] std::int64_t faded_ns(std::size_t m) const noexcept { return faded_ns_[m]; }
+  void fade(std::size_t m, std::int64_t t_ns) noexcept { regressors_.fade(m, t_ns); }
+  [[nodiscard]] std::int64_t faded_ns(std::size_t m) const noexcept { return regressors_.faded_ns(m); }
 
   // What the fit leaves of a reading, steady lines included in the fit.
   [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
@@ -141,7 +144,7 @@ class ModalFit {
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   // (Σ sin ωu e, Σ cos ωu e), e what is taken out, B from overlap_at.
   [[nodiscard]] Eigen::Vector2d taken_out(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
-  [[nodiscard]] int modal_regressors() const noexcept { return 4 * static_cast<int>(capacity_); }
+  [[nodiscard]] int modal_regressors() const noexcept { return 4 * static_cast<int>(regressors_.capacity()); }
 
  private:
   struct PerChannel {
@@ -162,15 +165,6 @@ class ModalFit {
     return channels_[static_cast<std::size_t>(channel)];
   }
   static constexpr Eigen::Index kTogether = 4;
-  // What the drive's and the modes' turns are multiplied by when dt_ns go by: most samples follow in a few distances.
-  struct Step {
-    std::int64_t dt_ns = 0;  // 0: none
-    std::complex<double> drive;
-    std::array<std::complex<double>, kMaxModes> modes;
-  };
-  void evaluate(std::int64_t t_ns) noexcept;
-  void turn_by(std::int64_t dt_ns) noexcept;
-  void turn_to(std::int64_t t_ns) noexcept;
   void add_pending(PerChannel& to) noexcept;
   // Coefficients of the two derivatives of mode m, by its pole's relative change (Re, Im).
   [[nodiscard]] Eigen::Matrix2d slope_by_pole(const PerChannel& of, Eigen::Index m) const noexcept;
@@ -178,27 +172,18 @@ class ModalFit {
   bool eliminate_linear(const PerChannel& of, double prior, double line_prior) noexcept;
   void invert_information() noexcept;
   void take_disagreement(Eigen::Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept;
-  [[nodiscard]] Eigen::Index linear() const noexcept { return harmonic_ + modal_; }
-  // Beside these the derivatives: two for each mode, two for ω.
-  [[nodiscard]] Eigen::Index slopes() const noexcept { return modal_ + 2; }
+  [[nodiscard]] Eigen::Index steady() const noexcept { return regressors_.steady(); }
+  [[nodiscard]] Eigen::Index modal() const noexcept { return regressors_.modal(); }
+  [[nodiscard]] Eigen::Index linear() const noexcept { return regressors_.linear(); }
+  [[nodiscard]] Eigen::Index slopes() const noexcept { return regressors_.slopes(); }
 
-  int harmonics_;
+  ModalRegressors regressors_;
   FrequencyPrior stated_;
-  std::size_t capacity_, count_ = 0;
-  Eigen::Index harmonic_, modal_ = 0;  // regressors: 2H+1, and of the present modes
-  std::vector<std::complex<double>> poles_, moved_;
-  std::vector<double> sizes_;  // |λ|
-  double converged_ = 0.0;
+  std::int64_t newest_ns_ = 0;
+  // Of the last step.
+  std::vector<std::complex<double>> moved_;
+  double moved_omega_ = 0.0, converged_ = 0.0;
   std::vector<double> u_poles_, disagreement_;
-  std::vector<std::int64_t> faded_ns_;
-  double omega_ = 0.0, rate_ = 0.0, moved_omega_ = 0.0;
-  std::int64_t t0_ns_ = 0, newest_ns_ = 0, evaluated_ns_ = INT64_MIN;
-  std::complex<double> drive_turn_;
-  std::array<std::complex<double>, kMaxModes> turns_{};  // exp(λ_m u)
-  std::array<Step, 4> steps_;
-  std::size_t next_step_ = 0;
-  int steps_taken_ = 0;  // since the turns were computed anew
-  Eigen::VectorXd x_;
   std::vector<PerChannel> channels_;
   Eigen::MatrixXd work_, columns_, slopes_, hessian_, products_;
   Eigen::MatrixXd relative_covariance_;  // of the poles' relative changes, then of that of ω, at the last step

@@ -1,0 +1,13 @@
+// Instants and durations: integers of nanoseconds where they are kept and compared, seconds where they are calculated
+// with.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace dwell {
+
+[[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
+[[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+}  // namespace dwell

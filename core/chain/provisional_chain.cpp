@@ -1,0 +1,64 @@
+#include "core/chain/provisional_chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/chain/estimate.hpp"
+#include "core/chain/identify.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of |Z|
+
+}  // namespace
+
+ProvisionalChain::ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G)
+    : rig_(rig), observation_(rig, G), decay_(rig.boundary, rig.masses), x_(G.cols()) {
+  const auto unknowns = static_cast<std::size_t>(rig.mass_count());
+  Y_.resize(unknowns + 1);
+  d_.resize(unknowns);
+  Z_.resize(static_cast<std::size_t>(rig.element_count()));
+}
+
+void ProvisionalChain::observe(int c, Complex X, double omega) noexcept {
+  observation_.observe(c, as_observed(rig_, c, X, omega, 1));
+}
+
+bool ProvisionalChain::solve(double omega) noexcept {
+  if (!observation_.solve(x_)) return false;
+  identify_chain(omega);
+  return true;
+}
+
+std::span<const Complex> ProvisionalChain::seen_by(const ModalFit& fit) noexcept {
+  for (int c = 0; c < static_cast<int>(rig_.channels.size()); ++c)
+    if (fit.usable(c))
+      observe(c, fit.phasor(c, 1), fit.omega());
+    else
+      leave_out(c);
+  if (!solve(fit.omega())) return {};
+  return decay_.poles();
+}
+
+// From the chain's state in x_.
+void ProvisionalChain::identify_chain(double omega) noexcept {
+  const int n = rig_.mass_count();
+  Y_[0] = x_(0);
+  for (int k = 1; k <= n; ++k) {
+    d_[static_cast<std::size_t>(k - 1)] = x_(k);
+    Y_[static_cast<std::size_t>(k)] = Y_[static_cast<std::size_t>(k - 1)] + x_(k);
+  }
+  identify(rig_.boundary, rig_.masses, omega, Y_, d_, x_(n + 1), Z_);
+  time_constant_s_ = decay_.time_constant_s(Z_, omega);
+  // A real chain is passive; where noise or a transient make it look otherwise, it is taken as lightly damped.
+  bool passive = true;
+  for (Complex& z : Z_) {
+    const Complex nearest{std::max(z.real(), kSoftest * std::abs(z)), std::max(z.imag(), kLeastLoss * std::abs(z))};
+    passive = passive && nearest == z;
+    z = nearest;
+  }
+  if (!passive) static_cast<void>(decay_.time_constant_s(Z_, omega));
+}
+
+}  // namespace dwell

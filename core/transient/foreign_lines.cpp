@@ -1,0 +1,141 @@
+#include "core/transient/foreign_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/complex.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::size_t kMains = 8, kLines = 400;                   // lines of hum, of 50 and 60 Hz; of the search
+constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
+constexpr double kSureOfLine = 9.0;                               // exp(-9): once in 8000 searches noise alone
+constexpr double kFewest = 16.0;                                  // readings of a channel
+constexpr double kMainsFirst = 1.2;                               // of the power of any other line
+constexpr double kBeside = 2.0;                                   // half cycles over the search
+constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
+constexpr double kSpeaksAgainst = 6.0;                                          // in N ln σ², of χ²(1)
+constexpr double kHarmonicOff = 1e-4;     // relative, of a line to a harmonic of the drive …
+constexpr double kHarmonicUnsure = 0.02;  // … known to so much of the drive's frequency
+
+// Angular frequencies of mains hum and its first harmonics, of either kind.
+double mains(std::size_t k) {
+  return kTwoPi * kMainsFundamentals_hz[k / (kMains / 2)] * static_cast<double>(k % (kMains / 2) + 1);
+}
+
+}  // namespace
+
+ForeignLines::ForeignLines(PoleSearch& search, HoldFit& fit, ResidualNoise& noise, std::size_t masses)
+    : search_(search), fit_(fit), noise_(noise), spectrum_(kMains + kLines) {
+  before_.reserve(4 * masses + 4);
+}
+
+bool ForeignLines::find(const HoldNow& now) {
+  std::vector<Complex>& beside = search_.poles().beside;
+  if (beside.size() >= kMost) return false;
+  const double stretch_s = std::min(to_s(now.now_ns - fit_.fit().t0_ns()), kSearchPeriods * now.period_s());
+  const double found = strongest_line(stretch_s, now);
+  if (found == 0) return false;
+  beside.emplace_back(-1 / stretch_s, found);
+  return true;
+}
+
+double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexcept {
+  ModalFit& fit = fit_.fit();
+  const SampleHistory& history = fit_.history();
+  const std::int64_t until_ns = fit.t0_ns() + to_ns(stretch_s);
+  const double grid = std::numbers::pi / stretch_s, seen_s = std::max(1e-9, to_s(now.now_ns - fit.t0_ns()));
+  // As it is sampled, a line of the mains may be no other than the mean.
+  const auto is_mean = [&](int c, double line) {
+    const double apart_hz = kBeside / (2 * seen_s);
+    return now.channel(c).sampling.distance_hz(line / kTwoPi, 0.0) < apart_hz;
+  };
+  double strongest = 0.0, found = 0.0;
+  for (int c = 0; c < fit_.channels(); ++c) {
+    if (!fit.usable(c)) continue;
+    const double rate = fit.samples(c) / seen_s;
+    const auto lines = static_cast<std::size_t>(
+        std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * now.omega) / grid, 0.0,
+                   static_cast<double>(spectrum_.size() - kMains)));
+    std::fill(spectrum_.begin(), spectrum_.end(), Complex{});
+    double squares = 0.0, count = 0.0;
+    for (auto i = history.first_at(fit.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
+      const SampleHistory::Sample& s = history[i];
+      if (s.channel != c) continue;
+      const double r = fit.residual(c, s.t_ns, s.value), u = to_s(s.t_ns - fit.t0_ns());
+      const Complex step = std::polar(1.0, grid * u);
+      Complex turn = r * step;
+      for (std::size_t k = kMains; k < kMains + lines; ++k, turn *= step) spectrum_[k] += turn;
+      for (std::size_t k = 0; k < kMains; ++k) spectrum_[k] += r * std::polar(1.0, mains(k) * u);
+      squares += r * r;
+      count += 1.0;
+    }
+    if (count < kFewest || !(squares > 0)) continue;
+    // Of white noise each is distributed as exp(-P).
+    const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
+    for (std::size_t k = 0; k < (now.channel(c).imposed ? kMains : kMains + lines); ++k) {
+      // A mains line and its alias tie in the periodogram: prefer the mains.
+      const double P = std::norm(spectrum_[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
+      if (P - sure <= strongest) continue;
+      // Beside a harmonic it would be the drive's own frequency that is a little off.
+      const double line = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
+      if (std::abs(std::remainder(line, now.omega)) < kBeside * grid && line < (fit_.harmonics() + 0.5) * now.omega)
+        continue;
+      if (k < kMains && is_mean(c, line)) continue;
+      strongest = P - sure;
+      found = line;
+    }
+  }
+  return found;
+}
+
+bool ForeignLines::near_mains(Complex pole, double u) const noexcept {
+  for (std::size_t k = 0; k < kMains; ++k)
+    if (std::abs(pole.imag() - mains(k)) < kMainsWander * mains(k) + 3 * u) return true;
+  return false;
+}
+
+// Of the drive, above the harmonics that are fitted.
+bool ForeignLines::near_harmonic(Complex pole, double u) const noexcept {
+  const double w = fit_.fit().omega();
+  const double times = std::round(pole.imag() / w), wide = 3 * u;
+  return times > fit_.harmonics() && std::abs(pole.imag() - times * w) < wide + kHarmonicOff * pole.imag() &&
+         wide < kHarmonicUnsure * w;
+}
+
+void ForeignLines::judge(const HoldNow& now) {
+  std::vector<Complex>& beside = search_.poles().beside;
+  const double seen_s = to_s(now.now_ns - fit_.fit().t0_ns());
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    static_cast<void>(fit_.fit().refined(PoleSearch::kTrust, 0.0));  // for the poles' uncertainties, of this fit
+    const Complex pole = beside[i];
+    const double u = fit_.fit().u_pole(i);
+    const bool may_be_steady = near_mains(pole, u) || near_harmonic(pole, u);
+    if (may_be_steady && fit_.may_fit())
+      try_other_kind(i, seen_s, now);
+    else if (!may_be_steady && pole.real() != 0 && seen_s > kLongSeen * now.period_s() &&
+             (-pole.real() + 3 * u) * seen_s < kHardlyDecayed)
+      beside[i].real(0.0);
+  }
+}
+
+// Pole i beside the chain as a steady line where it decays, or as one that decays where it is steady: the data decide.
+void ForeignLines::try_other_kind(std::size_t i, double seen_s, const HoldNow& now) {
+  std::vector<Complex>& best = search_.best();
+  before_ = best;
+  const double w = fit_.fit().omega(), given = fit_.fit().misfit();
+  const bool was_steady = search_.poles().beside[i].real() == 0;
+  best[i].real(was_steady ? -1 / seen_s : 0.0);
+  const double other = search_.refine(search_.fit_best(w, now), PoleSearch::kManySteps, now);
+  if (was_steady ? other + kSpeaksAgainst < given : other < given + kSpeaksAgainst) {
+    search_.take_best();
+  } else {
+    best = before_;
+    search_.fit_best(w, now);
+    noise_.compare_halves(fit_, now.now_ns);
+  }
+}
+
+}  // namespace dwell

@@ -1,0 +1,63 @@
+// What the model of the transient is told of a hold at one moment. A hold is the time since the drive has been steady.
+// The pipeline fills this in before each call: the model keeps no pointer to the pipeline.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
+#include "core/fit/mains.hpp"
+
+namespace dwell {
+
+// Periods at the beginning of a hold that are left out: they may hold the end of what was before.
+inline constexpr double kUnsure = 1.0;
+// Windows are taken at each quarter of a period.
+inline constexpr int kQuarters = 4;
+// Of data that a dwell must keep.
+inline constexpr int kFewestQuarters = 6;
+// Steps squared: the variance of readings with less noise than half a step, rounding included.
+inline constexpr double kRounded = 0.25 + 1.0 / 12;
+
+// One channel as the fit must know it.
+struct FittedChannel {
+  bool watched = false;         // it delivers, and its readings may be fitted
+  bool imposed = false;         // it shows the table: its motion is imposed and has no transient
+  double reference = 0.0;       // a value near its mean, SI
+  double refresh_half_s = 0.0;  // the instants of its readings are known to ± this
+  double step = std::numeric_limits<double>::quiet_NaN();  // of its rounding, SI; not finite: not known
+  SamplingRegularity sampling;
+
+  // Whether rounding hides noise of that variance.
+  [[nodiscard]] bool hides(double variance) const noexcept {
+    return std::isfinite(step) && variance < step * step * kRounded;
+  }
+};
+
+struct HoldNow {
+  std::int64_t now_ns = 0;     // instant of the newest record
+  std::int64_t steady_ns = 0;  // where the hold begins
+  double omega = 1.0;          // of the drive as best known, rad/s
+  bool omega_given = false;    // the samples do not refine it: it is stated, or pulses tell it
+  int drive_channel = 0;
+  std::span<const FittedChannel> channels;
+
+  [[nodiscard]] double period_s() const noexcept { return kTwoPi / omega; }
+  [[nodiscard]] const FittedChannel& channel(int c) const noexcept { return channels[static_cast<std::size_t>(c)]; }
+};
+
+// The drive's frequency as seen apart from the fit of the natural oscillations.
+struct SeenFrequency {
+  double omega = 1.0;         // at about_ns, rad/s
+  double rate = 0.0;          // by which it drifts, rad/s²
+  std::int64_t about_ns = 0;  // in the middle of the data that tell it
+  double u = INFINITY;        // standard uncertainty of omega, rad/s
+
+  // ω at t, rad/s.
+  [[nodiscard]] double at(std::int64_t t_ns) const { return omega + rate * to_s(t_ns - about_ns); }
+};
+
+}  // namespace dwell

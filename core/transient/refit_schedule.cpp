@@ -1,0 +1,50 @@
+#include "core/transient/refit_schedule.hpp"
+
+#include <algorithm>
+
+#include "core/base/instants.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kSudden = 1.2;                       // times what is allowed, a moment ago
+constexpr double kAgain = 0.05, kAgainPeriods = 2.0;  // of the hold, periods: later, that is asked again
+
+}  // namespace
+
+bool RefitSchedule::due(std::int64_t now_ns) const noexcept {
+  return next_ == Next::at_once || (next_ == Next::at_instant && now_ns >= at_ns_);
+}
+
+void RefitSchedule::plan(std::int64_t at_ns) noexcept {
+  next_ = Next::at_instant;
+  at_ns_ = at_ns;
+}
+
+void RefitSchedule::plan_growth(double growth, std::int64_t free_since_ns, std::int64_t now_ns) noexcept {
+  plan(free_since_ns + static_cast<std::int64_t>(growth * static_cast<double>(now_ns - free_since_ns)));
+}
+
+void RefitSchedule::plan_no_later_than(std::int64_t at_ns) noexcept {
+  if (next_ == Next::never)
+    plan(at_ns);
+  else if (next_ == Next::at_instant)
+    at_ns_ = std::min(at_ns_, at_ns);
+}
+
+bool RefitSchedule::believes(const Claim& claim, double period_s, std::int64_t free_since_ns,
+                             std::int64_t now_ns) noexcept {
+  if (claim.left > 1) {
+    asks_again_ns_.reset();
+    return false;
+  }
+  if (!asks_again_ns_) {
+    if (!claim.rounded || !(claim.left_before > kSudden)) return true;
+    asks_again_ns_ = now_ns + std::max(to_ns(kAgainPeriods * period_s),
+                                       static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_since_ns)));
+    plan(*asks_again_ns_);
+  }
+  return now_ns >= *asks_again_ns_;
+}
+
+}  // namespace dwell

@@ -1,0 +1,59 @@
+// How much of the transient is left in each channel, against how much may be left: what a verdict rests on, and what
+// takes one back.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/transient/hold_fit.hpp"
+#include "core/transient/hold_now.hpp"
+#include "core/transient/residual_noise.hpp"
+#include "core/transient/settling.hpp"
+
+namespace dwell {
+
+// Bound to one thread, real-time safe. What is left is relative to what is allowed: at most 1 is settled.
+class TransientLeft {
+ public:
+  // Standard deviations of what may be left of the transient.
+  static constexpr double kSure = 3.0;
+
+  // tolerance: the transient allowed, relative to a channel's steady amplitude. fit and noise must outlive this.
+  TransientLeft(double tolerance, const HoldFit& fit, const ResidualNoise& noise)
+      : tolerance_(tolerance), fit_(fit), noise_(noise) {}
+
+  // The channel in which most may be left at t, by what the fit shows, what is not known of it, and what it does not
+  // explain. Infinity: a channel is not fitted. channel: -1 if nothing is left in any.
+  struct Worst {
+    double left = 0.0;
+    int channel = -1;
+  };
+  [[nodiscard]] Worst at(std::int64_t t_ns, const HoldNow& now) const noexcept;
+  // Writes that into a verdict. The channel stays where nothing is left in any.
+  void tell(std::int64_t t_ns, const HoldNow& now, SettlingDetector::Verdict& verdict) const noexcept;
+
+  // From where the data count after a verdict at end_ns; empty: too few would.
+  [[nodiscard]] std::optional<std::int64_t> counts_from(std::int64_t end_ns, const HoldNow& now) const noexcept;
+  // Whether rounding hides the noise of any channel.
+  [[nodiscard]] bool rounded(const HoldNow& now) const noexcept;
+
+  // A verdict that was premature.
+  struct Premature {
+    std::int64_t verdict_ns;
+    int channel;  // in which most was left
+    double left;  // there at that time, as fitted
+  };
+  // Whether the fit says that at the verdict more than allowed was left, by kSure standard deviations.
+  [[nodiscard]] std::optional<Premature> premature(std::int64_t verdict_ns, const HoldNow& now) const noexcept;
+
+ private:
+  // What may be left in a channel, its unit: the tolerance of its amplitude, or what ten periods' noise hides.
+  [[nodiscard]] double allowed(int channel, const HoldNow& now) const noexcept;
+  [[nodiscard]] bool hidden_by_rounding(int channel, const HoldNow& now) const noexcept;
+
+  double tolerance_;
+  const HoldFit& fit_;
+  const ResidualNoise& noise_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,127 @@
+// The transient of one hold: the natural oscillations of the rig beside its steady motion (docs/method.md, Settling).
+//
+// While the rig settles the model follows the hold, fits it anew when that is due, and says how much of the transient
+// is left. After the verdict it takes the transient out of the readings that count, fits the hold anew as the data
+// grow, and takes a verdict back that was premature. Its parts each own their state; this holds them together and knows
+// the order of their work. The pipeline decides what a verdict does to the dwell.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/rig/rig.hpp"
+#include "core/stream/sample_history.hpp"
+#include "core/transient/chain_poles.hpp"
+#include "core/transient/foreign_lines.hpp"
+#include "core/transient/hold_fit.hpp"
+#include "core/transient/hold_now.hpp"
+#include "core/transient/hold_refit.hpp"
+#include "core/transient/knock_watch.hpp"
+#include "core/transient/pole_search.hpp"
+#include "core/transient/refit_schedule.hpp"
+#include "core/transient/residual_noise.hpp"
+#include "core/transient/settling.hpp"
+#include "core/transient/shown_modes.hpp"
+#include "core/transient/transient_left.hpp"
+#include "core/transient/transient_removal.hpp"
+
+namespace dwell {
+
+// Bound to one thread. No allocation but in the constructor. Instants in ns. end_ns: of the newest block.
+class TransientModel {
+ public:
+  // All must outlive this. history: of the samples that are fitted. chain: to begin with.
+  TransientModel(const Rig& rig, const FrequencyPrior& stated, const SampleHistory& history, ChainPoles& chain);
+  TransientModel(const TransientModel&) = delete;
+  TransientModel& operator=(const TransientModel&) = delete;
+
+  // The drive is steady from now on: all begins anew.
+  void begin_hold(std::int64_t steady_ns) noexcept;
+  // What windows tell of the noise.
+  [[nodiscard]] ResidualNoise& noise() noexcept { return noise_; }
+  // Whether poles are believed: then the fit tells more than windows do.
+  [[nodiscard]] bool has_poles() const noexcept { return !search_.poles().chain.empty(); }
+
+  // Whether less has been seen of the hold than any verdict needs.
+  [[nodiscard]] bool too_early(std::int64_t end_ns, const HoldNow& now) const noexcept;
+  // Takes in what has come since, and watches it for knocks. Whether the hold is to be fitted anew.
+  [[nodiscard]] bool wants_refit(std::int64_t end_ns, const HoldNow& now);
+  // Fits it anew. false: it cannot be fitted.
+  bool refit(const SeenFrequency& seen, std::int64_t end_ns, const HoldNow& now);
+  // Whether there is a fit of this hold.
+  [[nodiscard]] bool fitted() const noexcept { return schedule_.made_ns().has_value(); }
+  struct Judgement {
+    SettlingDetector::Verdict verdict;  // without `settled`
+    // From where the data may count; empty: the rig has not settled, or not long enough ago.
+    std::optional<std::int64_t> counts_from_ns;
+  };
+  // By the fit as it is. left_before: by the judgement before.
+  [[nodiscard]] Judgement judge(double left_before, std::int64_t end_ns, const HoldNow& now);
+  // Whether a sudden claim of rounded readings waits for a second fit.
+  [[nodiscard]] bool asks_again() const noexcept { return schedule_.asks_again_ns().has_value(); }
+
+  // A verdict was given: refits are made as a measurement needs them.
+  void begin_measuring(const HoldNow& now) noexcept;
+  // From now on clean() takes the transient out of readings from from_ns on. All that count are to be cleaned anew.
+  void take_out(std::int64_t from_ns, std::int64_t end_ns, const HoldNow& now) noexcept;
+  [[nodiscard]] double clean(int channel, std::int64_t t_ns, double value) noexcept {
+    return removal_.clean(channel, t_ns, value);
+  }
+  // How often at most the fit follows the drive's frequency after one verdict.
+  static constexpr int kMostFollowed = 4;
+  // Where the frequency of the data that count is another than that of the fit: tries it in the fit. Whether it
+  // explains the hold better; the transient is then to be taken out anew.
+  bool follow_drive(const SeenFrequency& counted, const HoldNow& now);
+  void allow_following() noexcept { fit_.allow_at_least(kMostFollowed); }
+
+  // More data tell better what the transient was. Whether a refit is due while measuring.
+  [[nodiscard]] bool wants_refit_measuring(const HoldNow& now) noexcept;
+  // Refines the fit on all data. matters: what is not known of the transient is a part of the uncertainty that matters.
+  // Whether this was the last of the hold: end_refits() once it is made use of.
+  bool refit_measuring(const SeenFrequency& counted, bool matters, const HoldNow& now);
+  void end_refits() noexcept { schedule_.plan_no_more(); }
+  // Whether the fit takes back the verdict of that instant.
+  [[nodiscard]] bool takes_back(std::int64_t verdict_ns, const HoldNow& now) noexcept;
+  // By the fit that took it back: writes what is left into the verdict. From where the data count; empty: the rig has
+  // not settled.
+  [[nodiscard]] std::optional<std::int64_t> mend(std::int64_t end_ns, const HoldNow& now,
+                                                 SettlingDetector::Verdict& verdict) const noexcept;
+  // The rig settles again, in the same hold and by the same fit.
+  void settle_again(const HoldNow& now) noexcept;
+  // Keeps what the fit shows of the natural oscillations for the check of the model.
+  void remember_modes(const HoldNow& now) noexcept;
+
+  // What is reported of it.
+  [[nodiscard]] const ModalFit& fit() const noexcept { return fit_.fit(); }
+  [[nodiscard]] const PoleSet& poles() const noexcept { return search_.poles(); }
+  [[nodiscard]] const TransientRemoval& removal() const noexcept { return removal_; }
+  [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return shown_.modes(); }
+  // The verdict of this hold that was taken back last.
+  [[nodiscard]] const std::optional<TransientLeft::Premature>& taken_back() const noexcept { return taken_back_; }
+
+ private:
+  [[nodiscard]] bool explained(const HoldNow& now) const noexcept { return noise_.explained(fit_.fit(), now); }
+  [[nodiscard]] bool same_drive(const SeenFrequency& counted, const HoldNow& now) const noexcept;
+  void plan_growth(double growth, const HoldNow& now) noexcept {
+    schedule_.plan_growth(growth, knocks_.free_since_ns(), now.now_ns);
+  }
+  void heed_knock(std::int64_t end_ns, const HoldNow& now) noexcept;
+  void refit_after_knock(const HoldNow& now) noexcept;
+
+  ChainPoles& chain_;
+  HoldFit fit_;
+  ResidualNoise noise_;
+  KnockWatch knocks_;
+  RefitSchedule schedule_;
+  PoleSearch search_;
+  ForeignLines lines_;
+  HoldRefit refit_;
+  TransientLeft left_;
+  TransientRemoval removal_;
+  ShownModes shown_;
+  std::optional<TransientLeft::Premature> taken_back_;
+};
+
+}  // namespace dwell
