@@ -13,8 +13,7 @@ constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell
 }  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
-  if (blocks.serials() % kQuarters == 0)
-    for (Live& channel : live) channel.intake.next_period();
+  if (blocks.serials() % kQuarters == 0) live.next_period();
   if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
   if (counted_valid) blocks.add_block(blocks.count() - 1, counted);
   const int quarters = kQuarters * window_periods;
@@ -26,9 +25,9 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
   // first windows do not differ from the later ones for their frequency alone.
   if (tracked() && !std::isfinite(drive.omega())) acquire(from, to, centre_ns);
-  blocks.sum_channel(drive_channel, from, to, omega, centre_ns, window);
-  const HarmonicFit table = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
-  if (!delivers(drive_channel)) return lose_data();
+  blocks.sum_channel(drive_channel(), from, to, omega, centre_ns, window);
+  const HarmonicFit table = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
+  if (!delivers(drive_channel())) return lose_data();
   if (!table.usable) {
     // So few samples a period that one alone cannot be solved: look at two.
     if (window_periods == 1)
@@ -38,7 +37,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     return;
   }
   sparse = false;
-  const Complex Y0 = as_observed(rig, drive_channel, table.X[0], omega, 1);
+  const Complex Y0 = as_observed(rig, drive_channel(), table.X[0], omega, 1);
   const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
   // From few degrees of freedom the noise is itself uncertain.
   const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
@@ -77,7 +76,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     }
     arm(from);
   }
-  if (state == State::settling && holding_changed()) return begin_hold(blocks.count() - 1);
+  if (state == State::settling && live.holding_changed()) return begin_hold(blocks.count() - 1);
   if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
   const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
                                   omega_at(centre_ns, omega)),
@@ -96,8 +95,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
 void Pipeline::Impl::acquire(int from, int to, std::int64_t centre_ns) {
   double w = kTwoPi * rig.excitation.frequency_hz, information = 0.0;
   for (int step = 0; step < 10; ++step) {
-    blocks.sum_channel(drive_channel, from, to, w, centre_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+    blocks.sum_channel(drive_channel(), from, to, w, centre_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
     if (!(fit.information > 0)) return;
     information = fit.information;
     w = within_search(rig, w + fit.score / fit.information);
@@ -156,12 +155,7 @@ void Pipeline::Impl::begin_hold(int from) {
   drive.restart();
   watch.restart();
   blocks.set_drift({});
-  for (Live& channel : live) {
-    channel.half_ns_sum = channel.half_count = 0.0;
-    // Refreshes before it may have been passed over, or not found yet.
-    if (channel.intake.held() || channel.intake.holding_changed()) channel.sampling = {};
-    channel.intake.begin_hold();
-  }
+  live.begin_hold();
   if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
 }
 
@@ -223,11 +217,7 @@ void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
 void Pipeline::Impl::lose_data() {
   end(EndedBy::data_lost, State::fault, false);
   // Another transducer of the table's motion, if it has one, shows the drive from now on.
-  for (int c = 0; c < channel_count; ++c)
-    if (shows_drive(rig.channels[static_cast<std::size_t>(c)]) && delivers(c)) {
-      drive_channel = c;
-      break;
-    }
+  live.choose_drive(now_ns, period_s());
 }
 
 void Pipeline::Impl::rearm() {
@@ -238,9 +228,7 @@ void Pipeline::Impl::refresh_reference() {
   if (blocks.count() < kIdleBlocks) return;
   blocks.clear();
   for (int c = 0; c < channel_count; ++c)
-    blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value)
-                                ? live[static_cast<std::size_t>(c)].now.value
-                                : 0.0);
+    blocks.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }
 
 void Pipeline::Impl::conclude(int to, bool with_open) {

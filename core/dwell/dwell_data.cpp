@@ -32,15 +32,15 @@ void Pipeline::Impl::count_anew(bool follow) {
   if (drop_misjudged()) return count_anew(follow);
   if (follow && follow_drift()) return count_anew(false);
   // Once more about the centroid, where turning costs least.
-  const std::int64_t centroid_ns = counted.centroid_ns(drive_channel);
+  const std::int64_t centroid_ns = counted.centroid_ns(drive_channel());
   refer_drift(centroid_ns);
   blocks.sum(0, blocks.count(), omega, centroid_ns, counted);
   counted_valid = true;
-  const HarmonicFit fit = fit_harmonics(counted, drive_channel, H, blocks.reference(drive_channel));
+  const HarmonicFit fit = fit_harmonics(counted, drive_channel(), H, blocks.reference(drive_channel()));
   const Complex X = fit.X[0];
   const double drift = blocks.drift().rate;
   hold = {centroid_ns, std::arg(X), omega, u_omega, fit.sigma2};
-  drive.refer(std::abs(as_observed(rig, drive_channel, X, omega, 1)), omega);
+  drive.refer(std::abs(as_observed(rig, drive_channel(), X, omega, 1)), omega);
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
   if (fit.usable) {
     // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
@@ -49,8 +49,8 @@ void Pipeline::Impl::count_anew(bool follow) {
     const double table_omega = told ? omega + (fit.score + stated.score(omega)) / information : omega;
     const double u_table_omega = told ? 1 / std::sqrt(information) : u_omega;
     watch.refer({centroid_ns, fit.mean, fit.X, H, table_omega, drift, std::sqrt(fit.sigma2), u, u, u_table_omega,
-                 quantization_u(drive_channel, fit, counted) / std::abs(X)});
-    const SamplingRegularity& sampling = live[static_cast<std::size_t>(drive_channel)].sampling;
+                 quantization_u(drive_channel(), fit, counted) / std::abs(X)});
+    const SamplingRegularity& sampling = live[drive_channel()].sampling();
     watch.expect_beats(
         std::any_of(std::begin(kMainsFundamentals_hz), std::end(kMainsFundamentals_hz),
                     [&](double line) { return sampling.distance_hz(line, omega / kTwoPi) < kBeats * omega / kTwoPi; }));
@@ -60,7 +60,7 @@ void Pipeline::Impl::count_anew(bool follow) {
 }
 
 bool Pipeline::Impl::follow_drift() {
-  const std::int64_t about_ns = counted.centroid_ns(drive_channel);
+  const std::int64_t about_ns = counted.centroid_ns(drive_channel());
   const double more = seen_drift(0, omega, about_ns);
   if (more == 0) return false;
   refer_drift(about_ns);
@@ -83,8 +83,8 @@ double Pipeline::Impl::seen_drift(int first, double w, std::int64_t about_ns) co
   for (int from = first, to = first; from < blocks.count() && count < stretches.size(); from = to) {
     const std::int64_t first_ns = blocks.block(from).begin_ns;
     while (to < blocks.count() && (to == from || blocks.block(to).begin_ns - first_ns < length_ns / kStretches)) ++to;
-    blocks.sum_channel(drive_channel, from, to, w, about_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, 0.0);
+    blocks.sum_channel(drive_channel(), from, to, w, about_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, 0.0);
     if (!fit.usable || !(fit.sigma2 > 0)) continue;
     const double u = to_s((blocks.block(to - 1).end_ns + first_ns) / 2 - about_ns) / to_s(length_ns);
     const double phase = before + std::remainder(std::arg(fit.X[0]) - before, kTwoPi);
@@ -127,7 +127,7 @@ bool Pipeline::Impl::drop_misjudged() {
     if (block.first_serial - first <= all / 8 && std::abs(block.omega / omega - 1) > kMisjudged)
       good_from_ns = block.end_ns;
   }
-  const HarmonicFit fit = fit_harmonics(totals, drive_channel, H, 0.0);
+  const HarmonicFit fit = fit_harmonics(totals, drive_channel(), H, 0.0);
   if (good_from_ns == INT64_MIN || !(loss * std::abs(fit.X[0]) > 0.1 * std::sqrt(0.5 * fit.covariance.trace())))
     return false;
   return blocks.forget_before(good_from_ns);

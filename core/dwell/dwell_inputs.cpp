@@ -58,7 +58,7 @@ std::string Pipeline::Impl::reference_reason() const {
 std::string Pipeline::Impl::pulses_unfit(double w, double u) const {
   if (!synced()) return "";
   if (!std::isfinite(u)) return "too few sync pulses among the data that count";
-  const HarmonicFit table = fit_harmonics(totals, drive_channel, H, blocks.reference(drive_channel));
+  const HarmonicFit table = fit_harmonics(totals, drive_channel(), H, blocks.reference(drive_channel()));
   if (!(table.information > 0)) return "";
   const double off = table.score / table.information;
   const double explained =
@@ -78,14 +78,14 @@ void Pipeline::Impl::warn_of_pulses(Dwell& dwell) const {
 }
 
 Refined Pipeline::Impl::refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const {
-  if (!synced()) return refine(rig, sums, drive_channel, totals);
+  if (!synced()) return refine(rig, sums, drive_channel(), totals);
   // Where the data are short, the rest of the hold had the same frequency.
   for (const std::int64_t since_ns : {from_ns, std::min(from_ns, steady_ns)}) {
     const auto pulses = sync.over(since_ns, to_ns);
     if (pulses && pulses->span_s >= kCovered * to_s(to_ns - from_ns))
-      return refine(*pulses, sums, drive_channel, totals);
+      return refine(*pulses, sums, drive_channel(), totals);
   }
-  sums.turned(sums.omega(), sums.centroid_ns(drive_channel), totals);
+  sums.turned(sums.omega(), sums.centroid_ns(drive_channel()), totals);
   return {sums.omega(), kNaN, true};
 }
 

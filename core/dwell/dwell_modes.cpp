@@ -32,8 +32,8 @@ double Pipeline::Impl::drive_omega() {
   const std::int64_t middle_ns =
       blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
   for (int step = 0; step < 3; ++step) {
-    blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+    blocks.sum_channel(drive_channel(), from, to, w, middle_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
     if (!(fit.information > 0)) return w;
     const double information = fit.information + stated.information();
     const double delta = (fit.score + stated.score(w)) / information;
@@ -116,7 +116,7 @@ bool Pipeline::Impl::refit_modes() {
     ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
   // At first by the table alone, then by all channels.
-  const bool fitted = modal.usable(drive_channel) && modal.t0_ns() >= steady_ns;
+  const bool fitted = modal.usable(drive_channel()) && modal.t0_ns() >= steady_ns;
   const double w = drive_omega();
   const bool drifts = modal_rate != 0 || modal.rate() != 0;
   const double first_w = fitted && from_motion() && !drifts ? modal.omega() : w;
@@ -255,7 +255,7 @@ void Pipeline::Impl::remember_modes() {
   seen_modes.take(modal, now_ns, left_over);
   if (!explained() || history[history.begin()].t_ns > modal.t0_ns()) return;
   const WholeHold::Given given{
-      history, modal,      chain_poles(), is_imposed, std::max(free_ns, history[history.begin()].t_ns),
+      history, modal,      chain_poles(), live.imposed(), std::max(free_ns, history[history.begin()].t_ns),
       now_ns,  period_s(), !from_motion()};
   std::fill(left_over.begin(), left_over.end(), 0.0);
   // A fit that explains more of the hold takes the place of all before: a mode that only these show was none.

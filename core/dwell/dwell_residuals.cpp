@@ -31,8 +31,7 @@ bool Pipeline::Impl::explained() const {
 double Pipeline::Impl::unexplained(int c) const {
   const Noise& noise = noises[static_cast<std::size_t>(c)];
   // Instants of refreshes that are known to ± so much make residuals of their own.
-  const double by_refresh =
-      std::norm(omega * live[static_cast<std::size_t>(c)].intake.refresh_half_s() * modal.phasor(c, 1)) / 6;
+  const double by_refresh = std::norm(omega * live[c].intake().refresh_half_s() * modal.phasor(c, 1)) / 6;
   const double by_noise = modal.variance(c) - by_refresh -
                           noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
   const double by_decay =
@@ -72,7 +71,7 @@ bool Pipeline::Impl::find_extra_pole() {
   // As it is sampled, a line of the mains may be no other than the mean.
   const auto is_mean = [&](int c, double line) {
     const double apart_hz = kBeside / (2 * std::max(1e-9, to_s(now_ns - modal.t0_ns())));
-    return live[static_cast<std::size_t>(c)].sampling.distance_hz(line / kTwoPi, 0.0) < apart_hz;
+    return live[c].sampling().distance_hz(line / kTwoPi, 0.0) < apart_hz;
   };
   double strongest = 0.0, found = 0.0;
   for (int c = 0; c < channel_count; ++c) {

@@ -23,17 +23,14 @@ std::string Pipeline::Impl::foreign_oscillations() const {
 
 std::string Pipeline::Impl::barred_reason() const {
   if (sparse)
-    return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
+    return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
-           (live[static_cast<std::size_t>(drive_channel)].intake.held()
-                ? "; it is " + live[static_cast<std::size_t>(drive_channel)].intake.held_reason()
-                : "");
+           (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
   if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
-  if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
+  if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel())) return reason;
   if (state == State::fault) {
-    const Live& table = live[static_cast<std::size_t>(drive_channel)];
-    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel)].name + " is " +
-           to_string(table.now.fault == Fault::none ? Fault::silent : table.now.fault);
+    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
+           live[drive_channel()].fault_name();
   }
   if (out_of_search())
     return "the drive is at " + brief(drive.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
@@ -69,8 +66,8 @@ std::string Pipeline::Impl::settling_reason() const {
                       blocks.serials() - steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
-             (live[static_cast<std::size_t>(verdict.worst_channel)].intake.held()
-                  ? ", which is " + live[static_cast<std::size_t>(verdict.worst_channel)].intake.held_reason()
+             (live[verdict.worst_channel].intake().held()
+                  ? ", which is " + live[verdict.worst_channel].intake().held_reason()
                   : foreign_oscillations());
     }
     if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
@@ -93,7 +90,7 @@ std::string Pipeline::Impl::taken_back_reason() const {
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
 // of the frequency: no more independent errors then than one period has samples.
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
-  const double step = live[static_cast<std::size_t>(c)].intake.step();
+  const double step = live[c].intake().step();
   if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
   const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
   const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
@@ -101,17 +98,14 @@ double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Total
 }
 
 ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
-  const Live& channel = live[static_cast<std::size_t>(c)];
+  const LiveChannel& channel = live[c];
   ChannelResult result;
   result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
   result.dof = result.fit.samples - (2 * H + 1);
-  if (stuck(channel))
+  if (channel.stuck(period_s()))
     result.withheld = "stuck at one reading";
   else if (up_to_now && !delivers(c))
-    result.withheld =
-        channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
-            ? "no sample yet"
-            : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
+    result.withheld = channel.silent_reason();
   if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
     // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
     // rectangular.
@@ -126,10 +120,18 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
   }
   result.quantization_u = quantization_u(c, result.fit, totals);
-  if (channel.half_count > 0)
-    result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
-  result.transaction = transactions.of(c);
+  result.turnaround_u_s = channel.turnaround_u_s();
+  result.transaction = live.transaction_of(c);
   return result;
+}
+
+void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
+  const HarmonicFit& fit = result.fit;
+  if (!fit.usable || rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary) return;
+  result.refresh_u_s = live[c].intake().refresh_half_s() / std::numbers::sqrt3;
+  if (!result.withheld.empty()) return;
+  const double u = std::hypot(std::sqrt(0.5 * fit.covariance.trace()), result.quantization_u);
+  result.withheld = live[c].unfit_reason(std::abs(fit.X[0]), u, state == State::measuring);
 }
 
 // What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
@@ -139,7 +141,7 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
     for (int h = 1; h <= H; ++h) {
       std::string names;
       for (int c = 0; c < channel_count; ++c)
-        if (live[static_cast<std::size_t>(c)].sampling.distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
+        if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
           names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
@@ -181,7 +183,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   if (settled) {
     look_at_settling(results);
     warn_of_change(results, seconds, dwell);
-    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
+    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel())]);
     if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, stated.u));
   }
   for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
@@ -189,7 +191,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     std::vector<Folded> folded;
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
-      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[i].sampling, w / kTwoPi, seconds));
+      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[c].sampling(), w / kTwoPi, seconds));
       results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
     }
     warn_of_folded(rig, folded, dwell);
@@ -198,7 +200,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
   dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
-  warn_of_readings(dwell);
+  for (int c = 0; c < channel_count; ++c)
+    for (const std::string& warning : live[c].warnings(rig.tolerance))
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
   if (!settled) {
     if (state == State::measuring) {
       dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";

@@ -28,7 +28,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   blocks.forget_before(settled_ns);
   verdict_ns = end_ns;
   enter(State::measuring);
-  for (Live& channel : live) channel.intake.begin_to_count();
+  live.begin_to_count();
   for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = settling.left(c);
   count_anew();
 }
@@ -38,21 +38,22 @@ bool Pipeline::Impl::look(int from, int to) {
   blocks.sum(from, to, omega, begin_ns + (end_ns - begin_ns) / 2, window);
   for (int c = 0; c < channel_count; ++c)
     fits[static_cast<std::size_t>(c)] = fit_harmonics(window, c, H, blocks.reference(c));
-  const HarmonicFit& table = fits[static_cast<std::size_t>(drive_channel)];
+  const HarmonicFit& table = fits[static_cast<std::size_t>(drive_channel())];
   if (!table.usable) return false;
   const Complex back = std::conj(table.X[0]) / std::abs(table.X[0]);
   const double u_table = std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]);
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const HarmonicFit& fit = fits[i];
-    const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !unfit(c);
+    const bool watched =
+        rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !live[c].unfit(period_s(), rig.tolerance);
     if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
       window_periods = 2;
       return false;
     }
     if (watched && fit.usable) {
       take_noise(c, from, to);
-      live[i].intake.see_residuals(std::sqrt(fit.sigma2));
+      live[c].see_residuals(std::sqrt(fit.sigma2));
     }
     const double noise =
         watched && fit.usable ? std::min(fit.sigma2, noises[i].freedom >= 4 ? noises[i].variance : INFINITY) : 0.0;

@@ -24,8 +24,8 @@ std::optional<double> Pipeline::Impl::contradicting_omega() const {
       blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
   double w = drive.omega(), information = 0.0;
   for (int step = 0; step < kNewtonSteps; ++step) {
-    blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+    blocks.sum_channel(drive_channel(), from, to, w, middle_ns, window);
+    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
     if (!(fit.information > 0)) return {};
     information = fit.information;
     w += fit.score / fit.information;

@@ -133,7 +133,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   verdict.settled = true;
   verdict_ns = end_ns;
   enter(State::measuring);
-  for (Live& channel : live) channel.intake.begin_to_count();
+  live.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
   omega = modal.omega();
   blocks.set_drift({modal.rate(), modal.t0_ns()});
@@ -177,7 +177,7 @@ bool Pipeline::Impl::determined() const {
 
 // Whether a channel's noise is hidden by its rounding.
 bool Pipeline::Impl::rounded(int c) const {
-  const double step = live[static_cast<std::size_t>(c)].intake.step();
+  const double step = live[c].intake().step();
   return modal.usable(c) && std::isfinite(step) && modal.variance(c) < step * step * kRounded;
 }
 

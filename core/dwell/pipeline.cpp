@@ -8,7 +8,6 @@ namespace {
 
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
-constexpr double kHeldUp = 1.5;                             // of the usual turnaround
 
 }  // namespace
 
@@ -19,8 +18,7 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
   }
   if (record.t_ns < now_ns ||
       record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
-    if (record.kind == Kind::sample && record.channel < live.size())
-      ++live[record.channel].received, ++live[record.channel].out_of_order;
+    if (record.kind == Kind::sample && record.channel < channel_count) live[record.channel].refuse();
     return changes;
   }
   now_ns = record.t_ns;
@@ -30,7 +28,7 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
       sample(record);
       break;
     case Kind::channel_state:
-      if (record.channel < live.size()) live[record.channel].now.fault = static_cast<Fault>(record.flags);
+      if (record.channel < channel_count) live[record.channel].tell(static_cast<Fault>(record.flags));
       break;
     case Kind::action:
       if (record.flags == static_cast<std::uint8_t>(Action::rearm)) rearm();
@@ -67,53 +65,24 @@ void Pipeline::Impl::advance() {
 }
 
 void Pipeline::Impl::sample(const Record& record) {
-  if (record.channel >= live.size()) return;
-  Live& channel = live[record.channel];
-  ++channel.received;
-  if (record.flags & kGap) ++channel.now.gaps;
-  const double value = channel.intake.si(record.value);
-  if (record.t_ns <= channel.last_ns || !std::isfinite(value)) {
-    ++channel.out_of_order;
-    return;
-  }
-  transactions.sample(record);
-  if (channel.last_ns != INT64_MIN && !channel.intake.held()) channel.sampling.add(to_s(record.t_ns - channel.last_ns));
-  channel.last_ns = record.t_ns;
-  ChannelIntake::Reading reading{record.t_ns, record.value, record.t_half_ns};
-  const ChannelIntake::Says says = channel.intake.judge(reading, omega);
-  channel.now.value = value;
-  channel.now.t_ns = record.t_ns;
-  channel.now.fault = Fault::none;
-  channel.now.overrange = channel.intake.overrange();
-  if (says != ChannelIntake::Says::take && says != ChannelIntake::Says::give_back) return;
-  for (const ChannelIntake::Reading& waited : channel.intake.waiting()) take(record.channel, waited);
-  take(record.channel, reading);
+  const int c = record.channel;
+  if (c >= channel_count) return;
+  live.sample(record, omega, [&](const LiveChannel::Reading& reading) { take(c, reading); });
 }
 
-void Pipeline::Impl::take(int c, const ChannelIntake::Reading& reading) {
-  Live& channel = live[static_cast<std::size_t>(c)];
-  if (stuck(channel) && (state == State::settling || state == State::measuring)) {
-    ++channel.stuck;
-    return;
-  }
-  const double value = channel.intake.si(reading.value);
-  // What folds harmonics is the rate of the values, not of the readings.
-  if (channel.intake.held() && channel.refreshed_ns != INT64_MIN)
-    channel.sampling.add(to_s(reading.t_ns - channel.refreshed_ns));
-  channel.refreshed_ns = reading.t_ns;
-  channel.half_ns_sum += reading.half_ns;
-  channel.half_count += 1.0;
+void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
+  LiveChannel& channel = live[c];
+  if (channel.stuck(period_s()) && (state == State::settling || state == State::measuring))
+    return channel.leave_out_stuck();
+  const bool first = !channel.has_counted();
+  const double value = channel.count(reading);
   last_sample_ns = std::max(last_sample_ns, reading.t_ns);
-  if (!channel.referenced) {
-    blocks.set_reference(c, value);
-    channel.referenced = true;
-  }
+  if (first) blocks.set_reference(c, value);
   history.push(reading.t_ns, c, value);
   const double cleaned = add_cleaned(reading.t_ns, c, value);
-  if (c != drive_channel) return;
+  if (c != drive_channel()) return;
   // A reading that was held up longer than usual tells less of the drive's phase.
-  const double late_ns = std::max(0.0, reading.half_ns - kHeldUp * channel.half_ns_sum / channel.half_count);
-  watch.add(reading.t_ns, cleaned, 1e-9 * late_ns);
+  watch.add(reading.t_ns, cleaned, channel.late_s(reading));
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
@@ -150,19 +119,10 @@ std::complex<double> Pipeline::phasor(int channel) const noexcept {
   return fit.X[0] * std::polar(1.0, p.bend(p.now_ns)) / response(about, delay, p.omega_at(p.now_ns, p.omega) / kTwoPi);
 }
 
-ChannelNow Pipeline::channel(int channel) const noexcept {
-  const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
-  ChannelNow now = live.now;
-  now.rejected = live.out_of_order + live.stuck + live.intake.left();
-  now.used = live.received - now.rejected;
-  now.condition = impl_->stuck(live) ? Condition::stuck : live.intake.condition();
-  return now;
-}
+ChannelNow Pipeline::channel(int channel) const noexcept { return impl_->live[channel].now(impl_->period_s()); }
 
 std::string Pipeline::condition_reason(int channel) const {
-  const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
-  if (!impl_->stuck(live)) return live.intake.condition_reason();
-  return "stuck at one reading for " + std::to_string(live.intake.same_for_s()).substr(0, 5) + " s";
+  return impl_->live[channel].condition_reason(impl_->period_s());
 }
 
 }  // namespace dwell

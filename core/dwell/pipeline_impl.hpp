@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/angle.hpp"
+#include "core/base/nanoseconds.hpp"
 #include "core/chain/estimate.hpp"
 #include "core/chain/identify.hpp"
 #include "core/drive/drive.hpp"
@@ -27,12 +28,12 @@
 #include "core/fit/frequency_prior.hpp"
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
-#include "core/intake/channel_intake.hpp"
+#include "core/intake/live_channels.hpp"
 #include "core/model/decay.hpp"
 #include "core/rig/observation.hpp"
+#include "core/rig/transducer.hpp"
 #include "core/rig/usable_observation.hpp"
 #include "core/stream/sample_history.hpp"
-#include "core/stream/transactions.hpp"
 #include "core/transient/modal_fit.hpp"
 #include "core/transient/seen_modes.hpp"
 #include "core/transient/settling.hpp"
@@ -40,26 +41,14 @@
 
 namespace dwell {
 
-inline constexpr int kQuarters = 4;          // windows of one period
-inline constexpr int kFewestQuarters = 6;    // of data that a dwell must keep
-inline constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
-inline constexpr double kLost_s = 1.0;
-inline constexpr std::size_t kExtraPoles = 2;  // beside the chain's
-inline constexpr std::size_t kMains = 8;       // lines of hum, of 50 and 60 Hz
-inline constexpr double kStuck_s = 0.5;        // and at least kLostPeriods with one and the same reading: it is stuck
+inline constexpr int kQuarters = 4;                  // windows of one period
+inline constexpr int kFewestQuarters = 6;            // of data that a dwell must keep
+inline constexpr std::size_t kExtraPoles = 2;        // beside the chain's
+inline constexpr std::size_t kMains = 8;             // lines of hum, of 50 and 60 Hz
 inline constexpr double kRounded = 0.25 + 1.0 / 12;  // steps²: readings of less noise than half a step, and rounding
 inline constexpr double kTrust = 0.05;      // relative change of a pole in one step, as far as the data leave it open
 inline constexpr int kManyRefinements = 8;  // of poles that are far off
 inline constexpr double kUnsure = 1.0;      // periods at the beginning of a hold, which are left out
-
-[[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
-[[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-
-// An absolute transducer on the table.
-[[nodiscard]] inline bool shows_drive(const Channel& channel) {
-  return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary && channel.at == 0 &&
-         !channel.relative_to;
-}
 
 [[nodiscard]] inline std::size_t history_capacity(int channels) {
   return std::min<std::size_t>(std::size_t{1} << 19, static_cast<std::size_t>(channels) << 15);
@@ -71,6 +60,7 @@ struct Pipeline::Impl {
         stated(stated_frequency(given)),
         channel_count(static_cast<int>(given.channels.size())),
         H(given.excitation.harmonics),
+        live(rig),
         blocks(channel_count, H),
         window(channel_count, H),
         quarter(channel_count, H),
@@ -82,7 +72,6 @@ struct Pipeline::Impl {
         watch(given.tolerance),
         sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
-        transactions(given),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
         seen_modes(channel_count),
@@ -92,29 +81,20 @@ struct Pipeline::Impl {
         usable_observation(given, G),
         omega(kTwoPi * given.excitation.frequency_hz) {
     for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
-    for (const Channel& channel : rig.channels) live.emplace_back(channel);
-    fits.resize(live.size());
-    readings.resize(live.size());
-    transient.resize(live.size());
-    ranges.resize(live.size());
-    left_over.resize(live.size());
-    noises.resize(live.size());
+    const auto channels = static_cast<std::size_t>(channel_count);
+    fits.resize(channels);
+    readings.resize(channels);
+    transient.resize(channels);
+    ranges.resize(channels);
+    left_over.resize(channels);
+    noises.resize(channels);
     spectrum.resize(kMains + 400);
-    overlap.resize(live.size());
-    of_quarter.resize(live.size());
+    overlap.resize(channels);
+    of_quarter.resize(channels);
     for (auto& B : overlap) B.setZero(2, modal.modal_regressors());
     for (auto* poles :
          {&modal_poles, &best_poles, &trial_poles, &extra_poles, &spare_poles, &kept_poles, &kept_extras, &known_poles})
       poles->reserve(4 * given.masses.size() + 4);
-    for (int c = 0; c < channel_count; ++c) {
-      const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
-      is_imposed.push_back(shows_drive(channel));
-      if (shows_drive(channel) && drive_channel < 0) drive_channel = c;
-    }
-    for (int c = 0; c < channel_count && drive_channel < 0; ++c) {
-      const Quantity measures = rig.channels[static_cast<std::size_t>(c)].measures;
-      if (measures != Quantity::force && measures != Quantity::auxiliary) drive_channel = c;
-    }
     const auto unknowns = static_cast<std::size_t>(rig.mass_count());
     state_x.resize(G.cols());
     Y.resize(unknowns + 1);
@@ -122,22 +102,10 @@ struct Pipeline::Impl {
     Z.resize(static_cast<std::size_t>(rig.element_count()));
   }
 
-  // One channel as it delivers.
-  struct Live {
-    explicit Live(const Channel& channel) : intake(channel) {}
-    ChannelIntake intake;
-    ChannelNow now;
-    std::uint64_t received = 0, out_of_order = 0, stuck = 0;  // the latter two were not used
-    std::int64_t last_ns = INT64_MIN;
-    std::int64_t refreshed_ns = INT64_MIN;       // of the reading that counted last
-    double half_ns_sum = 0.0, half_count = 0.0;  // of this dwell
-    SamplingRegularity sampling;                 // of the values: of the refreshes, where the register is held
-    bool referenced = false;
-  };
-
   const Rig rig;
   const FrequencyPrior stated;  // of the drive's frequency, by the rig file
   const int channel_count, H;
+  LiveChannels live;
   Blocks blocks;
   mutable Totals window;  // the newest period
   Totals quarter;         // one block alone
@@ -159,7 +127,6 @@ struct Pipeline::Impl {
   SyncReference::Counts pulses_before;  // this hold
   bool permitted = true;                // by the interlock; without one always
   SampleHistory history;
-  Transactions transactions;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
   std::int64_t modal_refit_at_ns = INT64_MIN, modal_from_ns = 0;
@@ -193,12 +160,9 @@ struct Pipeline::Impl {
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> overlap;
   SeenModes seen_modes;           // of this hold
   WholeHold whole_hold;           // for the same
-  std::vector<char> is_imposed;   // per channel: shows_drive()
   std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
   DecayRate decay;
   const Eigen::MatrixXd G;
-  int drive_channel = -1;
-  std::vector<Live> live;
   std::vector<HarmonicFit> fits;  // of the newest window
   std::vector<SettlingDetector::Reading> readings;
   UsableObservation usable_observation;
@@ -251,16 +215,7 @@ struct Pipeline::Impl {
 
   void sample(const Record& record);
   // A reading that counts.
-  void take(int c, const ChannelIntake::Reading& reading);
-  // dwell_readings.cpp: what a channel's intake found, and what becomes of its phasor by that.
-  [[nodiscard]] bool unfit(int c) const;
-  // Standard uncertainty of ω, rad/s, by instants of refreshes, in data of that length.
-  [[nodiscard]] double refresh_u_omega(double seconds) const;
-  void judge_readings(int c, ChannelResult& result) const;
-  void warn_of_readings(Dwell& dwell) const;
-  // Whether a register has come to be held, or no longer is, while settling: then what came before counts no more.
-  [[nodiscard]] bool holding_changed() const;
-
+  void take(int c, const LiveChannel::Reading& reading);
   // A GPIO edge. The loss of the interlock ends the dwell at once; nothing begins before its return, and nothing from
   // before that counts.
   void edge(const Record& record);
@@ -287,17 +242,12 @@ struct Pipeline::Impl {
   // ω from one window of the drive channel, where that is known to a hundredth.
   void acquire(int from, int to, std::int64_t centre_ns);
 
-  // The same reading for longer than a motion at the drive's frequency allows.
-  [[nodiscard]] bool stuck(const Live& channel) const {
-    return channel.intake.same_for_s() > std::max(kStuck_s, kLostPeriods * period_s());
-  }
-
-  // A channel delivers while no fault is known of it and its newest sample is not too old.
-  [[nodiscard]] bool delivers(int c) const {
-    const Live& channel = live[static_cast<std::size_t>(c)];
-    return channel.now.fault == Fault::none && channel.last_ns != INT64_MIN &&
-           to_s(now_ns - channel.last_ns) <= std::max(kLost_s, kLostPeriods * period_s());
-  }
+  // The channel by which the drive is known.
+  [[nodiscard]] int drive_channel() const { return live.drive(); }
+  [[nodiscard]] bool delivers(int c) const { return live[c].delivers(now_ns, period_s()); }
+  [[nodiscard]] double refresh_u_omega(double seconds) const { return live.refresh_u_omega(seconds, omega); }
+  // What becomes of a channel's phasor by what its intake has found in its readings.
+  void judge_readings(int c, ChannelResult& result) const;
 
   // Whether the table's phase has left that of the dwell: a frequency a little off shows in time, wherever the
   // amplitude and the window's own frequency show nothing. Two windows one after the other.

@@ -1,0 +1,12 @@
+// Instants are whole nanoseconds, formulas take seconds.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace dwell {
+
+[[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
+[[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+}  // namespace dwell
