@@ -70,21 +70,21 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
   if (state == State::idle || state == State::fault) {
     if (std::abs(Y0) < 5 * u0) return refresh_reference();
-    if (!permitted || !has_reference()) {
+    if (!permitted || !reference.usable(now_ns)) {
       enter(permitted ? State::fault : State::idle);
       return refresh_reference();
     }
     arm(from);
   }
   if (state == State::settling && live.holding_changed()) return begin_hold(blocks.count() - 1);
-  if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
+  if (reference.lost(end_ns)) return end(EndedBy::data_lost, State::fault, false);
   const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
                                   omega_at(centre_ns, omega)),
              stepped = watch.close();
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (state == State::settling) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
-    if (!pulses_contradict() && !contradicting_omega()) settle(end_ns);
+    if (!reference.pulses_contradict(drive.omega()) && !contradicting_omega()) settle(end_ns);
   } else if (state == State::measuring) {
     refit_measuring(end_ns);
     // Not from what may be another drive.
@@ -151,7 +151,7 @@ void Pipeline::Impl::begin_hold(int from) {
   settling.restart();
   history_omega = omega;
   slips = since_in_phase = 0;
-  pulses_before = sync.counts();
+  reference.begin_hold();
   drive.restart();
   watch.restart();
   blocks.set_drift({});

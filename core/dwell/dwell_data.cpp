@@ -24,7 +24,8 @@ void Pipeline::Impl::count_anew(bool follow) {
   double u_omega = 0.0;
   for (int i = 0; i < kTurns; ++i) {
     blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
-    const Refined refined = refine_sums(counted, blocks.block(0).begin_ns, blocks.block(blocks.count() - 1).end_ns);
+    const Refined refined = reference.refine(counted, blocks.block(0).begin_ns, blocks.block(blocks.count() - 1).end_ns,
+                                             steady_ns, drive_channel(), totals);
     omega = refined.omega;
     u_omega = refined.u;
     if (refined.reached) break;
@@ -45,8 +46,8 @@ void Pipeline::Impl::count_anew(bool follow) {
   if (fit.usable) {
     // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
     const bool told = tracked() && fit.information > 0;
-    const double information = fit.information + stated.information();
-    const double table_omega = told ? omega + (fit.score + stated.score(omega)) / information : omega;
+    const double information = fit.information + reference.stated().information();
+    const double table_omega = told ? omega + (fit.score + reference.stated().score(omega)) / information : omega;
     const double u_table_omega = told ? 1 / std::sqrt(information) : u_omega;
     watch.refer({centroid_ns, fit.mean, fit.X, H, table_omega, drift, std::sqrt(fit.sigma2), u, u, u_table_omega,
                  quantization_u(drive_channel(), fit, counted) / std::abs(X)});
@@ -142,7 +143,8 @@ Refined Pipeline::Impl::gather(int from, int to, bool with_open) const {
     else
       blocks.sum(from, to, refined.omega, begin_ns, gathered);
     if (with_open) blocks.add_open(gathered);
-    refined = refine_sums(gathered, begin_ns, with_open || from == to ? now_ns : blocks.block(to - 1).end_ns);
+    refined = reference.refine(gathered, begin_ns, with_open || from == to ? now_ns : blocks.block(to - 1).end_ns,
+                               steady_ns, drive_channel(), totals);
   }
   return refined;
 }

@@ -35,8 +35,8 @@ double Pipeline::Impl::drive_omega() {
     blocks.sum_channel(drive_channel(), from, to, w, middle_ns, window);
     const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
     if (!(fit.information > 0)) return w;
-    const double information = fit.information + stated.information();
-    const double delta = (fit.score + stated.score(w)) / information;
+    const double information = fit.information + reference.stated().information();
+    const double delta = (fit.score + reference.stated().score(w)) / information;
     w = within_search(rig, w + delta);
     if (std::abs(delta) * std::sqrt(information) < 0.1) break;
   }

@@ -27,7 +27,11 @@ std::string Pipeline::Impl::barred_reason() const {
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
            (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
   if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
-  if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel())) return reason;
+  if (delivers(drive_channel())) {
+    if (std::string reason = reference.unusable_reason(now_ns); !reason.empty()) return reason;
+    if (state == State::settling && reference.pulses_contradict(drive.omega()))
+      return reference.contradiction_of_pulses(drive.omega());
+  }
   if (state == State::fault) {
     return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
            live[drive_channel()].fault_name();
@@ -36,7 +40,7 @@ std::string Pipeline::Impl::barred_reason() const {
     return "the drive is at " + brief(drive.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
            brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
            " Hz (excitation.search)";
-  if (const auto other = contradicting_omega()) return statement_reason(*other);
+  if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
   if (state == State::settling && restarts >= kManyRestarts) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
   return "";
 }
@@ -184,7 +188,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     look_at_settling(results);
     warn_of_change(results, seconds, dwell);
     if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel())]);
-    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, stated.u));
+    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, reference.stated().u));
   }
   for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
   if (settled) {
@@ -221,9 +225,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.warnings.push_back(
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
-  warn_of_pulses(dwell);
-  std::string reason = pulses_unfit(w, u);
-  if (reason.empty()) reason = statement_unfit(refined, seconds);
+  if (std::string missed = reference.missed(); !missed.empty()) dwell.warnings.push_back(std::move(missed));
+  const std::string reason = reference.unfit_reason(refined, results[static_cast<std::size_t>(drive_channel())].fit, w,
+                                                    u, refresh_u_omega(seconds));
   if (!reason.empty()) {
     dwell.settling_reason = reason;
     dwell.warnings.push_back("no coefficients: " + reason);

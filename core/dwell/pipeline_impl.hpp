@@ -18,14 +18,12 @@
 #include "core/chain/estimate.hpp"
 #include "core/chain/identify.hpp"
 #include "core/drive/drive.hpp"
-#include "core/drive/refine.hpp"
+#include "core/drive/drive_reference.hpp"
 #include "core/drive/seen_drive.hpp"
 #include "core/drive/step_watch.hpp"
-#include "core/drive/sync_reference.hpp"
 #include "core/dwell/pipeline.hpp"
 #include "core/dwell/report.hpp"
 #include "core/fit/blocks.hpp"
-#include "core/fit/frequency_prior.hpp"
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/live_channels.hpp"
@@ -57,10 +55,10 @@ inline constexpr double kUnsure = 1.0;      // periods at the beginning of a hol
 struct Pipeline::Impl {
   explicit Impl(const Rig& given)
       : rig(given),
-        stated(stated_frequency(given)),
         channel_count(static_cast<int>(given.channels.size())),
         H(given.excitation.harmonics),
         live(rig),
+        reference(rig),
         blocks(channel_count, H),
         window(channel_count, H),
         quarter(channel_count, H),
@@ -70,17 +68,16 @@ struct Pipeline::Impl {
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
         watch(given.tolerance),
-        sync(given.excitation.search_low_hz, given.excitation.search_high_hz),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
         seen_modes(channel_count),
-        whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), stated),
+        whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), reference.stated()),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
         usable_observation(given, G),
         omega(kTwoPi * given.excitation.frequency_hz) {
-    for (ModalFit* fit : {&modal, &spare}) fit->state_omega(stated);
+    for (ModalFit* fit : {&modal, &spare}) fit->state_omega(reference.stated());
     const auto channels = static_cast<std::size_t>(channel_count);
     fits.resize(channels);
     readings.resize(channels);
@@ -103,9 +100,9 @@ struct Pipeline::Impl {
   }
 
   const Rig rig;
-  const FrequencyPrior stated;  // of the drive's frequency, by the rig file
   const int channel_count, H;
   LiveChannels live;
+  DriveReference reference;
   Blocks blocks;
   mutable Totals window;  // the newest period
   Totals quarter;         // one block alone
@@ -123,9 +120,7 @@ struct Pipeline::Impl {
   DriveMonitor drive;  // while settling
   StepWatch watch;     // while measuring
   SeenDrive seen_drive;
-  SyncReference sync;
-  SyncReference::Counts pulses_before;  // this hold
-  bool permitted = true;                // by the interlock; without one always
+  bool permitted = true;  // by the interlock; without one always
   SampleHistory history;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
@@ -193,11 +188,8 @@ struct Pipeline::Impl {
   std::int64_t pending_until_serial = 0;
   std::uint8_t changes = kNothing;
 
-  // While settling the motion itself shows the frequency, though pulses may give it in the end.
-  [[nodiscard]] bool tracked() const { return !stated.exact(); }
-  // Whether only the motion tells the frequency, beside what is stated of it.
-  [[nodiscard]] bool from_motion() const { return tracked() && !synced(); }
-  [[nodiscard]] bool synced() const { return rig.excitation.reference == Reference::sync; }
+  [[nodiscard]] bool tracked() const { return reference.tracked(); }
+  [[nodiscard]] bool from_motion() const { return reference.from_motion(); }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
 
@@ -220,22 +212,8 @@ struct Pipeline::Impl {
   // before that counts.
   void edge(const Record& record);
 
-  // Whether a dwell may begin: with pulses as the reference only while they come, within the range that is searched.
-  [[nodiscard]] bool has_reference() const;
-  // The table moves at another frequency than that of the pulses.
-  [[nodiscard]] bool pulses_contradict() const;
-  // What is wrong with the reference; empty: nothing.
-  [[nodiscard]] std::string reference_reason() const;
-  // Why the data in `totals`, taken at the pulses' ω, cannot give coefficients; empty: they can.
-  [[nodiscard]] std::string pulses_unfit(double w, double u) const;
-  void warn_of_pulses(Dwell& dwell) const;
-  // dwell_statement.cpp: while settling, ω of a table that contradicts what is stated of a fixed frequency.
+  // While settling, ω of a table that contradicts what is stated of a fixed frequency.
   [[nodiscard]] std::optional<double> contradicting_omega() const;
-  [[nodiscard]] std::string statement_reason(double w) const;
-  // Why data refined so cannot give coefficients; empty: they can.
-  [[nodiscard]] std::string statement_unfit(const Refined& refined, double seconds) const;
-  // `sums`, which are over [from, to], at the best ω for them: leaves them in `totals`.
-  Refined refine_sums(const Totals& sums, std::int64_t from_ns, std::int64_t to_ns) const;
 
   void on_block(std::int64_t end_ns);
 
@@ -285,7 +263,7 @@ struct Pipeline::Impl {
 
   [[nodiscard]] bool out_of_search() const {
     const double f = drive.omega() / kTwoPi;
-    return !stated.stated() && std::isfinite(f) &&
+    return !reference.stated().stated() && std::isfinite(f) &&
            (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
   }
 

@@ -11,7 +11,7 @@
 namespace dwell {
 namespace {
 
-constexpr double kPeriod_s = 0.25;
+constexpr double kLivePeriod_s = 0.25;
 constexpr std::int64_t kStep_ns = 5'000'000;
 
 Record reading_at(std::int64_t t_ns, double value, std::uint16_t channel = 0) {
@@ -26,7 +26,7 @@ Record reading_at(std::int64_t t_ns, double value, std::uint16_t channel = 0) {
 int hear(LiveChannel& channel, const Record& record) {
   if (!channel.hear(record)) return 0;
   int counted = 0;
-  channel.judge(record, 2 * M_PI / kPeriod_s, [&](const LiveChannel::Reading& passed) {
+  channel.judge(record, 2 * M_PI / kLivePeriod_s, [&](const LiveChannel::Reading& passed) {
     channel.count(passed);
     ++counted;
   });
@@ -35,11 +35,11 @@ int hear(LiveChannel& channel, const Record& record) {
 
 TEST(LiveChannel, DeliversUntilItsNewestSampleIsOlderThanASecondAndTwoPeriods) {
   LiveChannel channel{Channel{}};
-  EXPECT_FALSE(channel.delivers(0, kPeriod_s)) << "nothing has come yet";
+  EXPECT_FALSE(channel.delivers(0, kLivePeriod_s)) << "nothing has come yet";
   EXPECT_EQ(channel.silent_reason(), "no sample yet");
   hear(channel, reading_at(0, 1.0));
-  EXPECT_TRUE(channel.delivers(999'000'000, kPeriod_s));
-  EXPECT_FALSE(channel.delivers(1'001'000'000, kPeriod_s));
+  EXPECT_TRUE(channel.delivers(999'000'000, kLivePeriod_s));
+  EXPECT_FALSE(channel.delivers(1'001'000'000, kLivePeriod_s));
   EXPECT_TRUE(channel.delivers(1'001'000'000, 1.0)) << "two periods of a slow drive are longer than a second";
 }
 
@@ -47,10 +47,10 @@ TEST(LiveChannel, AFaultThatIsToldEndsDeliveryAtOnceAndTheNextSampleBeginsItAgai
   LiveChannel channel{Channel{}};
   hear(channel, reading_at(0, 1.0));
   channel.tell(Fault::timeout);
-  EXPECT_FALSE(channel.delivers(1, kPeriod_s));
+  EXPECT_FALSE(channel.delivers(1, kLivePeriod_s));
   EXPECT_EQ(channel.silent_reason(), "stale, timeout");
   hear(channel, reading_at(2, 1.1));
-  EXPECT_TRUE(channel.delivers(3, kPeriod_s));
+  EXPECT_TRUE(channel.delivers(3, kLivePeriod_s));
 }
 
 TEST(LiveChannel, WhatIsNotAfterTheSampleBeforeOrNotFiniteIsCountedAsRejected) {
@@ -59,8 +59,8 @@ TEST(LiveChannel, WhatIsNotAfterTheSampleBeforeOrNotFiniteIsCountedAsRejected) {
   EXPECT_EQ(hear(channel, reading_at(10, 2.0)), 0);
   EXPECT_EQ(hear(channel, reading_at(20, NAN)), 0);
   channel.refuse();
-  EXPECT_EQ(channel.now(kPeriod_s).rejected, 3u);
-  EXPECT_EQ(channel.now(kPeriod_s).used, 1u);
+  EXPECT_EQ(channel.now(kLivePeriod_s).rejected, 3u);
+  EXPECT_EQ(channel.now(kLivePeriod_s).used, 1u);
   EXPECT_EQ(channel.value(), 1.0);
 }
 
@@ -68,15 +68,15 @@ TEST(LiveChannel, OneReadingForLongerThanTwoPeriodsIsStuckUntilItChanges) {
   LiveChannel channel{Channel{}};
   std::int64_t t_ns = 0;
   for (; t_ns <= 490'000'000; t_ns += kStep_ns) hear(channel, reading_at(t_ns, 1.0));
-  EXPECT_FALSE(channel.stuck(kPeriod_s));
+  EXPECT_FALSE(channel.stuck(kLivePeriod_s));
   for (; t_ns <= 520'000'000; t_ns += kStep_ns) hear(channel, reading_at(t_ns, 1.0));
-  EXPECT_TRUE(channel.stuck(kPeriod_s));
-  EXPECT_TRUE(channel.unfit(kPeriod_s, 0.005));
-  EXPECT_EQ(channel.now(kPeriod_s).condition, Condition::stuck);
-  EXPECT_NE(channel.condition_reason(kPeriod_s).find("stuck at one reading for 0.52"), std::string::npos)
-      << channel.condition_reason(kPeriod_s);
+  EXPECT_TRUE(channel.stuck(kLivePeriod_s));
+  EXPECT_TRUE(channel.unfit(kLivePeriod_s, 0.005));
+  EXPECT_EQ(channel.now(kLivePeriod_s).condition, Condition::stuck);
+  EXPECT_NE(channel.condition_reason(kLivePeriod_s).find("stuck at one reading for 0.52"), std::string::npos)
+      << channel.condition_reason(kLivePeriod_s);
   hear(channel, reading_at(t_ns, 1.5));
-  EXPECT_FALSE(channel.stuck(kPeriod_s));
+  EXPECT_FALSE(channel.stuck(kLivePeriod_s));
 }
 
 TEST(LiveChannel, AReadingIsLateBeyondOneAndAHalfTimesTheUsualTurnaroundOfThisHold) {
@@ -117,11 +117,11 @@ TEST(LiveChannels, WithoutATransducerOnTheTableTheFirstThatSeesMotionShowsTheDri
 TEST(LiveChannels, WhereTheDrivesChannelIsLostAnotherOfTheTableThatDeliversTakesItsPlace) {
   const Rig rig = table_twice();
   LiveChannels channels(rig);
-  channels.choose_drive(0, kPeriod_s);
+  channels.choose_drive(0, kLivePeriod_s);
   EXPECT_EQ(channels.drive(), 2) << "none delivers: it stays";
   int counted = 0;
-  channels.sample(reading_at(0, 1.0, 3), 2 * M_PI / kPeriod_s, [&](const LiveChannel::Reading&) { ++counted; });
-  channels.choose_drive(1, kPeriod_s);
+  channels.sample(reading_at(0, 1.0, 3), 2 * M_PI / kLivePeriod_s, [&](const LiveChannel::Reading&) { ++counted; });
+  channels.choose_drive(1, kLivePeriod_s);
   EXPECT_EQ(channels.drive(), 3);
 }
 
