@@ -5,10 +5,8 @@ namespace {
 
 constexpr int kIdleBlocks = 64;  // that are kept while no dwell is on
 constexpr double kInPhase_rad = 0.02;
-constexpr double kSlip_rad = 0.1;      // of the table's phase against the dwell's, beyond noise: another frequency
-constexpr double kStopped = 0.25;      // of the amplitude so far
-constexpr double kShortestTold = 5.0;  // periods: what ended sooner without settling is not told
-constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell is kept back to learn why it ended
+constexpr double kSlip_rad = 0.1;  // of the table's phase against the dwell's, beyond noise: another frequency
+constexpr double kStopped = 0.25;  // of the amplitude so far
 
 }  // namespace
 
@@ -42,51 +40,55 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   // From few degrees of freedom the noise is itself uncertain.
   const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
   // While measuring it is known from the dwell; a window may have more.
-  const double more_noise =
-      state == State::measuring && counted_valid ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
+  const double more_noise = states.measuring() && counted_valid ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
   const double u0 = few * std::sqrt(0.5 * more_noise * table.covariance.trace()) * per_reading;
 
   // One bad reading makes a window uncertain, but no drive small.
   // Where no phase has told the frequency yet, the window's own, if it is known to a hundredth.
   const bool acquired = omega != kTwoPi * rig.excitation.frequency_hz;
   const double seen_omega = std::isfinite(drive.omega()) || !acquired ? drive.omega() : omega;
-  seen_drive.take(std::abs(Y0), seen_omega / kTwoPi, state != State::idle && state != State::fault);
-  const bool uncertain =
-      std::abs(Y0) < 3 * u0 && (state != State::measuring || std::abs(Y0) < kStopped * drive.amplitude());
+  seen_drive.take(std::abs(Y0), seen_omega / kTwoPi, !states.at_rest());
+  const bool uncertain = std::abs(Y0) < 3 * u0 && (!states.measuring() || std::abs(Y0) < kStopped * drive.amplitude());
   if (std::abs(Y0) < rig.excitation.minimum || uncertain) {
     if (++low_windows >= 2) {
       stop();
-    } else if (pending && blocks.serials() >= pending_until_serial) {
+    } else if (states.awaits_reason() && finished.waited_enough(blocks.serials())) {
       emit(EndedBy::drive_changed);
     }
-    if (state == State::idle || state == State::fault) refresh_reference();
+    if (states.at_rest()) refresh_reference();
     return;
   }
   low_windows = 0;
   // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
-  if (pending && (blocks.serials() - steady_serial >= (2 * window_periods + 1) * kQuarters ||
-                  blocks.serials() >= pending_until_serial))
+  if (states.awaits_reason() && (blocks.serials() - at.steady_serial >= (2 * window_periods + 1) * kQuarters ||
+                                 finished.waited_enough(blocks.serials())))
     emit(EndedBy::drive_changed);
   // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
-  if (state == State::idle || state == State::fault) {
+  if (states.at_rest()) {
     if (std::abs(Y0) < 5 * u0) return refresh_reference();
-    if (!permitted || !reference.usable(now_ns)) {
-      enter(permitted ? State::fault : State::idle);
+    if (states.interlocked() || !reference.usable(now_ns)) {
+      states.bar();
       return refresh_reference();
     }
+    states.arm();
     arm(from);
   }
-  if (state == State::settling && live.holding_changed()) return begin_hold(blocks.count() - 1);
-  if (reference.lost(end_ns)) return end(EndedBy::data_lost, State::fault, false);
-  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
+  if (states.settling() && live.holding_changed()) {
+    states.settle_anew();
+    return begin_hold(blocks.count() - 1);
+  }
+  if (reference.lost(end_ns)) return end(EndedBy::data_lost, false);
+  const bool other = drive.update(to_s(centre_ns - at.steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
                                   omega_at(centre_ns, omega)),
              stepped = watch.close();
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
-  if (state == State::settling) {
+  if (states.settling()) {
     if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
     if (!reference.pulses_contradict(drive.omega()) && !contradicting_omega()) settle(end_ns);
-  } else if (state == State::measuring) {
+    states.ask_again(believe_at_ns != INT64_MIN);
+  } else if (states.measuring()) {
     refit_measuring(end_ns);
+    states.ask_again(believe_at_ns != INT64_MIN);
     // Not from what may be another drive.
     if (!counted_valid || (blocks.serials() >= refine_at_serial && doubtful_quarters() == 0)) count_anew();
   }
@@ -105,7 +107,7 @@ void Pipeline::Impl::acquire(int from, int to, std::int64_t centre_ns) {
 }
 
 bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
-  if (state != State::measuring || !counted_valid) return false;
+  if (!states.measuring() || !counted_valid) return false;
   const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
   const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
   // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
@@ -118,18 +120,15 @@ bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
 }
 
 void Pipeline::Impl::arm(int from) {
-  ++index;
-  enter(State::settling);
-  restarts = 0;
   begin_hold(from);
-  start_ns = armed_ns = steady_ns;
+  at.start_ns = at.armed_ns = at.steady_ns;
   seen_drive.arm();
 }
 
 void Pipeline::Impl::begin_hold(int from) {
-  steady_ns = blocks.block(from).begin_ns;
-  steady_serial = blocks.block(from).first_serial;
-  blocks.forget_before(steady_ns);
+  at.steady_ns = blocks.block(from).begin_ns;
+  at.steady_serial = blocks.block(from).first_serial;
+  blocks.forget_before(at.steady_ns);
   time_constant_s = kNaN;
   solve_at_serial = 0;
   verdict = {};
@@ -144,7 +143,7 @@ void Pipeline::Impl::begin_hold(int from) {
   seen_modes.clear();
   believe_at_ns = INT64_MIN;
   taken_back = {};
-  free_ns = steady_ns;
+  free_ns = at.steady_ns;
   knock_ns = INT64_MIN;
   knocks = false;
   quiet_ns = INT64_MIN;
@@ -172,38 +171,39 @@ int Pipeline::Impl::blocks_before(int newest_quarters) const {
 }
 
 void Pipeline::Impl::change(int from) {
-  if (state == State::measuring) {
+  if (states.measuring()) {
     // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
     // the amplitude, as far as the phase has been slipping away by that.
     // A change that begins as a ramp explains most a little after it has begun.
     conclude(blocks_before(std::max(doubtful_quarters() + 2, since_in_phase + 1)), false);
-    pending_until_serial = blocks.serials() + kLongestPending;
+    finished.wait_for_reason(blocks.serials());
     if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
+    states.leave_hold();
     return arm(from);
   }
-  ++restarts;
+  states.leave_hold();
   begin_hold(from);
-  start_ns = steady_ns;
+  at.start_ns = at.steady_ns;
 }
 
 void Pipeline::Impl::stop() {
-  if (pending) {
-    --index;  // what was armed after the change was no dwell
+  if (states.awaits_reason()) {
+    states.forget_dwell();  // what was armed after the change was no dwell
     emit(EndedBy::drive_stopped);
-  } else if (state == State::settling || state == State::measuring) {
+  } else if (!states.at_rest()) {
     conclude(blocks_before(kQuarters * window_periods + doubtful_quarters() + 2), false);
     emit(EndedBy::drive_stopped);
   }
-  enter(State::idle);
+  states.rest();
   omega = kTwoPi * rig.excitation.frequency_hz;
 }
 
-void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
-  if (pending) {
-    --index;
+void Pipeline::Impl::end(EndedBy ended_by, bool with_open) {
+  if (states.awaits_reason()) {
+    states.forget_dwell();
     // Of a drive that the interlock has cut the motion may tell first.
     emit(ended_by == EndedBy::interlock ? ended_by : EndedBy::drive_changed);
-  } else if (state == State::settling || state == State::measuring) {
+  } else if (!states.at_rest()) {
     // Windows in doubt do not count, whatever ends the dwell; nor does the quarter of a period before the interlock,
     // whose contact may lag what it tells of.
     const int least = ended_by == EndedBy::interlock ? 1 : 0;
@@ -211,17 +211,20 @@ void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
     conclude(blocks_before(doubtful), with_open && doubtful == 0);
     emit(ended_by);
   }
-  enter(next);
+  if (ended_by == EndedBy::data_lost)
+    states.lose_sight();
+  else
+    states.rest();
 }
 
 void Pipeline::Impl::lose_data() {
-  end(EndedBy::data_lost, State::fault, false);
+  end(EndedBy::data_lost, false);
   // Another transducer of the table's motion, if it has one, shows the drive from now on.
   live.choose_drive(now_ns, period_s());
 }
 
 void Pipeline::Impl::rearm() {
-  if (state == State::settling || state == State::measuring) end(EndedBy::rearmed, State::idle, false);
+  if (!states.at_rest()) end(EndedBy::rearmed, false);
 }
 
 void Pipeline::Impl::refresh_reference() {
@@ -232,24 +235,15 @@ void Pipeline::Impl::refresh_reference() {
 }
 
 void Pipeline::Impl::conclude(int to, bool with_open) {
-  finished = evaluate(to, with_open, false);
-  finished_omega = omega;
-  finished_armed_ns = armed_ns;
-  finished.state = State::complete;
-  finished.settles_in_s = kNaN;
-  pending = true;
+  finished.keep(evaluate(to, with_open, false), at.armed_ns, omega);
 }
 
 void Pipeline::Impl::emit(EndedBy ended_by) {
-  pending = false;
-  // What never settled and was hardly begun was no dwell.
-  if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
-      to_s(now_ns - finished_armed_ns) < kShortestTold * kTwoPi / finished_omega) {
-    --index;
-    return;
-  }
-  finished.ended_by = ended_by;
-  changes |= kCompleted;
+  states.go_on();
+  if (finished.conclude(ended_by, now_ns))
+    changes |= kCompleted;
+  else
+    states.forget_dwell();
 }
 
 }  // namespace dwell

@@ -25,7 +25,7 @@ void Pipeline::Impl::count_anew(bool follow) {
   for (int i = 0; i < kTurns; ++i) {
     blocks.sum(0, blocks.count(), omega, blocks.block(0).begin_ns, counted);
     const Refined refined = reference.refine(counted, blocks.block(0).begin_ns, blocks.block(blocks.count() - 1).end_ns,
-                                             steady_ns, drive_channel(), totals);
+                                             at.steady_ns, drive_channel(), totals);
     omega = refined.omega;
     u_omega = refined.u;
     if (refined.reached) break;
@@ -144,7 +144,7 @@ Refined Pipeline::Impl::gather(int from, int to, bool with_open) const {
       blocks.sum(from, to, refined.omega, begin_ns, gathered);
     if (with_open) blocks.add_open(gathered);
     refined = reference.refine(gathered, begin_ns, with_open || from == to ? now_ns : blocks.block(to - 1).end_ns,
-                               steady_ns, drive_channel(), totals);
+                               at.steady_ns, drive_channel(), totals);
   }
   return refined;
 }

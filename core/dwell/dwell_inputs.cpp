@@ -20,24 +20,25 @@ void Pipeline::Impl::edge(const Record& record) {
   if (record.channel != static_cast<std::uint16_t>(Line::interlock)) return;
   // Edges that were lost before this one may have told of a loss.
   const bool lost = !active || (record.flags & kGap) != 0;
-  if (permitted && lost) {
-    end(EndedBy::interlock, State::idle, false);
+  const bool was_open = states.interlocked();
+  if (!was_open && lost) {
+    end(EndedBy::interlock, false);
     omega = kTwoPi * rig.excitation.frequency_hz;
   }
-  if (active && (!permitted || lost)) {
+  if (active && (was_open || lost)) {
     blocks.close();
     blocks.clear();
     open_block(record.t_ns);
   }
-  permitted = active;
+  states.interlock(active);
 }
 
 // By the table alone, in the newest quarters that were never joined: these resolve parts in a million.
 std::optional<double> Pipeline::Impl::contradicting_omega() const {
-  if (!reference.stated().stated() || state != State::settling || !std::isfinite(drive.omega())) return {};
+  if (!reference.stated().stated() || !states.settling() || !std::isfinite(drive.omega())) return {};
   const int to = blocks.count();
   const int from =
-      std::max(blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to - Blocks::kFine);
+      std::max(blocks.index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to - Blocks::kFine);
   if (to - from < kShortestHeld) return {};
   const std::int64_t middle_ns =
       blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;

@@ -26,7 +26,8 @@ constexpr double kConverged = 0.1;                  // of the uncertainty of a p
 double Pipeline::Impl::drive_omega() {
   modal_rate = 0.0;
   if (!tracked()) return omega;
-  const int from = blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to = blocks.count();
+  const int from = blocks.index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
+            to = blocks.count();
   double w = omega;
   if (from >= to) return w;
   const std::int64_t middle_ns =
@@ -116,7 +117,7 @@ bool Pipeline::Impl::refit_modes() {
     ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
   }
   // At first by the table alone, then by all channels.
-  const bool fitted = modal.usable(drive_channel()) && modal.t0_ns() >= steady_ns;
+  const bool fitted = modal.usable(drive_channel()) && modal.t0_ns() >= at.steady_ns;
   const double w = drive_omega();
   const bool drifts = modal_rate != 0 || modal.rate() != 0;
   const double first_w = fitted && from_motion() && !drifts ? modal.omega() : w;

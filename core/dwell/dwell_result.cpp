@@ -26,13 +26,14 @@ std::string Pipeline::Impl::barred_reason() const {
     return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
            (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
-  if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
+  if (states.phase() == Phase::interlocked) return "the interlock is open";
+  if (states.phase() == Phase::idle) return seen_drive.at_rest(rig);
   if (delivers(drive_channel())) {
     if (std::string reason = reference.unusable_reason(now_ns); !reason.empty()) return reason;
-    if (state == State::settling && reference.pulses_contradict(drive.omega()))
+    if (states.settling() && reference.pulses_contradict(drive.omega()))
       return reference.contradiction_of_pulses(drive.omega());
   }
-  if (state == State::fault) {
+  if (states.state() == State::fault) {
     return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
            live[drive_channel()].fault_name();
   }
@@ -41,15 +42,16 @@ std::string Pipeline::Impl::barred_reason() const {
            brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
            " Hz (excitation.search)";
   if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
-  if (state == State::settling && restarts >= kManyRestarts) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
+  if (states.settling() && states.restarts() >= kManyRestarts)
+    return seen_drive.unsteady(rig, to_s(now_ns - at.armed_ns));
   return "";
 }
 
 // What of the settled data does not count, and why.
 std::string Pipeline::Impl::left_out_of_dwell() const {
-  if (state != State::measuring || blocks.count() == 0) return "";
+  if (!states.measuring() || blocks.count() == 0) return "";
   const std::int64_t from_ns = blocks.block(0).begin_ns;
-  const double left_s = to_s(from_ns - settled_ns), kept_s = to_s(blocks.block(blocks.count() - 1).end_ns - from_ns);
+  const double left_s = to_s(from_ns - at.settled_ns), kept_s = to_s(blocks.block(blocks.count() - 1).end_ns - from_ns);
   if (!(left_s > period_s() / kQuarters)) return "";
   if (left_s + kept_s > rig.memory_s)
     return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
@@ -58,8 +60,8 @@ std::string Pipeline::Impl::left_out_of_dwell() const {
 
 std::string Pipeline::Impl::settling_reason() const {
   if (std::string reason = barred_reason(); !reason.empty()) return reason;
-  if (state == State::settling) {
-    if (believe_at_ns != INT64_MIN)
+  if (states.settling()) {
+    if (states.asked_again())
       return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
@@ -67,17 +69,17 @@ std::string Pipeline::Impl::settling_reason() const {
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +
              (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
-                      blocks.serials() - steady_serial > 10 * kQuarters
+                      blocks.serials() - at.steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
              (live[verdict.worst_channel].intake().held()
                   ? ", which is " + live[verdict.worst_channel].intake().held_reason()
                   : foreign_oscillations());
     }
-    if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
-    return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
+    if (states.restarts() > 0) return seen_drive.unsteady(rig, to_s(now_ns - at.armed_ns));
+    return "too few periods seen: " + brief(to_s(now_ns - at.steady_ns) / period_s(), 2);
   }
-  const std::string since = brief(axis_s(settled_ns), 4) + " s";
+  const std::string since = brief(axis_s(at.settled_ns), 4) + " s";
   return (quiet_ns != INT64_MIN ? "since " + since + " less is left of the natural oscillations than is allowed"
                                 : "the windows since " + since + " agree") +
          left_out_of_dwell();
@@ -110,15 +112,15 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     result.withheld = "stuck at one reading";
   else if (up_to_now && !delivers(c))
     result.withheld = channel.silent_reason();
-  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
+  if (states.measuring() && transient[static_cast<std::size_t>(c)] > 0 && std::isfinite(time_constant_s)) {
     // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
     // rectangular.
-    const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
+    const double D = std::max(to_s(now_ns - at.settled_ns), 1e-9);
     const double u = transient[static_cast<std::size_t>(c)] * time_constant_s / D * -std::expm1(-D / time_constant_s) /
                      std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
-  if (state == State::measuring && quiet_ns != INT64_MIN && result.fit.usable) {
+  if (states.measuring() && quiet_ns != INT64_MIN && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(totals.t_ref_ns())).toRotationMatrix();
     result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
@@ -135,7 +137,7 @@ void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
   result.refresh_u_s = live[c].intake().refresh_half_s() / std::numbers::sqrt3;
   if (!result.withheld.empty()) return;
   const double u = std::hypot(std::sqrt(0.5 * fit.covariance.trace()), result.quantization_u);
-  result.withheld = live[c].unfit_reason(std::abs(fit.X[0]), u, state == State::measuring);
+  result.withheld = live[c].unfit_reason(std::abs(fit.X[0]), u, states.measuring());
 }
 
 // What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
@@ -156,18 +158,18 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
 
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
-  dwell.state = state;
+  dwell.state = states.state();
   dwell.memory_time_predicted_s = std::isfinite(time_constant_s) ? -time_constant_s * std::log(rig.tolerance) : kNaN;
   dwell.settling_reason = settling_reason();
   if (origin_ns == INT64_MIN) return dwell;
-  const bool active = state == State::settling || state == State::measuring;
+  const bool active = !states.at_rest();
   if (active) {
-    dwell.index = index;
-    dwell.start_s = axis_s(start_ns);
+    dwell.index = states.index();
+    dwell.start_s = axis_s(at.start_ns);
   }
   int quarters_left = 0;
   for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
-  const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
+  const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
   const Refined refined = gather(from, to, with_open);
   // In the middle of the data.
@@ -208,7 +210,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     for (const std::string& warning : live[c].warnings(rig.tolerance))
       dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
   if (!settled) {
-    if (state == State::measuring) {
+    if (states.measuring()) {
       dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     } else if (active) {
@@ -217,9 +219,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     }
     return dwell;
   }
-  dwell.settled_s = axis_s(std::max(settled_ns, blocks.count() > 0 ? blocks.block(0).begin_ns : settled_ns));
-  dwell.verdict_s = axis_s(verdict_ns);
-  dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
+  dwell.settled_s = axis_s(std::max(at.settled_ns, blocks.count() > 0 ? blocks.block(0).begin_ns : at.settled_ns));
+  dwell.verdict_s = axis_s(at.verdict_ns);
+  dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
   dwell.settles_in_s = 0.0;
   if (rig.mass_count() > 0 && !std::isfinite(time_constant_s) && quiet_ns == INT64_MIN)
     dwell.warnings.push_back(

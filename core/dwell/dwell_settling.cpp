@@ -12,10 +12,11 @@ constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of
 void Pipeline::Impl::settle(std::int64_t end_ns) {
   const int quarters = kQuarters * window_periods, newest = blocks.count();
   int first = newest;
-  if (std::abs(omega / history_omega - 1) > 0.2 * rig.tolerance && blocks.serials() - steady_serial <= Blocks::kFine) {
+  if (std::abs(omega / history_omega - 1) > 0.2 * rig.tolerance &&
+      blocks.serials() - at.steady_serial <= Blocks::kFine) {
     settling.restart();
     history_omega = omega;
-    first = std::max(blocks.index_of(steady_serial) + quarters, quarters);
+    first = std::max(blocks.index_of(at.steady_serial) + quarters, quarters);
   }
   for (int to = first; to <= newest; ++to)
     if (!look(to - quarters, to)) return;
@@ -24,10 +25,10 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   // Where nothing rings the motion before may have been a ramp, of which a window bears a little.
   const int counts_from = blocks.index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
   if (counts_from >= blocks.count()) return;
-  settled_ns = blocks.block(counts_from).begin_ns;
-  blocks.forget_before(settled_ns);
-  verdict_ns = end_ns;
-  enter(State::measuring);
+  at.settled_ns = blocks.block(counts_from).begin_ns;
+  blocks.forget_before(at.settled_ns);
+  at.verdict_ns = end_ns;
+  states.begin_to_measure();
   live.begin_to_count();
   for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = settling.left(c);
   count_anew();
@@ -97,7 +98,7 @@ void Pipeline::Impl::take_noise(int c, int from, int to) {
 
 void Pipeline::Impl::provisional() {
   if (rig.mass_count() > kLargestSolved || blocks.serials() < solve_at_serial) return;
-  solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - steady_serial) / 32);
+  solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - at.steady_serial) / 32);
   time_constant_s = kNaN;
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);

@@ -129,15 +129,15 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (waits || out_of_search()) return true;
   const std::int64_t counts_ns = count_from(end_ns);
   if (counts_ns == INT64_MIN) return true;
-  settled_ns = counts_ns;
+  at.settled_ns = counts_ns;
   verdict.settled = true;
-  verdict_ns = end_ns;
-  enter(State::measuring);
+  at.verdict_ns = end_ns;
+  states.begin_to_measure();
   live.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
   omega = modal.omega();
   blocks.set_drift({modal.rate(), modal.t0_ns()});
-  if (pending) emit(EndedBy::drive_changed);
+  if (states.awaits_reason()) emit(EndedBy::drive_changed);
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
   count_anew();
@@ -249,11 +249,11 @@ bool Pipeline::Impl::premature() {
   for (int c = 0; c < channel_count; ++c) {
     if (!readings[static_cast<std::size_t>(c)].usable || !modal.usable(c)) continue;
     if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
-    const ModalFit::Left left = modal.left(c, verdict_ns);
+    const ModalFit::Left left = modal.left(c, at.verdict_ns);
     const double allowed = allowed_left(c);
     if ((left.swing - kSure * left.u) / allowed <= most) continue;
     most = (left.swing - kSure * left.u) / allowed;
-    taken_back = {verdict_ns, c, left.swing / allowed};
+    taken_back = {at.verdict_ns, c, left.swing / allowed};
   }
   return most > 1;
 }
@@ -264,21 +264,21 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   verdict.worst_left = modal_left(end_ns, &verdict.worst_channel);
   if (verdict.worst_left <= 1) {
     if (const std::int64_t counts_ns = count_from(end_ns); counts_ns != INT64_MIN) {
-      settled_ns = counts_ns;
-      verdict_ns = end_ns;
+      at.settled_ns = counts_ns;
+      at.verdict_ns = end_ns;
       return true;
     }
   }
   verdict.settled = false;
   verdict.settles_in_s = kNaN;
-  enter(State::settling);
+  states.take_back();
   counted_valid = false;
   slips = since_in_phase = 0;
   watch.restart();
   quiet_ns = INT64_MIN;
   omega = omega_at(end_ns, omega);
   blocks.set_drift({});
-  const std::int64_t begin_ns = std::max({steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
+  const std::int64_t begin_ns = std::max({at.steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
   rebuild_blocks(begin_ns, end_ns);
   refitted_ns = now_ns;
   refit_later(kHoldGrowth);
@@ -326,7 +326,7 @@ Eigen::Matrix2d Pipeline::Impl::transient_covariance(int c, double samples) cons
 
 // Builds the blocks anew from the history, the transient subtracted.
 void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
-  const std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
+  const std::int64_t begin_ns = std::max(at.settled_ns, end_ns - to_ns(rig.memory_s));
   quiet_ns = end_ns;
   modal.propagate_poles(!from_motion());
   fade_modes(begin_ns);
@@ -342,7 +342,7 @@ void Pipeline::Impl::rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns) 
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   begin_ns = end_ns - (end_ns - begin_ns + quarter_ns / 2) / quarter_ns * quarter_ns;
   blocks.restart();
-  steady_serial = blocks.serials();
+  at.steady_serial = blocks.serials();
   std::uint64_t i = history.first_at(begin_ns);
   for (; begin_ns < end_ns; begin_ns += quarter_ns) {
     blocks.open(begin_ns, begin_ns + quarter_ns, omega);

@@ -13,13 +13,19 @@ constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
 
 std::uint8_t Pipeline::Impl::push(const Record& record) {
   changes = kNothing;
+  take_record(record);
+  if (states.changed()) changes |= kStateChanged;
+  return changes;
+}
+
+void Pipeline::Impl::take_record(const Record& record) {
   if (origin_ns == INT64_MIN) {
     origin_ns = now_ns = record.t_ns;
   }
   if (record.t_ns < now_ns ||
       record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
     if (record.kind == Kind::sample && record.channel < channel_count) live[record.channel].refuse();
-    return changes;
+    return;
   }
   now_ns = record.t_ns;
   advance();
@@ -39,7 +45,6 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
     case Kind::tick:
       break;
   }
-  return changes;
 }
 
 void Pipeline::Impl::advance() {
@@ -72,8 +77,7 @@ void Pipeline::Impl::sample(const Record& record) {
 
 void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   LiveChannel& channel = live[c];
-  if (channel.stuck(period_s()) && (state == State::settling || state == State::measuring))
-    return channel.leave_out_stuck();
+  if (channel.stuck(period_s()) && !states.at_rest()) return channel.leave_out_stuck();
   const bool first = !channel.has_counted();
   const double value = channel.count(reading);
   last_sample_ns = std::max(last_sample_ns, reading.t_ns);
@@ -94,20 +98,21 @@ std::uint8_t Pipeline::push(const Record& record) noexcept { return impl_->push(
 
 std::uint8_t Pipeline::finish() {
   impl_->changes = kNothing;
-  impl_->end(EndedBy::end, State::idle, true);
+  impl_->end(EndedBy::end, true);
+  if (impl_->states.changed()) impl_->changes |= kStateChanged;
   return impl_->changes;
 }
 
 Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true, true); }
-const Dwell& Pipeline::completed() const noexcept { return impl_->finished; }
-State Pipeline::state() const noexcept { return impl_->state; }
+const Dwell& Pipeline::completed() const noexcept { return impl_->finished.dwell(); }
+State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
   if (p.origin_ns == INT64_MIN) return {kNaN, kNaN};
   const int to = p.blocks.count();
-  const int from = p.state == State::measuring ? 0 : std::max(0, to - kQuarters * p.window_periods);
-  if (p.state == State::measuring && p.counted_valid)
+  const int from = p.states.measuring() ? 0 : std::max(0, to - kQuarters * p.window_periods);
+  if (p.states.measuring() && p.counted_valid)
     p.counted.turned(p.omega, p.now_ns, p.window);
   else
     p.blocks.sum(from, to, p.omega, p.now_ns, p.window);

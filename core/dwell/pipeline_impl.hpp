@@ -21,6 +21,9 @@
 #include "core/drive/drive_reference.hpp"
 #include "core/drive/seen_drive.hpp"
 #include "core/drive/step_watch.hpp"
+#include "core/dwell/dwell_states.hpp"
+#include "core/dwell/dwell_times.hpp"
+#include "core/dwell/finished_dwell.hpp"
 #include "core/dwell/pipeline.hpp"
 #include "core/dwell/report.hpp"
 #include "core/fit/blocks.hpp"
@@ -113,14 +116,13 @@ struct Pipeline::Impl {
     double phase_rad, omega, u_omega;
     double sigma2;  // of the table's residuals
   } hold{};         // the table's phasor in this dwell, as last counted anew
-  int slips = 0, since_in_phase = 0, restarts = 0;
+  int slips = 0, since_in_phase = 0;
   bool sparse = false;              // the drive's channel has too few samples a period
   mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
   SettlingDetector settling;
   DriveMonitor drive;  // while settling
   StepWatch watch;     // while measuring
   SeenDrive seen_drive;
-  bool permitted = true;  // by the interlock; without one always
   SampleHistory history;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
@@ -165,12 +167,11 @@ struct Pipeline::Impl {
   std::vector<Complex> Y, d, Z;
   std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
 
-  State state = State::idle;
+  DwellStates states;
+  DwellTimes at;
   double omega;  // rad/s, best known
   std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
-  int index = 0, low_windows = 0, window_periods = 1;
-  std::int64_t armed_ns = 0;  // since when a drive is looked at that has not settled
-  std::int64_t start_ns = 0, steady_ns = 0, settled_ns = 0, verdict_ns = 0;
+  int low_windows = 0, window_periods = 1;
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
   struct TakenBack {
@@ -178,14 +179,10 @@ struct Pipeline::Impl {
     int channel = -1;
     double left = 0.0;  // in that channel at that time, over what is allowed
   } taken_back;
-  std::int64_t steady_serial = 0, refine_at_serial = 0;
+  std::int64_t refine_at_serial = 0;
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
-  Dwell finished;
-  std::int64_t finished_armed_ns = 0;
-  double finished_omega = 1.0;
-  bool pending = false;  // `finished` awaits its reason
-  std::int64_t pending_until_serial = 0;
+  FinishedDwell finished;
   std::uint8_t changes = kNothing;
 
   [[nodiscard]] bool tracked() const { return reference.tracked(); }
@@ -193,12 +190,8 @@ struct Pipeline::Impl {
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
   [[nodiscard]] double period_s() const { return kTwoPi / omega; }
 
-  void enter(State next) {
-    if (next != state) changes |= kStateChanged;
-    state = next;
-  }
-
   std::uint8_t push(const Record& record);
+  void take_record(const Record& record);
 
   // Brings the blocks up to now.
   void advance();
@@ -243,7 +236,7 @@ struct Pipeline::Impl {
   void stop();
 
   // Ends the run of dwells for another reason than the drive.
-  void end(EndedBy ended_by, State next, bool with_open);
+  void end(EndedBy ended_by, bool with_open);
   void lose_data();
   void rearm();
 
