@@ -4,6 +4,7 @@ namespace dwell {
 namespace {
 
 constexpr int kIdleBlocks = 64;  // that are kept while no dwell is on
+constexpr double kBeats = 0.5;   // of the drive's frequency: what is farther from it averages out
 constexpr double kInPhase_rad = 0.02;
 constexpr double kSlip_rad = 0.1;  // of the table's phase against the dwell's, beyond noise: another frequency
 constexpr double kStopped = 0.25;  // of the amplitude so far
@@ -11,20 +12,18 @@ constexpr double kStopped = 0.25;  // of the amplitude so far
 }  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
-  if (blocks.serials() % kQuarters == 0) live.next_period();
-  if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
-  if (counted_valid) blocks.add_block(blocks.count() - 1, counted);
+  if (blocks().serials() % kQuarters == 0) live.next_period();
+  data.take_block(end_ns);
   const int quarters = kQuarters * window_periods;
-  if (blocks.count() < quarters) return;
-  const int from = blocks.count() - quarters, to = blocks.count();
-  const std::int64_t begin_ns = blocks.block(from).begin_ns;
+  if (blocks().count() < quarters) return;
+  const int from = blocks().count() - quarters, to = blocks().count();
+  const std::int64_t begin_ns = blocks().block(from).begin_ns;
   const std::int64_t centre_ns = begin_ns + (end_ns - begin_ns) / 2;
 
   // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
   // first windows do not differ from the later ones for their frequency alone.
-  if (tracked() && !std::isfinite(drive.omega())) acquire(from, to, centre_ns);
-  blocks.sum_channel(drive_channel(), from, to, omega, centre_ns, window);
-  const HarmonicFit table = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
+  if (tracked() && !std::isfinite(drive.omega())) data.acquire(from, to, centre_ns);
+  const HarmonicFit table = data.fit(drive_channel(), from, to, omega(), centre_ns);
   if (!delivers(drive_channel())) return lose_data();
   if (!table.usable) {
     // So few samples a period that one alone cannot be solved: look at two.
@@ -35,24 +34,23 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     return;
   }
   sparse = false;
-  const Complex Y0 = as_observed(rig, drive_channel(), table.X[0], omega, 1);
+  const Complex Y0 = as_observed(rig, drive_channel(), table.X[0], omega(), 1);
   const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
   // From few degrees of freedom the noise is itself uncertain.
   const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
   // While measuring it is known from the dwell; a window may have more.
-  const double more_noise = states.measuring() && counted_valid ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
+  const double more_noise = states.measuring() && data.counted() ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
   const double u0 = few * std::sqrt(0.5 * more_noise * table.covariance.trace()) * per_reading;
 
   // One bad reading makes a window uncertain, but no drive small.
   // Where no phase has told the frequency yet, the window's own, if it is known to a hundredth.
-  const bool acquired = omega != kTwoPi * rig.excitation.frequency_hz;
-  const double seen_omega = std::isfinite(drive.omega()) || !acquired ? drive.omega() : omega;
+  const double seen_omega = std::isfinite(drive.omega()) || !data.knows_omega() ? drive.omega() : omega();
   seen_drive.take(std::abs(Y0), seen_omega / kTwoPi, !states.at_rest());
   const bool uncertain = std::abs(Y0) < 3 * u0 && (!states.measuring() || std::abs(Y0) < kStopped * drive.amplitude());
   if (std::abs(Y0) < rig.excitation.minimum || uncertain) {
     if (++low_windows >= 2) {
       stop();
-    } else if (states.awaits_reason() && finished.waited_enough(blocks.serials())) {
+    } else if (states.awaits_reason() && finished.waited_enough(blocks().serials())) {
       emit(EndedBy::drive_changed);
     }
     if (states.at_rest()) refresh_reference();
@@ -60,8 +58,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   }
   low_windows = 0;
   // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
-  if (states.awaits_reason() && (blocks.serials() - at.steady_serial >= (2 * window_periods + 1) * kQuarters ||
-                                 finished.waited_enough(blocks.serials())))
+  if (states.awaits_reason() && (blocks().serials() - at.steady_serial >= (2 * window_periods + 1) * kQuarters ||
+                                 finished.waited_enough(blocks().serials())))
     emit(EndedBy::drive_changed);
   // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
   if (states.at_rest()) {
@@ -75,39 +73,50 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   }
   if (states.settling() && live.holding_changed()) {
     states.settle_anew();
-    return begin_hold(blocks.count() - 1);
+    return begin_hold(blocks().count() - 1);
   }
   if (reference.lost(end_ns)) return end(EndedBy::data_lost, false);
-  const bool other = drive.update(to_s(centre_ns - at.steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
-                                  omega_at(centre_ns, omega)),
+  const bool other = drive.update(to_s(centre_ns - at.steady_ns), Y0 * std::polar(1.0, data.bend(centre_ns)), u0,
+                                  data.omega_at(centre_ns, omega())),
              stepped = watch.close();
   if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
   if (states.settling()) {
-    if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
+    if (tracked() && std::isfinite(drive.omega())) data.take_omega(within_search(rig, drive.omega()));
     if (!reference.pulses_contradict(drive.omega()) && !contradicting_omega()) settle(end_ns);
     states.ask_again(believe_at_ns != INT64_MIN);
   } else if (states.measuring()) {
     refit_measuring(end_ns);
     states.ask_again(believe_at_ns != INT64_MIN);
     // Not from what may be another drive.
-    if (!counted_valid || (blocks.serials() >= refine_at_serial && doubtful_quarters() == 0)) count_anew();
+    if (!data.counted() || (data.wants_refining() && doubtful_quarters() == 0)) count_anew();
   }
 }
 
-void Pipeline::Impl::acquire(int from, int to, std::int64_t centre_ns) {
-  double w = kTwoPi * rig.excitation.frequency_hz, information = 0.0;
-  for (int step = 0; step < 10; ++step) {
-    blocks.sum_channel(drive_channel(), from, to, w, centre_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
-    if (!(fit.information > 0)) return;
-    information = fit.information;
-    w = within_search(rig, w + fit.score / fit.information);
-  }
-  if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
+void Pipeline::Impl::count_anew() {
+  const auto table = data.count_anew(at.steady_ns);
+  if (!table) return;
+  const HarmonicFit& fit = table->fit;
+  const Complex X = fit.X[0];
+  hold = {table->t_ref_ns, std::arg(X), omega(), table->u_omega, fit.sigma2};
+  drive.refer(std::abs(as_observed(rig, drive_channel(), X, omega(), 1)), omega());
+  const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
+  if (!fit.usable) return;
+  // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
+  const bool told = tracked() && fit.information > 0;
+  const FrequencyPrior& stated = reference.stated();
+  const double information = fit.information + stated.information();
+  const double table_omega = told ? omega() + (fit.score + stated.score(omega())) / information : omega();
+  const double u_table_omega = told ? 1 / std::sqrt(information) : table->u_omega;
+  watch.refer({table->t_ref_ns, fit.mean, fit.X, H, table_omega, data.drift().rate, std::sqrt(fit.sigma2), u, u,
+               u_table_omega, quantization_u(drive_channel(), fit, data.sums()) / std::abs(X)});
+  const SamplingRegularity& sampling = live[drive_channel()].sampling();
+  watch.expect_beats(std::any_of(std::begin(kMainsFundamentals_hz), std::end(kMainsFundamentals_hz), [&](double line) {
+    return sampling.distance_hz(line, omega() / kTwoPi) < kBeats * omega() / kTwoPi;
+  }));
 }
 
 bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
-  if (!states.measuring() || !counted_valid) return false;
+  if (!states.measuring() || !data.counted()) return false;
   const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
   const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
   // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
@@ -126,14 +135,14 @@ void Pipeline::Impl::arm(int from) {
 }
 
 void Pipeline::Impl::begin_hold(int from) {
-  at.steady_ns = blocks.block(from).begin_ns;
-  at.steady_serial = blocks.block(from).first_serial;
-  blocks.forget_before(at.steady_ns);
+  at.steady_ns = blocks().block(from).begin_ns;
+  at.steady_serial = blocks().block(from).first_serial;
+  history_omega = omega();
+  data.begin_hold(from);
   time_constant_s = kNaN;
   solve_at_serial = 0;
   verdict = {};
   verdict.settles_in_s = kNaN;
-  counted_valid = false;
   modal_poles.clear();
   modal_skipped = 0.0;
   extra_poles.clear();
@@ -148,14 +157,11 @@ void Pipeline::Impl::begin_hold(int from) {
   knocks = false;
   quiet_ns = INT64_MIN;
   settling.restart();
-  history_omega = omega;
   slips = since_in_phase = 0;
   reference.begin_hold();
   drive.restart();
   watch.restart();
-  blocks.set_drift({});
   live.begin_hold();
-  if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
 }
 
 int Pipeline::Impl::doubtful_quarters() const {
@@ -163,9 +169,9 @@ int Pipeline::Impl::doubtful_quarters() const {
 }
 
 int Pipeline::Impl::blocks_before(int newest_quarters) const {
-  int keep = blocks.count();
-  while (keep > 0 &&
-         blocks.block(keep - 1).first_serial + blocks.block(keep - 1).quarters > blocks.serials() - newest_quarters)
+  int keep = blocks().count();
+  while (keep > 0 && blocks().block(keep - 1).first_serial + blocks().block(keep - 1).quarters >
+                         blocks().serials() - newest_quarters)
     --keep;
   return keep;
 }
@@ -176,8 +182,8 @@ void Pipeline::Impl::change(int from) {
     // the amplitude, as far as the phase has been slipping away by that.
     // A change that begins as a ramp explains most a little after it has begun.
     conclude(blocks_before(std::max(doubtful_quarters() + 2, since_in_phase + 1)), false);
-    finished.wait_for_reason(blocks.serials());
-    if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
+    finished.wait_for_reason(blocks().serials());
+    if (tracked()) data.forget_omega();
     states.leave_hold();
     return arm(from);
   }
@@ -195,7 +201,7 @@ void Pipeline::Impl::stop() {
     emit(EndedBy::drive_stopped);
   }
   states.rest();
-  omega = kTwoPi * rig.excitation.frequency_hz;
+  data.forget_omega();
 }
 
 void Pipeline::Impl::end(EndedBy ended_by, bool with_open) {
@@ -228,14 +234,13 @@ void Pipeline::Impl::rearm() {
 }
 
 void Pipeline::Impl::refresh_reference() {
-  if (blocks.count() < kIdleBlocks) return;
-  blocks.clear();
-  for (int c = 0; c < channel_count; ++c)
-    blocks.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
+  if (blocks().count() < kIdleBlocks) return;
+  data.clear();
+  for (int c = 0; c < channel_count; ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }
 
 void Pipeline::Impl::conclude(int to, bool with_open) {
-  finished.keep(evaluate(to, with_open, false), at.armed_ns, omega);
+  finished.keep(evaluate(to, with_open, false), at.armed_ns, omega());
 }
 
 void Pipeline::Impl::emit(EndedBy ended_by) {

@@ -23,12 +23,12 @@ void Pipeline::Impl::edge(const Record& record) {
   const bool was_open = states.interlocked();
   if (!was_open && lost) {
     end(EndedBy::interlock, false);
-    omega = kTwoPi * rig.excitation.frequency_hz;
+    data.forget_omega();
   }
   if (active && (was_open || lost)) {
-    blocks.close();
-    blocks.clear();
-    open_block(record.t_ns);
+    data.close();
+    data.clear();
+    data.open(record.t_ns);
   }
   states.interlock(active);
 }
@@ -36,21 +36,20 @@ void Pipeline::Impl::edge(const Record& record) {
 // By the table alone, in the newest quarters that were never joined: these resolve parts in a million.
 std::optional<double> Pipeline::Impl::contradicting_omega() const {
   if (!reference.stated().stated() || !states.settling() || !std::isfinite(drive.omega())) return {};
-  const int to = blocks.count();
-  const int from =
-      std::max(blocks.index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to - Blocks::kFine);
+  const int to = blocks().count();
+  const int from = std::max(blocks().index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
+                            to - Blocks::kFine);
   if (to - from < kShortestHeld) return {};
   const std::int64_t middle_ns =
-      blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
+      blocks().block(from).begin_ns + (blocks().block(to - 1).end_ns - blocks().block(from).begin_ns) / 2;
   double w = drive.omega(), information = 0.0;
   for (int step = 0; step < kNewtonSteps; ++step) {
-    blocks.sum_channel(drive_channel(), from, to, w, middle_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
+    const HarmonicFit fit = data.fit(drive_channel(), from, to, w, middle_ns);
     if (!(fit.information > 0)) return {};
     information = fit.information;
     w += fit.score / fit.information;
   }
-  const double by_refresh = refresh_u_omega(to_s(blocks.block(to - 1).end_ns - blocks.block(from).begin_ns));
+  const double by_refresh = refresh_u_omega(to_s(blocks().block(to - 1).end_ns - blocks().block(from).begin_ns));
   if (!reference.stated().contradicted(w, std::hypot(1 / std::sqrt(information), by_refresh))) return {};
   return w;
 }

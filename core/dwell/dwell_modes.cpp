@@ -25,23 +25,22 @@ constexpr double kConverged = 0.1;                  // of the uncertainty of a p
 
 double Pipeline::Impl::drive_omega() {
   modal_rate = 0.0;
-  if (!tracked()) return omega;
-  const int from = blocks.index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
-            to = blocks.count();
-  double w = omega;
+  if (!tracked()) return omega();
+  const int from = blocks().index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
+            to = blocks().count();
+  double w = omega();
   if (from >= to) return w;
   const std::int64_t middle_ns =
-      blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
+      blocks().block(from).begin_ns + (blocks().block(to - 1).end_ns - blocks().block(from).begin_ns) / 2;
   for (int step = 0; step < 3; ++step) {
-    blocks.sum_channel(drive_channel(), from, to, w, middle_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel(), H, blocks.reference(drive_channel()));
+    const HarmonicFit fit = data.fit(drive_channel(), from, to, w, middle_ns);
     if (!(fit.information > 0)) return w;
     const double information = fit.information + reference.stated().information();
     const double delta = (fit.score + reference.stated().score(w)) / information;
     w = within_search(rig, w + delta);
     if (std::abs(delta) * std::sqrt(information) < 0.1) break;
   }
-  modal_rate = seen_drift(from, w, middle_ns);
+  modal_rate = data.seen_drift(from, w, middle_ns);
   return w + modal_rate * to_s(modal_from_ns - middle_ns);
 }
 
@@ -114,7 +113,7 @@ bool Pipeline::Impl::refit_modes() {
   for (auto i = history.first_at(modal_from_ns); i < history.end(); ++i) {
     const SampleHistory::Sample& s = history[i];
     const auto c = static_cast<std::size_t>(s.channel);
-    ranges[c] = std::max(ranges[c], std::abs(s.value - blocks.reference(s.channel)));
+    ranges[c] = std::max(ranges[c], std::abs(s.value - blocks().reference(s.channel)));
   }
   // At first by the table alone, then by all channels.
   const bool fitted = modal.usable(drive_channel()) && modal.t0_ns() >= at.steady_ns;

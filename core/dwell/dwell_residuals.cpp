@@ -31,7 +31,7 @@ bool Pipeline::Impl::explained() const {
 double Pipeline::Impl::unexplained(int c) const {
   const Noise& noise = noises[static_cast<std::size_t>(c)];
   // Instants of refreshes that are known to ± so much make residuals of their own.
-  const double by_refresh = std::norm(omega * live[c].intake().refresh_half_s() * modal.phasor(c, 1)) / 6;
+  const double by_refresh = std::norm(omega() * live[c].intake().refresh_half_s() * modal.phasor(c, 1)) / 6;
   const double by_noise = modal.variance(c) - by_refresh -
                           noise.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, noise.freedom)));
   const double by_decay =
@@ -79,7 +79,7 @@ bool Pipeline::Impl::find_extra_pole() {
     const bool imposed = shows_drive(rig.channels[static_cast<std::size_t>(c)]);
     const double rate = modal.samples(c) / std::max(1e-9, to_s(now_ns - modal.t0_ns()));
     const auto lines =
-        static_cast<std::size_t>(std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega) / grid,
+        static_cast<std::size_t>(std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * omega()) / grid,
                                             0.0, static_cast<double>(spectrum.size() - kMains)));
     std::fill(spectrum.begin(), spectrum.end(), Complex{});
     double squares = 0.0, count = 0.0;
@@ -103,7 +103,7 @@ bool Pipeline::Impl::find_extra_pole() {
       if (P - sure <= strongest) continue;
       // Beside a harmonic it would be the drive's own frequency that is a little off.
       const double line = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
-      if (std::abs(std::remainder(line, omega)) < kBeside * grid && line < (H + 0.5) * omega) continue;
+      if (std::abs(std::remainder(line, omega())) < kBeside * grid && line < (H + 0.5) * omega()) continue;
       if (k < kMains && is_mean(c, line)) continue;
       strongest = P - sure;
       found = line;

@@ -49,9 +49,10 @@ std::string Pipeline::Impl::barred_reason() const {
 
 // What of the settled data does not count, and why.
 std::string Pipeline::Impl::left_out_of_dwell() const {
-  if (!states.measuring() || blocks.count() == 0) return "";
-  const std::int64_t from_ns = blocks.block(0).begin_ns;
-  const double left_s = to_s(from_ns - at.settled_ns), kept_s = to_s(blocks.block(blocks.count() - 1).end_ns - from_ns);
+  if (!states.measuring() || blocks().count() == 0) return "";
+  const std::int64_t from_ns = blocks().block(0).begin_ns;
+  const double left_s = to_s(from_ns - at.settled_ns),
+               kept_s = to_s(blocks().block(blocks().count() - 1).end_ns - from_ns);
   if (!(left_s > period_s() / kQuarters)) return "";
   if (left_s + kept_s > rig.memory_s)
     return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
@@ -69,7 +70,7 @@ std::string Pipeline::Impl::settling_reason() const {
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +
              (rig.mass_count() > 0 && !std::isfinite(time_constant_s) &&
-                      blocks.serials() - at.steady_serial > 10 * kQuarters
+                      blocks().serials() - at.steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
              (live[verdict.worst_channel].intake().held()
@@ -106,7 +107,7 @@ double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Total
 ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   const LiveChannel& channel = live[c];
   ChannelResult result;
-  result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
+  result.fit = fit_harmonics(data.totals(), c, H, blocks().reference(c));
   result.dof = result.fit.samples - (2 * H + 1);
   if (channel.stuck(period_s()))
     result.withheld = "stuck at one reading";
@@ -122,10 +123,10 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   }
   if (states.measuring() && quiet_ns != INT64_MIN && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(totals.t_ref_ns())).toRotationMatrix();
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modal.angle(data.totals().t_ref_ns())).toRotationMatrix();
     result.transient = turn * transient_covariance(c, result.fit.samples) * turn.transpose();
   }
-  result.quantization_u = quantization_u(c, result.fit, totals);
+  result.quantization_u = quantization_u(c, result.fit, data.totals());
   result.turnaround_u_s = channel.turnaround_u_s();
   result.transaction = live.transaction_of(c);
   return result;
@@ -142,7 +143,7 @@ void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
 
 // What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
 void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
-  const double f = omega / kTwoPi;
+  const double f = omega() / kTwoPi;
   for (const double line : kMainsFundamentals_hz)
     for (int h = 1; h <= H; ++h) {
       std::string names;
@@ -168,23 +169,23 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     dwell.start_s = axis_s(at.start_ns);
   }
   int quarters_left = 0;
-  for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
+  for (int i = 0; i < to; ++i) quarters_left += blocks().block(i).quarters;
   const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
-  const Refined refined = gather(from, to, with_open);
+  const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
   // In the middle of the data.
-  const double w = omega_at(totals.t_ref_ns(), refined.omega);
-  dwell.t_ref_s = axis_s(totals.t_ref_ns());
+  const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
+  dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) {
     results.push_back(result_of(c, up_to_now));
     if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
     if (settled) look_within(c, from, to, results.back());
     for (int h = 1; h <= H; ++h)
-      results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * bend(totals.t_ref_ns()));
+      results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));
   }
-  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks.block(to - 1).end_ns) -
-                              (from < blocks.count() ? blocks.block(from).begin_ns : now_ns));
+  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
+                              (from < blocks().count() ? blocks().block(from).begin_ns : now_ns));
   double u = refined.u;
   if (settled) {
     look_at_settling(results);
@@ -203,9 +204,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     warn_of_folded(rig, folded, dwell);
   }
   // The frequency of a drive that drifts is another at either end: its spread over the dwell.
-  report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
+  report_phasors(rig, results, w, std::hypot(u, data.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
-  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
+  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks().block(to - 1).end_ns));
   for (int c = 0; c < channel_count; ++c)
     for (const std::string& warning : live[c].warnings(rig.tolerance))
       dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
@@ -219,7 +220,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     }
     return dwell;
   }
-  dwell.settled_s = axis_s(std::max(at.settled_ns, blocks.count() > 0 ? blocks.block(0).begin_ns : at.settled_ns));
+  dwell.settled_s = axis_s(std::max(at.settled_ns, blocks().count() > 0 ? blocks().block(0).begin_ns : at.settled_ns));
   dwell.verdict_s = axis_s(at.verdict_ns);
   dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
   dwell.settles_in_s = 0.0;

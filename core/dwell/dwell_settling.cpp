@@ -10,23 +10,23 @@ constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
-  const int quarters = kQuarters * window_periods, newest = blocks.count();
+  const int quarters = kQuarters * window_periods, newest = blocks().count();
   int first = newest;
-  if (std::abs(omega / history_omega - 1) > 0.2 * rig.tolerance &&
-      blocks.serials() - at.steady_serial <= Blocks::kFine) {
+  if (std::abs(omega() / history_omega - 1) > 0.2 * rig.tolerance &&
+      blocks().serials() - at.steady_serial <= Blocks::kFine) {
     settling.restart();
-    history_omega = omega;
-    first = std::max(blocks.index_of(at.steady_serial) + quarters, quarters);
+    history_omega = omega();
+    first = std::max(blocks().index_of(at.steady_serial) + quarters, quarters);
   }
   for (int to = first; to <= newest; ++to)
     if (!look(to - quarters, to)) return;
   if (settle_by_modes(end_ns)) return;
   if (!verdict.settled || out_of_search()) return;
   // Where nothing rings the motion before may have been a ramp, of which a window bears a little.
-  const int counts_from = blocks.index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
-  if (counts_from >= blocks.count()) return;
-  at.settled_ns = blocks.block(counts_from).begin_ns;
-  blocks.forget_before(at.settled_ns);
+  const int counts_from = blocks().index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
+  if (counts_from >= blocks().count()) return;
+  at.settled_ns = blocks().block(counts_from).begin_ns;
+  data.forget_before(at.settled_ns);
   at.verdict_ns = end_ns;
   states.begin_to_measure();
   live.begin_to_count();
@@ -35,10 +35,8 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
 }
 
 bool Pipeline::Impl::look(int from, int to) {
-  const std::int64_t begin_ns = blocks.block(from).begin_ns, end_ns = blocks.block(to - 1).end_ns;
-  blocks.sum(from, to, omega, begin_ns + (end_ns - begin_ns) / 2, window);
-  for (int c = 0; c < channel_count; ++c)
-    fits[static_cast<std::size_t>(c)] = fit_harmonics(window, c, H, blocks.reference(c));
+  const std::int64_t begin_ns = blocks().block(from).begin_ns, end_ns = blocks().block(to - 1).end_ns;
+  data.fit_all(from, to, begin_ns + (end_ns - begin_ns) / 2, fits);
   const HarmonicFit& table = fits[static_cast<std::size_t>(drive_channel())];
   if (!table.usable) return false;
   const Complex back = std::conj(table.X[0]) / std::abs(table.X[0]);
@@ -70,7 +68,7 @@ bool Pipeline::Impl::look(int from, int to) {
   if (!modal_poles.empty()) return true;  // the modes tell more than windows do
   provisional();
   const double amplitude = std::abs(table.X[0]);
-  verdict = settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns),
+  verdict = settling.update(blocks().block(from).first_serial, blocks().block(to - 1).first_serial, axis_s(end_ns),
                             amplitude, u_table * amplitude, readings, period_s() * window_periods, time_constant_s);
   return true;
 }
@@ -83,8 +81,7 @@ void Pipeline::Impl::take_noise(int c, int from, int to) {
   const int length = in_quarter >= 5 ? 1 : 2;
   double squares = 0.0, freedom = 0.0;
   for (int i = from; i + length <= to; i += length) {
-    blocks.sum_channel(c, i, i + length, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
-    const HarmonicFit fit = fit_harmonics(quarter, c, 1, 0.0);
+    const HarmonicFit fit = data.fit(c, i, i + length, blocks().block(i).omega, blocks().block(i).centre_ns, 1);
     if (!std::isfinite(fit.sigma2)) continue;
     squares += fit.sigma2 * (fit.samples - 3);
     freedom += fit.samples - 3;
@@ -97,18 +94,18 @@ void Pipeline::Impl::take_noise(int c, int from, int to) {
 }
 
 void Pipeline::Impl::provisional() {
-  if (rig.mass_count() > kLargestSolved || blocks.serials() < solve_at_serial) return;
-  solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - at.steady_serial) / 32);
+  if (rig.mass_count() > kLargestSolved || blocks().serials() < solve_at_serial) return;
+  solve_at_serial = blocks().serials() + std::max<std::int64_t>(1, (blocks().serials() - at.steady_serial) / 32);
   time_constant_s = kNaN;
   for (int c = 0; c < channel_count; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const Complex seen = settling.later_mean(c);
     if (readings[i].usable)
-      usable_observation.observe(c, as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega, 1));
+      usable_observation.observe(c, as_observed(rig, c, seen != 0.0 ? seen : readings[i].relative, omega(), 1));
     else
       usable_observation.leave_out(c);
   }
-  if (usable_observation.solve(state_x)) time_constant_s = identified_time_constant(omega);
+  if (usable_observation.solve(state_x)) time_constant_s = identified_time_constant(omega());
 }
 
 // From the chain's state in `state_x`.

@@ -45,10 +45,10 @@ Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channe
 }  // namespace
 
 void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result) const {
-  result.stretches = phasor_stretches(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
+  result.stretches = data.stretches(c, from, to, result.fit);
   result.scatter = scatter_of(result.stretches);
-  result.slope = fit_slope(totals, c, H, result.fit, blocks.reference(c));
-  const Complex turn = std::polar(1.0, bend(totals.t_ref_ns()));
+  result.slope = data.slope(c, result.fit);
+  const Complex turn = std::polar(1.0, data.bend(data.totals().t_ref_ns()));
   for (PhasorStretch& stretch : result.stretches) stretch.off *= turn;
   result.slope.value *= turn;
 }
@@ -59,7 +59,7 @@ void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result)
 void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel())].fit;
   if (quiet_ns == INT64_MIN || !table.usable || !modal.usable(drive_channel())) return;
-  const Complex change = since_fitted(table, modal, drive_channel(), totals.t_ref_ns());
+  const Complex change = since_fitted(table, modal, drive_channel(), data.totals().t_ref_ns());
   if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
   for (int c = 0; c < channel_count; ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
@@ -108,7 +108,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
     // Long after the transient was fitted its frequency alone turns the phasor: that is no change of the drive.
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
-    const Complex change = since_fitted(results[table].fit, modal, drive_channel(), totals.t_ref_ns());
+    const Complex change = since_fitted(results[table].fit, modal, drive_channel(), data.totals().t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
       dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
                                percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +

@@ -135,8 +135,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   states.begin_to_measure();
   live.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
-  omega = modal.omega();
-  blocks.set_drift({modal.rate(), modal.t0_ns()});
+  data.take_drive(modal.omega(), {modal.rate(), modal.t0_ns()});
   if (states.awaits_reason()) emit(EndedBy::drive_changed);
   refit_later(hums() ? kHoldGrowth : kGrowthMeasuring);
   take_transient_out(end_ns);
@@ -272,12 +271,10 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   verdict.settled = false;
   verdict.settles_in_s = kNaN;
   states.take_back();
-  counted_valid = false;
+  data.stop_counting(end_ns);
   slips = since_in_phase = 0;
   watch.restart();
   quiet_ns = INT64_MIN;
-  omega = omega_at(end_ns, omega);
-  blocks.set_drift({});
   const std::int64_t begin_ns = std::max({at.steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
   rebuild_blocks(begin_ns, end_ns);
   refitted_ns = now_ns;
@@ -290,16 +287,17 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
 bool Pipeline::Impl::follow_drive() {
   best_poles.assign(modal.poles().begin(), modal.poles().end());
   trial_poles = best_poles;
-  modal_rate = blocks.drift().rate;
+  modal_rate = data.drift().rate;
   const double before = modal.misfit();
-  return try_poles(omega_at(modal_from_ns, omega), before) < before;
+  return try_poles(data.omega_at(modal_from_ns, omega()), before) < before;
 }
 
 // Whether the frequency of the modal fit still is that of the drive: the difference turns no phasor by what shows, or
 // is no more than the data that count leave open; the modal fit has seen more than these.
 bool Pipeline::Impl::same_drive() const {
-  const double off = std::abs(omega_at(modal.t0_ns(), omega) - modal.omega()), seen_s = to_s(now_ns - modal.t0_ns());
-  const double faster = std::abs(blocks.drift().rate - modal.rate());
+  const double off = std::abs(data.omega_at(modal.t0_ns(), omega()) - modal.omega()),
+               seen_s = to_s(now_ns - modal.t0_ns());
+  const double faster = std::abs(data.drift().rate - modal.rate());
   if (from_motion() && faster == 0 && off < kOwnOmega * hold.u_omega) return true;
   const double turned = (off + 0.5 * faster * seen_s) * seen_s;
   for (int c = 0; c < channel_count; ++c)
@@ -312,7 +310,7 @@ bool Pipeline::Impl::same_drive() const {
 // Whether in any channel what is not known of the transient adds to the variance of the phasor.
 bool Pipeline::Impl::transient_matters() const {
   for (int c = 0; c < channel_count; ++c) {
-    const HarmonicFit fit = fit_harmonics(counted, c, H, 0.0);
+    const HarmonicFit fit = data.fit_counted(c);
     if (!fit.usable || !modal.usable(c)) continue;
     if (transient_covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;
   }
@@ -341,14 +339,14 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
 void Pipeline::Impl::rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns) {
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   begin_ns = end_ns - (end_ns - begin_ns + quarter_ns / 2) / quarter_ns * quarter_ns;
-  blocks.restart();
-  at.steady_serial = blocks.serials();
+  data.restart();
+  at.steady_serial = blocks().serials();
   std::uint64_t i = history.first_at(begin_ns);
   for (; begin_ns < end_ns; begin_ns += quarter_ns) {
-    blocks.open(begin_ns, begin_ns + quarter_ns, omega);
+    data.open(begin_ns);
     for (; i < history.end() && history[i].t_ns < begin_ns + quarter_ns; ++i)
       add_cleaned(history[i].t_ns, history[i].channel, history[i].value);
-    blocks.close();
+    data.close();
   }
 }
 
@@ -357,7 +355,7 @@ double Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
     value -= modal.disturbance(c, t_ns);
     modal.overlap_at(t_ns, overlap[static_cast<std::size_t>(c)]);
   }
-  blocks.add(c, t_ns, value);
+  data.add(c, t_ns, value);
   return value;
 }
 

@@ -48,31 +48,31 @@ void Pipeline::Impl::take_record(const Record& record) {
 }
 
 void Pipeline::Impl::advance() {
-  if (!blocks.is_open()) {
-    open_block(now_ns);
+  if (!blocks().is_open()) {
+    data.open(now_ns);
     return;
   }
-  if (now_ns < blocks.open_end_ns()) return;
+  if (now_ns < blocks().open_end_ns()) return;
   const auto quarter_ns = to_ns(period_s() / kQuarters);
-  if (now_ns - blocks.open_end_ns() > kEmptyBlocks * quarter_ns) {
-    blocks.close();
+  if (now_ns - blocks().open_end_ns() > kEmptyBlocks * quarter_ns) {
+    data.close();
     lose_data();
-    blocks.clear();
-    open_block(now_ns);
+    data.clear();
+    data.open(now_ns);
     return;
   }
-  while (now_ns >= blocks.open_end_ns()) {
-    const std::int64_t end = blocks.open_end_ns();
-    blocks.close();
+  while (now_ns >= blocks().open_end_ns()) {
+    const std::int64_t end = blocks().open_end_ns();
+    data.close();
     on_block(end);
-    open_block(end);
+    data.open(end);
   }
 }
 
 void Pipeline::Impl::sample(const Record& record) {
   const int c = record.channel;
   if (c >= channel_count) return;
-  live.sample(record, omega, [&](const LiveChannel::Reading& reading) { take(c, reading); });
+  live.sample(record, omega(), [&](const LiveChannel::Reading& reading) { take(c, reading); });
 }
 
 void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
@@ -81,7 +81,7 @@ void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   const bool first = !channel.has_counted();
   const double value = channel.count(reading);
   last_sample_ns = std::max(last_sample_ns, reading.t_ns);
-  if (first) blocks.set_reference(c, value);
+  if (first) data.set_reference(c, value);
   history.push(reading.t_ns, c, value);
   const double cleaned = add_cleaned(reading.t_ns, c, value);
   if (c != drive_channel()) return;
@@ -103,25 +103,20 @@ std::uint8_t Pipeline::finish() {
   return impl_->changes;
 }
 
-Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true, true); }
+Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks().count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished.dwell(); }
 State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
   if (p.origin_ns == INT64_MIN) return {kNaN, kNaN};
-  const int to = p.blocks.count();
-  const int from = p.states.measuring() ? 0 : std::max(0, to - kQuarters * p.window_periods);
-  if (p.states.measuring() && p.counted_valid)
-    p.counted.turned(p.omega, p.now_ns, p.window);
-  else
-    p.blocks.sum(from, to, p.omega, p.now_ns, p.window);
-  p.blocks.add_open(p.window);
-  const HarmonicFit fit = fit_harmonics(p.window, channel, p.H, 0.0);
+  const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window_periods);
+  const HarmonicFit fit = p.data.fit_now(channel, from, p.states.measuring(), p.now_ns);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;
   if (!fit.usable) return {kNaN, kNaN};
-  return fit.X[0] * std::polar(1.0, p.bend(p.now_ns)) / response(about, delay, p.omega_at(p.now_ns, p.omega) / kTwoPi);
+  return fit.X[0] * std::polar(1.0, p.data.bend(p.now_ns)) /
+         response(about, delay, p.data.omega_at(p.now_ns, p.omega()) / kTwoPi);
 }
 
 ChannelNow Pipeline::channel(int channel) const noexcept { return impl_->live[channel].now(impl_->period_s()); }

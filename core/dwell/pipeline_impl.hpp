@@ -1,8 +1,8 @@
-// The pipeline's state, shared by the files that hold its parts: pipeline.cpp takes the stream in, dwell_cycle.cpp is
-// the state machine of the dwell, dwell_settling.cpp judges by windows whether the transient has decayed,
-// dwell_modes.cpp, dwell_residuals.cpp and dwell_transient.cpp by the natural oscillations; dwell_data.cpp keeps the
-// sums that count and their frequency, dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes
-// of all what is reported. Internal to core.
+// The pipeline's parts, and what goes on between them: pipeline.cpp takes the stream in, dwell_cycle.cpp watches the
+// drive and tells the state machine of the dwell what has happened, dwell_settling.cpp judges by windows whether the
+// transient has decayed, dwell_modes.cpp, dwell_residuals.cpp and dwell_transient.cpp by the natural oscillations;
+// dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes of all what is reported. Internal to
+// core.
 #pragma once
 
 #include <algorithm>
@@ -21,12 +21,12 @@
 #include "core/drive/drive_reference.hpp"
 #include "core/drive/seen_drive.hpp"
 #include "core/drive/step_watch.hpp"
+#include "core/dwell/counted_data.hpp"
 #include "core/dwell/dwell_states.hpp"
 #include "core/dwell/dwell_times.hpp"
 #include "core/dwell/finished_dwell.hpp"
 #include "core/dwell/pipeline.hpp"
 #include "core/dwell/report.hpp"
-#include "core/fit/blocks.hpp"
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/live_channels.hpp"
@@ -42,7 +42,6 @@
 
 namespace dwell {
 
-inline constexpr int kQuarters = 4;                  // windows of one period
 inline constexpr int kFewestQuarters = 6;            // of data that a dwell must keep
 inline constexpr std::size_t kExtraPoles = 2;        // beside the chain's
 inline constexpr std::size_t kMains = 8;             // lines of hum, of 50 and 60 Hz
@@ -62,12 +61,7 @@ struct Pipeline::Impl {
         H(given.excitation.harmonics),
         live(rig),
         reference(rig),
-        blocks(channel_count, H),
-        window(channel_count, H),
-        quarter(channel_count, H),
-        counted(channel_count, H),
-        gathered(channel_count, H),
-        totals(channel_count, H),
+        data(rig, live, reference),
         settling(channel_count, given.tolerance),
         drive(given.tolerance),
         watch(given.tolerance),
@@ -78,8 +72,7 @@ struct Pipeline::Impl {
         whole_hold(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes), reference.stated()),
         decay(given.boundary, given.masses),
         G(observation_matrix(given)),
-        usable_observation(given, G),
-        omega(kTwoPi * given.excitation.frequency_hz) {
+        usable_observation(given, G) {
     for (ModalFit* fit : {&modal, &spare}) fit->state_omega(reference.stated());
     const auto channels = static_cast<std::size_t>(channel_count);
     fits.resize(channels);
@@ -106,19 +99,14 @@ struct Pipeline::Impl {
   const int channel_count, H;
   LiveChannels live;
   DriveReference reference;
-  Blocks blocks;
-  mutable Totals window;  // the newest period
-  Totals quarter;         // one block alone
-  Totals counted;         // all closed blocks of this dwell, kept up to date while measuring
-  bool counted_valid = false;
+  CountedData data;
   struct Hold {
     std::int64_t t_ref_ns;
     double phase_rad, omega, u_omega;
     double sigma2;  // of the table's residuals
   } hold{};         // the table's phasor in this dwell, as last counted anew
   int slips = 0, since_in_phase = 0;
-  bool sparse = false;              // the drive's channel has too few samples a period
-  mutable Totals gathered, totals;  // what a result rests on: as added up, and at the refined frequency
+  bool sparse = false;  // the drive's channel has too few samples a period
   SettlingDetector settling;
   DriveMonitor drive;  // while settling
   StepWatch watch;     // while measuring
@@ -169,7 +157,6 @@ struct Pipeline::Impl {
 
   DwellStates states;
   DwellTimes at;
-  double omega;  // rad/s, best known
   std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
   int low_windows = 0, window_periods = 1;
   double time_constant_s = kNaN;
@@ -179,7 +166,6 @@ struct Pipeline::Impl {
     int channel = -1;
     double left = 0.0;  // in that channel at that time, over what is allowed
   } taken_back;
-  std::int64_t refine_at_serial = 0;
   std::int64_t solve_at_serial = 0;
   double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   FinishedDwell finished;
@@ -188,15 +174,15 @@ struct Pipeline::Impl {
   [[nodiscard]] bool tracked() const { return reference.tracked(); }
   [[nodiscard]] bool from_motion() const { return reference.from_motion(); }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
-  [[nodiscard]] double period_s() const { return kTwoPi / omega; }
+  [[nodiscard]] const Blocks& blocks() const { return data.blocks(); }
+  [[nodiscard]] double omega() const { return data.omega(); }
+  [[nodiscard]] double period_s() const { return data.period_s(); }
 
   std::uint8_t push(const Record& record);
   void take_record(const Record& record);
 
   // Brings the blocks up to now.
   void advance();
-
-  void open_block(std::int64_t begin_ns) { blocks.open(begin_ns, begin_ns + to_ns(period_s() / kQuarters), omega); }
 
   void sample(const Record& record);
   // A reading that counts.
@@ -210,13 +196,10 @@ struct Pipeline::Impl {
 
   void on_block(std::int64_t end_ns);
 
-  // ω from one window of the drive channel, where that is known to a hundredth.
-  void acquire(int from, int to, std::int64_t centre_ns);
-
   // The channel by which the drive is known.
   [[nodiscard]] int drive_channel() const { return live.drive(); }
   [[nodiscard]] bool delivers(int c) const { return live[c].delivers(now_ns, period_s()); }
-  [[nodiscard]] double refresh_u_omega(double seconds) const { return live.refresh_u_omega(seconds, omega); }
+  [[nodiscard]] double refresh_u_omega(double seconds) const { return live.refresh_u_omega(seconds, omega()); }
   // What becomes of a channel's phasor by what its intake has found in its readings.
   void judge_readings(int c, ChannelResult& result) const;
 
@@ -342,32 +325,8 @@ struct Pipeline::Impl {
   // channel delivers, now and then (the eigenvalues cost n³).
   void provisional();
 
-  // ω and the running sums from all data that count: at the verdict, whenever the data have grown by a sixth, and when
-  // the oldest have been forgotten.
-  void count_anew(bool follow = true);
-
-  // How the table's frequency drifts, where that shows: into the blocks' drift. Whether it has changed.
-  bool follow_drift();
-  // The rate, rad/s² beyond the blocks' own, by which the table's frequency drifts over the blocks from `first` on; 0:
-  // it does not show, or turns nothing by what matters. w: its frequency at `about`.
-  [[nodiscard]] double seen_drift(int first, double w, std::int64_t about_ns) const;
-  // ω at t of a drive of which it is w where the blocks' drift is about.
-  [[nodiscard]] double omega_at(std::int64_t t_ns, double w) const {
-    return w + blocks.drift().rate * to_s(t_ns - blocks.drift().about_ns);
-  }
-  // By what the drift has turned the drive at t beyond the phase that sums are of, rad.
-  [[nodiscard]] double bend(std::int64_t t_ns) const {
-    const double since_s = to_s(t_ns - blocks.drift().about_ns);
-    return 0.5 * blocks.drift().rate * since_s * since_s;
-  }
-  void refer_drift(std::int64_t about_ns);
-
-  // The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
-  // that is no small part of the uncertainty they go, if they are no large part of the data.
-  bool drop_misjudged();
-
-  // The sums over blocks [from, to) and the open one, refined: leaves them in `totals`.
-  Refined gather(int from, int to, bool with_open) const;
+  // ω and the running sums from all data that count, and what the drive is held against from now on.
+  void count_anew();
 
   void conclude(int to, bool with_open);
 
