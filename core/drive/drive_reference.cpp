@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
-#include "core/base/nanoseconds.hpp"
+#include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
 #include "core/result/dwell.hpp"
 

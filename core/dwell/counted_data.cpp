@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/base/angle.hpp"
-#include "core/base/nanoseconds.hpp"
+#include "core/base/instants.hpp"
 
 namespace dwell {
 namespace {

@@ -21,8 +21,6 @@
 
 namespace dwell {
 
-inline constexpr int kQuarters = 4;  // blocks of a period
-
 // Bound to one thread; real-time safe but for the constructor and stretches(). What it is given must outlive it.
 // Angular frequencies in rad/s; blocks are named by their index (Blocks::block), ranges are [from, to).
 class CountedData {

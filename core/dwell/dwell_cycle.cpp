@@ -4,17 +4,13 @@ namespace dwell {
 namespace {
 
 constexpr int kIdleBlocks = 64;  // that are kept while no dwell is on
-constexpr double kBeats = 0.5;   // of the drive's frequency: what is farther from it averages out
-constexpr double kInPhase_rad = 0.02;
-constexpr double kSlip_rad = 0.1;  // of the table's phase against the dwell's, beyond noise: another frequency
-constexpr double kStopped = 0.25;  // of the amplitude so far
 
 }  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (blocks().serials() % kQuarters == 0) live.next_period();
   data.take_block(end_ns);
-  const int quarters = kQuarters * window_periods;
+  const int quarters = kQuarters * window.periods();
   if (blocks().count() < quarters) return;
   const int from = blocks().count() - quarters, to = blocks().count();
   const std::int64_t begin_ns = blocks().block(from).begin_ns;
@@ -22,67 +18,23 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
 
   // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
   // first windows do not differ from the later ones for their frequency alone.
-  if (tracked() && !std::isfinite(drive.omega())) data.acquire(from, to, centre_ns);
-  const HarmonicFit table = data.fit(drive_channel(), from, to, omega(), centre_ns);
+  if (tracked() && !std::isfinite(tracker.omega())) data.acquire(from, to, centre_ns);
+  const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
   if (!delivers(drive_channel())) return lose_data();
-  if (!table.usable) {
-    // So few samples a period that one alone cannot be solved: look at two.
-    if (window_periods == 1)
-      window_periods = 2;
-    else
-      sparse = table.samples > 0;
-    return;
-  }
-  sparse = false;
-  const Complex Y0 = as_observed(rig, drive_channel(), table.X[0], omega(), 1);
-  const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
-  // From few degrees of freedom the noise is itself uncertain.
-  const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
-  // While measuring it is known from the dwell; a window may have more.
-  const double more_noise = states.measuring() && data.counted() ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
-  const double u0 = few * std::sqrt(0.5 * more_noise * table.covariance.trace()) * per_reading;
-
-  // One bad reading makes a window uncertain, but no drive small.
-  // Where no phase has told the frequency yet, the window's own, if it is known to a hundredth.
-  const double seen_omega = std::isfinite(drive.omega()) || !data.knows_omega() ? drive.omega() : omega();
-  seen_drive.take(std::abs(Y0), seen_omega / kTwoPi, !states.at_rest());
-  const bool uncertain = std::abs(Y0) < 3 * u0 && (!states.measuring() || std::abs(Y0) < kStopped * drive.amplitude());
-  if (std::abs(Y0) < rig.excitation.minimum || uncertain) {
-    if (++low_windows >= 2) {
-      stop();
-    } else if (states.awaits_reason() && finished.waited_enough(blocks().serials())) {
-      emit(EndedBy::drive_changed);
-    }
-    if (states.at_rest()) refresh_reference();
-    return;
-  }
-  low_windows = 0;
-  // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
-  if (states.awaits_reason() && (blocks().serials() - at.steady_serial >= (2 * window_periods + 1) * kQuarters ||
-                                 finished.waited_enough(blocks().serials())))
-    emit(EndedBy::drive_changed);
-  // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
-  if (states.at_rest()) {
-    if (std::abs(Y0) < 5 * u0) return refresh_reference();
-    if (states.interlocked() || !reference.usable(now_ns)) {
-      states.bar();
-      return refresh_reference();
-    }
-    states.arm();
-    arm(from);
-  }
+  if (!fit.usable) return window.not_fitted(fit.samples > 0);
+  window.fitted();
+  const DriveTracker::Window table{centre_ns, fit, as_observed(rig, drive_channel(), fit.X[0], omega(), 1)};
+  if (!look_at_drive(table, from)) return;
   if (states.settling() && live.holding_changed()) {
     states.settle_anew();
     return begin_hold(blocks().count() - 1);
   }
   if (reference.lost(end_ns)) return end(EndedBy::data_lost, false);
-  const bool other = drive.update(to_s(centre_ns - at.steady_ns), Y0 * std::polar(1.0, data.bend(centre_ns)), u0,
-                                  data.omega_at(centre_ns, omega())),
-             stepped = watch.close();
-  if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
+  const double since_s = to_s(centre_ns - at.steady_ns), w = data.omega_at(centre_ns, omega());
+  if (tracker.changed(table, since_s, data.bend(centre_ns), w, during())) return change(from);
   if (states.settling()) {
-    if (tracked() && std::isfinite(drive.omega())) data.take_omega(within_search(rig, drive.omega()));
-    if (!reference.pulses_contradict(drive.omega()) && !contradicting_omega()) settle(end_ns);
+    if (tracked() && std::isfinite(tracker.omega())) data.take_omega(within_search(rig, tracker.omega()));
+    if (!reference.pulses_contradict(tracker.omega()) && !contradicting_omega()) settle(end_ns);
     states.ask_again(believe_at_ns != INT64_MIN);
   } else if (states.measuring()) {
     refit_measuring(end_ns);
@@ -92,46 +44,50 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   }
 }
 
+DriveTracker::During Pipeline::Impl::during() const {
+  return {!states.at_rest(), states.measuring(), states.measuring() && data.counted()};
+}
+
+bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) {
+  const DriveTracker::Sight sight = tracker.see(table, data.knows_omega() ? omega() : kNaN, during());
+  const bool waited_enough = states.awaits_reason() && finished.waited_enough(blocks().serials());
+  if (sight == DriveTracker::Sight::rests || sight == DriveTracker::Sight::low) {
+    if (sight == DriveTracker::Sight::rests)
+      stop();
+    else if (waited_enough)
+      emit(EndedBy::drive_changed);
+    if (states.at_rest()) refresh_reference();
+    return false;
+  }
+  // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
+  if (waited_enough ||
+      (states.awaits_reason() && blocks().serials() - at.steady_serial >= (2 * window.periods() + 1) * kQuarters))
+    emit(EndedBy::drive_changed);
+  if (!states.at_rest()) return true;
+  if (sight == DriveTracker::Sight::moves && !states.interlocked() && reference.usable(now_ns)) {
+    states.arm();
+    arm(from);
+    return true;
+  }
+  if (sight == DriveTracker::Sight::moves) states.bar();
+  refresh_reference();
+  return false;
+}
+
 void Pipeline::Impl::count_anew() {
   const auto table = data.count_anew(at.steady_ns);
   if (!table) return;
-  const HarmonicFit& fit = table->fit;
-  const Complex X = fit.X[0];
-  hold = {table->t_ref_ns, std::arg(X), omega(), table->u_omega, fit.sigma2};
-  drive.refer(std::abs(as_observed(rig, drive_channel(), X, omega(), 1)), omega());
-  const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
-  if (!fit.usable) return;
-  // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
-  const bool told = tracked() && fit.information > 0;
-  const FrequencyPrior& stated = reference.stated();
-  const double information = fit.information + stated.information();
-  const double table_omega = told ? omega() + (fit.score + stated.score(omega())) / information : omega();
-  const double u_table_omega = told ? 1 / std::sqrt(information) : table->u_omega;
-  watch.refer({table->t_ref_ns, fit.mean, fit.X, H, table_omega, data.drift().rate, std::sqrt(fit.sigma2), u, u,
-               u_table_omega, quantization_u(drive_channel(), fit, data.sums()) / std::abs(X)});
-  const SamplingRegularity& sampling = live[drive_channel()].sampling();
-  watch.expect_beats(std::any_of(std::begin(kMainsFundamentals_hz), std::end(kMainsFundamentals_hz), [&](double line) {
-    return sampling.distance_hz(line, omega() / kTwoPi) < kBeats * omega() / kTwoPi;
-  }));
-}
-
-bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
-  if (!states.measuring() || !data.counted()) return false;
-  const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
-  const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
-  // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
-  const double more_noise = std::max(1.0, hold.sigma2 / table.sigma2);
-  const double u = std::hypot(std::sqrt(0.5 * more_noise * table.covariance.trace()) / std::abs(table.X[0]),
-                              hold.u_omega * since_s, hold.omega * watch.late_s());
-  slips = std::abs(off) > kSlip_rad + 4 * u ? slips + 1 : 0;
-  since_in_phase = std::abs(off) > kInPhase_rad + 4 * u ? since_in_phase + 1 : 0;
-  return slips >= 2;
+  const int c = drive_channel();
+  const double amplitude = std::abs(as_observed(rig, c, table->fit.X[0], omega(), 1));
+  tracker.refer({table->t_ref_ns, table->fit, amplitude, omega(), table->u_omega, data.drift().rate,
+                 quantization_u(c, table->fit, data.sums())},
+                live[c].sampling());
 }
 
 void Pipeline::Impl::arm(int from) {
   begin_hold(from);
   at.start_ns = at.armed_ns = at.steady_ns;
-  seen_drive.arm();
+  tracker.arm();
 }
 
 void Pipeline::Impl::begin_hold(int from) {
@@ -157,15 +113,9 @@ void Pipeline::Impl::begin_hold(int from) {
   knocks = false;
   quiet_ns = INT64_MIN;
   settling.restart();
-  slips = since_in_phase = 0;
   reference.begin_hold();
-  drive.restart();
-  watch.restart();
+  tracker.begin_hold();
   live.begin_hold();
-}
-
-int Pipeline::Impl::doubtful_quarters() const {
-  return watch.watches() ? watch.since_good() : std::min(drive.windows_since_good(), 2 * kQuarters);
 }
 
 int Pipeline::Impl::blocks_before(int newest_quarters) const {
@@ -178,10 +128,7 @@ int Pipeline::Impl::blocks_before(int newest_quarters) const {
 
 void Pipeline::Impl::change(int from) {
   if (states.measuring()) {
-    // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
-    // the amplitude, as far as the phase has been slipping away by that.
-    // A change that begins as a ramp explains most a little after it has begun.
-    conclude(blocks_before(std::max(doubtful_quarters() + 2, since_in_phase + 1)), false);
+    conclude(blocks_before(tracker.quarters_of_change()), false);
     finished.wait_for_reason(blocks().serials());
     if (tracked()) data.forget_omega();
     states.leave_hold();
@@ -197,7 +144,7 @@ void Pipeline::Impl::stop() {
     states.forget_dwell();  // what was armed after the change was no dwell
     emit(EndedBy::drive_stopped);
   } else if (!states.at_rest()) {
-    conclude(blocks_before(kQuarters * window_periods + doubtful_quarters() + 2), false);
+    conclude(blocks_before(kQuarters * window.periods() + doubtful_quarters() + 2), false);
     emit(EndedBy::drive_stopped);
   }
   states.rest();

@@ -35,14 +35,14 @@ void Pipeline::Impl::edge(const Record& record) {
 
 // By the table alone, in the newest quarters that were never joined: these resolve parts in a million.
 std::optional<double> Pipeline::Impl::contradicting_omega() const {
-  if (!reference.stated().stated() || !states.settling() || !std::isfinite(drive.omega())) return {};
+  if (!reference.stated().stated() || !states.settling() || !std::isfinite(tracker.omega())) return {};
   const int to = blocks().count();
   const int from = std::max(blocks().index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
                             to - Blocks::kFine);
   if (to - from < kShortestHeld) return {};
   const std::int64_t middle_ns =
       blocks().block(from).begin_ns + (blocks().block(to - 1).end_ns - blocks().block(from).begin_ns) / 2;
-  double w = drive.omega(), information = 0.0;
+  double w = tracker.omega(), information = 0.0;
   for (int step = 0; step < kNewtonSteps; ++step) {
     const HarmonicFit fit = data.fit(drive_channel(), from, to, w, middle_ns);
     if (!(fit.information > 0)) return {};

@@ -22,28 +22,28 @@ std::string Pipeline::Impl::foreign_oscillations() const {
 }
 
 std::string Pipeline::Impl::barred_reason() const {
-  if (sparse)
+  if (window.too_few())
     return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
            (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
   if (states.phase() == Phase::interlocked) return "the interlock is open";
-  if (states.phase() == Phase::idle) return seen_drive.at_rest(rig);
+  if (states.phase() == Phase::idle) return tracker.at_rest_reason();
   if (delivers(drive_channel())) {
     if (std::string reason = reference.unusable_reason(now_ns); !reason.empty()) return reason;
-    if (states.settling() && reference.pulses_contradict(drive.omega()))
-      return reference.contradiction_of_pulses(drive.omega());
+    if (states.settling() && reference.pulses_contradict(tracker.omega()))
+      return reference.contradiction_of_pulses(tracker.omega());
   }
   if (states.state() == State::fault) {
     return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
            live[drive_channel()].fault_name();
   }
   if (out_of_search())
-    return "the drive is at " + brief(drive.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
+    return "the drive is at " + brief(tracker.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
            brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
            " Hz (excitation.search)";
   if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
   if (states.settling() && states.restarts() >= kManyRestarts)
-    return seen_drive.unsteady(rig, to_s(now_ns - at.armed_ns));
+    return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
   return "";
 }
 
@@ -77,7 +77,7 @@ std::string Pipeline::Impl::settling_reason() const {
                   ? ", which is " + live[verdict.worst_channel].intake().held_reason()
                   : foreign_oscillations());
     }
-    if (states.restarts() > 0) return seen_drive.unsteady(rig, to_s(now_ns - at.armed_ns));
+    if (states.restarts() > 0) return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
     return "too few periods seen: " + brief(to_s(now_ns - at.steady_ns) / period_s(), 2);
   }
   const std::string since = brief(axis_s(at.settled_ns), 4) + " s";
@@ -171,7 +171,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   int quarters_left = 0;
   for (int i = 0; i < to; ++i) quarters_left += blocks().block(i).quarters;
   const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
-  const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
+  const int from = settled ? 0 : std::max(0, to - kQuarters * window.periods());
   const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
   // In the middle of the data.
   const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);

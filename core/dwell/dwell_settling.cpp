@@ -10,7 +10,7 @@ constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
-  const int quarters = kQuarters * window_periods, newest = blocks().count();
+  const int quarters = kQuarters * window.periods(), newest = blocks().count();
   int first = newest;
   if (std::abs(omega() / history_omega - 1) > 0.2 * rig.tolerance &&
       blocks().serials() - at.steady_serial <= Blocks::kFine) {
@@ -46,8 +46,8 @@ bool Pipeline::Impl::look(int from, int to) {
     const HarmonicFit& fit = fits[i];
     const bool watched =
         rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !live[c].unfit(period_s(), rig.tolerance);
-    if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
-      window_periods = 2;
+    if (watched && !fit.usable && window.periods() == 1 && fit.samples >= 2 * H + 1) {
+      window.lengthen();
       return false;
     }
     if (watched && fit.usable) {
@@ -69,7 +69,7 @@ bool Pipeline::Impl::look(int from, int to) {
   provisional();
   const double amplitude = std::abs(table.X[0]);
   verdict = settling.update(blocks().block(from).first_serial, blocks().block(to - 1).first_serial, axis_s(end_ns),
-                            amplitude, u_table * amplitude, readings, period_s() * window_periods, time_constant_s);
+                            amplitude, u_table * amplitude, readings, period_s() * window.periods(), time_constant_s);
   return true;
 }
 

@@ -272,8 +272,7 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   verdict.settles_in_s = kNaN;
   states.take_back();
   data.stop_counting(end_ns);
-  slips = since_in_phase = 0;
-  watch.restart();
+  tracker.stop_counting();
   quiet_ns = INT64_MIN;
   const std::int64_t begin_ns = std::max({at.steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
   rebuild_blocks(begin_ns, end_ns);
@@ -298,7 +297,7 @@ bool Pipeline::Impl::same_drive() const {
   const double off = std::abs(data.omega_at(modal.t0_ns(), omega()) - modal.omega()),
                seen_s = to_s(now_ns - modal.t0_ns());
   const double faster = std::abs(data.drift().rate - modal.rate());
-  if (from_motion() && faster == 0 && off < kOwnOmega * hold.u_omega) return true;
+  if (from_motion() && faster == 0 && off < kOwnOmega * tracker.u_omega()) return true;
   const double turned = (off + 0.5 * faster * seen_s) * seen_s;
   for (int c = 0; c < channel_count; ++c)
     if (modal.usable(c) &&

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
-#include "core/base/nanoseconds.hpp"
+#include "core/base/instants.hpp"
 
 namespace dwell {
 

@@ -86,7 +86,7 @@ void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   const double cleaned = add_cleaned(reading.t_ns, c, value);
   if (c != drive_channel()) return;
   // A reading that was held up longer than usual tells less of the drive's phase.
-  watch.add(reading.t_ns, cleaned, channel.late_s(reading));
+  tracker.add(reading.t_ns, cleaned, channel.late_s(reading));
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
@@ -110,7 +110,7 @@ State Pipeline::state() const noexcept { return impl_->states.state(); }
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
   if (p.origin_ns == INT64_MIN) return {kNaN, kNaN};
-  const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window_periods);
+  const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window.periods());
   const HarmonicFit fit = p.data.fit_now(channel, from, p.states.measuring(), p.now_ns);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;

@@ -14,13 +14,12 @@
 #include <vector>
 
 #include "core/base/angle.hpp"
-#include "core/base/nanoseconds.hpp"
+#include "core/base/instants.hpp"
 #include "core/chain/estimate.hpp"
 #include "core/chain/identify.hpp"
-#include "core/drive/drive.hpp"
 #include "core/drive/drive_reference.hpp"
-#include "core/drive/seen_drive.hpp"
-#include "core/drive/step_watch.hpp"
+#include "core/drive/drive_tracker.hpp"
+#include "core/drive/window_length.hpp"
 #include "core/dwell/counted_data.hpp"
 #include "core/dwell/dwell_states.hpp"
 #include "core/dwell/dwell_times.hpp"
@@ -63,8 +62,7 @@ struct Pipeline::Impl {
         reference(rig),
         data(rig, live, reference),
         settling(channel_count, given.tolerance),
-        drive(given.tolerance),
-        watch(given.tolerance),
+        tracker(rig, reference),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
@@ -100,17 +98,9 @@ struct Pipeline::Impl {
   LiveChannels live;
   DriveReference reference;
   CountedData data;
-  struct Hold {
-    std::int64_t t_ref_ns;
-    double phase_rad, omega, u_omega;
-    double sigma2;  // of the table's residuals
-  } hold{};         // the table's phasor in this dwell, as last counted anew
-  int slips = 0, since_in_phase = 0;
-  bool sparse = false;  // the drive's channel has too few samples a period
   SettlingDetector settling;
-  DriveMonitor drive;  // while settling
-  StepWatch watch;     // while measuring
-  SeenDrive seen_drive;
+  DriveTracker tracker;
+  WindowLength window;
   SampleHistory history;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
@@ -158,7 +148,6 @@ struct Pipeline::Impl {
   DwellStates states;
   DwellTimes at;
   std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
-  int low_windows = 0, window_periods = 1;
   double time_constant_s = kNaN;
   SettlingDetector::Verdict verdict;
   struct TakenBack {
@@ -203,9 +192,10 @@ struct Pipeline::Impl {
   // What becomes of a channel's phasor by what its intake has found in its readings.
   void judge_readings(int c, ChannelResult& result) const;
 
-  // Whether the table's phase has left that of the dwell: a frequency a little off shows in time, wherever the
-  // amplitude and the window's own frequency show nothing. Two windows one after the other.
-  bool slipped(std::int64_t centre_ns, const HarmonicFit& table);
+  [[nodiscard]] DriveTracker::During during() const;
+  // What the newest window says of the drive, which begins at block `from`: a dwell may be armed by it, or all be over.
+  // false: there is nothing to judge in it.
+  bool look_at_drive(const DriveTracker::Window& table, int from);
 
   void arm(int from);
 
@@ -237,11 +227,7 @@ struct Pipeline::Impl {
   // Adds what blocks [from, to) tell of a channel's noise, whatever else it does.
   void take_noise(int c, int from, int to);
 
-  [[nodiscard]] bool out_of_search() const {
-    const double f = drive.omega() / kTwoPi;
-    return !reference.stated().stated() && std::isfinite(f) &&
-           (f < rig.excitation.search_low_hz || f > rig.excitation.search_high_hz);
-  }
+  [[nodiscard]] bool out_of_search() const { return tracker.out_of_search(); }
 
   // dwell_modes.cpp: the modal fit of the hold so far.
   // ω at modal_from_ns and modal_rate that the drive's channel alone tells of, from the blocks of this hold.
@@ -313,8 +299,7 @@ struct Pipeline::Impl {
   // A reading into the blocks, without what is known of the transient; what was added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
 
-  // Of the newest quarters, those that may hold another drive.
-  [[nodiscard]] int doubtful_quarters() const;
+  [[nodiscard]] int doubtful_quarters() const { return tracker.doubtful_quarters(); }
   // How many blocks end before the newest so many quarters; one that holds some of these does not count.
   [[nodiscard]] int blocks_before(int newest_quarters) const;
   // Why no transient is awaited but something else; empty: nothing else bars.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/nanoseconds.hpp"
+#include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
 
 namespace dwell {

@@ -1,4 +1,5 @@
-// Instants are whole nanoseconds, formulas take seconds.
+// Instants and durations: integers of nanoseconds where they are kept and compared, seconds where they are calculated
+// with.
 #pragma once
 
 #include <cmath>
