@@ -93,10 +93,9 @@ void Pipeline::Impl::arm(int from) {
 void Pipeline::Impl::begin_hold(int from) {
   at.steady_ns = blocks().block(from).begin_ns;
   at.steady_serial = blocks().block(from).first_serial;
-  history_omega = omega();
+  windows.begin_hold();
   data.begin_hold(from);
   time_constant_s = kNaN;
-  solve_at_serial = 0;
   verdict = {};
   verdict.settles_in_s = kNaN;
   modal_poles.clear();
@@ -112,7 +111,6 @@ void Pipeline::Impl::begin_hold(int from) {
   knock_ns = INT64_MIN;
   knocks = false;
   quiet_ns = INT64_MIN;
-  settling.restart();
   reference.begin_hold();
   tracker.begin_hold();
   live.begin_hold();

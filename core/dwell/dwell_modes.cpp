@@ -49,7 +49,7 @@ void Pipeline::Impl::feed_modes() {
   modal_next = std::max(modal_next, history.begin());
   for (; modal_next < history.end(); ++modal_next) {
     const SampleHistory::Sample& s = history[modal_next];
-    if (readings[static_cast<std::size_t>(s.channel)].usable) modal.add(s.channel, s.t_ns, s.value);
+    if (windows.usable(s.channel)) modal.add(s.channel, s.t_ns, s.value);
   }
 }
 
@@ -65,7 +65,7 @@ double Pipeline::Impl::fit_modes(double w, std::span<const Complex> poles) {
 void Pipeline::Impl::solve_modes() {
   for (int c = 0; c < channel_count; ++c)
     // What is imposed has no transient.
-    if (const auto i = static_cast<std::size_t>(c); readings[i].usable)
+    if (const auto i = static_cast<std::size_t>(c); windows.usable(c))
       modal.solve(c, shows_drive(rig.channels[i]) ? 0.0 : ranges[i], ranges[i]);
 }
 

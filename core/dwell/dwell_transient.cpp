@@ -45,7 +45,7 @@ double Pipeline::Impl::allowed_left(int c) const {
 double Pipeline::Impl::modal_left(std::int64_t t_ns, int* worst) const {
   double largest = 0.0;
   for (int c = 0; c < channel_count; ++c) {
-    if (!readings[static_cast<std::size_t>(c)].usable) continue;
+    if (!windows.usable(c)) continue;
     if (!modal.usable(c)) return INFINITY;
     if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const double allowed = allowed_left(c);
@@ -246,7 +246,7 @@ bool Pipeline::Impl::premature() {
   if (!explained()) return false;
   double most = 1.0;
   for (int c = 0; c < channel_count; ++c) {
-    if (!readings[static_cast<std::size_t>(c)].usable || !modal.usable(c)) continue;
+    if (!windows.usable(c) || !modal.usable(c)) continue;
     if (shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const ModalFit::Left left = modal.left(c, at.verdict_ns);
     const double allowed = allowed_left(c);

@@ -26,6 +26,7 @@
 #include "core/dwell/finished_dwell.hpp"
 #include "core/dwell/pipeline.hpp"
 #include "core/dwell/report.hpp"
+#include "core/dwell/settling_windows.hpp"
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/live_channels.hpp"
@@ -61,8 +62,8 @@ struct Pipeline::Impl {
         live(rig),
         reference(rig),
         data(rig, live, reference),
-        settling(channel_count, given.tolerance),
         tracker(rig, reference),
+        windows(rig, live, data, window),
         history(history_capacity(channel_count)),
         modal(channel_count, H, std::min(2 * given.mass_count() + 2, ModalFit::kMaxModes)),
         spare(modal),
@@ -73,8 +74,6 @@ struct Pipeline::Impl {
         usable_observation(given, G) {
     for (ModalFit* fit : {&modal, &spare}) fit->state_omega(reference.stated());
     const auto channels = static_cast<std::size_t>(channel_count);
-    fits.resize(channels);
-    readings.resize(channels);
     transient.resize(channels);
     ranges.resize(channels);
     left_over.resize(channels);
@@ -98,9 +97,9 @@ struct Pipeline::Impl {
   LiveChannels live;
   DriveReference reference;
   CountedData data;
-  SettlingDetector settling;
   DriveTracker tracker;
   WindowLength window;
+  SettlingWindows windows;
   SampleHistory history;
   ModalFit modal, spare;         // the fit that is believed, and room for another that may turn out better
   std::uint64_t modal_next = 0;  // the first sample of the history that the modal fit has not seen
@@ -138,8 +137,6 @@ struct Pipeline::Impl {
   std::vector<double> left_over;  // per channel, what its residuals hold beyond the noise: for these
   DecayRate decay;
   const Eigen::MatrixXd G;
-  std::vector<HarmonicFit> fits;  // of the newest window
-  std::vector<SettlingDetector::Reading> readings;
   UsableObservation usable_observation;
   Eigen::VectorXcd state_x;
   std::vector<Complex> Y, d, Z;
@@ -155,8 +152,6 @@ struct Pipeline::Impl {
     int channel = -1;
     double left = 0.0;  // in that channel at that time, over what is allowed
   } taken_back;
-  std::int64_t solve_at_serial = 0;
-  double history_omega = 1.0;  // rad/s, at which the detector's windows were taken
   FinishedDwell finished;
   std::uint8_t changes = kNothing;
 
@@ -217,15 +212,13 @@ struct Pipeline::Impl {
   // runs.
   void refresh_reference();
 
-  // Windows are compared with each other, so all are taken at one ω: when the best known has moved by a part of the
-  // tolerance that would show, those of this hold are taken anew.
   void settle(std::int64_t end_ns);
 
   // Shows the detector the window of blocks [from, to). false: it could not be fitted.
   bool look(int from, int to);
 
-  // Adds what blocks [from, to) tell of a channel's noise, whatever else it does.
-  void take_noise(int c, int from, int to);
+  // What blocks alone show of a channel's noise, whatever else it does; the variance as known by now.
+  double learn_noise(int c, double squares, double freedom);
 
   [[nodiscard]] bool out_of_search() const { return tracker.out_of_search(); }
 

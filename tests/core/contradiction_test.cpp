@@ -12,10 +12,10 @@
 namespace dwell {
 namespace {
 
-constexpr double kContradictionOmega = 2 * M_PI * 4;
+constexpr double kPairOmega = 2 * M_PI * 4;
 
 // clamped_chain() with a second transducer on mass 2 and one across element 2.
-Rig contradicted_rig() {
+Rig redundant_rig() {
   Rig rig = rig_of(clamped_chain(), 4);
   Channel second = rig.channels[2];
   second.name = "y2b";
@@ -28,7 +28,7 @@ Rig contradicted_rig() {
 }
 
 std::vector<Evidence> evidence_of(const Rig& rig) {
-  const SteadyResponse steady = steady_response(clamped_chain(), kContradictionOmega, 0.002);
+  const SteadyResponse steady = steady_response(clamped_chain(), kPairOmega, 0.002);
   std::vector<Evidence> out(rig.channels.size());
   for (std::size_t c = 0; c < out.size(); ++c) {
     const Channel& channel = rig.channels[c];
@@ -44,12 +44,12 @@ std::vector<Evidence> evidence_of(const Rig& rig) {
 
 std::vector<Doubt> doubts_of(const Rig& rig, const std::vector<Evidence>& evidence) {
   const Eigen::MatrixXd G = observation_matrix(rig);
-  return contradictions(rig, G, solve_observation(G, observation_weights(rig, evidence, kContradictionOmega)), evidence,
-                        kContradictionOmega);
+  return contradictions(rig, G, solve_observation(G, observation_weights(rig, evidence, kPairOmega)), evidence,
+                        kPairOmega);
 }
 
 TEST(Contradiction, ASecondTransducerOffByMoreThanIsStatedRaisesADoubtThatNamesItAndItsElements) {
-  const Rig rig = contradicted_rig();
+  const Rig rig = redundant_rig();
   std::vector<Evidence> evidence = evidence_of(rig);
   EXPECT_TRUE(doubts_of(rig, evidence).empty());
   evidence[4].X[0] *= 1.01;
@@ -61,19 +61,18 @@ TEST(Contradiction, ASecondTransducerOffByMoreThanIsStatedRaisesADoubtThatNamesI
 }
 
 TEST(Contradiction, WhatAllShareIsNone) {
-  Rig rig = contradicted_rig();
+  Rig rig = redundant_rig();
   rig.devices = {{"one", 0.0, 1e-5}};
   for (Channel& channel : rig.channels) channel.device = 0;
   std::vector<Evidence> evidence = evidence_of(rig);
-  for (Evidence& one : evidence)
-    one.X[0] *= std::polar(1.0, -kContradictionOmega * 0.01);  // a thousand times what is stated
+  for (Evidence& one : evidence) one.X[0] *= std::polar(1.0, -kPairOmega * 0.01);  // a thousand times what is stated
   EXPECT_TRUE(doubts_of(rig, evidence).empty());
-  evidence[4].X[0] *= std::polar(1.0, -kContradictionOmega * 1e-4);  // one of them late by more than its noise
+  evidence[4].X[0] *= std::polar(1.0, -kPairOmega * 1e-4);  // one of them late by more than its noise
   EXPECT_EQ(doubts_of(rig, evidence).size(), 1u);
 }
 
 TEST(Contradiction, HealthyTransducersRaiseNoneInThousandsOfDwells) {
-  Rig rig = contradicted_rig();
+  Rig rig = redundant_rig();
   for (Channel& channel : rig.channels) channel.scale_u = 2e-3, channel.delay_u_s = 2e-5;
   const std::vector<Evidence> exact = evidence_of(rig);
   std::mt19937_64 rng(7);
@@ -83,9 +82,8 @@ TEST(Contradiction, HealthyTransducersRaiseNoneInThousandsOfDwells) {
     std::vector<Evidence> seen = exact;
     for (std::size_t c = 0; c < seen.size(); ++c) {
       const double sigma = std::sqrt(exact[c].covariance(0, 0));
-      seen[c].X[0] =
-          seen[c].X[0] * (1 + 2e-3 * normal(rng)) * std::polar(1.0, -kContradictionOmega * 2e-5 * normal(rng)) +
-          Complex{sigma * normal(rng), sigma * normal(rng)};
+      seen[c].X[0] = seen[c].X[0] * (1 + 2e-3 * normal(rng)) * std::polar(1.0, -kPairOmega * 2e-5 * normal(rng)) +
+                     Complex{sigma * normal(rng), sigma * normal(rng)};
     }
     doubted += doubts_of(rig, seen).empty() ? 0 : 1;
   }

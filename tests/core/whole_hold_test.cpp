@@ -12,7 +12,7 @@
 namespace dwell {
 namespace {
 
-constexpr double kHoldOmega = 2 * M_PI * 5.0, kHoldPeriod_s = 0.2, kHoldRate_hz = 400.0, kNoise = 1e-3;
+constexpr double kHoldOmega = 2 * M_PI * 5.0, kPeriod_s = 0.2, kHoldRate_hz = 400.0, kNoise = 1e-3;
 constexpr Complex kSlow{-0.5, 33.0}, kFast{-20.0, 95.0};
 
 // Two channels, a steady motion and what `beside` gives (channel, time since the hold began).
@@ -47,7 +47,7 @@ struct Hold {
   }
 
   [[nodiscard]] WholeHold::Given given() const {
-    return {history, latest, chain, imposed, 0, static_cast<std::int64_t>(1e9 * seconds), kHoldPeriod_s, true};
+    return {history, latest, chain, imposed, 0, static_cast<std::int64_t>(1e9 * seconds), kPeriod_s, true};
   }
   // How many begins explained the data.
   int go() {
@@ -151,7 +151,7 @@ TEST(WholeHold, OfManyChannelsLeavesOutMostSamplesAndStillExplainsTheBeginning) 
   for (int c = 0; c < kChannels; ++c) ASSERT_TRUE(latest.solve(c, 2.0, 2.0));
 
   const std::vector<char> imposed(kChannels, 0);
-  const WholeHold::Given given{history, latest, chain, imposed, 0, kSeconds * 1'000'000'000LL, kHoldPeriod_s, true};
+  const WholeHold::Given given{history, latest, chain, imposed, 0, kSeconds * 1'000'000'000LL, kPeriod_s, true};
   WholeHold whole{kChannels, 3, kModes, {}};
   int explained = 0;
   for (whole.begin(given); whole.earlier(given);) ++explained;
