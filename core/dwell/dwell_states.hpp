@@ -9,7 +9,7 @@
 
 namespace dwell {
 
-// In the order of the tests below; outsiders see only the State of each (state_of).
+// The order matters to at_rest() and awaits_reason(). Outsiders see only the State of each (state_of).
 enum class Phase : std::uint8_t {
   idle,                // the table does not move
   interlocked,         // the interlock is open: nothing begins, however the table moves

@@ -1,7 +1,7 @@
 // The dwell that ended last, and why it did.
 //
 // A drive that leaves its steady motion either changes or stops, and which of the two shows only when the change has
-// passed through the window. Until then the finished dwell is kept back (DwellCycle::awaits_reason()).
+// passed through the window. Until then the finished dwell is kept back (DwellStates::awaits_reason()).
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace dwell {
 namespace {
 
 constexpr double kLivePeriod_s = 0.25;
-constexpr std::int64_t kStep_ns = 5'000'000;
+constexpr std::int64_t kLiveStep_ns = 5'000'000;
 
 Record reading_at(std::int64_t t_ns, double value, std::uint16_t channel = 0) {
   Record record;
@@ -67,9 +67,9 @@ TEST(LiveChannel, WhatIsNotAfterTheSampleBeforeOrNotFiniteIsCountedAsRejected) {
 TEST(LiveChannel, OneReadingForLongerThanTwoPeriodsIsStuckUntilItChanges) {
   LiveChannel channel{Channel{}};
   std::int64_t t_ns = 0;
-  for (; t_ns <= 490'000'000; t_ns += kStep_ns) hear(channel, reading_at(t_ns, 1.0));
+  for (; t_ns <= 490'000'000; t_ns += kLiveStep_ns) hear(channel, reading_at(t_ns, 1.0));
   EXPECT_FALSE(channel.stuck(kLivePeriod_s));
-  for (; t_ns <= 520'000'000; t_ns += kStep_ns) hear(channel, reading_at(t_ns, 1.0));
+  for (; t_ns <= 520'000'000; t_ns += kLiveStep_ns) hear(channel, reading_at(t_ns, 1.0));
   EXPECT_TRUE(channel.stuck(kLivePeriod_s));
   EXPECT_TRUE(channel.unfit(kLivePeriod_s, 0.005));
   EXPECT_EQ(channel.now(kLivePeriod_s).condition, Condition::stuck);
@@ -81,7 +81,7 @@ TEST(LiveChannel, OneReadingForLongerThanTwoPeriodsIsStuckUntilItChanges) {
 
 TEST(LiveChannel, AReadingIsLateBeyondOneAndAHalfTimesTheUsualTurnaroundOfThisHold) {
   LiveChannel channel{Channel{}};
-  for (int i = 0; i < 10; ++i) channel.count({i * kStep_ns, 0.0, 1'000'000});
+  for (int i = 0; i < 10; ++i) channel.count({i * kLiveStep_ns, 0.0, 1'000'000});
   EXPECT_EQ(channel.late_s({0, 0.0, 1'400'000}), 0.0);
   EXPECT_NEAR(channel.late_s({0, 0.0, 4'500'000}), 3e-3, 1e-9);
   EXPECT_NEAR(channel.turnaround_u_s(), 1e-3 / std::sqrt(3.0), 1e-12);
