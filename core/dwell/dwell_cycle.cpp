@@ -4,200 +4,145 @@ namespace dwell {
 namespace {
 
 constexpr int kIdleBlocks = 64;  // that are kept while no dwell is on
-constexpr double kInPhase_rad = 0.02;
-constexpr double kSlip_rad = 0.1;      // of the table's phase against the dwell's, beyond noise: another frequency
-constexpr double kStopped = 0.25;      // of the amplitude so far
-constexpr double kShortestTold = 5.0;  // periods: what ended sooner without settling is not told
-constexpr std::int64_t kLongestPending = 256;  // quarters that a finished dwell is kept back to learn why it ended
 
 }  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
-  if (blocks.serials() % kQuarters == 0)
-    for (Live& channel : live) channel.intake.next_period();
-  if (blocks.forget_before(end_ns - to_ns(rig.memory_s))) counted_valid = false;
-  if (counted_valid) blocks.add_block(blocks.count() - 1, counted);
-  const int quarters = kQuarters * window_periods;
-  if (blocks.count() < quarters) return;
-  const int from = blocks.count() - quarters, to = blocks.count();
-  const std::int64_t begin_ns = blocks.block(from).begin_ns;
+  if (blocks().serials() % kQuarters == 0) live.next_period();
+  data.take_block(end_ns);
+  const int quarters = kQuarters * window.periods();
+  if (blocks().count() < quarters) return;
+  const int from = blocks().count() - quarters, to = blocks().count();
+  const std::int64_t begin_ns = blocks().block(from).begin_ns;
   const std::int64_t centre_ns = begin_ns + (end_ns - begin_ns) / 2;
 
   // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
   // first windows do not differ from the later ones for their frequency alone.
-  if (tracked() && !std::isfinite(drive.omega())) acquire(from, to, centre_ns);
-  blocks.sum_channel(drive_channel, from, to, omega, centre_ns, window);
-  const HarmonicFit table = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
-  if (!delivers(drive_channel)) return lose_data();
-  if (!table.usable) {
-    // So few samples a period that one alone cannot be solved: look at two.
-    if (window_periods == 1)
-      window_periods = 2;
-    else
-      sparse = table.samples > 0;
-    return;
+  if (tracked() && !std::isfinite(tracker.omega())) data.acquire(from, to, centre_ns);
+  const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
+  if (!delivers(drive_channel())) return lose_data();
+  if (!fit.usable) return window.not_fitted(fit.samples > 0);
+  window.fitted();
+  const DriveTracker::Window table{centre_ns, fit, as_observed(rig, drive_channel(), fit.X[0], omega(), 1)};
+  if (!look_at_drive(table, from)) return;
+  if (states.settling() && live.holding_changed()) {
+    states.settle_anew();
+    return begin_hold(blocks().count() - 1);
   }
-  sparse = false;
-  const Complex Y0 = as_observed(rig, drive_channel, table.X[0], omega, 1);
-  const double per_reading = std::abs(Y0) / std::max(std::abs(table.X[0]), 1e-300);
-  // From few degrees of freedom the noise is itself uncertain.
-  const double few = 1 + 4 / std::max(1.0, table.samples - (2 * H + 1));
-  // While measuring it is known from the dwell; a window may have more.
-  const double more_noise =
-      state == State::measuring && counted_valid ? std::max(1.0, hold.sigma2 / table.sigma2) : 1.0;
-  const double u0 = few * std::sqrt(0.5 * more_noise * table.covariance.trace()) * per_reading;
-
-  // One bad reading makes a window uncertain, but no drive small.
-  // Where no phase has told the frequency yet, the window's own, if it is known to a hundredth.
-  const bool acquired = omega != kTwoPi * rig.excitation.frequency_hz;
-  const double seen_omega = std::isfinite(drive.omega()) || !acquired ? drive.omega() : omega;
-  seen_drive.take(std::abs(Y0), seen_omega / kTwoPi, state != State::idle && state != State::fault);
-  const bool uncertain =
-      std::abs(Y0) < 3 * u0 && (state != State::measuring || std::abs(Y0) < kStopped * drive.amplitude());
-  if (std::abs(Y0) < rig.excitation.minimum || uncertain) {
-    if (++low_windows >= 2) {
-      stop();
-    } else if (pending && blocks.serials() >= pending_until_serial) {
-      emit(EndedBy::drive_changed);
-    }
-    if (state == State::idle || state == State::fault) refresh_reference();
-    return;
-  }
-  low_windows = 0;
-  // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
-  if (pending && (blocks.serials() - steady_serial >= (2 * window_periods + 1) * kQuarters ||
-                  blocks.serials() >= pending_until_serial))
-    emit(EndedBy::drive_changed);
-  // Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
-  if (state == State::idle || state == State::fault) {
-    if (std::abs(Y0) < 5 * u0) return refresh_reference();
-    if (!permitted || !has_reference()) {
-      enter(permitted ? State::fault : State::idle);
-      return refresh_reference();
-    }
-    arm(from);
-  }
-  if (state == State::settling && holding_changed()) return begin_hold(blocks.count() - 1);
-  if (synced() && !sync.present(end_ns)) return end(EndedBy::data_lost, State::fault, false);
-  const bool other = drive.update(to_s(centre_ns - steady_ns), Y0 * std::polar(1.0, bend(centre_ns)), u0,
-                                  omega_at(centre_ns, omega)),
-             stepped = watch.close();
-  if (stepped || (other && !watch.watches()) || slipped(centre_ns, table)) return change(from);
-  if (state == State::settling) {
-    if (tracked() && std::isfinite(drive.omega())) omega = within_search(rig, drive.omega());
-    if (!pulses_contradict() && !contradicting_omega()) settle(end_ns);
-  } else if (state == State::measuring) {
+  if (reference.lost(end_ns)) return end(EndedBy::data_lost, false);
+  const double since_s = to_s(centre_ns - at.steady_ns), w = data.omega_at(centre_ns, omega());
+  if (tracker.changed(table, since_s, data.bend(centre_ns), w, during())) return change(from);
+  if (states.settling()) {
+    if (tracked() && std::isfinite(tracker.omega())) data.take_omega(within_search(rig, tracker.omega()));
+    if (!reference.pulses_contradict(tracker.omega()) && !contradicting_omega()) settle(end_ns);
+    states.ask_again(modes.asks_again());
+  } else if (states.measuring()) {
     refit_measuring(end_ns);
+    states.ask_again(modes.asks_again());
     // Not from what may be another drive.
-    if (!counted_valid || (blocks.serials() >= refine_at_serial && doubtful_quarters() == 0)) count_anew();
+    if (!data.counted() || (data.wants_refining() && doubtful_quarters() == 0)) count_anew();
   }
 }
 
-void Pipeline::Impl::acquire(int from, int to, std::int64_t centre_ns) {
-  double w = kTwoPi * rig.excitation.frequency_hz, information = 0.0;
-  for (int step = 0; step < 10; ++step) {
-    blocks.sum_channel(drive_channel, from, to, w, centre_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
-    if (!(fit.information > 0)) return;
-    information = fit.information;
-    w = within_search(rig, w + fit.score / fit.information);
-  }
-  if (1 / std::sqrt(information) < 1e-2 * w) omega = w;
+DriveTracker::During Pipeline::Impl::during() const {
+  return {!states.at_rest(), states.measuring(), states.measuring() && data.counted()};
 }
 
-bool Pipeline::Impl::slipped(std::int64_t centre_ns, const HarmonicFit& table) {
-  if (state != State::measuring || !counted_valid) return false;
-  const double since_s = to_s(centre_ns - hold.t_ref_ns);  // a drift that is known is out of the window's phase
-  const double off = std::remainder(std::arg(table.X[0]) - hold.phase_rad - hold.omega * since_s, kTwoPi);
-  // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
-  const double more_noise = std::max(1.0, hold.sigma2 / table.sigma2);
-  const double u = std::hypot(std::sqrt(0.5 * more_noise * table.covariance.trace()) / std::abs(table.X[0]),
-                              hold.u_omega * since_s, hold.omega * watch.late_s());
-  slips = std::abs(off) > kSlip_rad + 4 * u ? slips + 1 : 0;
-  since_in_phase = std::abs(off) > kInPhase_rad + 4 * u ? since_in_phase + 1 : 0;
-  return slips >= 2;
+bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) {
+  const DriveTracker::Sight sight = tracker.see(table, data.knows_omega() ? omega() : kNaN, during());
+  const bool waited_enough = states.awaits_reason() && finished.waited_enough(blocks().serials());
+  if (sight == DriveTracker::Sight::rests || sight == DriveTracker::Sight::low) {
+    if (sight == DriveTracker::Sight::rests)
+      stop();
+    else if (waited_enough)
+      emit(EndedBy::drive_changed);
+    if (states.at_rest()) refresh_reference();
+    return false;
+  }
+  // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
+  if (waited_enough ||
+      (states.awaits_reason() && blocks().serials() - at.steady_serial >= (2 * window.periods() + 1) * kQuarters))
+    emit(EndedBy::drive_changed);
+  if (!states.at_rest()) return true;
+  if (sight == DriveTracker::Sight::moves && !states.interlocked() && reference.usable(now_ns)) {
+    states.arm();
+    arm(from);
+    return true;
+  }
+  if (sight == DriveTracker::Sight::moves) states.bar();
+  refresh_reference();
+  return false;
+}
+
+void Pipeline::Impl::count_anew() {
+  const auto table = data.count_anew(at.steady_ns);
+  if (!table) return;
+  const int c = drive_channel();
+  const double amplitude = std::abs(as_observed(rig, c, table->fit.X[0], omega(), 1));
+  tracker.refer({table->t_ref_ns, table->fit, amplitude, omega(), table->u_omega, data.drift().rate,
+                 quantization_u(c, table->fit, data.sums())},
+                live[c].sampling());
 }
 
 void Pipeline::Impl::arm(int from) {
-  ++index;
-  enter(State::settling);
-  restarts = 0;
   begin_hold(from);
-  start_ns = armed_ns = steady_ns;
-  seen_drive.arm();
+  at.start_ns = at.armed_ns = at.steady_ns;
+  tracker.arm();
 }
 
 void Pipeline::Impl::begin_hold(int from) {
-  steady_ns = blocks.block(from).begin_ns;
-  steady_serial = blocks.block(from).first_serial;
-  blocks.forget_before(steady_ns);
+  at.steady_ns = blocks().block(from).begin_ns;
+  at.steady_serial = blocks().block(from).first_serial;
+  windows.begin_hold();
+  data.begin_hold(from);
   provisional_chain.forget_time_constant();
-  solve_at_serial = 0;
   verdict = {};
   verdict.settles_in_s = kNaN;
-  counted_valid = false;
-  modes.begin_hold(steady_ns);
-  settling.restart();
-  history_omega = omega;
-  slips = since_in_phase = 0;
-  pulses_before = sync.counts();
-  drive.restart();
-  watch.restart();
-  blocks.set_drift({});
-  for (Live& channel : live) {
-    channel.half_ns_sum = channel.half_count = 0.0;
-    // Refreshes before it may have been passed over, or not found yet.
-    if (channel.intake.held() || channel.intake.holding_changed()) channel.sampling = {};
-    channel.intake.begin_hold();
-  }
-  if (tracked()) omega = std::isfinite(omega) ? omega : kTwoPi * rig.excitation.frequency_hz;
-}
-
-int Pipeline::Impl::doubtful_quarters() const {
-  return watch.watches() ? watch.since_good() : std::min(drive.windows_since_good(), 2 * kQuarters);
+  modes.begin_hold(at.steady_ns);
+  reference.begin_hold();
+  tracker.begin_hold();
+  live.begin_hold();
 }
 
 int Pipeline::Impl::blocks_before(int newest_quarters) const {
-  int keep = blocks.count();
-  while (keep > 0 &&
-         blocks.block(keep - 1).first_serial + blocks.block(keep - 1).quarters > blocks.serials() - newest_quarters)
+  int keep = blocks().count();
+  while (keep > 0 && blocks().block(keep - 1).first_serial + blocks().block(keep - 1).quarters >
+                         blocks().serials() - newest_quarters)
     --keep;
   return keep;
 }
 
 void Pipeline::Impl::change(int from) {
-  if (state == State::measuring) {
-    // The dwell ends with the last window that was beyond doubt, and a quarter before it: two periods back at most by
-    // the amplitude, as far as the phase has been slipping away by that.
-    // A change that begins as a ramp explains most a little after it has begun.
-    conclude(blocks_before(std::max(doubtful_quarters() + 2, since_in_phase + 1)), false);
-    pending_until_serial = blocks.serials() + kLongestPending;
-    if (tracked()) omega = kTwoPi * rig.excitation.frequency_hz;
+  if (states.measuring()) {
+    conclude(blocks_before(tracker.quarters_of_change()), false);
+    finished.wait_for_reason(blocks().serials());
+    if (tracked()) data.forget_omega();
+    states.leave_hold();
     return arm(from);
   }
-  ++restarts;
+  states.leave_hold();
   begin_hold(from);
-  start_ns = steady_ns;
+  at.start_ns = at.steady_ns;
 }
 
 void Pipeline::Impl::stop() {
-  if (pending) {
-    --index;  // what was armed after the change was no dwell
+  if (states.awaits_reason()) {
+    states.forget_dwell();  // what was armed after the change was no dwell
     emit(EndedBy::drive_stopped);
-  } else if (state == State::settling || state == State::measuring) {
-    conclude(blocks_before(kQuarters * window_periods + doubtful_quarters() + 2), false);
+  } else if (!states.at_rest()) {
+    conclude(blocks_before(kQuarters * window.periods() + doubtful_quarters() + 2), false);
     emit(EndedBy::drive_stopped);
   }
-  enter(State::idle);
-  omega = kTwoPi * rig.excitation.frequency_hz;
+  states.rest();
+  data.forget_omega();
 }
 
-void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
-  if (pending) {
-    --index;
+void Pipeline::Impl::end(EndedBy ended_by, bool with_open) {
+  if (states.awaits_reason()) {
+    states.forget_dwell();
     // Of a drive that the interlock has cut the motion may tell first.
     emit(ended_by == EndedBy::interlock ? ended_by : EndedBy::drive_changed);
-  } else if (state == State::settling || state == State::measuring) {
+  } else if (!states.at_rest()) {
     // Windows in doubt do not count, whatever ends the dwell; nor does the quarter of a period before the interlock,
     // whose contact may lag what it tells of.
     const int least = ended_by == EndedBy::interlock ? 1 : 0;
@@ -205,51 +150,38 @@ void Pipeline::Impl::end(EndedBy ended_by, State next, bool with_open) {
     conclude(blocks_before(doubtful), with_open && doubtful == 0);
     emit(ended_by);
   }
-  enter(next);
+  if (ended_by == EndedBy::data_lost)
+    states.lose_sight();
+  else
+    states.rest();
 }
 
 void Pipeline::Impl::lose_data() {
-  end(EndedBy::data_lost, State::fault, false);
+  end(EndedBy::data_lost, false);
   // Another transducer of the table's motion, if it has one, shows the drive from now on.
-  for (int c = 0; c < channel_count; ++c)
-    if (shows_drive(rig.channels[static_cast<std::size_t>(c)]) && delivers(c)) {
-      drive_channel = c;
-      break;
-    }
+  live.choose_drive(now_ns, period_s());
 }
 
 void Pipeline::Impl::rearm() {
-  if (state == State::settling || state == State::measuring) end(EndedBy::rearmed, State::idle, false);
+  if (!states.at_rest()) end(EndedBy::rearmed, false);
 }
 
 void Pipeline::Impl::refresh_reference() {
-  if (blocks.count() < kIdleBlocks) return;
-  blocks.clear();
-  for (int c = 0; c < channel_count; ++c)
-    blocks.set_reference(c, std::isfinite(live[static_cast<std::size_t>(c)].now.value)
-                                ? live[static_cast<std::size_t>(c)].now.value
-                                : 0.0);
+  if (blocks().count() < kIdleBlocks) return;
+  data.clear();
+  for (int c = 0; c < channel_count; ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }
 
 void Pipeline::Impl::conclude(int to, bool with_open) {
-  finished = evaluate(to, with_open, false);
-  finished_omega = omega;
-  finished_armed_ns = armed_ns;
-  finished.state = State::complete;
-  finished.settles_in_s = kNaN;
-  pending = true;
+  finished.keep(evaluate(to, with_open, false), at.armed_ns, omega());
 }
 
 void Pipeline::Impl::emit(EndedBy ended_by) {
-  pending = false;
-  // What never settled and was hardly begun was no dwell.
-  if (!std::isfinite(finished.settled_s) && ended_by != EndedBy::end &&
-      to_s(now_ns - finished_armed_ns) < kShortestTold * kTwoPi / finished_omega) {
-    --index;
-    return;
-  }
-  finished.ended_by = ended_by;
-  changes |= kCompleted;
+  states.go_on();
+  if (finished.conclude(ended_by, now_ns))
+    changes |= kCompleted;
+  else
+    states.forget_dwell();
 }
 
 }  // namespace dwell

@@ -22,33 +22,37 @@ std::string Pipeline::Impl::foreign_oscillations() const {
 }
 
 std::string Pipeline::Impl::barred_reason() const {
-  if (sparse)
-    return rig.channels[static_cast<std::size_t>(drive_channel)].name + " has too few samples a period for " +
+  if (window.too_few())
+    return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
-           (live[static_cast<std::size_t>(drive_channel)].intake.held()
-                ? "; it is " + live[static_cast<std::size_t>(drive_channel)].intake.held_reason()
-                : "");
-  if (state == State::idle) return permitted ? seen_drive.at_rest(rig) : "the interlock is open";
-  if (std::string reason = reference_reason(); !reason.empty() && delivers(drive_channel)) return reason;
-  if (state == State::fault) {
-    const Live& table = live[static_cast<std::size_t>(drive_channel)];
-    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel)].name + " is " +
-           to_string(table.now.fault == Fault::none ? Fault::silent : table.now.fault);
+           (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
+  if (states.phase() == Phase::interlocked) return "the interlock is open";
+  if (states.phase() == Phase::idle) return tracker.at_rest_reason();
+  if (delivers(drive_channel())) {
+    if (std::string reason = reference.unusable_reason(now_ns); !reason.empty()) return reason;
+    if (states.settling() && reference.pulses_contradict(tracker.omega()))
+      return reference.contradiction_of_pulses(tracker.omega());
+  }
+  if (states.state() == State::fault) {
+    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
+           live[drive_channel()].fault_name();
   }
   if (out_of_search())
-    return "the drive is at " + brief(drive.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
+    return "the drive is at " + brief(tracker.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
            brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
            " Hz (excitation.search)";
-  if (const auto other = contradicting_omega()) return statement_reason(*other);
-  if (state == State::settling && restarts >= kManyRestarts) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
+  if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
+  if (states.settling() && states.restarts() >= kManyRestarts)
+    return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
   return "";
 }
 
 // What of the settled data does not count, and why.
 std::string Pipeline::Impl::left_out_of_dwell() const {
-  if (state != State::measuring || blocks.count() == 0) return "";
-  const std::int64_t from_ns = blocks.block(0).begin_ns;
-  const double left_s = to_s(from_ns - settled_ns), kept_s = to_s(blocks.block(blocks.count() - 1).end_ns - from_ns);
+  if (!states.measuring() || blocks().count() == 0) return "";
+  const std::int64_t from_ns = blocks().block(0).begin_ns;
+  const double left_s = to_s(from_ns - at.settled_ns),
+               kept_s = to_s(blocks().block(blocks().count() - 1).end_ns - from_ns);
   if (!(left_s > period_s() / kQuarters)) return "";
   if (left_s + kept_s > rig.memory_s)
     return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
@@ -57,8 +61,8 @@ std::string Pipeline::Impl::left_out_of_dwell() const {
 
 std::string Pipeline::Impl::settling_reason() const {
   if (std::string reason = barred_reason(); !reason.empty()) return reason;
-  if (state == State::settling) {
-    if (modes.asks_again())
+  if (states.settling()) {
+    if (states.asked_again())
       return "little of the transient seems to be left, but readings are rounded: asked again with more data";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
@@ -66,17 +70,17 @@ std::string Pipeline::Impl::settling_reason() const {
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
              times.substr(0, times.find('.') + 2) + " times what is allowed" +
              (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) &&
-                      blocks.serials() - steady_serial > 10 * kQuarters
+                      blocks().serials() - at.steady_serial > 10 * kQuarters
                   ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
                   : "") +
-             (live[static_cast<std::size_t>(verdict.worst_channel)].intake.held()
-                  ? ", which is " + live[static_cast<std::size_t>(verdict.worst_channel)].intake.held_reason()
+             (live[verdict.worst_channel].intake().held()
+                  ? ", which is " + live[verdict.worst_channel].intake().held_reason()
                   : foreign_oscillations());
     }
-    if (restarts > 0) return seen_drive.unsteady(rig, to_s(now_ns - armed_ns));
-    return "too few periods seen: " + brief(to_s(now_ns - steady_ns) / period_s(), 2);
+    if (states.restarts() > 0) return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
+    return "too few periods seen: " + brief(to_s(now_ns - at.steady_ns) / period_s(), 2);
   }
-  const std::string since = brief(axis_s(settled_ns), 4) + " s";
+  const std::string since = brief(axis_s(at.settled_ns), 4) + " s";
   return (modes.removal().active() ? "since " + since + " less is left of the natural oscillations than is allowed"
                                    : "the windows since " + since + " agree") +
          left_out_of_dwell();
@@ -94,7 +98,7 @@ std::string Pipeline::Impl::taken_back_reason() const {
 // Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
 // of the frequency: no more independent errors then than one period has samples.
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
-  const double step = live[static_cast<std::size_t>(c)].intake.step();
+  const double step = live[c].intake().step();
   if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
   const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
   const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
@@ -102,46 +106,51 @@ double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Total
 }
 
 ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
-  const Live& channel = live[static_cast<std::size_t>(c)];
+  const LiveChannel& channel = live[c];
   ChannelResult result;
-  result.fit = fit_harmonics(totals, c, H, blocks.reference(c));
+  result.fit = fit_harmonics(data.totals(), c, H, blocks().reference(c));
   result.dof = result.fit.samples - (2 * H + 1);
-  if (stuck(channel))
+  if (channel.stuck(period_s()))
     result.withheld = "stuck at one reading";
   else if (up_to_now && !delivers(c))
-    result.withheld =
-        channel.last_ns == INT64_MIN && channel.now.fault == Fault::silent
-            ? "no sample yet"
-            : std::string("stale, ") + to_string(channel.now.fault == Fault::none ? Fault::silent : channel.now.fault);
-  if (state == State::measuring && transient[static_cast<std::size_t>(c)] > 0 &&
+    result.withheld = channel.silent_reason();
+  if (states.measuring() && transient[static_cast<std::size_t>(c)] > 0 &&
       std::isfinite(provisional_chain.time_constant_s())) {
     // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
     // rectangular.
-    const double D = std::max(to_s(now_ns - settled_ns), 1e-9);
+    const double D = std::max(to_s(now_ns - at.settled_ns), 1e-9);
     const double u = transient[static_cast<std::size_t>(c)] * provisional_chain.time_constant_s() / D *
                      -std::expm1(-D / provisional_chain.time_constant_s()) / std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
-  if (state == State::measuring && modes.removal().active() && result.fit.usable) {
+  if (states.measuring() && modes.removal().active() && result.fit.usable) {
     // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
-    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modes.fit().angle(totals.t_ref_ns())).toRotationMatrix();
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modes.fit().angle(data.totals().t_ref_ns())).toRotationMatrix();
     result.transient = turn * modes.removal().covariance(c, result.fit.samples) * turn.transpose();
   }
-  result.quantization_u = quantization_u(c, result.fit, totals);
-  if (channel.half_count > 0)
-    result.turnaround_u_s = channel.half_ns_sum / channel.half_count * 1e-9 / std::numbers::sqrt3;
-  result.transaction = transactions.of(c);
+  result.quantization_u = quantization_u(c, result.fit, data.totals());
+  result.turnaround_u_s = channel.turnaround_u_s();
+  result.transaction = live.transaction_of(c);
   return result;
+}
+
+void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
+  const HarmonicFit& fit = result.fit;
+  if (!fit.usable || rig.channels[static_cast<std::size_t>(c)].measures == Quantity::auxiliary) return;
+  result.refresh_u_s = live[c].intake().refresh_half_s() / std::numbers::sqrt3;
+  if (!result.withheld.empty()) return;
+  const double u = std::hypot(std::sqrt(0.5 * fit.covariance.trace()), result.quantization_u);
+  result.withheld = live[c].unfit_reason(std::abs(fit.X[0]), u, states.measuring());
 }
 
 // What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
 void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
-  const double f = omega / kTwoPi;
+  const double f = omega() / kTwoPi;
   for (const double line : kMainsFundamentals_hz)
     for (int h = 1; h <= H; ++h) {
       std::string names;
       for (int c = 0; c < channel_count; ++c)
-        if (live[static_cast<std::size_t>(c)].sampling.distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
+        if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
           names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
@@ -152,59 +161,61 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
 
 Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
-  dwell.state = state;
+  dwell.state = states.state();
   dwell.memory_time_predicted_s = std::isfinite(provisional_chain.time_constant_s())
                                       ? -provisional_chain.time_constant_s() * std::log(rig.tolerance)
                                       : kNaN;
   dwell.settling_reason = settling_reason();
   if (origin_ns == INT64_MIN) return dwell;
-  const bool active = state == State::settling || state == State::measuring;
+  const bool active = !states.at_rest();
   if (active) {
-    dwell.index = index;
-    dwell.start_s = axis_s(start_ns);
+    dwell.index = states.index();
+    dwell.start_s = axis_s(at.start_ns);
   }
   int quarters_left = 0;
-  for (int i = 0; i < to; ++i) quarters_left += blocks.block(i).quarters;
-  const bool settled = state == State::measuring && quarters_left >= kFewestQuarters;
-  const int from = settled ? 0 : std::max(0, to - kQuarters * window_periods);
-  const Refined refined = gather(from, to, with_open);
+  for (int i = 0; i < to; ++i) quarters_left += blocks().block(i).quarters;
+  const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
+  const int from = settled ? 0 : std::max(0, to - kQuarters * window.periods());
+  const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
   // In the middle of the data.
-  const double w = omega_at(totals.t_ref_ns(), refined.omega);
-  dwell.t_ref_s = axis_s(totals.t_ref_ns());
+  const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
+  dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
   std::vector<ChannelResult> results;
   for (int c = 0; c < channel_count; ++c) {
     results.push_back(result_of(c, up_to_now));
     if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
     if (settled) look_within(c, from, to, results.back());
     for (int h = 1; h <= H; ++h)
-      results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * bend(totals.t_ref_ns()));
+      results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));
   }
-  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks.block(to - 1).end_ns) -
-                              (from < blocks.count() ? blocks.block(from).begin_ns : now_ns));
+  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
+                              (from < blocks().count() ? blocks().block(from).begin_ns : now_ns));
   double u = refined.u;
   if (settled) {
     look_at_settling(results);
     warn_of_change(results, seconds, dwell);
-    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel)]);
-    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, stated.u));
+    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel())]);
+    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, reference.stated().u));
   }
   for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
   if (settled) {
     std::vector<Folded> folded;
     for (int c = 0; c < channel_count; ++c) {
       const auto i = static_cast<std::size_t>(c);
-      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[i].sampling, w / kTwoPi, seconds));
+      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[c].sampling(), w / kTwoPi, seconds));
       results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
     }
     warn_of_folded(rig, folded, dwell);
   }
   // The frequency of a drive that drifts is another at either end: its spread over the dwell.
-  report_phasors(rig, results, w, std::hypot(u, blocks.drift().rate * seconds / std::sqrt(12.0)), dwell);
+  report_phasors(rig, results, w, std::hypot(u, data.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
-  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks.block(to - 1).end_ns));
-  warn_of_readings(dwell);
+  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks().block(to - 1).end_ns));
+  for (int c = 0; c < channel_count; ++c)
+    for (const std::string& warning : live[c].warnings(rig.tolerance))
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
   if (!settled) {
-    if (state == State::measuring) {
+    if (states.measuring()) {
       dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     } else if (active) {
@@ -213,17 +224,17 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     }
     return dwell;
   }
-  dwell.settled_s = axis_s(std::max(settled_ns, blocks.count() > 0 ? blocks.block(0).begin_ns : settled_ns));
-  dwell.verdict_s = axis_s(verdict_ns);
-  dwell.memory_time_s = axis_s(settled_ns) - axis_s(steady_ns);
+  dwell.settled_s = axis_s(std::max(at.settled_ns, blocks().count() > 0 ? blocks().block(0).begin_ns : at.settled_ns));
+  dwell.verdict_s = axis_s(at.verdict_ns);
+  dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
   dwell.settles_in_s = 0.0;
   if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && !modes.removal().active())
     dwell.warnings.push_back(
         "the chain identified while settling would not decay: whether the transient has is judged by "
         "the windows alone; look at signs, instants and masses");
-  warn_of_pulses(dwell);
-  std::string reason = pulses_unfit(w, u);
-  if (reason.empty()) reason = statement_unfit(refined, seconds);
+  if (std::string missed = reference.missed(); !missed.empty()) dwell.warnings.push_back(std::move(missed));
+  const std::string reason = reference.unfit_reason(refined, results[static_cast<std::size_t>(drive_channel())].fit, w,
+                                                    u, refresh_u_omega(seconds));
   if (!reason.empty()) {
     dwell.settling_reason = reason;
     dwell.warnings.push_back("no coefficients: " + reason);

@@ -8,101 +8,45 @@ constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
-  const int quarters = kQuarters * window_periods, newest = blocks.count();
-  int first = newest;
-  if (std::abs(omega / history_omega - 1) > 0.2 * rig.tolerance && blocks.serials() - steady_serial <= Blocks::kFine) {
-    settling.restart();
-    history_omega = omega;
-    first = std::max(blocks.index_of(steady_serial) + quarters, quarters);
-  }
-  for (int to = first; to <= newest; ++to)
+  const int quarters = kQuarters * window.periods(), newest = blocks().count();
+  for (int to = windows.first_end(at.steady_serial); to <= newest; ++to)
     if (!look(to - quarters, to)) return;
   if (settle_by_modes(end_ns)) return;
   if (!verdict.settled || out_of_search()) return;
   // Where nothing rings the motion before may have been a ramp, of which a window bears a little.
-  const int counts_from = blocks.index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
-  if (counts_from >= blocks.count()) return;
-  settled_ns = blocks.block(counts_from).begin_ns;
-  blocks.forget_before(settled_ns);
-  verdict_ns = end_ns;
-  enter(State::measuring);
-  for (Live& channel : live) channel.intake.begin_to_count();
-  for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = settling.left(c);
+  const int counts_from = blocks().index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
+  if (counts_from >= blocks().count()) return;
+  at.settled_ns = blocks().block(counts_from).begin_ns;
+  data.forget_before(at.settled_ns);
+  at.verdict_ns = end_ns;
+  states.begin_to_measure();
+  live.begin_to_count();
+  for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = windows.left(c);
   count_anew();
 }
 
 bool Pipeline::Impl::look(int from, int to) {
-  const std::int64_t begin_ns = blocks.block(from).begin_ns, end_ns = blocks.block(to - 1).end_ns;
-  blocks.sum(from, to, omega, begin_ns + (end_ns - begin_ns) / 2, window);
-  for (int c = 0; c < channel_count; ++c)
-    fits[static_cast<std::size_t>(c)] = fit_harmonics(window, c, H, blocks.reference(c));
-  const HarmonicFit& table = fits[static_cast<std::size_t>(drive_channel)];
-  if (!table.usable) return false;
-  const Complex back = std::conj(table.X[0]) / std::abs(table.X[0]);
-  const double u_table = std::sqrt(0.5 * table.covariance.trace()) / std::abs(table.X[0]);
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const HarmonicFit& fit = fits[i];
-    const bool watched = rig.channels[i].measures != Quantity::auxiliary && delivers(c) && !unfit(c);
-    if (watched && !fit.usable && window_periods == 1 && fit.samples >= 2 * H + 1) {
-      window_periods = 2;
-      return false;
-    }
-    if (watched && fit.usable) {
-      take_noise(c, from, to);
-      live[i].intake.see_residuals(std::sqrt(fit.sigma2));
-    }
-    const double noise = watched && fit.usable
-                             ? std::min(fit.sigma2, modes.noise().known(c) ? modes.noise().variance(c) : INFINITY)
-                             : 0.0;
-    const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
-    // Relative to the table's phase, whose own noise comes on top.
-    readings[i] = {fit.X[0] * back,      {},    std::hypot(u, std::abs(fit.X[0]) * u_table),
-                   fit.sigma2,           noise, fit.samples,
-                   watched && fit.usable};
-    readings[i].others[0] = fit.mean;
-    Complex turn = back;
-    for (std::size_t h = 1; h < static_cast<std::size_t>(H); ++h) readings[i].others[h] = fit.X[h] * (turn *= back);
-  }
+  // Windows are a quarter of a period apart and share three quarters.
+  const auto learn = [&](int c, double squares, double freedom) {
+    modes.noise().learn(c, squares / kQuarters, freedom / kQuarters);
+    return modes.noise().known(c) ? modes.noise().variance(c) : INFINITY;
+  };
+  if (!windows.look(from, to, now_ns, learn)) return false;
   if (modes.has_poles()) return true;  // the modes tell more than windows do
   provisional();
-  const double amplitude = std::abs(table.X[0]);
-  verdict =
-      settling.update(blocks.block(from).first_serial, blocks.block(to - 1).first_serial, axis_s(end_ns), amplitude,
-                      u_table * amplitude, readings, period_s() * window_periods, provisional_chain.time_constant_s());
+  verdict = windows.judge(from, to, axis_s(blocks().block(to - 1).end_ns), provisional_chain.time_constant_s());
   return true;
 }
 
-// In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine
-// follow any smooth motion; the newest period counts an eighth of all.
-void Pipeline::Impl::take_noise(int c, int from, int to) {
-  const double in_quarter = fits[static_cast<std::size_t>(c)].samples / (to - from);
-  const int length = in_quarter >= 5 ? 1 : 2;
-  double squares = 0.0, freedom = 0.0;
-  for (int i = from; i + length <= to; i += length) {
-    blocks.sum_channel(c, i, i + length, blocks.block(i).omega, blocks.block(i).centre_ns, quarter);
-    const HarmonicFit fit = fit_harmonics(quarter, c, 1, 0.0);
-    if (!std::isfinite(fit.sigma2)) continue;
-    squares += fit.sigma2 * (fit.samples - 3);
-    freedom += fit.samples - 3;
-  }
-  // Windows are a quarter of a period apart and share three quarters.
-  modes.noise().learn(c, squares / kQuarters, freedom / kQuarters);
-}
-
 void Pipeline::Impl::provisional() {
-  if (rig.mass_count() > kLargestSolved || blocks.serials() < solve_at_serial) return;
-  solve_at_serial = blocks.serials() + std::max<std::int64_t>(1, (blocks.serials() - steady_serial) / 32);
+  if (rig.mass_count() > kLargestSolved || !windows.wants_chain(at.steady_serial)) return;
   provisional_chain.forget_time_constant();
-  for (int c = 0; c < channel_count; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const Complex seen = settling.later_mean(c);
-    if (readings[i].usable)
-      provisional_chain.observe(c, seen != 0.0 ? seen : readings[i].relative, omega);
+  for (int c = 0; c < channel_count; ++c)
+    if (windows.usable(c))
+      provisional_chain.observe(c, windows.phasor(c), omega());
     else
       provisional_chain.leave_out(c);
-  }
-  provisional_chain.solve(omega);
+  provisional_chain.solve(omega());
 }
 
 }  // namespace dwell

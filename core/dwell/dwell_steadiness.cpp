@@ -45,10 +45,10 @@ Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channe
 }  // namespace
 
 void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result) const {
-  result.stretches = phasor_stretches(blocks, from, to, c, H, result.fit, totals.omega(), totals.t_ref_ns(), window);
+  result.stretches = data.stretches(c, from, to, result.fit);
   result.scatter = scatter_of(result.stretches);
-  result.slope = fit_slope(totals, c, H, result.fit, blocks.reference(c));
-  const Complex turn = std::polar(1.0, bend(totals.t_ref_ns()));
+  result.slope = data.slope(c, result.fit);
+  const Complex turn = std::polar(1.0, data.bend(data.totals().t_ref_ns()));
   for (PhasorStretch& stretch : result.stretches) stretch.off *= turn;
   result.slope.value *= turn;
 }
@@ -57,9 +57,9 @@ void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result)
 // and what the masses answered to that is no natural oscillation, though the modes may have taken it for one. In
 // channel c it is at most the change itself, and at most what the modes take out of c.
 void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
-  const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel)].fit;
-  if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel)) return;
-  const Complex change = since_fitted(table, modes.fit(), drive_channel, totals.t_ref_ns());
+  const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel())].fit;
+  if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel())) return;
+  const Complex change = since_fitted(table, modes.fit(), drive_channel(), data.totals().t_ref_ns());
   if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
   for (int c = 0; c < channel_count; ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
@@ -72,7 +72,7 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
 
 // A channel whose ratio to the table varies has changed, or what it stands on has; all together only the drive.
 void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const {
-  const auto table = static_cast<std::size_t>(drive_channel);
+  const auto table = static_cast<std::size_t>(drive_channel());
   std::vector<std::vector<PhasorStretch>> stretches;
   for (const ChannelResult& result : results) stretches.push_back(result.stretches);
   if (!results[table].fit.usable) return;
@@ -80,7 +80,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     if (c == table || !results[c].withheld.empty() || !results[c].fit.usable) continue;
     Eigen::VectorXcd against = Eigen::VectorXcd::Zero(channel_count);
     against(static_cast<Eigen::Index>(c)) = 1.0 / results[c].fit.X[0];
-    against(drive_channel) = -1.0 / results[table].fit.X[0];
+    against(drive_channel()) = -1.0 / results[table].fit.X[0];
     const Scatter scatter = scatter_of_sum(against, stretches);
     if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
     const Wander wander = wander_of(results[c]);
@@ -108,7 +108,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
     // Long after the transient was fitted its frequency alone turns the phasor: that is no change of the drive.
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
-    const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel, totals.t_ref_ns());
+    const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel(), data.totals().t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
       dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
                                percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +

@@ -12,35 +12,32 @@ constexpr double kMatters = 0.05;  // of the variance
 }  // namespace
 
 HoldNow Pipeline::Impl::hold_now() {
-  for (std::size_t i = 0; i < live.size(); ++i) {
-    const ChannelIntake& intake = live[i].intake;
-    fitted_channels[i] = {readings[i].usable,
-                          shows_drive(rig.channels[i]),
-                          blocks.reference(static_cast<int>(i)),
-                          intake.refresh_half_s(),
-                          intake.step(),
-                          live[i].sampling};
+  for (int c = 0; c < channel_count; ++c) {
+    const ChannelIntake& intake = live[c].intake();
+    const auto i = static_cast<std::size_t>(c);
+    fitted_channels[i] = {windows.usable(c),       live.imposed()[i] != 0, blocks().reference(c),
+                          intake.refresh_half_s(), intake.step(),          live[c].sampling()};
   }
-  return {now_ns, steady_ns, omega, !from_motion(), drive_channel, fitted_channels};
+  return {now_ns, at.steady_ns, omega(), !from_motion(), drive_channel(), fitted_channels};
 }
 
 SeenFrequency Pipeline::Impl::drive_omega() const {
-  if (!tracked()) return {omega};
-  const int from = blocks.index_of(steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)), to = blocks.count();
-  double w = omega;
+  if (!tracked()) return {omega()};
+  const int from = blocks().index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
+            to = blocks().count();
+  double w = omega();
   if (from >= to) return {w};
   const std::int64_t middle_ns =
-      blocks.block(from).begin_ns + (blocks.block(to - 1).end_ns - blocks.block(from).begin_ns) / 2;
+      blocks().block(from).begin_ns + (blocks().block(to - 1).end_ns - blocks().block(from).begin_ns) / 2;
   for (int step = 0; step < 3; ++step) {
-    blocks.sum_channel(drive_channel, from, to, w, middle_ns, window);
-    const HarmonicFit fit = fit_harmonics(window, drive_channel, H, blocks.reference(drive_channel));
+    const HarmonicFit fit = data.fit(drive_channel(), from, to, w, middle_ns);
     if (!(fit.information > 0)) return {w};
-    const double information = fit.information + stated.information();
-    const double delta = (fit.score + stated.score(w)) / information;
+    const double information = fit.information + reference.stated().information();
+    const double delta = (fit.score + reference.stated().score(w)) / information;
     w = within_search(rig, w + delta);
     if (std::abs(delta) * std::sqrt(information) < 0.1) break;
   }
-  return {w, seen_drift(from, w, middle_ns), middle_ns};
+  return {w, data.seen_drift(from, w, middle_ns), middle_ns};
 }
 
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
@@ -53,15 +50,14 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   const TransientModel::Judgement judged = modes.judge(verdict.worst_left, end_ns, now);
   verdict = judged.verdict;
   if (!judged.counts_from_ns || out_of_search()) return true;
-  settled_ns = *judged.counts_from_ns;
+  at.settled_ns = *judged.counts_from_ns;
   verdict.settled = true;
-  verdict_ns = end_ns;
-  enter(State::measuring);
-  for (Live& channel : live) channel.intake.begin_to_count();
+  at.verdict_ns = end_ns;
+  states.begin_to_measure();
+  live.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
-  omega = modes.fit().omega();
-  blocks.set_drift({modes.fit().rate(), modes.fit().t0_ns()});
-  if (pending) emit(EndedBy::drive_changed);
+  data.take_drive(modes.fit().omega(), {modes.fit().rate(), modes.fit().t0_ns()});
+  if (states.awaits_reason()) emit(EndedBy::drive_changed);
   modes.begin_measuring(hold_now());
   take_transient_out(end_ns);
   count_anew();
@@ -82,7 +78,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   const HoldNow now = hold_now();
   if (doubtful_quarters() > 0 || !modes.wants_refit_measuring(now)) return;
   const bool last = modes.refit_measuring(counted_omega(), transient_matters(), now);
-  if (modes.takes_back(verdict_ns, now) && !mend_verdict(end_ns)) return;
+  if (modes.takes_back(at.verdict_ns, now) && !mend_verdict(end_ns)) return;
   take_transient_out(end_ns);
   count_anew();
   modes.remember_modes(hold_now());
@@ -93,20 +89,17 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
 // (true); else the rig settles again, in the same hold and by the fit that has taken the verdict back (false).
 bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   if (const auto counts_ns = modes.mend(end_ns, hold_now(), verdict)) {
-    settled_ns = *counts_ns;
-    verdict_ns = end_ns;
+    at.settled_ns = *counts_ns;
+    at.verdict_ns = end_ns;
     return true;
   }
   verdict.settled = false;
   verdict.settles_in_s = kNaN;
-  enter(State::settling);
-  counted_valid = false;
-  slips = since_in_phase = 0;
-  watch.restart();
+  states.take_back();
   modes.settle_again(hold_now());
-  omega = omega_at(end_ns, omega);
-  blocks.set_drift({});
-  const std::int64_t begin_ns = std::max({steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
+  data.stop_counting(end_ns);
+  tracker.stop_counting();
+  const std::int64_t begin_ns = std::max({at.steady_ns, end_ns - to_ns(rig.memory_s), history[history.begin()].t_ns});
   rebuild_blocks(begin_ns, end_ns);
   return false;
 }
@@ -114,7 +107,7 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
 // Whether in any channel what is not known of the transient adds to the variance of the phasor.
 bool Pipeline::Impl::transient_matters() const {
   for (int c = 0; c < channel_count; ++c) {
-    const HarmonicFit fit = fit_harmonics(counted, c, H, 0.0);
+    const HarmonicFit fit = data.fit_counted(c);
     if (!fit.usable || !modes.fit().usable(c)) continue;
     if (modes.removal().covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;
   }
@@ -123,7 +116,7 @@ bool Pipeline::Impl::transient_matters() const {
 
 // Builds the blocks anew from the history, the transient subtracted.
 void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
-  const std::int64_t begin_ns = std::max(settled_ns, end_ns - to_ns(rig.memory_s));
+  const std::int64_t begin_ns = std::max(at.settled_ns, end_ns - to_ns(rig.memory_s));
   modes.take_out(begin_ns, end_ns, hold_now());
   rebuild_blocks(begin_ns, end_ns);
 }
@@ -131,20 +124,20 @@ void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
 void Pipeline::Impl::rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns) {
   const auto quarter_ns = to_ns(period_s() / kQuarters);
   begin_ns = end_ns - (end_ns - begin_ns + quarter_ns / 2) / quarter_ns * quarter_ns;
-  blocks.restart();
-  steady_serial = blocks.serials();
+  data.restart();
+  at.steady_serial = blocks().serials();
   std::uint64_t i = history.first_at(begin_ns);
   for (; begin_ns < end_ns; begin_ns += quarter_ns) {
-    blocks.open(begin_ns, begin_ns + quarter_ns, omega);
+    data.open(begin_ns);
     for (; i < history.end() && history[i].t_ns < begin_ns + quarter_ns; ++i)
       add_cleaned(history[i].t_ns, history[i].channel, history[i].value);
-    blocks.close();
+    data.close();
   }
 }
 
 double Pipeline::Impl::add_cleaned(std::int64_t t_ns, int c, double value) {
   value = modes.clean(c, t_ns, value);
-  blocks.add(c, t_ns, value);
+  data.add(c, t_ns, value);
   return value;
 }
 

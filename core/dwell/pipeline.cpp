@@ -8,20 +8,24 @@ namespace {
 
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
-constexpr double kHeldUp = 1.5;                             // of the usual turnaround
 
 }  // namespace
 
 std::uint8_t Pipeline::Impl::push(const Record& record) {
   changes = kNothing;
+  take_record(record);
+  if (states.changed()) changes |= kStateChanged;
+  return changes;
+}
+
+void Pipeline::Impl::take_record(const Record& record) {
   if (origin_ns == INT64_MIN) {
     origin_ns = now_ns = record.t_ns;
   }
   if (record.t_ns < now_ns ||
       record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
-    if (record.kind == Kind::sample && record.channel < live.size())
-      ++live[record.channel].received, ++live[record.channel].out_of_order;
-    return changes;
+    if (record.kind == Kind::sample && record.channel < channel_count) live[record.channel].refuse();
+    return;
   }
   now_ns = record.t_ns;
   advance();
@@ -30,7 +34,7 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
       sample(record);
       break;
     case Kind::channel_state:
-      if (record.channel < live.size()) live[record.channel].now.fault = static_cast<Fault>(record.flags);
+      if (record.channel < channel_count) live[record.channel].tell(static_cast<Fault>(record.flags));
       break;
     case Kind::action:
       if (record.flags == static_cast<std::uint8_t>(Action::rearm)) rearm();
@@ -41,79 +45,48 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
     case Kind::tick:
       break;
   }
-  return changes;
 }
 
 void Pipeline::Impl::advance() {
-  if (!blocks.is_open()) {
-    open_block(now_ns);
+  if (!blocks().is_open()) {
+    data.open(now_ns);
     return;
   }
-  if (now_ns < blocks.open_end_ns()) return;
+  if (now_ns < blocks().open_end_ns()) return;
   const auto quarter_ns = to_ns(period_s() / kQuarters);
-  if (now_ns - blocks.open_end_ns() > kEmptyBlocks * quarter_ns) {
-    blocks.close();
+  if (now_ns - blocks().open_end_ns() > kEmptyBlocks * quarter_ns) {
+    data.close();
     lose_data();
-    blocks.clear();
-    open_block(now_ns);
+    data.clear();
+    data.open(now_ns);
     return;
   }
-  while (now_ns >= blocks.open_end_ns()) {
-    const std::int64_t end = blocks.open_end_ns();
-    blocks.close();
+  while (now_ns >= blocks().open_end_ns()) {
+    const std::int64_t end = blocks().open_end_ns();
+    data.close();
     on_block(end);
-    open_block(end);
+    data.open(end);
   }
 }
 
 void Pipeline::Impl::sample(const Record& record) {
-  if (record.channel >= live.size()) return;
-  Live& channel = live[record.channel];
-  ++channel.received;
-  if (record.flags & kGap) ++channel.now.gaps;
-  const double value = channel.intake.si(record.value);
-  if (record.t_ns <= channel.last_ns || !std::isfinite(value)) {
-    ++channel.out_of_order;
-    return;
-  }
-  transactions.sample(record);
-  if (channel.last_ns != INT64_MIN && !channel.intake.held()) channel.sampling.add(to_s(record.t_ns - channel.last_ns));
-  channel.last_ns = record.t_ns;
-  ChannelIntake::Reading reading{record.t_ns, record.value, record.t_half_ns};
-  const ChannelIntake::Says says = channel.intake.judge(reading, omega);
-  channel.now.value = value;
-  channel.now.t_ns = record.t_ns;
-  channel.now.fault = Fault::none;
-  channel.now.overrange = channel.intake.overrange();
-  if (says != ChannelIntake::Says::take && says != ChannelIntake::Says::give_back) return;
-  for (const ChannelIntake::Reading& waited : channel.intake.waiting()) take(record.channel, waited);
-  take(record.channel, reading);
+  const int c = record.channel;
+  if (c >= channel_count) return;
+  live.sample(record, omega(), [&](const LiveChannel::Reading& reading) { take(c, reading); });
 }
 
-void Pipeline::Impl::take(int c, const ChannelIntake::Reading& reading) {
-  Live& channel = live[static_cast<std::size_t>(c)];
-  if (stuck(channel) && (state == State::settling || state == State::measuring)) {
-    ++channel.stuck;
-    return;
-  }
-  const double value = channel.intake.si(reading.value);
-  // What folds harmonics is the rate of the values, not of the readings.
-  if (channel.intake.held() && channel.refreshed_ns != INT64_MIN)
-    channel.sampling.add(to_s(reading.t_ns - channel.refreshed_ns));
-  channel.refreshed_ns = reading.t_ns;
-  channel.half_ns_sum += reading.half_ns;
-  channel.half_count += 1.0;
+void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
+  LiveChannel& channel = live[c];
+  if (channel.stuck(period_s()) && !states.at_rest()) return channel.leave_out_stuck();
+  const bool first = !channel.has_counted();
+  const double value = channel.count(reading);
   last_sample_ns = std::max(last_sample_ns, reading.t_ns);
-  if (!channel.referenced) {
-    blocks.set_reference(c, value);
-    channel.referenced = true;
-  }
+  if (first) data.set_reference(c, value);
   history.push(reading.t_ns, c, value);
   const double cleaned = add_cleaned(reading.t_ns, c, value);
-  if (c != drive_channel) return;
+  if (c != drive_channel()) return;
   // A reading that was held up longer than usual tells less of the drive's phase.
-  const double late_ns = std::max(0.0, reading.half_ns - kHeldUp * channel.half_ns_sum / channel.half_count);
-  watch.add(reading.t_ns, cleaned, 1e-9 * late_ns);
+  tracker.add(reading.t_ns, cleaned, channel.late_s(reading));
 }
 
 Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
@@ -125,44 +98,31 @@ std::uint8_t Pipeline::push(const Record& record) noexcept { return impl_->push(
 
 std::uint8_t Pipeline::finish() {
   impl_->changes = kNothing;
-  impl_->end(EndedBy::end, State::idle, true);
+  impl_->end(EndedBy::end, true);
+  if (impl_->states.changed()) impl_->changes |= kStateChanged;
   return impl_->changes;
 }
 
-Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks.count(), true, true); }
-const Dwell& Pipeline::completed() const noexcept { return impl_->finished; }
-State Pipeline::state() const noexcept { return impl_->state; }
+Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks().count(), true, true); }
+const Dwell& Pipeline::completed() const noexcept { return impl_->finished.dwell(); }
+State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
   if (p.origin_ns == INT64_MIN) return {kNaN, kNaN};
-  const int to = p.blocks.count();
-  const int from = p.state == State::measuring ? 0 : std::max(0, to - kQuarters * p.window_periods);
-  if (p.state == State::measuring && p.counted_valid)
-    p.counted.turned(p.omega, p.now_ns, p.window);
-  else
-    p.blocks.sum(from, to, p.omega, p.now_ns, p.window);
-  p.blocks.add_open(p.window);
-  const HarmonicFit fit = fit_harmonics(p.window, channel, p.H, 0.0);
+  const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window.periods());
+  const HarmonicFit fit = p.data.fit_now(channel, from, p.states.measuring(), p.now_ns);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;
   if (!fit.usable) return {kNaN, kNaN};
-  return fit.X[0] * std::polar(1.0, p.bend(p.now_ns)) / response(about, delay, p.omega_at(p.now_ns, p.omega) / kTwoPi);
+  return fit.X[0] * std::polar(1.0, p.data.bend(p.now_ns)) /
+         response(about, delay, p.data.omega_at(p.now_ns, p.omega()) / kTwoPi);
 }
 
-ChannelNow Pipeline::channel(int channel) const noexcept {
-  const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
-  ChannelNow now = live.now;
-  now.rejected = live.out_of_order + live.stuck + live.intake.left();
-  now.used = live.received - now.rejected;
-  now.condition = impl_->stuck(live) ? Condition::stuck : live.intake.condition();
-  return now;
-}
+ChannelNow Pipeline::channel(int channel) const noexcept { return impl_->live[channel].now(impl_->period_s()); }
 
 std::string Pipeline::condition_reason(int channel) const {
-  const Impl::Live& live = impl_->live[static_cast<std::size_t>(channel)];
-  if (!impl_->stuck(live)) return live.intake.condition_reason();
-  return "stuck at one reading for " + std::to_string(live.intake.same_for_s()).substr(0, 5) + " s";
+  return impl_->live[channel].condition_reason(impl_->period_s());
 }
 
 }  // namespace dwell

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "core/result/condition.hpp"
+#include "core/intake/channel_now.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 #include "core/stream/record.hpp"
@@ -19,18 +19,6 @@ enum Change : std::uint8_t {
   kNothing = 0,
   kStateChanged = 1,  // the state (idle, settling, measuring) is another than before
   kCompleted = 2,     // a dwell has ended: completed() is it
-};
-
-// What the newest sample of a channel says, for displays.
-struct ChannelNow {
-  double value = kNaN;  // SI
-  std::int64_t t_ns = 0;
-  Fault fault = Fault::silent;  // none: it delivers
-  bool overrange = false;       // the newest reading is beyond its range
-  Condition condition = Condition::unheard;
-  std::uint64_t used = 0;      // samples taken into account
-  std::uint64_t rejected = 0;  // samples that were not: not finite, overrange, spikes, not after the one before
-  std::uint64_t gaps = 0;      // times that samples were lost
 };
 
 class Pipeline {

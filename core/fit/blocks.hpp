@@ -17,6 +17,8 @@
 
 namespace dwell {
 
+inline constexpr int kQuarters = 4;  // blocks of a period
+
 class Blocks {
  public:
   // channels, harmonics: 1 … 65535, 1 … kMaxHarmonics. All memory is allocated here: about

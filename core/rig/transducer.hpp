@@ -14,6 +14,12 @@
 
 namespace dwell {
 
+// An absolute transducer on the table: what it sees is imposed. Thread-safe.
+[[nodiscard]] inline bool shows_drive(const Channel& channel) noexcept {
+  return channel.measures != Quantity::force && channel.measures != Quantity::auxiliary && channel.at == 0 &&
+         !channel.relative_to;
+}
+
 // H of a low-pass (high = false) or high-pass at f_hz; 1 for FilterKind::none. Thread-safe, O(order).
 [[nodiscard]] std::complex<double> filter_response(const Filter& filter, bool high, double f_hz) noexcept;
 // The same for a motion exp(st), s in rad/s: of a decaying oscillation too.

@@ -9,14 +9,13 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/fit/blocks.hpp"
 #include "core/fit/mains.hpp"
 
 namespace dwell {
 
 // Periods at the beginning of a hold that are left out: they may hold the end of what was before.
 inline constexpr double kUnsure = 1.0;
-// Windows are taken at each quarter of a period.
-inline constexpr int kQuarters = 4;
 // Of data that a dwell must keep.
 inline constexpr int kFewestQuarters = 6;
 // Steps squared: the variance of readings with less noise than half a step, rounding included.

@@ -1,0 +1,102 @@
+#include "core/drive/drive_reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
+#include "core/base/wording.hpp"
+#include "core/result/dwell.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kContradicts = 2.0;  // tolerances between the table's frequency and that of the pulses
+constexpr double kSureOfOff = 4.0;    // standard deviations …
+constexpr double kOffMatters = 0.1;   // … and tolerances between the two in the data that count
+constexpr double kCovered = 0.5;      // part of the data that the pulses must span to tell their frequency
+
+std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
+std::string in_hz(double omega) { return brief(omega / kTwoPi, 7); }
+
+}  // namespace
+
+DriveReference::DriveReference(const Rig& rig)
+    : rig_(rig), stated_(stated_frequency(rig)), sync_(rig.excitation.search_low_hz, rig.excitation.search_high_hz) {}
+
+void DriveReference::pulse(std::int64_t t_ns) noexcept {
+  if (synced()) sync_.pulse(t_ns);
+}
+
+bool DriveReference::usable(std::int64_t now_ns) const noexcept {
+  const double f = sync_.omega() / kTwoPi;
+  return !synced() ||
+         (sync_.present(now_ns) && f >= rig_.excitation.search_low_hz && f <= rig_.excitation.search_high_hz);
+}
+
+std::string DriveReference::unusable_reason(std::int64_t now_ns) const {
+  if (!synced()) return "";
+  if (!sync_.present(now_ns)) {
+    if (sync_.newest_ns() != INT64_MIN)
+      return "no sync pulse for " + std::to_string(to_s(now_ns - sync_.newest_ns())).substr(0, 4) + " s";
+    return "no sync pulses, one for each period of the drive, have come";
+  }
+  if (!usable(now_ns)) return "the sync pulses come at " + hz(sync_.omega()) + ", outside the range that is searched";
+  return "";
+}
+
+bool DriveReference::pulses_contradict(double omega) const noexcept {
+  return synced() && std::abs(omega / sync_.omega() - 1) > kContradicts * rig_.tolerance;
+}
+
+std::string DriveReference::contradiction_of_pulses(double omega) const {
+  if (!pulses_contradict(omega)) return "";
+  return "the table moves at " + hz(omega) + ", the sync pulses come at " + hz(sync_.omega());
+}
+
+std::string DriveReference::contradiction_of_statement(double omega) const {
+  return "the drive is at " + in_hz(omega) + " Hz, the rig file says fixed at " + in_hz(stated_.omega) + " ± " +
+         in_hz(2 * stated_.u) +
+         " Hz (2 u, clock included): correct frequency or frequency_u, or take reference = \"tracked\"";
+}
+
+Refined DriveReference::refine(const Totals& data, std::int64_t from_ns, std::int64_t to_ns, std::int64_t hold_ns,
+                               int drive_channel, Totals& out) const noexcept {
+  if (!synced()) return dwell::refine(rig_, data, drive_channel, out);
+  // Where the data are short, the rest of the hold had the same frequency.
+  for (const std::int64_t since_ns : {from_ns, std::min(from_ns, hold_ns)}) {
+    const auto pulses = sync_.over(since_ns, to_ns);
+    if (pulses && pulses->span_s >= kCovered * to_s(to_ns - from_ns))
+      return dwell::refine(*pulses, data, drive_channel, out);
+  }
+  data.turned(data.omega(), data.centroid_ns(drive_channel), out);
+  return {data.omega(), kNaN, true};
+}
+
+std::string DriveReference::unfit_reason(const Refined& refined, const HarmonicFit& table, double omega, double u,
+                                         double by_refresh) const {
+  if (std::string reason = pulses_unfit(table, omega, u); !reason.empty()) return reason;
+  const bool contradicted = stated_.contradicted(refined.data_omega, std::hypot(refined.u_data, by_refresh));
+  return contradicted ? contradiction_of_statement(refined.data_omega) : "";
+}
+
+std::string DriveReference::pulses_unfit(const HarmonicFit& table, double omega, double u) const {
+  if (!synced()) return "";
+  if (!std::isfinite(u)) return "too few sync pulses among the data that count";
+  if (!(table.information > 0)) return "";
+  const double off = table.score / table.information;
+  const double explained =
+      kSureOfOff * std::hypot(u, 1 / std::sqrt(table.information)) + kOffMatters * rig_.tolerance * omega;
+  if (std::abs(off) <= explained) return "";
+  return "the table moves at " + hz(omega + off) + ", the sync pulses come at " + hz(omega);
+}
+
+std::string DriveReference::missed() const {
+  const SyncReference::Counts& now = sync_.counts();
+  const std::uint64_t missed = now.missed - before_.missed, extra = now.extra - before_.extra;
+  if (!synced() || missed + extra == 0) return "";
+  return "of the sync pulses " + std::to_string(missed) + " did not come and " + std::to_string(extra) +
+         " came beside the others (" + std::to_string(now.pulses - before_.pulses) + " are used)";
+}
+
+}  // namespace dwell

@@ -1,0 +1,242 @@
+#include "core/dwell/counted_data.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
+constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
+constexpr int kStretches = 12;                // in which the drive's phase is looked at
+constexpr double kShortestDrift = 20.0;       // periods
+constexpr double kSureOfDrift = 4.0;          // standard deviations
+constexpr double kDriftMatters = 0.02;        // rad per square of the data's length
+constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
+
+constexpr int kWindowSteps = 10;    // of Gauss-Newton, from the nominal ω
+constexpr double kAcquired = 1e-2;  // relative standard uncertainty of ω
+
+}  // namespace
+
+CountedData::CountedData(const Rig& rig, const LiveChannels& channels, const DriveReference& reference)
+    : rig_(rig),
+      channels_(channels),
+      reference_(reference),
+      blocks_(channels.count(), rig.excitation.harmonics),
+      window_(channels.count(), rig.excitation.harmonics),
+      counted_(channels.count(), rig.excitation.harmonics),
+      gathered_(channels.count(), rig.excitation.harmonics),
+      totals_(channels.count(), rig.excitation.harmonics),
+      omega_(nominal_omega()) {}
+
+void CountedData::take_drive(double omega, const Blocks::Drift& drift) noexcept {
+  omega_ = omega;
+  blocks_.set_drift(drift);
+}
+
+void CountedData::acquire(int from, int to, std::int64_t centre_ns) noexcept {
+  double w = nominal_omega(), information = 0.0;
+  for (int step = 0; step < kWindowSteps; ++step) {
+    const HarmonicFit table = fit(channels_.drive(), from, to, w, centre_ns);
+    if (!(table.information > 0)) return;
+    information = table.information;
+    w = within_search(rig_, w + table.score / table.information);
+  }
+  if (1 / std::sqrt(information) < kAcquired * w) omega_ = w;
+}
+
+double CountedData::omega_at(std::int64_t t_ns, double omega) const noexcept {
+  return omega + drift().rate * to_s(t_ns - drift().about_ns);
+}
+
+double CountedData::bend(std::int64_t t_ns) const noexcept {
+  const double since_s = to_s(t_ns - drift().about_ns);
+  return 0.5 * drift().rate * since_s * since_s;
+}
+
+void CountedData::open(std::int64_t begin_ns) noexcept {
+  blocks_.open(begin_ns, begin_ns + to_ns(period_s() / kQuarters), omega_);
+}
+
+void CountedData::take_block(std::int64_t end_ns) noexcept {
+  if (blocks_.forget_before(end_ns - to_ns(rig_.memory_s))) counted_valid_ = false;
+  if (counted_valid_) blocks_.add_block(blocks_.count() - 1, counted_);
+}
+
+void CountedData::begin_hold(int from) noexcept {
+  blocks_.forget_before(blocks_.block(from).begin_ns);
+  blocks_.set_drift({});
+  counted_valid_ = false;
+  if (reference_.tracked() && !std::isfinite(omega_)) forget_omega();
+}
+
+void CountedData::stop_counting(std::int64_t t_ns) noexcept {
+  counted_valid_ = false;
+  take_drive(omega_at(t_ns, omega_), {});
+}
+
+HarmonicFit CountedData::fit(int channel, int from, int to, double omega, std::int64_t t_ns,
+                             int harmonics) const noexcept {
+  blocks_.sum_channel(channel, from, to, omega, t_ns, window_);
+  return fit_harmonics(window_, channel, harmonics, blocks_.reference(channel));
+}
+
+HarmonicFit CountedData::fit(int channel, int from, int to, double omega, std::int64_t t_ns) const noexcept {
+  return fit(channel, from, to, omega, t_ns, H());
+}
+
+void CountedData::fit_all(int from, int to, std::int64_t t_ns, std::vector<HarmonicFit>& fits) const noexcept {
+  blocks_.sum(from, to, omega_, t_ns, window_);
+  for (int c = 0; c < channels_.count(); ++c)
+    fits[static_cast<std::size_t>(c)] = fit_harmonics(window_, c, H(), blocks_.reference(c));
+}
+
+HarmonicFit CountedData::fit_now(int channel, int from, bool counting, std::int64_t t_ns) const noexcept {
+  if (counting && counted_valid_)
+    counted_.turned(omega_, t_ns, window_);
+  else
+    blocks_.sum(from, blocks_.count(), omega_, t_ns, window_);
+  blocks_.add_open(window_);
+  return fit_harmonics(window_, channel, H(), blocks_.reference(channel));
+}
+
+HarmonicFit CountedData::fit_counted(int channel) const noexcept {
+  return fit_harmonics(counted_, channel, H(), blocks_.reference(channel));
+}
+
+std::optional<CountedData::Table> CountedData::count_anew(std::int64_t hold_ns) noexcept {
+  return count_anew(hold_ns, true);
+}
+
+std::optional<CountedData::Table> CountedData::count_anew(std::int64_t hold_ns, bool follow) noexcept {
+  counted_valid_ = false;
+  if (blocks_.count() == 0) return {};
+  double u_omega = 0.0;
+  for (int i = 0; i < kTurns; ++i) {
+    blocks_.sum(0, blocks_.count(), omega_, blocks_.block(0).begin_ns, counted_);
+    const Refined refined =
+        reference_.refine(counted_, blocks_.block(0).begin_ns, blocks_.block(blocks_.count() - 1).end_ns, hold_ns,
+                          channels_.drive(), totals_);
+    omega_ = refined.omega;
+    u_omega = refined.u;
+    if (refined.reached) break;
+  }
+  if (drop_misjudged()) return count_anew(hold_ns, follow);
+  if (follow && follow_drift()) return count_anew(hold_ns, false);
+  // Once more about the centroid, where turning costs least.
+  const std::int64_t centroid_ns = counted_.centroid_ns(channels_.drive());
+  refer_drift(centroid_ns);
+  blocks_.sum(0, blocks_.count(), omega_, centroid_ns, counted_);
+  counted_valid_ = true;
+  const std::int64_t first = blocks_.block(0).first_serial;
+  refine_at_serial_ = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks_.serials() - first)) + 1;
+  return Table{fit_counted(channels_.drive()), centroid_ns, u_omega};
+}
+
+bool CountedData::follow_drift() noexcept {
+  const std::int64_t about_ns = counted_.centroid_ns(channels_.drive());
+  const double more = seen_drift(0, omega_, about_ns);
+  if (more == 0) return false;
+  refer_drift(about_ns);
+  blocks_.set_drift({drift().rate + more, about_ns});
+  return true;
+}
+
+double CountedData::seen_drift(int first, double omega, std::int64_t about_ns) const noexcept {
+  if (!reference_.from_motion() || blocks_.count() - first < kStretches) return 0.0;
+  const std::int64_t length_ns = blocks_.block(blocks_.count() - 1).end_ns - blocks_.block(first).begin_ns;
+  if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
+  // The table's phase in stretches of like length against the dwell's, a parabola through it. All have one noise: that
+  // of few readings is itself uncertain.
+  struct Stretch {
+    double u, phase, information;  // of unit variance
+  };
+  std::array<Stretch, 2 * kStretches> stretches;
+  std::size_t count = 0;
+  double before = 0.0, squares = 0.0, freedom = 0.0;
+  for (int from = first, to = first; from < blocks_.count() && count < stretches.size(); from = to) {
+    const std::int64_t first_ns = blocks_.block(from).begin_ns;
+    while (to < blocks_.count() && (to == from || blocks_.block(to).begin_ns - first_ns < length_ns / kStretches)) ++to;
+    const HarmonicFit fit = this->fit(channels_.drive(), from, to, omega, about_ns);
+    if (!fit.usable || !(fit.sigma2 > 0)) continue;
+    const double u = to_s((blocks_.block(to - 1).end_ns + first_ns) / 2 - about_ns) / to_s(length_ns);
+    const double phase = before + std::remainder(std::arg(fit.X[0]) - before, kTwoPi);
+    before = phase;
+    stretches[count++] = {u, phase, std::norm(fit.X[0]) * fit.sigma2 / (0.5 * fit.covariance.trace())};
+    squares += fit.sigma2 * (fit.samples - (2 * H() + 1));
+    freedom += fit.samples - (2 * H() + 1);
+  }
+  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double weight = stretches[i].information * freedom / squares;
+    const Eigen::Vector3d x{1.0, stretches[i].u, 0.5 * stretches[i].u * stretches[i].u};
+    N += weight * x * x.transpose();
+    b += weight * stretches[i].phase * x;
+  }
+  const Eigen::LLT<Eigen::Matrix3d> llt(N);
+  if (llt.info() != Eigen::Success) return 0.0;
+  const double more = llt.solve(b)(2), u_more = std::sqrt(llt.solve(Eigen::Vector3d::Unit(2))(2));  // rad per length²
+  // What turns the ends by less than it is uncertain, or a phasor by nothing that matters, is left alone.
+  if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return 0.0;
+  return more / (to_s(length_ns) * to_s(length_ns));
+}
+
+// About another instant the same drift goes with another frequency.
+void CountedData::refer_drift(std::int64_t about_ns) noexcept {
+  take_drive(omega_at(about_ns, omega_), {drift().rate, about_ns});
+}
+
+// The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where that
+// is no small part of the uncertainty they go, if they are no large part of the data.
+bool CountedData::drop_misjudged() noexcept {
+  const std::int64_t first = blocks_.block(0).first_serial, all = blocks_.serials() - first;
+  if (all < kEnoughQuarters) return false;
+  double loss = 0.0;
+  std::int64_t good_from_ns = INT64_MIN;
+  for (int i = 0; i < blocks_.count(); ++i) {
+    const Blocks::Block& block = blocks_.block(i);
+    const double turned = (block.omega / omega_ - 1) * std::numbers::pi / 4;
+    loss += turned * turned / 6 * block.quarters / static_cast<double>(all);
+    if (block.first_serial - first <= all / 8 && std::abs(block.omega / omega_ - 1) > kMisjudged)
+      good_from_ns = block.end_ns;
+  }
+  const HarmonicFit fit = fit_harmonics(totals_, channels_.drive(), H(), 0.0);
+  if (good_from_ns == INT64_MIN || !(loss * std::abs(fit.X[0]) > 0.1 * std::sqrt(0.5 * fit.covariance.trace())))
+    return false;
+  return blocks_.forget_before(good_from_ns);
+}
+
+Refined CountedData::gather(int from, int to, bool with_open, std::int64_t now_ns,
+                            std::int64_t hold_ns) const noexcept {
+  const std::int64_t begin_ns = from < to ? blocks_.block(from).begin_ns : now_ns;
+  const std::int64_t end_ns = with_open || from == to ? now_ns : blocks_.block(to - 1).end_ns;
+  Refined refined{.omega = omega_, .reached = false};
+  for (int i = 0; i < kTurns && !refined.reached; ++i) {
+    if (i == 0 && from == 0 && to == blocks_.count() && counted_valid_)
+      counted_.turned(counted_.omega(), counted_.t_ref_ns(), gathered_);
+    else
+      blocks_.sum(from, to, refined.omega, begin_ns, gathered_);
+    if (with_open) blocks_.add_open(gathered_);
+    refined = reference_.refine(gathered_, begin_ns, end_ns, hold_ns, channels_.drive(), totals_);
+  }
+  return refined;
+}
+
+std::vector<PhasorStretch> CountedData::stretches(int channel, int from, int to, const HarmonicFit& fit) const {
+  return phasor_stretches(blocks_, from, to, channel, H(), fit, totals_.omega(), totals_.t_ref_ns(), window_);
+}
+
+PhasorSlope CountedData::slope(int channel, const HarmonicFit& fit) const noexcept {
+  return fit_slope(totals_, channel, H(), fit, blocks_.reference(channel));
+}
+
+}  // namespace dwell

@@ -1,0 +1,115 @@
+#include "core/dwell/dwell_states.hpp"
+
+#include <utility>
+
+namespace dwell {
+
+State state_of(Phase phase) noexcept {
+  switch (phase) {
+    case Phase::idle:
+    case Phase::interlocked:
+      return State::idle;
+    case Phase::unseen:
+    case Phase::unseen_interlocked:
+      return State::fault;
+    case Phase::settling:
+    case Phase::asked_again:
+    case Phase::settling_after_change:
+    case Phase::asked_again_after_change:
+      return State::settling;
+    case Phase::measuring:
+    case Phase::measuring_after_change:
+      return State::measuring;
+  }
+  return State::idle;
+}
+
+const char* to_string(Phase phase) noexcept {
+  switch (phase) {
+    case Phase::idle:
+      return "idle";
+    case Phase::interlocked:
+      return "interlocked";
+    case Phase::unseen:
+      return "unseen";
+    case Phase::unseen_interlocked:
+      return "unseen, interlocked";
+    case Phase::settling:
+      return "settling";
+    case Phase::asked_again:
+      return "asked again";
+    case Phase::measuring:
+      return "measuring";
+    case Phase::settling_after_change:
+      return "settling after a change";
+    case Phase::asked_again_after_change:
+      return "asked again after a change";
+    case Phase::measuring_after_change:
+      return "measuring after a change";
+  }
+  return "";
+}
+
+void DwellStates::go(Phase next) noexcept {
+  if (state_of(next) != state()) changed_ = true;
+  phase_ = next;
+}
+
+bool DwellStates::changed() noexcept { return std::exchange(changed_, false); }
+
+void DwellStates::arm() noexcept {
+  if (!at_rest() || interlocked()) return;
+  ++index_;
+  restarts_ = 0;
+  go(Phase::settling);
+}
+
+void DwellStates::bar() noexcept {
+  if (at_rest()) go(interlocked() ? Phase::interlocked : Phase::unseen);
+}
+
+void DwellStates::leave_hold() noexcept {
+  if (measuring()) {
+    ++index_;
+    restarts_ = 0;
+    return go(Phase::settling_after_change);
+  }
+  if (!settling()) return;
+  ++restarts_;
+  settle_anew();
+}
+
+void DwellStates::settle_anew() noexcept {
+  if (settling()) go(awaits_reason() ? Phase::settling_after_change : Phase::settling);
+}
+
+void DwellStates::ask_again(bool again) noexcept {
+  if (!settling()) return;
+  if (awaits_reason())
+    go(again ? Phase::asked_again_after_change : Phase::settling_after_change);
+  else
+    go(again ? Phase::asked_again : Phase::settling);
+}
+
+void DwellStates::begin_to_measure() noexcept {
+  if (settling()) go(awaits_reason() ? Phase::measuring_after_change : Phase::measuring);
+}
+
+void DwellStates::take_back() noexcept {
+  if (measuring()) go(awaits_reason() ? Phase::settling_after_change : Phase::settling);
+}
+
+void DwellStates::go_on() noexcept {
+  if (phase_ == Phase::settling_after_change) go(Phase::settling);
+  if (phase_ == Phase::asked_again_after_change) go(Phase::asked_again);
+  if (phase_ == Phase::measuring_after_change) go(Phase::measuring);
+}
+
+void DwellStates::interlock(bool closed) noexcept {
+  if (phase_ == Phase::idle && !closed) return go(Phase::interlocked);
+  if (phase_ == Phase::unseen && !closed) return go(Phase::unseen_interlocked);
+  if (phase_ == Phase::interlocked && closed) return go(Phase::idle);
+  if (phase_ == Phase::unseen_interlocked && closed) return go(Phase::unseen);
+}
+
+}  // namespace dwell

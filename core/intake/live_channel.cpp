@@ -1,0 +1,131 @@
+#include "core/intake/live_channel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/instants.hpp"
+#include "core/base/wording.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
+constexpr double kLost_s = 1.0;
+constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
+constexpr double kHeldUp = 1.5;   // of the usual turnaround
+
+// Part of a phasor's standard uncertainty by which clipping or repeats may be off without a word.
+constexpr double kBiasMatters = 0.3;
+// The same, relative to the amplitude, while settling, where no uncertainty is known yet: a tenth of the tolerance.
+constexpr double kBiasShows = 0.1;
+// Part of the readings that may be left out. What disturbs more also passes the gate now and then: of 30 % zeros and 1
+// % noise enough pass to be 30 u, of 10 % none.
+constexpr double kMostLeftOut = 0.15;
+
+}  // namespace
+
+bool LiveChannel::hear(const Record& record) noexcept {
+  ++received_;
+  if (record.flags & kGap) ++now_.gaps;
+  if (record.t_ns <= last_ns_ || !std::isfinite(intake_.si(record.value))) {
+    ++out_of_order_;
+    return false;
+  }
+  if (last_ns_ != INT64_MIN && !intake_.held()) sampling_.add(to_s(record.t_ns - last_ns_));
+  last_ns_ = record.t_ns;
+  return true;
+}
+
+void LiveChannel::show(const Record& record) noexcept {
+  now_.value = intake_.si(record.value);
+  now_.t_ns = record.t_ns;
+  now_.fault = Fault::none;
+  now_.overrange = intake_.overrange();
+}
+
+double LiveChannel::count(const Reading& reading) noexcept {
+  // What folds harmonics is the rate of the values, not of the readings.
+  if (intake_.held() && refreshed_ns_ != INT64_MIN) sampling_.add(to_s(reading.t_ns - refreshed_ns_));
+  refreshed_ns_ = reading.t_ns;
+  half_ns_sum_ += reading.half_ns;
+  half_count_ += 1.0;
+  return intake_.si(reading.value);
+}
+
+double LiveChannel::late_s(const Reading& reading) const noexcept {
+  return 1e-9 * std::max(0.0, reading.half_ns - kHeldUp * half_ns_sum_ / half_count_);
+}
+
+void LiveChannel::begin_hold() noexcept {
+  half_ns_sum_ = half_count_ = 0.0;
+  // Refreshes before it may have been passed over, or not found yet.
+  if (intake_.held() || intake_.holding_changed()) sampling_ = {};
+  intake_.begin_hold();
+}
+
+bool LiveChannel::stuck(double period_s) const noexcept {
+  return intake_.same_for_s() > std::max(kStuck_s, kLostPeriods * period_s);
+}
+
+bool LiveChannel::delivers(std::int64_t now_ns, double period_s) const noexcept {
+  return now_.fault == Fault::none && last_ns_ != INT64_MIN &&
+         to_s(now_ns - last_ns_) <= std::max(kLost_s, kLostPeriods * period_s);
+}
+
+bool LiveChannel::unfit(double period_s, double tolerance) const noexcept {
+  return stuck(period_s) || std::max(intake_.clipping_bias(), intake_.repeat_bias()) > kBiasShows * tolerance ||
+         intake_.clustered() || intake_.left_out() > kMostLeftOut;
+}
+
+ChannelNow LiveChannel::now(double period_s) const noexcept {
+  ChannelNow now = now_;
+  now.rejected = out_of_order_ + stuck_ + intake_.left();
+  now.used = received_ - now.rejected;
+  now.condition = stuck(period_s) ? Condition::stuck : intake_.condition();
+  return now;
+}
+
+double LiveChannel::turnaround_u_s() const noexcept {
+  return half_count_ > 0 ? half_ns_sum_ / half_count_ * 1e-9 / std::numbers::sqrt3 : 0.0;
+}
+
+std::string LiveChannel::condition_reason(double period_s) const {
+  if (!stuck(period_s)) return intake_.condition_reason();
+  return "stuck at one reading for " + std::to_string(intake_.same_for_s()).substr(0, 5) + " s";
+}
+
+const char* LiveChannel::fault_name() const noexcept {
+  return to_string(now_.fault == Fault::none ? Fault::silent : now_.fault);
+}
+
+std::string LiveChannel::silent_reason() const {
+  if (last_ns_ == INT64_MIN && now_.fault == Fault::silent) return "no sample yet";
+  return std::string("stale, ") + fault_name();
+}
+
+std::string LiveChannel::unfit_reason(double amplitude, double u, bool measuring) const {
+  if (intake_.clipping_bias() * amplitude > kBiasMatters * u) return intake_.clipped_reason();
+  if (intake_.repeat_bias() * amplitude > kBiasMatters * u) return intake_.repeat_reason();
+  if (intake_.clustered()) return intake_.clustered_reason();
+  if (intake_.left_out() > kMostLeftOut) return intake_.left_out_reason();
+  if (measuring && intake_.holding_changed())
+    return intake_.held() ? intake_.held_reason() + ", since this dwell began"
+                          : "no longer held between polls, since this dwell began";
+  return "";
+}
+
+std::vector<std::string> LiveChannel::warnings(double tolerance) const {
+  std::vector<std::string> out;
+  if (intake_.held())
+    out.push_back(intake_.held_reason() + "; each new value counts once, at an instant known to ± " +
+                  brief(1e3 * intake_.refresh_half_s(), 2) + " ms");
+  if (intake_.clustered()) out.push_back(intake_.clustered_reason());
+  if (std::string reason = intake_.left_out_reason(); !reason.empty()) out.push_back(std::move(reason));
+  if (intake_.repeat_bias() > 0) out.push_back(intake_.repeat_reason());
+  if (intake_.clipping_bias() > kBiasShows * tolerance)
+    out.push_back(intake_.clipped_reason() + "; choose a larger range, or a smaller amplitude");
+  return out;
+}
+
+}  // namespace dwell

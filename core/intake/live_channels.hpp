@@ -1,0 +1,60 @@
+// All channels as they deliver: which of them shows the drive, and which are read together.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/intake/live_channel.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/record.hpp"
+#include "core/stream/transactions.hpp"
+
+namespace dwell {
+
+// Bound to one thread; real-time safe but for the constructor. The rig must outlive it.
+class LiveChannels {
+ public:
+  explicit LiveChannels(const Rig& rig);
+
+  [[nodiscard]] int count() const noexcept { return static_cast<int>(channels_.size()); }
+  [[nodiscard]] LiveChannel& operator[](int c) noexcept { return channels_[static_cast<std::size_t>(c)]; }
+  [[nodiscard]] const LiveChannel& operator[](int c) const noexcept { return channels_[static_cast<std::size_t>(c)]; }
+
+  // The channel by which the drive is known: the first on the table; else the first that sees motion; -1: none.
+  [[nodiscard]] int drive() const noexcept { return drive_; }
+  // Takes another channel of the table as the drive's, if one delivers.
+  void choose_drive(std::int64_t now_ns, double period_s) noexcept;
+  // Per channel, 1: its motion is imposed (shows_drive()) and has no transient of its own.
+  [[nodiscard]] const std::vector<char>& imposed() const noexcept { return imposed_; }
+  // The transaction that a channel is read in (Transactions::of).
+  [[nodiscard]] int transaction_of(int c) const noexcept { return transactions_.of(c); }
+
+  // The next sample of the stream, of a channel of this rig; omega_rad_s: of the drive. What counts now goes to
+  // take(const LiveChannel::Reading&), oldest first.
+  template <class Take>
+  void sample(const Record& record, double omega_rad_s, Take&& take) {
+    LiveChannel& channel = channels_[record.channel];
+    if (!channel.hear(record)) return;
+    transactions_.sample(record);
+    channel.judge(record, omega_rad_s, take);
+  }
+
+  // As LiveChannel, for each channel.
+  void begin_hold() noexcept;
+  void begin_to_count() noexcept;
+  void next_period() noexcept;
+
+  // A register has come to be held, or no longer is, since the hold began.
+  [[nodiscard]] bool holding_changed() const noexcept;
+  // Standard uncertainty of ω, rad/s, by the instants of refreshes, in data of that length.
+  [[nodiscard]] double refresh_u_omega(double seconds, double omega_rad_s) const noexcept;
+
+ private:
+  const Rig& rig_;
+  std::vector<LiveChannel> channels_;
+  std::vector<char> imposed_;
+  Transactions transactions_;
+  int drive_ = -1;
+};
+
+}  // namespace dwell
