@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/draft.hpp"
+#include "config/driver_table.hpp"
 
 namespace dwell::config {
 namespace {
@@ -31,7 +32,8 @@ const dwell_driver_table* find_driver(Section& section, const std::string& name,
 }
 
 bool has_device_key(const dwell_driver_table& driver, std::string_view name) {
-  return std::any_of(driver.keys, driver.keys + driver.key_count,
+  const std::vector<dwell_key> keys = keys_of(driver);
+  return std::any_of(keys.begin(), keys.end(),
                      [name](const dwell_key& key) { return key.scope == DWELL_DEVICE && key.name == name; });
 }
 

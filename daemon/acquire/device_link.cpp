@@ -48,7 +48,9 @@ dwell_host DeviceLink::host() noexcept {
   host.state = [](void* context, std::int32_t channel, dwell_fault fault, const char* reason) noexcept {
     link_of(context).state(channel, fault, reason);
   };
-  host.count = [](void* context, dwell_fault fault) noexcept { link_of(context).count(fault); };
+  host.count = [](void* context, dwell_fault fault, std::uint64_t occurrences) noexcept {
+    link_of(context).count(fault, occurrences);
+  };
   host.log = [](void* context, dwell_level level, const char* message) noexcept {
     // What the log throws must not reach a driver, which may be C.
     try {
@@ -138,8 +140,8 @@ void DeviceLink::offer_waiting() noexcept {
   any_waiting_ = false;
 }
 
-void DeviceLink::count(dwell_fault fault) noexcept {
-  faults_[static_cast<std::size_t>(known_fault(fault))].fetch_add(1, std::memory_order_relaxed);
+void DeviceLink::count(dwell_fault fault, std::uint64_t occurrences) noexcept {
+  faults_[static_cast<std::size_t>(known_fault(fault))].fetch_add(occurrences, std::memory_order_relaxed);
 }
 
 void DeviceLink::turn(std::int64_t now_ns) noexcept {

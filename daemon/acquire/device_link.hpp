@@ -53,7 +53,7 @@ class DeviceLink {
   // foreign) a channel that is not this device's.
   bool push(const dwell_sample* samples, std::size_t count) noexcept;
   void state(std::int32_t channel, dwell_fault fault, const char* reason) noexcept;
-  void count(dwell_fault fault) noexcept;
+  void count(dwell_fault fault, std::uint64_t occurrences = 1) noexcept;
   void turn(std::int64_t now_ns) noexcept;
   // How many samples the next push is sure to find room for. Real-time safe.
   [[nodiscard]] std::size_t room() const noexcept { return samples_.write_available(); }

@@ -9,6 +9,8 @@
 #include <set>
 #include <system_error>
 
+#include "config/driver_table.hpp"
+
 namespace dwell::acquire {
 namespace {
 
@@ -29,14 +31,19 @@ std::string fault_of(const dwell_driver_table* table, const std::string& name) {
   if (table->abi != DWELL_DRIVER_ABI)
     return "it is made for version " + std::to_string(table->abi) + " of the driver interface, this is version " +
            std::to_string(DWELL_DRIVER_ABI);
-  if (table->size < offsetof(dwell_driver_table, describe))  // what came later may be missing
-    return "its table is too short, " + std::to_string(table->size) + " bytes";
+  // The first header ended with these; what came later may be missing.
+  constexpr std::size_t kFirstTable = offsetof(dwell_driver_table, describe);
+  constexpr std::size_t kFirstKey = offsetof(dwell_key, help) + sizeof(dwell_key::help);
+  if (table->size < kFirstTable) return "its table is too short, " + std::to_string(table->size) + " bytes";
   if (table->name == nullptr || name != table->name)
     return std::string("it calls itself `") + (table->name == nullptr ? "" : table->name) + "`";
   if (table->version == nullptr || table->help == nullptr) return "it has no version or no help text";
   if (table->key_count > 0 && table->keys == nullptr) return "its key schema is missing";
-  for (std::size_t i = 0; i < table->key_count; ++i)
-    if (table->keys[i].name == nullptr || table->keys[i].unit == nullptr || table->keys[i].help == nullptr)
+  if (table->key_count > 0 && (table->key_size < kFirstKey || table->key_size % alignof(dwell_key) != 0))
+    return "its keys cannot be of " + std::to_string(table->key_size) + " bytes each";
+  const std::vector<dwell_key> keys = config::keys_of(*table);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (keys[i].name == nullptr || keys[i].unit == nullptr || keys[i].help == nullptr)
       return "its key " + std::to_string(i) + " has no name, unit or help text";
   if (table->check == nullptr || table->probe == nullptr || table->create == nullptr || table->start == nullptr ||
       table->stop == nullptr || table->destroy == nullptr)

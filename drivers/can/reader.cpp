@@ -18,7 +18,6 @@ constexpr int kFailuresToStale = 3;
 constexpr std::int64_t kWatch_ns = 20'000'000;
 // A bus in trouble says so thousands of times a second.
 constexpr std::int64_t kBetweenLines_ns = 1'000'000'000;
-constexpr std::uint64_t kMaxCounted = 1'000'000;  // the host counts one by one
 
 std::string seconds(std::int64_t ns) {
   char text[32];
@@ -86,7 +85,7 @@ void Reader::read(const Stop& stop) {
 
 void Reader::take(const Receipt& receipt) {
   if (receipt.lost > 0) note_losses(receipt);
-  if (receipt.malformed > 0) count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
+  host_.count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
   if (held_ && !receipt.frames.empty() && !receipt.bus_off) release();
   for (const Frame& frame : receipt.frames) deliver(frame);
   if (receipt.errors > 0 || receipt.restarted) note_controller(receipt);
@@ -135,7 +134,7 @@ void Reader::fail(Target& target, Verdict verdict) noexcept {
 }
 
 void Reader::note_losses(const Receipt& receipt) {
-  count(DWELL_FAULT_OVERFLOW, receipt.lost);
+  host_.count(DWELL_FAULT_OVERFLOW, receipt.lost);
   lost_ += receipt.lost;
   for (Target& target : targets_) target.gap = true;
   if (now_ns_ < next_loss_line_ns_) return;
@@ -146,8 +145,8 @@ void Reader::note_losses(const Receipt& receipt) {
 
 void Reader::note_controller(const Receipt& receipt) {
   const unsigned off = receipt.bus_off ? 1 : 0;
-  count(DWELL_FAULT_BUS_OFF, off);
-  count(DWELL_FAULT_BUS_ERROR, std::max(receipt.errors, off) - off);
+  host_.count(DWELL_FAULT_BUS_OFF, off);
+  host_.count(DWELL_FAULT_BUS_ERROR, std::max(receipt.errors, off) - off);
   restarted_ = restarted_ || receipt.restarted;
   if (bus_.controller() == Controller::bus_off)
     hold(DWELL_FAULT_BUS_OFF, bus_.name() + ": bus-off; it must be restarted, or have restart-ms set");
@@ -225,10 +224,6 @@ void Reader::watch_silence(std::int64_t now_ns) {
 void Reader::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
   target.told = fault;
   host_.state(target.channel.index, fault, reason);
-}
-
-void Reader::count(dwell_fault fault, std::uint64_t times) const noexcept {
-  for (std::uint64_t i = 0; i < std::min(times, kMaxCounted); ++i) host_.count(fault);
 }
 
 }  // namespace dwell::can

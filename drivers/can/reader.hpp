@@ -49,7 +49,6 @@ class Reader {
   void watch_link();
   void watch_silence(std::int64_t now_ns);
   void tell(Target& target, dwell_fault fault, const char* reason) noexcept;
-  void count(dwell_fault fault, std::uint64_t times) const noexcept;
 
   Setup setup_;
   driver::Host host_;

@@ -21,7 +21,6 @@ using socketcan::Receipt;
 constexpr std::int64_t kBetweenBusLines_ns = 1'000'000'000;
 constexpr std::int64_t kWatchLink_ns = 100'000'000;
 constexpr int kMostBatches = 64;
-constexpr std::uint64_t kMostCounted = 1'000'000;  // the host counts one by one
 
 canfd_frame wide(const can_frame& frame) noexcept {
   canfd_frame made{};
@@ -107,7 +106,7 @@ void Master::break_off(int error) {
 
 void Master::take(const Receipt& receipt, std::int64_t now_ns) {
   if (receipt.lost > 0) note_losses(receipt.lost, now_ns);
-  count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
+  host_.count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
   if (receipt.errors > 0 || receipt.restarted || bus_.controller() != told_controller_)
     note_controller(receipt, now_ns);
   for (const Frame& frame : receipt.frames) {
@@ -118,7 +117,7 @@ void Master::take(const Receipt& receipt, std::int64_t now_ns) {
 }
 
 void Master::note_losses(std::uint32_t lost, std::int64_t now_ns) {
-  count(DWELL_FAULT_OVERFLOW, lost);
+  host_.count(DWELL_FAULT_OVERFLOW, lost);
   lost_ += lost;
   network_.lost();
   if (now_ns < next_loss_line_ns_) return;
@@ -129,8 +128,8 @@ void Master::note_losses(std::uint32_t lost, std::int64_t now_ns) {
 
 void Master::note_controller(const Receipt& receipt, std::int64_t now_ns) {
   const unsigned off = receipt.bus_off ? 1 : 0;
-  count(DWELL_FAULT_BUS_OFF, off);
-  count(DWELL_FAULT_BUS_ERROR, std::max(receipt.errors, off) - off);
+  host_.count(DWELL_FAULT_BUS_OFF, off);
+  host_.count(DWELL_FAULT_BUS_ERROR, std::max(receipt.errors, off) - off);
   const Controller now = bus_.controller();
   if (now == Controller::bus_off && !network_.held())
     network_.hold(DWELL_FAULT_BUS_OFF, bus_.name() + ": bus-off; it must be restarted, or have restart-ms set");
@@ -146,7 +145,7 @@ void Master::note_controller(const Receipt& receipt, std::int64_t now_ns) {
 // What finds no room now waits for the next turn. false: the bus is not there any more.
 bool Master::send_pending() {
   const std::uint64_t dropped = network_.outbox().dropped();
-  count(DWELL_FAULT_OVERFLOW, dropped - std::exchange(dropped_, dropped));
+  host_.count(DWELL_FAULT_OVERFLOW, dropped - std::exchange(dropped_, dropped));
   while (const can_frame* const frame = network_.outbox().front()) {
     const int error = bus_.write(wide(*frame));
     if (error == ENOBUFS || error == EAGAIN || error == EINTR) break;
@@ -167,10 +166,6 @@ void Master::send_sync(std::int64_t now_ns) {
     network_.sync_sent(before_ns, raw_ns(), now_ns);
   else
     network_.sync_failed(std::strerror(error));
-}
-
-void Master::count(dwell_fault fault, std::uint64_t times) const noexcept {
-  for (std::uint64_t i = 0; i < std::min(times, kMostCounted); ++i) host_.count(fault);
 }
 
 }  // namespace dwell::canopen

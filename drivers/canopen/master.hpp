@@ -29,7 +29,6 @@ class Master {
   void break_off(int error);
   bool send_pending();
   void send_sync(std::int64_t now_ns);
-  void count(dwell_fault fault, std::uint64_t times) const noexcept;
 
   driver::Host host_;
   socketcan::Bus bus_;

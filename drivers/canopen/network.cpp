@@ -215,7 +215,7 @@ void Network::close_window(std::int64_t now_ns) noexcept {
 void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcept {
   const Attribution::Outcome outcome = stream.attribution.close();
   const unsigned late = stream.attribution.take_late();
-  for (unsigned i = 0; i < late; ++i) host_.count(DWELL_FAULT_LATE_ANSWER);
+  host_.count(DWELL_FAULT_LATE_ANSWER, late);
   if (outcome == Attribution::Outcome::answered) {
     stream.answered = true;
     stream.seen_ns = now_ns;

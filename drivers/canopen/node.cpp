@@ -76,7 +76,7 @@ void Node::go_on(std::int64_t now_ns) {
 
 void Node::flush() {
   while (const auto frame = sdo_.to_send()) outbox_.push(*frame);
-  for (unsigned late = sdo_.take_late(); late > 0; --late) host_.count(DWELL_FAULT_LATE_ANSWER);
+  host_.count(DWELL_FAULT_LATE_ANSWER, sdo_.take_late());
 }
 
 void Node::start(std::int64_t now_ns) {

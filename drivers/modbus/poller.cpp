@@ -15,7 +15,6 @@ constexpr int kFailuresToStale = 3;
 constexpr std::int64_t kFailingToStale_ns = 1'000'000'000;
 // A TCP connection on which nothing came to so many requests is taken for dead: the device may have been restarted.
 constexpr int kSilencesToReconnect = 3;
-constexpr std::int64_t kMaxCounted = 1000;  // skipped deadlines told one by one
 
 std::string seconds(std::int64_t ns) {
   char text[32];
@@ -108,14 +107,14 @@ void Poller::poll(Stop& stop) {
     const std::int64_t missed = (monotonic_ns() - next_ns) / period_ns;
     if (missed <= 0) continue;
     next_ns += missed * period_ns;
-    for (std::int64_t i = 0; i < std::min(missed, kMaxCounted); ++i) host_.count(DWELL_FAULT_MISSED_DEADLINE);
+    host_.count(DWELL_FAULT_MISSED_DEADLINE, static_cast<std::uint64_t>(missed));
   }
 }
 
 // One transaction. false: stop, or the connection is of no more use.
 bool Poller::read(Polled& polled, const Stop& stop) {
   const Answer answer = link_.read(polled.block, registers_.data(), stop);
-  for (unsigned i = 0; i < answer.late; ++i) host_.count(DWELL_FAULT_LATE_ANSWER);
+  host_.count(DWELL_FAULT_LATE_ANSWER, answer.late);
   if (answer.stopped || stop.requested()) return false;
   if (answer.fault == DWELL_FAULT_NONE) {
     deliver(polled, answer);

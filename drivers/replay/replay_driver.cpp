@@ -55,7 +55,9 @@ class Replay {
   }
 
   static void describe(const Settings& settings, dwell_traits& traits) {
-    traits.leads = settings.get<double>("speed", 1.0) != 1.0 ? 1 : 0;
+    const auto speed = settings.get<double>("speed", 1.0);
+    traits.leads = speed != 1.0 ? 1 : 0;
+    traits.age_ns = speed > 0.0 && speed < 1.0 ? DWELL_AGE_UNBOUNDED : kRoom_ns;
   }
 
   void run(Stop& stop) {
