@@ -47,7 +47,7 @@ class ModbusDriver {
         }
       }
       for (const Reading& reading : block.readings) {
-        const std::size_t position = position_of(settings, reading.channel);
+        const std::size_t position = position_of(settings, reading.index);
         const double value =
             decode(&registers[reading.first - static_cast<unsigned>(block.first)], reading.type, reading.order);
         if (!why.empty())
