@@ -5,11 +5,19 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <string_view>
 #include <vector>
 
 #include "drivers/dwell_driver.h"
 
 namespace dwell::config {
+
+// Whether a driver may be called that: [a-z0-9_-], 1 to 64 of them. Nothing else ever becomes part of a path.
+[[nodiscard]] inline bool is_driver_name(std::string_view name) noexcept {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
 
 // The plugin's keys, in its order. What its header did not know of a key is zero.
 [[nodiscard]] inline std::vector<dwell_key> keys_of(const dwell_driver_table& table) {

@@ -10,13 +10,6 @@ constexpr const char* kDelay = "a number from -10 to 10 (s)";
 constexpr const char* kRate = "a number from 0.001 to 1e6 (Hz)";
 constexpr const char* kDelayU = "a number from 0 to 10 (s)";
 
-// Driver names become file names of plugins.
-bool is_driver_name(const std::string& name) {
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
-}
-
 const dwell_driver_table* find_driver(Section& section, const std::string& name, const SchemaSource& schemas) {
   if (!is_driver_name(name)) {
     section.wrong("driver", "\"driver\" is " + in_quotes(name) +

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -101,9 +102,8 @@ class DeviceLink {
   boost::lockfree::spsc_queue<StateEvent> events_;
 
   // The driver's thread alone.
-  std::vector<std::uint8_t> gap_;    // by position: samples were lost before the next one
-  std::vector<StateEvent> waiting_;  // by position: the newest change for which there was no room
-  std::vector<std::uint8_t> is_waiting_;
+  std::vector<std::uint8_t> gap_;                   // by position: samples were lost before the next one
+  std::vector<std::optional<StateEvent>> waiting_;  // by position: the newest change for which there was no room
   bool any_waiting_ = false;
 
   std::array<std::atomic<std::uint64_t>, kFaultCount> faults_{};

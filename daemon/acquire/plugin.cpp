@@ -95,16 +95,10 @@ std::vector<std::string> plugin_folders(const std::vector<std::string>& given) {
   return folders;
 }
 
-bool is_plugin_name(std::string_view name) noexcept {
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
-}
-
 tl::expected<const dwell_driver_table*, std::string> load_plugin(const std::string& name,
                                                                  const std::vector<std::string>& given) {
   const std::vector<std::string> folders = plugin_folders(given);
-  if (is_plugin_name(name)) {
+  if (config::is_driver_name(name)) {
     const std::string file = std::string(kPrefix) + name + std::string(kSuffix);
     for (const std::string& folder : folders) {
       std::error_code error;
@@ -113,8 +107,8 @@ tl::expected<const dwell_driver_table*, std::string> load_plugin(const std::stri
     }
   }
   const std::vector<std::string> names = plugin_names(given);
-  std::string message = is_plugin_name(name) ? "driver `" + name + "` does not exist in " + joined(folders)
-                                             : "a driver's name has only a-z, 0-9, _ and - in it";
+  std::string message = config::is_driver_name(name) ? "driver `" + name + "` does not exist in " + joined(folders)
+                                                     : "a driver's name has only a-z, 0-9, _ and - in it";
   message += names.empty() ? "; there is no driver at all" : "; there are " + joined(names);
   return tl::make_unexpected(message);
 }
@@ -129,7 +123,7 @@ std::vector<std::string> plugin_names(const std::vector<std::string>& given) {
           file.compare(file.size() - kSuffix.size(), kSuffix.size(), kSuffix) != 0)
         continue;
       const std::string name = file.substr(kPrefix.size(), file.size() - kPrefix.size() - kSuffix.size());
-      if (is_plugin_name(name)) names.insert(name);
+      if (config::is_driver_name(name)) names.insert(name);
     }
   }
   return {names.begin(), names.end()};
