@@ -196,6 +196,7 @@ struct Case {
 void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 
 enum class Under { test_host, real_host };
+void PrintTo(Under under, std::ostream* out) { *out << (under == Under::real_host ? "real host" : "test host"); }
 using Param = std::tuple<Case, Under>;
 
 class DriverContract : public ::testing::TestWithParam<Param> {
