@@ -1,10 +1,10 @@
 // What the plugins say of their devices' settings, and the rates that follow from it.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdio>
 
 #include "config/draft.hpp"
+#include "config/driver_table.hpp"
 #include "core/fit/folding.hpp"
 
 namespace dwell::config {
@@ -13,11 +13,10 @@ namespace {
 dwell_traits traits_of(const DeviceDraft& device, const DeviceSettings& settings, const std::string& directory) {
   dwell_traits traits{};
   traits.size = sizeof traits;
-  const dwell_driver_table* const driver = device.driver;
-  constexpr std::size_t needed = offsetof(dwell_driver_table, describe) + sizeof driver->describe;
-  if (driver == nullptr || driver->size < needed || driver->describe == nullptr || !device.clean) return traits;
+  const auto describe = device.driver == nullptr ? nullptr : describe_of(*device.driver);
+  if (describe == nullptr || !device.clean) return traits;
   const DriverSettings as_c(settings, directory);
-  driver->describe(&as_c.get(), &traits);
+  describe(&as_c.get(), &traits);
   return traits;
 }
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "config/draft.hpp"
+#include "config/driver_table.hpp"
 
 namespace dwell::config {
 namespace {
@@ -115,7 +115,7 @@ std::vector<Entry> read_driver_keys(Section& section, const dwell_driver_table* 
                                     MistakeList& mistakes) {
   if (driver == nullptr) return unchecked_keys(section);
   std::vector<Entry> out;
-  for (const dwell_key& key : std::span(driver->keys, driver->key_count)) {
+  for (const dwell_key& key : keys_of(*driver)) {
     if (key.scope != scope) continue;
     const toml::node* node = section.value(key.name);
     if (node == nullptr) {

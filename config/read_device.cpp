@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/draft.hpp"
+#include "config/driver_table.hpp"
 
 namespace dwell::config {
 namespace {
@@ -8,13 +9,6 @@ namespace {
 constexpr const char* kDelay = "a number from -10 to 10 (s)";
 constexpr const char* kRate = "a number from 0.001 to 1e6 (Hz)";
 constexpr const char* kDelayU = "a number from 0 to 10 (s)";
-
-// Driver names become file names of plugins.
-bool is_driver_name(const std::string& name) {
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
-}
 
 const dwell_driver_table* find_driver(Section& section, const std::string& name, const SchemaSource& schemas) {
   if (!is_driver_name(name)) {
@@ -31,7 +25,8 @@ const dwell_driver_table* find_driver(Section& section, const std::string& name,
 }
 
 bool has_device_key(const dwell_driver_table& driver, std::string_view name) {
-  return std::any_of(driver.keys, driver.keys + driver.key_count,
+  const std::vector<dwell_key> keys = keys_of(driver);
+  return std::any_of(keys.begin(), keys.end(),
                      [name](const dwell_key& key) { return key.scope == DWELL_DEVICE && key.name == name; });
 }
 

@@ -3,7 +3,12 @@
  * A driver is a shared object `dwell-driver-NAME.so` that exports one function, dwell_driver(). It returns a table of
  * plain C functions. The host (dwelld, dwellctl) validates the rig file against the plugin's own key schema, creates
  * one instance per [[device]], starts it, and takes what it pushes. No C++ type, no exception and no ownership crosses
- * this interface; plugins are never unloaded. Every struct that may grow begins with its size in bytes.
+ * this interface; plugins are never unloaded.
+ *
+ * Plugin and host may be built against headers of different age. Later headers of this version add members at the end
+ * of the structs that begin with `size`, their own size in bytes, and at the end of dwell_key, whose size the table
+ * states. A reader takes no more than the writer's size covers; members beyond count as zero: NULL, not known. The host
+ * walks the keys by the table's `key_size`. All other structs stay as they are.
  *
  * Unless said otherwise a function is called from one thread at a time per instance and need not be real-time safe.
  * Strings are UTF-8, zero-terminated, owned by whoever hands them in, valid for the call only; those in the table are
@@ -58,7 +63,8 @@ typedef enum dwell_fault {
 typedef enum dwell_type { DWELL_BOOLEAN = 0, DWELL_INTEGER = 1, DWELL_REAL = 2, DWELL_STRING = 3 } dwell_type;
 typedef enum dwell_scope { DWELL_DEVICE = 0, DWELL_CHANNEL = 1 } dwell_scope;
 
-/* One key that the plugin understands in [[device]] or [[channel]]. An integer in the file satisfies DWELL_REAL. */
+/* One key that the plugin understands in [[device]] or [[channel]]. An integer in the file satisfies DWELL_REAL. May
+ * grow: only dwell_driver_table::key_size says where the next key begins. */
 typedef struct dwell_key {
   const char* name;
   dwell_scope scope;
@@ -88,7 +94,7 @@ typedef struct dwell_channel {
   size_t entry_count;
 } dwell_channel;
 
-/* Everything an instance is made from; validated against the key schema. */
+/* Everything an instance is made from; validated against the key schema. Its entries and channels do not grow. */
 typedef struct dwell_settings {
   uint32_t size;
   const char* device;
@@ -115,8 +121,8 @@ typedef struct dwell_host {
    * again. Say it when it changes; saying it again is harmless. `reason` is one line for people, or NULL. */
   void (*state)(void* context, int32_t channel, dwell_fault fault, const char* reason);
 
-  /* One occurrence of a fault, counted by the host; it need not have made a channel stale. */
-  void (*count)(void* context, dwell_fault fault);
+  /* So many occurrences of a fault, counted by the host; they need not have made a channel stale. Real-time safe. */
+  void (*count)(void* context, dwell_fault fault, uint64_t occurrences);
 
   /* One line of log. Never from the path of a sample that arrived well. */
   void (*log)(void* context, dwell_level level, const char* message);
@@ -138,6 +144,9 @@ typedef void (*dwell_report)(void* context, int32_t channel, const char* key, co
  * latency_ns from request to answer. */
 typedef void (*dwell_probed)(void* context, size_t channel, double raw, int64_t latency_ns, const char* error);
 
+/* No bound for dwell_traits::age_ns: samples grow ever older. */
+#define DWELL_AGE_UNBOUNDED INT64_MAX
+
 /* What an instance of these settings would do, as far as the driver knows it without the device. 0: not known. The host
  * sets `size` and zeroes the rest; a driver fills in what lies within `size`. */
 typedef struct dwell_traits {
@@ -145,12 +154,12 @@ typedef struct dwell_traits {
   int32_t rate_may_shift; /* 1: the host may set the key `rate` to up to 1 % beside what the file says, so that
                            * harmonics of the drive do not read as others */
   double rate_hz;         /* readings of a channel per second, defaults applied */
-  int64_t age_ns; /* how long after its stamp a sample may be pushed at most, the computer's own delays apart; the
-                   * host waits that long for the device, and what comes still later is lost */
+  int64_t age_ns; /* how long after its stamp a sample may be pushed at most, the computer's own delays apart. Every
+                   * driver states it: the host waits that long for the device (10 s at most) before it puts the
+                   * stream in order, and what comes still later is lost. 0: not stated; the host waits 0.1 s */
   int32_t leads; /* 1: stamps may run ahead of the clock, as those of a recording played faster than time; of all others
                   * a stamp in the future is a mistake, and its sample is dropped */
-  double most_rate_hz; /* readings of a channel per second that the line can carry at most; 0: not known. Write it only
-                        * where size says that it is there */
+  double most_rate_hz; /* readings of a channel per second that the line can carry at most */
 } dwell_traits;
 
 typedef struct dwell_driver_table {
@@ -161,6 +170,7 @@ typedef struct dwell_driver_table {
   const char* help; /* one line */
   const dwell_key* keys;
   size_t key_count;
+  size_t key_size; /* sizeof(dwell_key) of the plugin's header: from one key to the next */
 
   /* What the schema cannot say (a key needed only with another, two channels that collide): reports every mistake. */
   void (*check)(const dwell_settings* settings, dwell_report report, void* context);

@@ -5,6 +5,7 @@
 //    public:
 //     Sine(const Settings& settings, const Host& host);   // copies what it needs; throws to refuse; touches no device
 //     void run(Stop& stop);                               // delivers until stop.requested(); on a thread of its own
+//     static void describe(const Settings&, dwell_traits&);  // how old samples may be, and what else is known
 //     static void check(const Settings&, Report&);        // optional: mistakes the key schema cannot see
 //     static void probe(const Settings&, Probed&);        // optional: reads every channel once
 //   };
@@ -75,6 +76,14 @@ constexpr dwell_key required(dwell_key key) {
   return key;
 }
 
+// A struct that begins with its size, as far as the other side's header and ours both know it; beyond it is zero.
+template <class Sized>
+[[nodiscard]] Sized known_part(const Sized& given) noexcept {
+  Sized known{};
+  std::memcpy(&known, &given, std::min<std::size_t>(given.size, sizeof known));
+  return known;
+}
+
 // ---- settings ------------------------------------------------------------------------------------------------------
 
 // The keys of one table of the rig file. A view: valid during the call it was handed to.
@@ -127,7 +136,7 @@ struct ChannelSettings : Entries {
 // One [[device]] with its channels. A view: valid during the call it was handed to.
 class Settings : public Entries {
  public:
-  explicit Settings(const dwell_settings& s) : Entries(s.entries, s.entry_count), settings_(s) {
+  explicit Settings(const dwell_settings& s) : Entries(s.entries, s.entry_count), settings_(known_part(s)) {
     for (std::size_t i = 0; i < s.channel_count; ++i) channels_.emplace_back(s.channels[i]);
   }
   [[nodiscard]] std::string_view device() const { return settings_.device; }
@@ -149,7 +158,7 @@ class Settings : public Entries {
 // What the host offers, see dwell_host. A copy stays valid as long as the driver.
 class Host {
  public:
-  explicit Host(const dwell_host& host) { std::memcpy(&host_, &host, std::min<std::size_t>(host.size, sizeof host_)); }
+  explicit Host(const dwell_host& host) : host_(known_part(host)) {}
   // One scan, entered whole (true) or refused whole.
   bool push(std::span<const dwell_sample> scan) const noexcept {
     return host_.push(host_.context, scan.data(), scan.size()) != 0;
@@ -161,14 +170,16 @@ class Host {
   void state(int channel, dwell_fault fault, const char* reason = nullptr) const noexcept {
     host_.state(host_.context, channel, fault, reason);
   }
-  void count(dwell_fault fault) const noexcept { host_.count(host_.context, fault); }
+  void count(dwell_fault fault, std::uint64_t occurrences = 1) const noexcept {
+    if (occurrences > 0) host_.count(host_.context, fault, occurrences);
+  }
   void log(dwell_level level, const std::string& message) const noexcept {
     host_.log(host_.context, level, message.c_str());
   }
   void turn() const noexcept { host_.turn(host_.context); }
 
  private:
-  dwell_host host_{};
+  dwell_host host_;
 };
 
 // ---- stop ----------------------------------------------------------------------------------------------------------

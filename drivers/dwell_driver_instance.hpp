@@ -118,12 +118,10 @@ void probe(const dwell_settings* settings, dwell_probed probed, void* context) {
 template <class Driver>
 void describe(const dwell_settings* settings, dwell_traits* traits) {
   try {
-    if constexpr (requires(Settings s, dwell_traits t) { Driver::describe(s, t); }) {
-      dwell_traits known{};
-      known.size = traits->size;
-      Driver::describe(Settings(*settings), known);
-      std::memcpy(traits, &known, std::min<std::size_t>(traits->size, sizeof known));
-    }
+    dwell_traits known{};
+    known.size = traits->size;
+    Driver::describe(Settings(*settings), known);
+    std::memcpy(traits, &known, std::min<std::size_t>(traits->size, sizeof known));
   } catch (...) {  // NOLINT(bugprone-empty-catch): then nothing is known
   }
 }
@@ -171,6 +169,7 @@ constexpr dwell_driver_table make_table(const char* name, const char* version, c
           help,
           keys.data(),
           keys.size(),
+          sizeof(dwell_key),
           &detail::check<Driver>,
           &detail::probe<Driver>,
           &detail::create<Driver>,

@@ -30,14 +30,16 @@ std::size_t ring_capacity(const config::DeviceSettings& settings) noexcept {
   return static_cast<std::size_t>(std::clamp(samples, 4096.0, 262144.0));
 }
 
-DeviceHost::DeviceHost(const config::DeviceSettings& settings, const dwell_driver_table& table, DeviceLink::LogLine log)
-    : link_(settings.name, indices(settings), ring_capacity(settings), std::move(log)), table_(table) {}
+DeviceHost::DeviceHost(const config::DeviceSettings& settings, const dwell_driver_table& table, DeviceLink::LogLine log,
+                       std::size_t capacity)
+    : link_(settings.name, indices(settings), capacity, std::move(log)), table_(table) {}
 
 tl::expected<std::unique_ptr<DeviceHost>, std::string> DeviceHost::make(const config::DeviceSettings& settings,
                                                                         const std::string& directory,
                                                                         const dwell_driver_table& table,
-                                                                        DeviceLink::LogLine log) {
-  std::unique_ptr<DeviceHost> made(new DeviceHost(settings, table, std::move(log)));
+                                                                        DeviceLink::LogLine log, std::size_t capacity) {
+  if (capacity == 0) capacity = ring_capacity(settings);
+  std::unique_ptr<DeviceHost> made(new DeviceHost(settings, table, std::move(log), capacity));
   const config::DriverSettings driver_settings(settings, directory);
   const dwell_host host = made->link_.host();
   ErrorText error{};

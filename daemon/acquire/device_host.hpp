@@ -14,11 +14,12 @@ namespace dwell {
 
 class DeviceHost {
  public:
-  // Makes the instance; the device is not touched. directory: of the rig file. `table` stays valid for ever.
+  // Makes the instance; the device is not touched. directory: of the rig file. `table` stays valid for ever. capacity:
+  // samples that the ring holds; 0: as ring_capacity says.
   static tl::expected<std::unique_ptr<DeviceHost>, std::string> make(const config::DeviceSettings& settings,
                                                                      const std::string& directory,
                                                                      const dwell_driver_table& table,
-                                                                     DeviceLink::LogLine log);
+                                                                     DeviceLink::LogLine log, std::size_t capacity = 0);
   ~DeviceHost();
   DeviceHost(const DeviceHost&) = delete;
   DeviceHost& operator=(const DeviceHost&) = delete;
@@ -31,7 +32,8 @@ class DeviceHost {
   [[nodiscard]] const DeviceLink& link() const noexcept { return link_; }
 
  private:
-  DeviceHost(const config::DeviceSettings& settings, const dwell_driver_table& table, DeviceLink::LogLine log);
+  DeviceHost(const config::DeviceSettings& settings, const dwell_driver_table& table, DeviceLink::LogLine log,
+             std::size_t capacity);
 
   DeviceLink link_;
   const dwell_driver_table& table_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "daemon/clock.hpp"
 
@@ -33,7 +34,6 @@ DeviceLink::DeviceLink(std::string name, std::vector<std::uint16_t> channels, st
       events_(kEvents),
       gap_(channels_.size(), 0),
       waiting_(channels_.size()),
-      is_waiting_(channels_.size(), 0),
       last_turn_ns_(raw_now_ns()) {
   for (std::size_t i = 0; i < channels_.size(); ++i) positions_[channels_[i]] = static_cast<std::int16_t>(i);
 }
@@ -48,7 +48,9 @@ dwell_host DeviceLink::host() noexcept {
   host.state = [](void* context, std::int32_t channel, dwell_fault fault, const char* reason) noexcept {
     link_of(context).state(channel, fault, reason);
   };
-  host.count = [](void* context, dwell_fault fault) noexcept { link_of(context).count(fault); };
+  host.count = [](void* context, dwell_fault fault, std::uint64_t occurrences) noexcept {
+    link_of(context).count(fault, occurrences);
+  };
   host.log = [](void* context, dwell_level level, const char* message) noexcept {
     // What the log throws must not reach a driver, which may be C.
     try {
@@ -80,16 +82,9 @@ bool DeviceLink::push(const dwell_sample* samples, std::size_t count) noexcept {
   entered_.store(entered_.load(std::memory_order_relaxed) + count, std::memory_order_release);
   for (std::size_t i = 0; i < count; ++i) {
     const dwell_sample& from = samples[i];
-    std::uint8_t& gap = gap_[static_cast<std::size_t>(position(from.channel))];
-    Record record;
-    record.t_ns = from.t_ns;
-    record.value = from.raw;
-    record.t_half_ns = from.t_half_ns;
-    record.channel = from.channel;
-    record.kind = Kind::sample;
-    record.flags = static_cast<std::uint8_t>((from.flags & (kGap | kStampReplaced)) | (gap != 0 ? kGap : 0));
-    gap = 0;
-    samples_.push(record);
+    const bool gap = std::exchange(gap_[static_cast<std::size_t>(position(from.channel))], std::uint8_t{0}) != 0;
+    const auto flags = static_cast<std::uint8_t>((from.flags & (kGap | kStampReplaced)) | (gap ? kGap : 0));
+    samples_.push(Record{from.t_ns, from.raw, from.t_half_ns, from.channel, Kind::sample, flags});
   }
   return true;
 }
@@ -122,24 +117,22 @@ void DeviceLink::state(std::int32_t channel, dwell_fault fault, const char* reas
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (at >= 0 && static_cast<std::size_t>(at) != i) continue;
     waiting_[i] = event;
-    waiting_[i].channel = channels_[i];
-    is_waiting_[i] = 1;
+    waiting_[i]->channel = channels_[i];
     any_waiting_ = true;
   }
 }
 
 void DeviceLink::offer_waiting() noexcept {
   if (!any_waiting_) return;
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (is_waiting_[i] == 0) continue;
-    if (!events_.push(waiting_[i])) return;
-    is_waiting_[i] = 0;
+  for (std::optional<StateEvent>& waiting : waiting_) {
+    if (waiting && !events_.push(*waiting)) return;
+    waiting.reset();
   }
   any_waiting_ = false;
 }
 
-void DeviceLink::count(dwell_fault fault) noexcept {
-  faults_[static_cast<std::size_t>(known_fault(fault))].fetch_add(1, std::memory_order_relaxed);
+void DeviceLink::count(dwell_fault fault, std::uint64_t occurrences) noexcept {
+  faults_[static_cast<std::size_t>(known_fault(fault))].fetch_add(occurrences, std::memory_order_relaxed);
 }
 
 void DeviceLink::turn(std::int64_t now_ns) noexcept {

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,7 @@ class DeviceLink {
   // foreign) a channel that is not this device's.
   bool push(const dwell_sample* samples, std::size_t count) noexcept;
   void state(std::int32_t channel, dwell_fault fault, const char* reason) noexcept;
-  void count(dwell_fault fault) noexcept;
+  void count(dwell_fault fault, std::uint64_t occurrences = 1) noexcept;
   void turn(std::int64_t now_ns) noexcept;
   // How many samples the next push is sure to find room for. Real-time safe.
   [[nodiscard]] std::size_t room() const noexcept { return samples_.write_available(); }
@@ -101,9 +102,8 @@ class DeviceLink {
   boost::lockfree::spsc_queue<StateEvent> events_;
 
   // The driver's thread alone.
-  std::vector<std::uint8_t> gap_;    // by position: samples were lost before the next one
-  std::vector<StateEvent> waiting_;  // by position: the newest change for which there was no room
-  std::vector<std::uint8_t> is_waiting_;
+  std::vector<std::uint8_t> gap_;                   // by position: samples were lost before the next one
+  std::vector<std::optional<StateEvent>> waiting_;  // by position: the newest change for which there was no room
   bool any_waiting_ = false;
 
   std::array<std::atomic<std::uint64_t>, kFaultCount> faults_{};

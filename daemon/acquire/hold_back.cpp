@@ -21,7 +21,7 @@ std::int64_t hold_back_ns(const config::RigFile& file) {
   for (const Device& device : file.rig.devices)
     if (device.clock == Clock::device) longest_ns = std::max(longest_ns, ScanClocks::kHoldBack_ns);
   for (const config::DeviceSettings& device : file.devices)
-    longest_ns = std::max(longest_ns, device.age_ns + kStall_ns);
+    longest_ns = std::max(longest_ns, std::min(device.age_ns, kLongest_ns) + kStall_ns);
   return std::min(longest_ns, kLongest_ns);
 }
 

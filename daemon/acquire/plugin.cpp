@@ -9,6 +9,8 @@
 #include <set>
 #include <system_error>
 
+#include "config/driver_table.hpp"
+
 namespace dwell::acquire {
 namespace {
 
@@ -29,14 +31,19 @@ std::string fault_of(const dwell_driver_table* table, const std::string& name) {
   if (table->abi != DWELL_DRIVER_ABI)
     return "it is made for version " + std::to_string(table->abi) + " of the driver interface, this is version " +
            std::to_string(DWELL_DRIVER_ABI);
-  if (table->size < offsetof(dwell_driver_table, describe))  // what came later may be missing
-    return "its table is too short, " + std::to_string(table->size) + " bytes";
+  // The first header ended with these; what came later may be missing.
+  constexpr std::size_t kFirstTable = offsetof(dwell_driver_table, describe);
+  constexpr std::size_t kFirstKey = offsetof(dwell_key, help) + sizeof(dwell_key::help);
+  if (table->size < kFirstTable) return "its table is too short, " + std::to_string(table->size) + " bytes";
   if (table->name == nullptr || name != table->name)
     return std::string("it calls itself `") + (table->name == nullptr ? "" : table->name) + "`";
   if (table->version == nullptr || table->help == nullptr) return "it has no version or no help text";
   if (table->key_count > 0 && table->keys == nullptr) return "its key schema is missing";
-  for (std::size_t i = 0; i < table->key_count; ++i)
-    if (table->keys[i].name == nullptr || table->keys[i].unit == nullptr || table->keys[i].help == nullptr)
+  if (table->key_count > 0 && (table->key_size < kFirstKey || table->key_size % alignof(dwell_key) != 0))
+    return "its keys cannot be of " + std::to_string(table->key_size) + " bytes each";
+  const std::vector<dwell_key> keys = config::keys_of(*table);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (keys[i].name == nullptr || keys[i].unit == nullptr || keys[i].help == nullptr)
       return "its key " + std::to_string(i) + " has no name, unit or help text";
   if (table->check == nullptr || table->probe == nullptr || table->create == nullptr || table->start == nullptr ||
       table->stop == nullptr || table->destroy == nullptr)
@@ -88,16 +95,10 @@ std::vector<std::string> plugin_folders(const std::vector<std::string>& given) {
   return folders;
 }
 
-bool is_plugin_name(std::string_view name) noexcept {
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
-}
-
 tl::expected<const dwell_driver_table*, std::string> load_plugin(const std::string& name,
                                                                  const std::vector<std::string>& given) {
   const std::vector<std::string> folders = plugin_folders(given);
-  if (is_plugin_name(name)) {
+  if (config::is_driver_name(name)) {
     const std::string file = std::string(kPrefix) + name + std::string(kSuffix);
     for (const std::string& folder : folders) {
       std::error_code error;
@@ -106,8 +107,8 @@ tl::expected<const dwell_driver_table*, std::string> load_plugin(const std::stri
     }
   }
   const std::vector<std::string> names = plugin_names(given);
-  std::string message = is_plugin_name(name) ? "driver `" + name + "` does not exist in " + joined(folders)
-                                             : "a driver's name has only a-z, 0-9, _ and - in it";
+  std::string message = config::is_driver_name(name) ? "driver `" + name + "` does not exist in " + joined(folders)
+                                                     : "a driver's name has only a-z, 0-9, _ and - in it";
   message += names.empty() ? "; there is no driver at all" : "; there are " + joined(names);
   return tl::make_unexpected(message);
 }
@@ -122,7 +123,7 @@ std::vector<std::string> plugin_names(const std::vector<std::string>& given) {
           file.compare(file.size() - kSuffix.size(), kSuffix.size(), kSuffix) != 0)
         continue;
       const std::string name = file.substr(kPrefix.size(), file.size() - kPrefix.size() - kSuffix.size());
-      if (is_plugin_name(name)) names.insert(name);
+      if (config::is_driver_name(name)) names.insert(name);
     }
   }
   return {names.begin(), names.end()};

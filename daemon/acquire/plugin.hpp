@@ -7,7 +7,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
 
@@ -17,9 +16,6 @@ namespace dwell::acquire {
 
 // The folders searched, in order; `given` comes first.
 [[nodiscard]] std::vector<std::string> plugin_folders(const std::vector<std::string>& given = {});
-
-// Whether a driver may be called that: [a-z0-9_-], 1 to 64 of them. Nothing else ever becomes part of a path.
-[[nodiscard]] bool is_plugin_name(std::string_view name) noexcept;
 
 // The driver called `name`, checked: interface version, size, name, no function missing. The error is one line that
 // says what was tried, and which drivers there are.

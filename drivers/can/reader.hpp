@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "drivers/can/setup.hpp"
+#include "drivers/common/backoff.hpp"
+#include "drivers/common/delivery.hpp"
 #include "drivers/dwell_driver.hpp"
-#include "drivers/socketcan/backoff.hpp"
 #include "drivers/socketcan/bus.hpp"
+#include "drivers/socketcan/controller_news.hpp"
 
 namespace dwell::can {
 
@@ -25,49 +27,33 @@ class Reader {
   [[nodiscard]] static std::vector<can_filter> filters(const Setup& setup) { return Decoder(setup.wanted).filters(); }
 
  private:
-  struct Target {
-    Channel channel;
-    dwell_fault told = DWELL_FAULT_SILENT;  // the state the host was told last; it begins with silent
-    int failures = 0;                       // frames in a row that held no number
-    bool gap = false;                       // something was lost since the last sample
-    std::int64_t seen_ns = 0;               // CLOCK_MONOTONIC: when its frame came last
-    std::int64_t last_ns = INT64_MIN;       // instant of its last sample
-    int source = -1;                        // J1939: the address it came from last
+  struct Heard {
+    std::int64_t seen_ns = 0;  // CLOCK_MONOTONIC: when its frame came last
+    int source = -1;           // J1939: the address it came from last
   };
 
   void open(driver::Stop& stop);
   void read(const driver::Stop& stop);
   void take(const socketcan::Receipt& receipt);
   void deliver(const socketcan::Frame& frame) noexcept;
-  void fail(Target& target, Verdict verdict) noexcept;
-  void note_controller(const socketcan::Receipt& receipt);
-  void tell_controller();
-  void note_losses(const socketcan::Receipt& receipt);
-  void note_source(Target& target, canid_t id);
-  void hold(dwell_fault fault, const std::string& reason);
+  void fail(std::size_t channel, Verdict verdict) noexcept;
+  void note_source(std::size_t channel, canid_t id);
+  void disconnected(const std::string& reason);
   void release() noexcept;
   void watch_link();
-  void watch_silence(std::int64_t now_ns);
-  void tell(Target& target, dwell_fault fault, const char* reason) noexcept;
-  void count(dwell_fault fault, std::uint64_t times) const noexcept;
+  void watch_silence();
 
   Setup setup_;
   driver::Host host_;
   Decoder decoder_;
   socketcan::Bus bus_;
-  std::vector<Target> targets_;
-  std::vector<dwell_sample> scan_;
-  socketcan::Backoff reconnect_;
-  bool held_ = false;  // all channels are stale for a reason that is not theirs
-  std::string held_reason_;
-  bool link_down_ = false;  // … which is that
+  socketcan::ControllerNews controller_;
+  driver::Delivery delivery_;
+  std::vector<Heard> heard_;  // of each channel
+  driver::Backoff reconnect_;
+  bool link_down_ = false;  // that holds the channels
   std::int64_t now_ns_ = 0;
   std::int64_t next_watch_ns_ = 0;
-  std::uint64_t lost_ = 0;  // since the last line about it
-  std::int64_t next_loss_line_ns_ = 0;
-  socketcan::Controller told_controller_ = socketcan::Controller::active;
-  std::int64_t next_controller_line_ns_ = 0;
-  bool restarted_ = false;
   bool told_sources_ = false, told_hardware_ = false;
 };
 

@@ -34,11 +34,7 @@ class Asker {
     const std::int64_t end_ns = std::max(end_ns_, driver::monotonic_ns() + SdoClient::kTimeout_ns);
     while (client.state() == SdoClient::State::busy) {
       while (const auto frame = client.to_send()) {
-        canfd_frame sent{};
-        sent.can_id = frame->can_id;
-        sent.len = frame->can_dlc;
-        std::copy_n(frame->data, CAN_MAX_DLEN, sent.data);
-        if (const int error = bus_.write(sent); error != 0) return error_ = bus_.reason(error);
+        if (const int error = bus_.write(wide(*frame)); error != 0) return error_ = bus_.reason(error);
       }
       const std::int64_t now_ns = driver::monotonic_ns();
       if (now_ns >= end_ns) return "node " + std::to_string(node) + ": no answer";
@@ -50,11 +46,7 @@ class Asker {
       if (receipt.bus_off) return error_ = bus_.name() + ": bus-off";
       for (const socketcan::Frame& frame : receipt.frames) {
         if (frame.own || frame.fd || frame.can.can_id != kSdoAnswer + node) continue;
-        can_frame answer{};
-        answer.can_id = frame.can.can_id;
-        answer.can_dlc = frame.can.len;
-        std::copy_n(frame.can.data, CAN_MAX_DLEN, answer.data);
-        client.take(answer, driver::monotonic_ns());
+        client.take(classic(frame.can), driver::monotonic_ns());
       }
     }
     const std::string what = "node " + std::to_string(node) + ", " + to_string(wanted.object) + ": ";

@@ -2,7 +2,6 @@
 
 #include <poll.h>
 
-#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -17,24 +16,13 @@ using socketcan::Frame;
 using socketcan::Link;
 using socketcan::Receipt;
 
-// A bus in trouble says so thousands of times a second.
-constexpr std::int64_t kBetweenBusLines_ns = 1'000'000'000;
 constexpr std::int64_t kWatchLink_ns = 100'000'000;
 constexpr int kMostBatches = 64;
-constexpr std::uint64_t kMostCounted = 1'000'000;  // the host counts one by one
-
-canfd_frame wide(const can_frame& frame) noexcept {
-  canfd_frame made{};
-  made.can_id = frame.can_id;
-  made.len = frame.can_dlc;
-  std::memcpy(made.data, frame.data, CAN_MAX_DLEN);
-  return made;
-}
 
 }  // namespace
 
 Master::Master(const Setup& setup, const driver::Host& host, socketcan::Open open)
-    : host_(host), bus_(setup.interface, std::move(open)), network_(setup, host) {}
+    : host_(host), bus_(setup.interface, std::move(open)), network_(setup, host), controller_(host) {}
 
 void Master::run(Stop& stop) {
   while (!stop.requested()) {
@@ -73,13 +61,17 @@ void Master::open(Stop& stop) {
   if (!stop.sleep_until(next_try_ns_)) return;
   const std::string error = bus_.open();
   if (error.empty()) {
-    told_controller_ = Controller::active;
+    controller_.begin();
     link_ = Link::up;
     network_.begin(monotonic_ns());
     return;
   }
+  disconnected(error);
+}
+
+void Master::disconnected(const std::string& reason) {
   host_.count(DWELL_FAULT_DISCONNECTED);
-  network_.hold(DWELL_FAULT_DISCONNECTED, error);
+  network_.hold(DWELL_FAULT_DISCONNECTED, reason);
   next_try_ns_ = monotonic_ns() + reconnect_.next_ns();
 }
 
@@ -98,18 +90,22 @@ void Master::read(const Stop& stop) {
 }
 
 void Master::break_off(int error) {
-  host_.count(DWELL_FAULT_DISCONNECTED);
-  network_.hold(DWELL_FAULT_DISCONNECTED, bus_.reason(error));
-  next_try_ns_ = monotonic_ns() + reconnect_.next_ns();
+  disconnected(bus_.reason(error));
   // A link that is down comes up again under the same socket.
   if (error != ENETDOWN) bus_.close();
 }
 
 void Master::take(const Receipt& receipt, std::int64_t now_ns) {
-  if (receipt.lost > 0) note_losses(receipt.lost, now_ns);
-  count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
-  if (receipt.errors > 0 || receipt.restarted || bus_.controller() != told_controller_)
-    note_controller(receipt, now_ns);
+  network_.lost(receipt.lost, now_ns);
+  host_.count(DWELL_FAULT_BAD_FRAME, receipt.malformed);
+  controller_.count(receipt);
+  if (bus_.controller() == Controller::bus_off) {
+    if (!network_.held())
+      network_.hold(DWELL_FAULT_BUS_OFF, bus_.name() + ": bus-off; it must be restarted, or have restart-ms set");
+  } else if (receipt.restarted && network_.held()) {
+    network_.begin(now_ns);
+  }
+  controller_.log(bus_, now_ns);
   for (const Frame& frame : receipt.frames) {
     if (network_.held() && !receipt.bus_off) network_.begin(now_ns);
     if (!frame.own) reconnect_.reset();
@@ -117,36 +113,10 @@ void Master::take(const Receipt& receipt, std::int64_t now_ns) {
   }
 }
 
-void Master::note_losses(std::uint32_t lost, std::int64_t now_ns) {
-  count(DWELL_FAULT_OVERFLOW, lost);
-  lost_ += lost;
-  network_.lost();
-  if (now_ns < next_loss_line_ns_) return;
-  host_.log(DWELL_WARNING, bus_.name() + ": " + std::to_string(lost_) + " frames were lost for lack of room");
-  lost_ = 0;
-  next_loss_line_ns_ = now_ns + kBetweenBusLines_ns;
-}
-
-void Master::note_controller(const Receipt& receipt, std::int64_t now_ns) {
-  const unsigned off = receipt.bus_off ? 1 : 0;
-  count(DWELL_FAULT_BUS_OFF, off);
-  count(DWELL_FAULT_BUS_ERROR, std::max(receipt.errors, off) - off);
-  const Controller now = bus_.controller();
-  if (now == Controller::bus_off && !network_.held())
-    network_.hold(DWELL_FAULT_BUS_OFF, bus_.name() + ": bus-off; it must be restarted, or have restart-ms set");
-  else if (now != Controller::bus_off && receipt.restarted && network_.held())
-    network_.begin(now_ns);
-  if (now == told_controller_ || now_ns < next_controller_line_ns_) return;
-  host_.log(now > told_controller_ ? DWELL_WARNING : DWELL_INFO,
-            bus_.name() + ": the controller is " + socketcan::to_string(now));
-  told_controller_ = now;
-  next_controller_line_ns_ = now_ns + kBetweenBusLines_ns;
-}
-
 // What finds no room now waits for the next turn. false: the bus is not there any more.
 bool Master::send_pending() {
   const std::uint64_t dropped = network_.outbox().dropped();
-  count(DWELL_FAULT_OVERFLOW, dropped - std::exchange(dropped_, dropped));
+  host_.count(DWELL_FAULT_OVERFLOW, dropped - std::exchange(dropped_, dropped));
   while (const can_frame* const frame = network_.outbox().front()) {
     const int error = bus_.write(wide(*frame));
     if (error == ENOBUFS || error == EAGAIN || error == EINTR) break;
@@ -167,10 +137,6 @@ void Master::send_sync(std::int64_t now_ns) {
     network_.sync_sent(before_ns, raw_ns(), now_ns);
   else
     network_.sync_failed(std::strerror(error));
-}
-
-void Master::count(dwell_fault fault, std::uint64_t times) const noexcept {
-  for (std::uint64_t i = 0; i < std::min(times, kMostCounted); ++i) host_.count(fault);
 }
 
 }  // namespace dwell::canopen

@@ -8,9 +8,10 @@
 
 #include "drivers/canopen/network.hpp"
 #include "drivers/canopen/setup.hpp"
+#include "drivers/common/backoff.hpp"
 #include "drivers/dwell_driver.hpp"
-#include "drivers/socketcan/backoff.hpp"
 #include "drivers/socketcan/bus.hpp"
+#include "drivers/socketcan/controller_news.hpp"
 
 namespace dwell::canopen {
 
@@ -23,26 +24,21 @@ class Master {
   void open(driver::Stop& stop);
   void read(const driver::Stop& stop);
   void take(const socketcan::Receipt& receipt, std::int64_t now_ns);
-  void note_losses(std::uint32_t lost, std::int64_t now_ns);
-  void note_controller(const socketcan::Receipt& receipt, std::int64_t now_ns);
   void watch_link(std::int64_t now_ns);
+  void disconnected(const std::string& reason);
   void break_off(int error);
   bool send_pending();
   void send_sync(std::int64_t now_ns);
-  void count(dwell_fault fault, std::uint64_t times) const noexcept;
 
   driver::Host host_;
   socketcan::Bus bus_;
   Network network_;
-  socketcan::Backoff reconnect_;
+  socketcan::ControllerNews controller_;
+  driver::Backoff reconnect_;
   std::int64_t next_try_ns_ = 0;  // to open, or to set the nodes up again after the link was down
   std::int64_t next_link_ns_ = 0;
   socketcan::Link link_ = socketcan::Link::up;  // as seen last
-  std::uint64_t lost_ = 0;                      // since the last line about it
-  std::int64_t next_loss_line_ns_ = 0;
-  std::uint64_t dropped_ = 0;  // of what was to be sent, counted so far
-  socketcan::Controller told_controller_ = socketcan::Controller::active;
-  std::int64_t next_controller_line_ns_ = 0;
+  std::uint64_t dropped_ = 0;                   // of what was to be sent, counted so far
 };
 
 }  // namespace dwell::canopen

@@ -41,6 +41,22 @@ inline can_frame nmt_frame(Command command, std::uint8_t node) noexcept {
   return make_frame(kNmt, {static_cast<std::uint8_t>(command), node});
 }
 
+// CANopen knows classic frames alone; sockets carry both kinds.
+[[nodiscard]] inline canfd_frame wide(const can_frame& frame) noexcept {
+  canfd_frame made{};
+  made.can_id = frame.can_id;
+  made.len = frame.can_dlc;
+  std::copy_n(frame.data, CAN_MAX_DLEN, made.data);
+  return made;
+}
+[[nodiscard]] inline can_frame classic(const canfd_frame& frame) noexcept {
+  can_frame made{};
+  made.can_id = frame.can_id;
+  made.can_dlc = std::min<std::uint8_t>(frame.len, CAN_MAX_DLEN);
+  std::copy_n(frame.data, CAN_MAX_DLEN, made.data);
+  return made;
+}
+
 inline void put_le(std::span<std::uint8_t> bytes, std::uint64_t value) noexcept {
   for (std::uint8_t& byte : bytes) {
     byte = static_cast<std::uint8_t>(value);

@@ -6,28 +6,14 @@
 #include "drivers/canopen/words.hpp"
 
 namespace dwell::canopen {
-namespace {
 
-constexpr int kFailuresToStale = 3;
-
-can_frame classic(const canfd_frame& frame) noexcept {
-  can_frame made{};
-  made.can_id = frame.can_id;
-  made.can_dlc = std::min<std::uint8_t>(frame.len, CAN_MAX_DLEN);
-  std::memcpy(made.data, frame.data, CAN_MAX_DLEN);
-  return made;
-}
-
-}  // namespace
-
-Network::Network(Setup setup, const driver::Host& host) : setup_(std::move(setup)), host_(host) {
+Network::Network(Setup setup, const driver::Host& host)
+    : setup_(std::move(setup)), host_(host), delivery_(host, setup_.channels) {
   members_.reserve(setup_.nodes.size());
   for (const Wish& wish : setup_.nodes) {
-    members_.push_back({Node(wish, host_, outbox_), {}, 0, {}});
+    members_.push_back({Node(wish, host_, outbox_), {}, 0});
     by_id_[wish.node & kNodeMask] = &members_.back();
   }
-  for (const Channel& channel : setup_.channels) targets_.push_back({channel});
-  scan_.reserve(targets_.size());
 }
 
 std::vector<can_filter> Network::filters(const Setup& setup) {
@@ -38,34 +24,26 @@ std::vector<can_filter> Network::filters(const Setup& setup) {
 }
 
 void Network::begin(std::int64_t now_ns) {
-  held_ = false;
+  delivery_.release();
   outbox_.clear();
   for (Member& member : members_) member.node.reset(now_ns);
 }
 
 void Network::hold(dwell_fault fault, const std::string& reason) {
-  // A link goes down before its interface is removed: the last reason counts.
-  const bool another = !held_ || reason != held_reason_;
-  held_ = true;
-  held_reason_ = reason;
   running_ = window_open_ = sync_returns_ = false;
   outbox_.clear();
   for (Member& member : members_) {
     member.node.rest();
     member.streams.clear();
-    member.told.clear();
   }
-  for (Target& target : targets_) {
-    target.gap = target.last_ns != INT64_MIN;
-    if (another) tell(target, fault, reason.c_str());
-  }
+  delivery_.hold(fault, reason);
 }
 
 // ---- frames --------------------------------------------------------------------------------------------------------
 
 void Network::take(const socketcan::Frame& frame, std::int64_t now_ns) {
   const canid_t id = frame.can.can_id;
-  if (held_ || frame.fd || id > CAN_SFF_MASK) return;
+  if (held() || frame.fd || id > CAN_SFF_MASK) return;
   if (id == kSync) return take_sync(frame);
   Member* const member = by_id_[id & kNodeMask];
   if (member == nullptr || frame.own) return;
@@ -109,10 +87,6 @@ void Network::take_answer(Member& member, const socketcan::Frame& frame, std::in
   }
 }
 
-void Network::lost() noexcept {
-  for (Target& target : targets_) target.gap = target.last_ns != INT64_MIN;
-}
-
 // A node that has been started anew has its PDOs as they are now.
 void Network::follow(Member& member) {
   if (!member.node.operational()) {
@@ -132,8 +106,8 @@ void Network::follow(Member& member) {
 // ---- SYNC ----------------------------------------------------------------------------------------------------------
 
 bool Network::sync_due(std::int64_t now_ns) {
-  const bool wanted = !held_ && std::any_of(members_.begin(), members_.end(),
-                                            [](const Member& member) { return member.node.operational(); });
+  const bool wanted = !held() && std::any_of(members_.begin(), members_.end(),
+                                             [](const Member& member) { return member.node.operational(); });
   if (!wanted) {
     close_window(now_ns);
     running_ = false;
@@ -201,7 +175,6 @@ void Network::close_window(std::int64_t now_ns) noexcept {
   if (!std::exchange(window_open_, false)) return;
   // It has not gone out yet: what came was asked for by nothing that is known.
   const bool unsent = sync_returns_ && !sync_.returned;
-  scan_.clear();
   for (Member& member : members_) {
     for (Stream& stream : member.streams) {
       if (!stream.asked) continue;
@@ -209,63 +182,41 @@ void Network::close_window(std::int64_t now_ns) noexcept {
       close(member, stream, now_ns);
     }
   }
-  if (!scan_.empty()) host_.push(scan_);
+  delivery_.push();
 }
 
 void Network::close(Member& member, Stream& stream, std::int64_t now_ns) noexcept {
   const Attribution::Outcome outcome = stream.attribution.close();
   const unsigned late = stream.attribution.take_late();
-  for (unsigned i = 0; i < late; ++i) host_.count(DWELL_FAULT_LATE_ANSWER);
+  host_.count(DWELL_FAULT_LATE_ANSWER, late);
   if (outcome == Attribution::Outcome::answered) {
     stream.answered = true;
     stream.seen_ns = now_ns;
     stream.told = DWELL_FAULT_NONE;
     member.node.answers(std::all_of(member.streams.begin(), member.streams.end(),
                                     [](const Stream& each) { return each.answered && each.told == DWELL_FAULT_NONE; }));
-    deliver(stream);
+    deliver(stream, now_ns);
     return;
   }
   if (late > 0) stream.gave_up_ns = now_ns;
   // What comes before its first answer was sent before it had started.
   if (outcome == Attribution::Outcome::missing && stream.answered) host_.count(DWELL_FAULT_TIMEOUT);
-  for (const Field& field : stream.pdo.fields) {
-    Target& target = targets_[field.channel];
-    target.gap = target.last_ns != INT64_MIN;
-  }
+  for (const Field& field : stream.pdo.fields) delivery_.lost(field.channel);
 }
 
-void Network::deliver(const Stream& stream) noexcept {
+void Network::deliver(const Stream& stream, std::int64_t now_ns) noexcept {
   for (const Field& field : stream.pdo.fields) {
-    Target& target = targets_[field.channel];
     const Reading reading = read_value(std::span(stream.data).first(stream.size), field.first_bit, field.type);
-    if (reading.verdict != Verdict::value) {
-      fail(target, reading.verdict);
+    if (reading.verdict == Verdict::value) {
+      delivery_.add(field.channel, {sync_.t_ns, sync_.t_half_ns}, reading.value);
       continue;
     }
-    target.failures = 0;
-    if (target.told != DWELL_FAULT_NONE) tell(target, DWELL_FAULT_NONE, nullptr);
-    std::int64_t t_ns = sync_.t_ns;
-    unsigned flags = target.gap ? DWELL_SAMPLE_GAP : 0U;
-    if (t_ns <= target.last_ns) {
-      t_ns = target.last_ns + 1;
-      flags |= DWELL_SAMPLE_STAMP_REPLACED;
-    }
-    target.last_ns = t_ns;
-    target.gap = false;
-    scan_.push_back({t_ns, reading.value, sync_.t_half_ns, target.channel.index, static_cast<std::uint16_t>(flags)});
+    const bool is_short = reading.verdict == Verdict::short_frame;
+    delivery_.fail(field.channel, is_short ? DWELL_FAULT_SHORT_FRAME : DWELL_FAULT_INVALID_VALUE, now_ns, [&] {
+      return setup_.channels[field.channel].source +
+             (is_short ? ": its PDO ends before the object" : ": its PDO holds what is not a number");
+    });
   }
-}
-
-void Network::fail(Target& target, Verdict verdict) noexcept {
-  const dwell_fault fault = verdict == Verdict::short_frame ? DWELL_FAULT_SHORT_FRAME : DWELL_FAULT_INVALID_VALUE;
-  host_.count(fault);
-  target.gap = target.last_ns != INT64_MIN;
-  target.failures = std::min(target.failures + 1, kFailuresToStale);
-  if (target.failures < kFailuresToStale || target.told == fault) return;
-  const std::string reason =
-      target.channel.source +
-      (fault == DWELL_FAULT_SHORT_FRAME ? ": its PDO ends before the object" : ": its PDO holds what is not a number");
-  tell(target, fault, reason.c_str());
 }
 
 // ---- time ----------------------------------------------------------------------------------------------------------
@@ -281,7 +232,7 @@ void Network::tick(std::int64_t now_ns) {
   if (window_open_ && now_ns >= last_sync_ns_ + kLongestWindow_ns) close_window(now_ns);
   if (now_ns < next_watch_ns_) return;
   next_watch_ns_ = now_ns + kWatch_ns;
-  if (!held_) watch_silence(now_ns);
+  if (!held()) watch_silence(now_ns);
 }
 
 void Network::watch_silence(std::int64_t now_ns) {
@@ -291,16 +242,10 @@ void Network::watch_silence(std::int64_t now_ns) {
   }
   for (Member& member : members_)
     if (!member.streams.empty()) watch_streams(member, now_ns);
-  for (Target& target : targets_) {
-    const Member& member = members_[target.channel.node];
-    if (member.node.fault() == DWELL_FAULT_NONE) continue;
-    if (target.told_of_node && target.told == member.node.fault() && member.told == member.node.reason()) continue;
-    target.gap = target.last_ns != INT64_MIN;
-    tell(target, member.node.fault(), member.node.reason().c_str());
-    target.told_of_node = true;
+  for (std::size_t i = 0; i < setup_.channels.size(); ++i) {
+    const Node& node = members_[setup_.channels[i].node].node;
+    if (node.fault() != DWELL_FAULT_NONE) delivery_.tell(i, node.fault(), node.reason());
   }
-  for (Member& member : members_)
-    if (member.told != member.node.reason()) member.told = member.node.reason();
 }
 
 // A node is set up again only where none of its TPDOs answers: doing it for one would stop the others each time.
@@ -336,17 +281,7 @@ void Network::watch_streams(Member& member, std::int64_t now_ns) {
 
 void Network::tell(Stream& stream, dwell_fault fault, const std::string& reason) noexcept {
   stream.told = fault;
-  for (const Field& field : stream.pdo.fields) {
-    Target& target = targets_[field.channel];
-    target.gap = target.last_ns != INT64_MIN;
-    tell(target, fault, reason.c_str());
-  }
-}
-
-void Network::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
-  target.told = fault;
-  target.told_of_node = false;
-  host_.state(target.channel.index, fault, reason);
+  for (const Field& field : stream.pdo.fields) delivery_.tell(field.channel, fault, reason);
 }
 
 }  // namespace dwell::canopen

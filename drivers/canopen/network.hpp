@@ -20,6 +20,7 @@
 #include "drivers/canopen/node.hpp"
 #include "drivers/canopen/outbox.hpp"
 #include "drivers/canopen/setup.hpp"
+#include "drivers/common/delivery.hpp"
 #include "drivers/dwell_driver.hpp"
 #include "drivers/socketcan/bus.hpp"
 
@@ -35,11 +36,11 @@ class Network {
   void begin(std::int64_t now_ns);
   // It is not: every channel is stale for this reason.
   void hold(dwell_fault fault, const std::string& reason);
-  [[nodiscard]] bool held() const noexcept { return held_; }
+  [[nodiscard]] bool held() const noexcept { return delivery_.held(); }
 
   void take(const socketcan::Frame& frame, std::int64_t now_ns);
-  // Frames were lost on the way in.
-  void lost() noexcept;
+  // So many frames were lost on the way in.
+  void lost(std::uint64_t frames, std::int64_t now_ns) { delivery_.overflow(frames, setup_.interface, now_ns); }
   void tick(std::int64_t now_ns);
   [[nodiscard]] Outbox& outbox() noexcept { return outbox_; }
   // When tick is needed, or a SYNC due, at the latest.
@@ -56,14 +57,6 @@ class Network {
   [[nodiscard]] static std::vector<can_filter> filters(const Setup& setup);
 
  private:
-  struct Target {
-    Channel channel;
-    dwell_fault told = DWELL_FAULT_SILENT;  // the state the host was told last; it begins with silent
-    bool told_of_node = false;              // that state is its whole node's
-    int failures = 0;                       // answers in a row that held no number
-    bool gap = false;                       // something was lost since the last sample
-    std::int64_t last_ns = INT64_MIN;       // instant of its last sample
-  };
   // One TPDO.
   struct Stream {
     Pdo pdo;
@@ -80,7 +73,6 @@ class Network {
     Node node;
     std::vector<Stream> streams;
     unsigned starts = 0;  // that the streams are of
-    std::string told;     // the reason
   };
   struct Sync {
     std::int64_t before_ns = 0, t_ns = 0;
@@ -93,23 +85,18 @@ class Network {
   void follow(Member& member);
   void close_window(std::int64_t now_ns) noexcept;
   void close(Member& member, Stream& stream, std::int64_t now_ns) noexcept;
-  void deliver(const Stream& stream) noexcept;
-  void fail(Target& target, Verdict verdict) noexcept;
+  void deliver(const Stream& stream, std::int64_t now_ns) noexcept;
   void pause_if_needed(std::int64_t now_ns) noexcept;
   void watch_silence(std::int64_t now_ns);
   void watch_streams(Member& member, std::int64_t now_ns);
   void tell(Stream& stream, dwell_fault fault, const std::string& reason) noexcept;
-  void tell(Target& target, dwell_fault fault, const char* reason) noexcept;
 
   Setup setup_;
   driver::Host host_;
   Outbox outbox_;
   std::vector<Member> members_;
   std::array<Member*, 128> by_id_{};
-  std::vector<Target> targets_;
-  std::vector<dwell_sample> scan_;
-  bool held_ = true;
-  std::string held_reason_;
+  driver::Delivery delivery_;
   bool running_ = false;      // SYNCs are sent
   bool window_open_ = false;  // answers to sync_ are awaited
   Sync sync_;

@@ -15,8 +15,6 @@ constexpr std::int64_t kHeartbeats = 3;
 constexpr std::int64_t kGrace_ns = 250'000'000;
 // Between attempts at a node that was silent and shows signs of life.
 constexpr std::int64_t kBetweenAttempts_ns = 500'000'000;
-// A device in trouble may restart, or say that it is in trouble, thousands of times a second.
-constexpr std::int64_t kBetweenLines_ns = 1'000'000'000;
 
 }  // namespace
 
@@ -76,7 +74,7 @@ void Node::go_on(std::int64_t now_ns) {
 
 void Node::flush() {
   while (const auto frame = sdo_.to_send()) outbox_.push(*frame);
-  for (unsigned late = sdo_.take_late(); late > 0; --late) host_.count(DWELL_FAULT_LATE_ANSWER);
+  host_.count(DWELL_FAULT_LATE_ANSWER, sdo_.take_late());
 }
 
 void Node::start(std::int64_t now_ns) {
@@ -84,8 +82,7 @@ void Node::start(std::int64_t now_ns) {
   phase_ = Phase::operational;
   ++starts_;
   started_ns_ = life_ns_ = now_ns;
-  if (now_ns < next_start_line_ns_) return;
-  next_start_line_ns_ = now_ns + kBetweenLines_ns;
+  if (!start_line_.due(now_ns)) return;
   std::string text = name() + ": started; measured by";
   for (const Pdo& pdo : pdos())
     text += (&pdo == &pdos().front() ? " TPDO " : ", TPDO ") + std::to_string(pdo.number) + " (" + hex(pdo.id) + ")";
@@ -100,9 +97,7 @@ void Node::set_fault(dwell_fault fault, const std::string& reason) {
 }
 
 void Node::warn(std::int64_t now_ns) {
-  if (now_ns < next_state_line_ns_) return;
-  host_.log(DWELL_WARNING, reason_);
-  next_state_line_ns_ = now_ns + kBetweenLines_ns;
+  if (state_line_.due(now_ns)) host_.log(DWELL_WARNING, reason_);
 }
 
 void Node::fail(dwell_fault fault, const std::string& what, std::int64_t now_ns) {
@@ -151,7 +146,7 @@ void Node::take_emergency(const can_frame& frame, std::int64_t now_ns) {
   const auto code = static_cast<std::uint16_t>(get_le({frame.data, 2}));
   const bool over = (code & 0xFF00U) == 0;
   if (!over) host_.count(DWELL_FAULT_EXCEPTION);
-  if (now_ns < next_line_ns_) {
+  if (!emergency_line_.due(now_ns)) {
     ++unsaid_;
     return;
   }
@@ -161,7 +156,6 @@ void Node::take_emergency(const can_frame& frame, std::int64_t now_ns) {
   if (unsaid_ > 0) text += "; " + std::to_string(unsaid_) + " others since the last line";
   host_.log(over ? DWELL_INFO : DWELL_WARNING, text);
   unsaid_ = 0;
-  next_line_ns_ = now_ns + kBetweenLines_ns;
 }
 
 void Node::answers(bool all) noexcept {

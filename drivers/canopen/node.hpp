@@ -12,8 +12,9 @@
 #include "drivers/canopen/configurator.hpp"
 #include "drivers/canopen/outbox.hpp"
 #include "drivers/canopen/sdo_client.hpp"
+#include "drivers/common/backoff.hpp"
+#include "drivers/common/seldom.hpp"
 #include "drivers/dwell_driver.hpp"
-#include "drivers/socketcan/backoff.hpp"
 
 namespace dwell::canopen {
 
@@ -64,14 +65,14 @@ class Node {
   Configurator configurator_;
   SdoClient sdo_;
   Phase phase_ = Phase::resting;
-  socketcan::Backoff backoff_;
+  driver::Backoff backoff_;
   dwell_fault fault_ = DWELL_FAULT_NONE;
   std::string reason_;
   unsigned starts_ = 0;
   std::int64_t deadline_ns_ = 0;  // booting: the last instant to boot; failed: of the next attempt
   std::int64_t started_ns_ = 0, failed_ns_ = 0;
   std::int64_t life_ns_ = 0;  // of its last sign of life
-  std::int64_t next_start_line_ns_ = 0, next_state_line_ns_ = 0, next_line_ns_ = 0;
+  driver::Seldom start_line_, state_line_, emergency_line_;
   unsigned unsaid_ = 0;  // emergencies since the last line
 };
 

@@ -102,8 +102,6 @@ std::string to_string(const Object& object) { return printed("%04Xh:%02X", objec
 
 std::string hex(std::uint32_t value) { return printed("0x%X", value); }
 
-std::string seconds(std::int64_t ns) { return printed("%g s", static_cast<double>(ns) * 1e-9); }
-
 std::string abort_text(std::uint32_t code) {
   for (const Meaning& each : kAborts)
     if (each.code == code) return each.text + printed(" (0x%08X)", code);

@@ -5,15 +5,16 @@
 #include <string>
 
 #include "drivers/canopen/message.hpp"
+#include "drivers/common/words.hpp"
 
 namespace dwell::canopen {
+
+using driver::seconds;
 
 // "9130h:01"
 [[nodiscard]] std::string to_string(const Object& object);
 // "0x185"
 [[nodiscard]] std::string hex(std::uint32_t value);
-// "0.5 s"
-[[nodiscard]] std::string seconds(std::int64_t ns);
 
 // "object does not exist in the object dictionary (0x06020000)"
 [[nodiscard]] std::string abort_text(std::uint32_t code);

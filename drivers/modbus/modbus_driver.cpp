@@ -23,7 +23,7 @@ class ModbusDriver {
     traits.rate_may_shift = settings.get<bool>("rate_shift", true) ? 1 : 0;
     traits.rate_hz = setup.rate_hz;
     traits.age_ns = greatest_age_ns(setup);
-    if (traits.size >= sizeof(dwell_traits)) traits.most_rate_hz = most_rate_hz(setup);
+    traits.most_rate_hz = most_rate_hz(setup);
   }
 
   static void probe(const driver::Settings& settings, driver::Probed& probed) {
@@ -47,7 +47,7 @@ class ModbusDriver {
         }
       }
       for (const Reading& reading : block.readings) {
-        const std::size_t position = position_of(settings, reading.channel);
+        const std::size_t position = position_of(settings, reading.index);
         const double value =
             decode(&registers[reading.first - static_cast<unsigned>(block.first)], reading.type, reading.order);
         if (!why.empty())

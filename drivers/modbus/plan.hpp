@@ -13,7 +13,7 @@ enum class Table : std::uint8_t { holding = 3, input = 4 };  // the function cod
 
 // What one channel wants.
 struct Reading {
-  std::uint16_t channel = 0;  // dwell_sample::channel
+  std::uint16_t index = 0;  // dwell_sample::channel
   std::uint8_t station = 1;
   Table table = Table::input;
   std::uint16_t first = 0;  // register

@@ -4,24 +4,17 @@
 #include <cmath>
 #include <cstdio>
 
+#include "drivers/common/words.hpp"
+
 namespace dwell::modbus {
 namespace {
 
 using driver::monotonic_ns;
+using driver::seconds;
 using driver::Stop;
 
-constexpr std::int64_t kLongestReconnect_ns = 5'000'000'000;
-constexpr int kFailuresToStale = 3;
-constexpr std::int64_t kFailingToStale_ns = 1'000'000'000;
 // A TCP connection on which nothing came to so many requests is taken for dead: the device may have been restarted.
 constexpr int kSilencesToReconnect = 3;
-constexpr std::int64_t kMaxCounted = 1000;  // skipped deadlines told one by one
-
-std::string seconds(std::int64_t ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g s", static_cast<double>(ns) * 1e-9);
-  return text;
-}
 
 // How long one fault of a block keeps the line from the other blocks.
 std::int64_t cost_ns(const Setup& setup, const Block& block) {
@@ -30,7 +23,7 @@ std::int64_t cost_ns(const Setup& setup, const Block& block) {
 
 // Retries of failing blocks together shall take at most a twentieth of the time.
 std::int64_t longest_retry_ns(const Setup& setup, const Block& block) {
-  return std::max<std::int64_t>(kLongestReconnect_ns,
+  return std::max<std::int64_t>(driver::Backoff::kLongest_ns,
                                 20 * static_cast<std::int64_t>(setup.blocks.size()) * cost_ns(setup, block));
 }
 
@@ -38,6 +31,12 @@ std::int64_t longest_retry_ns(const Setup& setup, const Block& block) {
 bool is_absent(const Answer& answer) {
   return answer.fault != DWELL_FAULT_EXCEPTION || answer.exception == MODBUS_EXCEPTION_GATEWAY_PATH ||
          answer.exception == MODBUS_EXCEPTION_GATEWAY_TARGET;
+}
+
+std::vector<Reading> readings_of(const Setup& setup) {
+  std::vector<Reading> readings;
+  for (const Block& block : setup.blocks) readings.insert(readings.end(), block.readings.begin(), block.readings.end());
+  return readings;
 }
 
 }  // namespace
@@ -65,16 +64,16 @@ std::string reason_of(const Answer& answer, const Block& block, const Setup& set
 }
 
 Poller::Poller(Setup setup, const driver::Host& host)
-    : setup_(std::move(setup)), host_(host), link_(setup_), reconnect_(kLongestReconnect_ns) {
-  std::size_t readings = 0;
+    : setup_(std::move(setup)),
+      host_(host),
+      link_(setup_),
+      delivery_(host, readings_of(setup_)),
+      registers_(kMaxRegisters) {
+  std::size_t first = 0;
   for (const Block& block : setup_.blocks) {
-    Polled polled{block, {}, Backoff(longest_retry_ns(setup_, block))};
-    for (const Reading& reading : block.readings) polled.targets.push_back({reading});
-    polled_.push_back(std::move(polled));
-    readings = std::max(readings, block.readings.size());
+    polled_.push_back({block, first, driver::Backoff(longest_retry_ns(setup_, block)), {}});
+    first += block.readings.size();
   }
-  scan_.reserve(readings);
-  registers_.resize(kMaxRegisters);
 }
 
 void Poller::run(Stop& stop) {
@@ -85,7 +84,7 @@ void Poller::run(Stop& stop) {
       poll(stop);
       link_.close();
     } else if (!stop.requested()) {
-      disconnected(error);
+      delivery_.hold(DWELL_FAULT_DISCONNECTED, error);
     }
     if (stop.requested()) return;
     host_.count(DWELL_FAULT_DISCONNECTED);
@@ -108,14 +107,14 @@ void Poller::poll(Stop& stop) {
     const std::int64_t missed = (monotonic_ns() - next_ns) / period_ns;
     if (missed <= 0) continue;
     next_ns += missed * period_ns;
-    for (std::int64_t i = 0; i < std::min(missed, kMaxCounted); ++i) host_.count(DWELL_FAULT_MISSED_DEADLINE);
+    host_.count(DWELL_FAULT_MISSED_DEADLINE, static_cast<std::uint64_t>(missed));
   }
 }
 
 // One transaction. false: stop, or the connection is of no more use.
 bool Poller::read(Polled& polled, const Stop& stop) {
   const Answer answer = link_.read(polled.block, registers_.data(), stop);
-  for (unsigned i = 0; i < answer.late; ++i) host_.count(DWELL_FAULT_LATE_ANSWER);
+  host_.count(DWELL_FAULT_LATE_ANSWER, answer.late);
   if (answer.stopped || stop.requested()) return false;
   if (answer.fault == DWELL_FAULT_NONE) {
     deliver(polled, answer);
@@ -124,7 +123,7 @@ bool Poller::read(Polled& polled, const Stop& stop) {
     return true;
   }
   if (answer.fault == DWELL_FAULT_DISCONNECTED) {
-    disconnected(reason_of(answer, polled.block, setup_));
+    delivery_.hold(DWELL_FAULT_DISCONNECTED, reason_of(answer, polled.block, setup_));
     return false;
   }
   host_.count(answer.fault);
@@ -138,50 +137,33 @@ void Poller::deliver(Polled& polled, const Answer& answer) noexcept {
   const Block& block = polled.block;
   const Stamp when = stamp(answer.sent_ns, answer.received_ns, setup_.wire.time_ns(kRequestBytes),
                            setup_.wire.time_ns(answer_bytes(block.count)));
-  polled.failures = 0;
+  polled.failures.end();
   polled.not_before_ns = 0;
   polled.backoff.reset();
-  scan_.clear();
-  for (Target& target : polled.targets) {
-    const Reading& reading = target.reading;
+  for (std::size_t i = 0; i < block.readings.size(); ++i) {
+    const Reading& reading = block.readings[i];
     const double value =
         decode(&registers_[reading.first - static_cast<unsigned>(block.first)], reading.type, reading.order);
-    if (std::isfinite(value)) {
-      target.invalid = 0;
-      if (target.told != DWELL_FAULT_NONE) tell(target, DWELL_FAULT_NONE, nullptr);
-      scan_.push_back({when.t_ns, value, when.t_half_ns, reading.channel, 0});
-    } else {
-      host_.count(DWELL_FAULT_INVALID_VALUE);
-      target.invalid = std::min(target.invalid + 1, kFailuresToStale);
-      if (target.invalid == kFailuresToStale)
-        tell(target, DWELL_FAULT_INVALID_VALUE, "the device answers with what is not a finite number");
-    }
+    if (std::isfinite(value))
+      delivery_.add(polled.first + i, {when.t_ns, when.t_half_ns}, value);
+    else
+      delivery_.fail(polled.first + i, DWELL_FAULT_INVALID_VALUE, monotonic_ns(),
+                     [] { return "the device answers with what is not a finite number"; });
   }
-  if (!scan_.empty()) host_.push(scan_);
+  delivery_.push();
 }
 
 void Poller::note_failure(Polled& polled, const Answer& answer) {
   const std::int64_t now_ns = monotonic_ns();
-  if (polled.failures == 0) polled.failing_ns = now_ns;
-  polled.failures = std::min(polled.failures + 1, kFailuresToStale);
-  if (polled.failures < kFailuresToStale && now_ns - polled.failing_ns < kFailingToStale_ns) return;
-  if (is_absent(answer) && polled_.size() > 1) polled.not_before_ns = now_ns + polled.backoff.next_ns();
-  if (std::all_of(polled.targets.begin(), polled.targets.end(),
-                  [&](const Target& target) { return target.told == answer.fault; }))
-    return;
-  const std::string reason = reason_of(answer, polled.block, setup_);
-  for (Target& target : polled.targets) tell(target, answer.fault, reason.c_str());
-}
-
-void Poller::disconnected(const std::string& reason) {
-  for (Polled& polled : polled_)
-    for (Target& target : polled.targets) tell(target, DWELL_FAULT_DISCONNECTED, reason.c_str());
-}
-
-void Poller::tell(Target& target, dwell_fault fault, const char* reason) noexcept {
-  if (target.told == fault) return;
-  target.told = fault;
-  host_.state(target.reading.channel, fault, reason);
+  const bool lasts = polled.failures.add(now_ns);
+  if (lasts && is_absent(answer) && polled_.size() > 1) polled.not_before_ns = now_ns + polled.backoff.next_ns();
+  const std::string reason = lasts ? reason_of(answer, polled.block, setup_) : "";
+  for (std::size_t i = polled.first; i < polled.first + polled.block.readings.size(); ++i) {
+    if (lasts)
+      delivery_.tell(i, answer.fault, reason);
+    else
+      delivery_.lost(i);
+  }
 }
 
 void Poller::warn_if_too_fast() const {

@@ -63,7 +63,7 @@ Reading read_channel(const ChannelSettings& channel) {
                                                              "uint32", "float32", "float64"};
   static constexpr std::array<std::string_view, 4> kOrders = {"abcd", "cdab", "badc", "dcba"};
   Reading reading;
-  reading.channel = channel.index;
+  reading.index = channel.index;
   reading.station = static_cast<std::uint8_t>(channel.get<int>("station", 1));
   reading.table = channel.get<std::string_view>("table", "input") == "holding" ? Table::holding : Table::input;
   reading.first = static_cast<std::uint16_t>(channel.get<int>("register", 0));

@@ -7,8 +7,10 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "drivers/common/delivery.hpp"
 #include "drivers/dwell_driver.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
@@ -49,13 +51,15 @@ class Replay {
       : host_(host),
         path_(settings.path(settings.get<std::string>("file", ""))),
         speed_(settings.get<double>("speed", 1.0)),
-        loop_(settings.get<bool>("loop", false)) {
-    for (const ChannelSettings& channel : settings.channels()) channels_.push_back({column_of(channel), channel.index});
-    scan_.reserve(channels_.size());
+        loop_(settings.get<bool>("loop", false)),
+        delivery_(host, settings.channels()) {
+    for (const ChannelSettings& channel : settings.channels()) columns_.push_back(column_of(channel));
   }
 
   static void describe(const Settings& settings, dwell_traits& traits) {
-    traits.leads = settings.get<double>("speed", 1.0) != 1.0 ? 1 : 0;
+    const auto speed = settings.get<double>("speed", 1.0);
+    traits.leads = speed != 1.0 ? 1 : 0;
+    traits.age_ns = speed > 0.0 && speed < 1.0 ? DWELL_AGE_UNBOUNDED : kRoom_ns;
   }
 
   void run(Stop& stop) {
@@ -65,19 +69,17 @@ class Replay {
     });
     if (stop.requested()) return;
     if (!recording) throw std::runtime_error(recording.error());  // the wrapper tells it and tries again
-    std::vector<Target> targets(recording->channels.size());
-    for (const Wanted& wanted : channels_) {
+    std::vector<int> channels(recording->channels.size(), -1);
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
       const auto& names = recording->channels;
-      const auto place = std::find(names.begin(), names.end(), wanted.column);
-      if (place == names.end()) {
-        host_.state(wanted.index, DWELL_FAULT_DISCONNECTED, no_column(wanted.column, *recording).c_str());
-      } else {
-        targets[static_cast<std::size_t>(place - names.begin())] = {wanted.index, true, false};
-        host_.state(wanted.index, DWELL_FAULT_NONE);
-      }
+      const auto place = std::find(names.begin(), names.end(), columns_[i]);
+      if (place == names.end())
+        delivery_.tell(i, DWELL_FAULT_DISCONNECTED, no_column(columns_[i], *recording));
+      else
+        channels[static_cast<std::size_t>(place - names.begin())] = static_cast<int>(i);
     }
-    play(recording->samples, targets, stop);
-    if (!stop.requested()) host_.state(-1, DWELL_FAULT_END_OF_DATA, "the recording has been played to its end");
+    play(recording->samples, channels, stop);
+    if (!stop.requested()) delivery_.hold(DWELL_FAULT_END_OF_DATA, "the recording has been played to its end");
   }
 
   static void check(const Settings& settings, Report& report) {
@@ -114,18 +116,8 @@ class Replay {
   }
 
  private:
-  struct Wanted {
-    std::string column;
-    std::uint16_t index;
-  };
-  // Where a column of the recording goes.
-  struct Target {
-    std::uint16_t index = 0;
-    bool used = false;
-    bool after_splice = false;  // the next sample follows a jump in the recording
-  };
-
-  void play(const std::vector<CsvRecording::Sample>& samples, std::vector<Target>& targets, Stop& stop) {
+  // `channels`: of each column, as the delivery counts them; -1: not wanted.
+  void play(const std::vector<CsvRecording::Sample>& samples, const std::vector<int>& channels, Stop& stop) {
     const double first_s = samples.front().t_s;
     const double length_s = samples.back().t_s - first_s;
     std::size_t instants = 1;
@@ -138,58 +130,53 @@ class Replay {
     do {
       for (std::size_t next = 0; next < samples.size();) {
         const std::int64_t since_start_ns = pass_ns + std::llround((samples[next].t_s - first_s) * 1e9);
-        next = collect(samples, next, start_ns + since_start_ns, targets);
-        if (scan_.empty()) continue;
+        next = collect(samples, next, start_ns + since_start_ns, channels);
+        if (delivery_.size() == 0) continue;
         delivered = true;
         if (speed_ > 0.0) {
           // The stamps' own clock decides when: the one that can be slept on is slewed against it, 20 ppm are 0.1 s in
           // an hour and a half, and what is stamped so long ago is late.
           const auto due_ns = start_ns + static_cast<std::int64_t>(static_cast<double>(since_start_ns) / speed_);
           if (!stop.sleep_for(due_ns - raw_ns())) return;
-          host_.push(scan_);
-        } else if (!push_when_there_is_room(stop)) {
+        } else if (!wait_for_room(stop)) {
           return;
         }
+        delivery_.push();
       }
       pass_ns += std::max<std::int64_t>(1, std::llround((length_s + step_s) * 1e9));
-      for (Target& target : targets) target.after_splice = true;
+      delivery_.lost();  // what follows does so after a jump in the recording
     } while (loop_ && delivered);
   }
 
   // Fills the scan with the samples of one instant; returns where the next instant begins.
   std::size_t collect(const std::vector<CsvRecording::Sample>& samples, std::size_t next, std::int64_t t_ns,
-                      std::vector<Target>& targets) {
-    scan_.clear();
+                      const std::vector<int>& channels) {
     const double t_s = samples[next].t_s;
+    int last = -1;
     std::size_t end = next;
     for (; end < samples.size() && samples[end].t_s == t_s; ++end) {
-      Target& target = targets[samples[end].column];
-      if (!target.used) continue;
+      const int channel = channels[samples[end].column];
+      if (channel < 0) continue;
       // A channel given twice at one instant belongs into a scan of its own.
-      if (!scan_.empty() && scan_.back().channel == target.index) break;
-      const std::uint16_t flags = target.after_splice ? DWELL_SAMPLE_GAP : 0;
-      target.after_splice = false;
-      scan_.push_back({t_ns, samples[end].value, 0, target.index, flags});
+      if (std::exchange(last, channel) == channel) break;
+      delivery_.add(static_cast<std::size_t>(channel), {t_ns}, samples[end].value);
     }
     return end;
   }
 
   // Nothing is lost where the source can wait. false: shall end.
-  bool push_when_there_is_room(const Stop& stop) {
+  bool wait_for_room(const Stop& stop) {
     stop.turn();
-    while (!stop.requested()) {
-      if (host_.room() >= scan_.size() && host_.push(scan_)) return true;
-      stop.sleep_for(kRoom_ns);
-    }
-    return false;
+    while (host_.room() < delivery_.size() && stop.sleep_for(kRoom_ns)) continue;
+    return !stop.requested();
   }
 
   Host host_;
   std::string path_;
   double speed_;
   bool loop_;
-  std::vector<Wanted> channels_;
-  std::vector<dwell_sample> scan_;  // one instant; at most one sample per channel
+  std::vector<std::string> columns_;  // of each channel
+  Delivery delivery_;
 };
 
 }  // namespace

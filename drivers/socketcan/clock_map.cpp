@@ -9,8 +9,6 @@
 namespace dwell::socketcan {
 namespace {
 
-// Between a stamp and the frame's place in the socket's queue lies the kernel's soft interrupt.
-constexpr std::int64_t kQueueing_ns = 5'000'000;
 // The kernel slews by at most 500 ppm, time daemons by ticks on top of that; what is faster is a step.
 constexpr double kFastestSlew = 1e-3;
 // Below it the widths of the pairs say more about the rate between two clocks than the slew does.

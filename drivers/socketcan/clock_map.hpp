@@ -14,6 +14,9 @@
 
 namespace dwell::socketcan {
 
+// Between a stamp and the frame's place in the socket's queue lies the kernel's soft interrupt: at most so long.
+inline constexpr std::int64_t kQueueing_ns = 5'000'000;
+
 // CLOCK_REALTIME between two readings of CLOCK_MONOTONIC_RAW.
 struct ClockPair {
   std::int64_t raw_ns = 0;    // the middle of the two

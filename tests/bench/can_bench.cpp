@@ -93,7 +93,7 @@ void can_signals(benchmark::State& state) {
     host.context = &taken;
     host.push = &take;
     host.state = [](void*, std::int32_t, dwell_fault, const char*) {};
-    host.count = [](void*, dwell_fault) {};
+    host.count = [](void*, dwell_fault, std::uint64_t) {};
     host.log = [](void*, dwell_level, const char*) {};
     host.turn = [](void*) {};
     std::array<char, 256> error{};

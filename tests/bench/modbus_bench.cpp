@@ -74,7 +74,7 @@ double plugin_cpu_s(const dwell_driver_table& table, int port) {
     return 1;
   };
   host.state = [](void*, std::int32_t, dwell_fault, const char*) {};
-  host.count = [](void*, dwell_fault) {};
+  host.count = [](void*, dwell_fault, std::uint64_t) {};
   host.log = [](void*, dwell_level, const char*) {};
   host.turn = [](void*) {};
 

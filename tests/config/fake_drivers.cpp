@@ -81,6 +81,7 @@ dwell_driver_table table(const char* name, const dwell_key (&keys)[size],
   out.help = "";
   out.keys = keys;
   out.key_count = size;
+  out.key_size = sizeof(dwell_key);
   out.check = check;
   out.describe = describe;
   return out;

@@ -128,10 +128,10 @@ TEST_F(DeviceLinkTest, ReasonsAreCutAndCannotForgeLines) {
 
 TEST_F(DeviceLinkTest, CountsFaultsByKindUnknownOnesIncluded) {
   const dwell_host host = link.host();
-  host.count(host.context, DWELL_FAULT_TIMEOUT);
-  host.count(host.context, DWELL_FAULT_TIMEOUT);
-  host.count(host.context, static_cast<dwell_fault>(kFaultCount));
-  EXPECT_EQ(link.faults(Fault::timeout), 2u);
+  host.count(host.context, DWELL_FAULT_TIMEOUT, 1);
+  host.count(host.context, DWELL_FAULT_TIMEOUT, 3'000'000'000);
+  host.count(host.context, static_cast<dwell_fault>(kFaultCount), 1);
+  EXPECT_EQ(link.faults(Fault::timeout), 3'000'000'001u);
   EXPECT_EQ(link.faults(Fault::bad_frame), 1u);
 }
 

@@ -56,5 +56,11 @@ TEST(HoldBack, FollowsWhatTheRigFileStates) {
   EXPECT_EQ(hold_back_of(serial_rig(2, "timeout = 0.02\nbaud = 115200\n")), 100'000'000);
 }
 
+TEST(HoldBack, IsBoundedWhereSamplesGrowEverOlder) {
+  config::RigFile file;
+  file.devices.emplace_back().age_ns = DWELL_AGE_UNBOUNDED;
+  EXPECT_EQ(hold_back_ns(file), 10'000'000'000);
+}
+
 }  // namespace
 }  // namespace dwell

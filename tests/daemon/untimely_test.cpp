@@ -128,7 +128,7 @@ TEST_F(UntimelyTest, PollsThatBeganTooLateAreSaidOnceAtTheEnd) {
   const std::uint64_t lines = log->stats().lines;
   for (int minute = 0; minute < 3; ++minute) {
     go_on(60'000 * kMs_ns);
-    for (int i = 0; i < 100; ++i) host.count(host.context, DWELL_FAULT_MISSED_DEADLINE);
+    host.count(host.context, DWELL_FAULT_MISSED_DEADLINE, 100);
   }
   EXPECT_EQ(log->stats().lines, lines);
   estimator->finish(now_ns, now_ns);

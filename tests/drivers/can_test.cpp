@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "config/driver_table.hpp"
 #include "daemon/acquire/plugin.hpp"
 #include "tests/drivers/can_device.hpp"
 #include "tests/drivers/fake_host.hpp"
@@ -128,7 +129,7 @@ TEST_F(Can, HasEveryKeyInTheManual) {
     section = manual.find(".SS Keys of the driver can\n", section + 1);
     ASSERT_NE(section, std::string::npos);
     const std::string keys = manual.substr(section, manual.find("\n.S", section + 1) - section);
-    for (const dwell_key& key : std::span(table_.keys, table_.key_count))
+    for (const dwell_key& key : config::keys_of(table_))
       EXPECT_EQ(keys.find("\n.B " + std::string(key.name) + "\n") != std::string::npos, key.scope == scope) << key.name;
   }
 }

@@ -26,6 +26,18 @@ TEST(ExampleDriver, IsLoadedAndDelivers) {
   for (const dwell_sample& sample : host.samples(10)) EXPECT_LE(std::fabs(sample.raw), 0.005);
 }
 
+TEST(ExampleDriver, StatesHowOldItsSamplesMayBe) {
+  const auto table = acquire::load_plugin("sine");
+  ASSERT_TRUE(table) << table.error();
+  Given given("example");
+  given.set("frequency", 4.0).channel("y0");
+  dwell_traits traits{};
+  traits.size = sizeof traits;
+  (*table)->describe(given.settings(), &traits);
+  EXPECT_EQ(traits.age_ns, 1'000'000);
+  EXPECT_EQ(traits.rate_hz, 100.0);
+}
+
 TEST(ExampleDriver, ReportsItsMistakes) {
   const auto table = acquire::load_plugin("sine");
   ASSERT_TRUE(table) << table.error();

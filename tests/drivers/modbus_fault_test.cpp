@@ -43,6 +43,8 @@ TEST_P(ModbusFault, IsCountedByKindAndCostsOnlyItsOwnSamples) {
   for (const dwell_sample& sample : host.samples(10)) EXPECT_EQ(sample.raw, 3.0);
   for (const dwell_sample& sample : host.samples(11)) EXPECT_EQ(sample.raw, 4.0);
   for (const std::size_t scan : host.scans()) EXPECT_EQ(scan, 2U);
+  const auto samples = host.samples(10);
+  for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(samples[i].flags, i == 0 ? 0U : DWELL_SAMPLE_GAP) << i;
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -58,7 +58,7 @@ RC_GTEST_PROP(ModbusPlan, ReadsEveryValueWholeExactlyOnceWithinTheMaximum, ()) {
   const auto count = *rc::gen::inRange<std::size_t>(0, 200);
   for (std::size_t i = 0; i < count; ++i) {
     Reading reading;
-    reading.channel = static_cast<std::uint16_t>(i);
+    reading.index = static_cast<std::uint16_t>(i);
     reading.station = *rc::gen::inRange<std::uint8_t>(1, 3);
     reading.table = *rc::gen::element(Table::holding, Table::input);
     reading.type = *rc::gen::element(Type::int16, Type::uint32, Type::float32, Type::float64);
@@ -73,7 +73,7 @@ RC_GTEST_PROP(ModbusPlan, ReadsEveryValueWholeExactlyOnceWithinTheMaximum, ()) {
       RC_ASSERT(reading.station == block.station && reading.table == block.table);
       RC_ASSERT(reading.first >= block.first && reading.end() <= block.end());
       for (unsigned r = reading.first; r < reading.end(); ++r) wanted[r - block.first] = true;
-      ++planned[reading.channel];
+      ++planned[reading.index];
     }
     RC_ASSERT(std::count(wanted.begin(), wanted.end(), false) == 0);
   }

@@ -85,9 +85,10 @@ TEST_F(PluginLoader, RefusesAPluginThatCallsItselfOtherwise) {
 }
 
 TEST_F(PluginLoader, RefusesAnotherInterfaceAShortTableAndAMissingFunction) {
-  for (const auto& [name, why] : {std::pair{"old-abi", "version 999"}, std::pair{"short-table", "too short"},
-                                  std::pair{"no-stop", "a function is missing"}, std::pair{"no-table", "no table"},
-                                  std::pair{"no-symbol", "does not export"}}) {
+  for (const auto& [name, why] :
+       {std::pair{"old-abi", "version 999"}, std::pair{"short-table", "too short"},
+        std::pair{"no-stop", "a function is missing"}, std::pair{"no-table", "no table"},
+        std::pair{"no-symbol", "does not export"}, std::pair{"short-keys", "its keys cannot be of 8 bytes each"}}) {
     const auto table = load_plugin(name, {TEST_BAD_PLUGIN_DIR});
     ASSERT_FALSE(table) << name;
     EXPECT_NE(table.error().find(why), std::string::npos) << table.error();

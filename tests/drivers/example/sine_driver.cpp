@@ -48,6 +48,13 @@ class Sine {
     }
   }
 
+  // How old a sample may be when it is pushed: the host waits so long. Here it is pushed as soon as it is read; a
+  // driver that waits for an answer states its timeout.
+  static void describe(const Settings& settings, dwell_traits& traits) {
+    traits.rate_hz = settings.get<double>("rate", 100.0);
+    traits.age_ns = 1'000'000;
+  }
+
   // What the key schema cannot say.
   static void check(const Settings& settings, Report& report) {
     if (settings.get<double>("rate", 100.0) < 2.0 * settings.get<double>("frequency", 1.0))
