@@ -7,23 +7,19 @@
 
 #include <algorithm>
 #include <climits>
-#include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <optional>
 #include <utility>
 
 #include "daemon/clock.hpp"
-#include "daemon/log/throttle.hpp"
 #include "daemon/notifier.hpp"
+#include "daemon/outlets/http.hpp"
+#include "daemon/outlets/outlet.hpp"
+#include "daemon/run/session.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/control_server.hpp"
-#include "daemon/serve/dwell_stream.hpp"
 #include "daemon/serve/event_loop.hpp"
-#include "daemon/serve/http_server.hpp"
-#include "daemon/session.hpp"
+#include "daemon/service_watch.hpp"
 #include "daemon/version.hpp"
-#include "daemon/watchdog.hpp"
 
 namespace dwell {
 namespace {
@@ -43,151 +39,161 @@ class Descriptor {
   int number_;
 };
 
-std::string iso_utc(std::int64_t utc_ns) {
-  if (utc_ns == 0) return {};
-  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  char day[40];
-  std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &parts);
-  char text[64];
-  std::snprintf(text, sizeof text, "%s.%06dZ", day, static_cast<int>(utc_ns / 1000 % 1'000'000));
-  return text;
+// What a restart would find. A rig file is not taken up while its rig is being measured.
+void check_rig_file(const config::RigFile& served, const config::SchemaSource& drivers, Log& log) {
+  const std::string& path = served.path;
+  const auto file = config::load(path, drivers);
+  if (!file) {
+    log.error("hangup: a restart would fail, for " + path + " now holds mistakes; the service goes on as it is");
+    for (const config::Mistake& mistake : file.error()) log.error(config::to_string(path, mistake));
+  } else if (file->sha256 == served.sha256) {
+    log.info("hangup: " + path + " is what is being served");
+  } else {
+    log.warning("hangup: " + path +
+                " has changed and holds no mistake; to take it up, restart the service, which ends the dwell");
+  }
 }
 
-std::string status_line(const Snapshot& snapshot, const Health& health) {
-  if (health.status == Health::Status::fault) return "not working: " + reason_of(health);
-  std::string line = to_string(snapshot.dwell.state);
-  if (snapshot.dwell.index) line += ", dwell " + std::to_string(*snapshot.dwell.index);
-  if (snapshot.dwell.state == State::measuring && std::isfinite(snapshot.dwell.frequency_hz.value)) {
-    char text[48];
-    std::snprintf(text, sizeof text, ", %.4g Hz", snapshot.dwell.frequency_hz.value);
-    line += text;
-  }
-  if (health.status != Health::Status::ok) line += "; " + reason_of(health);
-  return line;
+HttpOptions http_options(const config::ServerSettings& server) {
+  HttpOptions options;
+  options.host = server.host;
+  options.port = server.port;
+  options.names = server.names;
+  char own_name[HOST_NAME_MAX + 1] = {};
+  if (gethostname(own_name, sizeof own_name - 1) == 0) options.names.emplace_back(own_name);
+  options.names.push_back(server.host);
+  options.server = std::string("dwelld/") + kVersion;
+  return options;
 }
 
 }  // namespace
 
+// Its steps of making return what failed; nothing: it is done.
 struct Service::Impl {
-  Impl(Log& the_log, int wake_descriptor) : log(the_log), wake(wake_descriptor) {}
+  using Made = tl::expected<void, Failure>;
+
+  Impl(Log& the_log, const config::SchemaSource& the_drivers) : log(the_log), drivers(the_drivers), watch(the_log) {}
 
   Log& log;
+  const config::SchemaSource drivers;
+  const std::int64_t started_ns = raw_now_ns();
   EventLoop loop;
-  Descriptor wake;  // the estimation thread has published
-  std::optional<Descriptor> signals;
+  Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};  // the run has something new
   Notifier notifier;
-  Watchdog watchdog;
-  std::string trouble;
-  bool log_failing = false;
-  Throttle log_failures;
-  RunInfo run;
-  std::vector<std::string> drivers;
-  config::SchemaSource driver_source;
-  std::int64_t started_ns = raw_now_ns();
-  std::uint64_t told_sequence = 0;  // the newest snapshot that was broadcast
-  DwellStream stream;
+  ServiceWatch watch;
+  std::unique_ptr<Outlet> log_lines = make_log_lines(log);
+  std::unique_ptr<Outlet> systemd = make_systemd_status(notifier);
   std::unique_ptr<Session> session;
-  std::unique_ptr<HttpServer> http;
+  std::unique_ptr<Http> http;
   std::unique_ptr<ControlServer> control;
 
+  // As all stands now.
   [[nodiscard]] ServiceView view() {
-    session->refresh();
-    const Snapshot& snapshot = session->latest();
-    if (run.start_utc.empty()) run.start_utc = iso_utc(snapshot.start_utc_ns);
-    const std::int64_t now_ns = raw_now_ns();
-    return {session->file().rig,
-            drivers,
-            run,
-            snapshot,
-            now_ns,
-            static_cast<double>(now_ns - started_ns) * 1e-9,
-            http ? http->stats() : HttpStats{},
-            log.stats(),
-            session->threads(),
-            trouble,
-            session->gpio()};
+    Run& run = session->run();
+    run.refresh();
+    ServiceView now{session->file().rig, run.info(), run.latest()};
+    now.now_ns = raw_now_ns();
+    now.uptime_s = static_cast<double>(now.now_ns - started_ns) * 1e-9;
+    if (http) now.http = http->server().stats();
+    now.log = log.stats();
+    now.threads = session->threads();
+    now.gpio = session->gpio();
+    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, watch.trouble());
+    return now;
   }
 
-  void published() {
+  void each_outlet(const std::function<void(Outlet&)>& call) {
+    call_each({log_lines.get(), session->lamps(), systemd.get(), http.get()}, call);
+  }
+  void tell_events() {
+    for (RunEvent event; session->run().next_event(event);)
+      each_outlet([&](Outlet& outlet) { outlet.tell(event, session->file().rig); });
+  }
+  void show() {
+    const ServiceView now = view();
+    tell_events();
+    each_outlet([&](Outlet& outlet) { outlet.show(now); });
+  }
+
+  void woken() {
     std::uint64_t count = 0;
     while (read(wake.get(), &count, sizeof count) > 0) {
     }
-    if (!session) return;
-    // Whoever asked by HTTP in between has taken the snapshot already: what counts is whether it was told.
-    session->refresh();
-    const std::uint64_t sequence = session->latest().sequence;
-    if (sequence == told_sequence) return;
-    told_sequence = sequence;
-    tell_health();
-    if (!http || http->stats().streams == 0) return;
-    const ServiceView now = view();
-    const DwellStream::Event event = stream.next(make_view(now.snapshot.dwell, now.rig, now.run), now.snapshot.t_ns);
-    http->broadcast(event.name, event.data);
-  }
-
-  void tell_health() {
-    const Health health = judge_health(session->file().rig, session->latest(), session->gpio(), log.stats(), trouble);
-    session->light_lamps(health);
-    notifier.status(status_line(session->latest(), health));
-  }
-
-  // Said where there is another place than the file, and in the file once it takes lines again.
-  void watch_log() {
-    const LogStats stats = log.stats();
-    const std::string lost = std::to_string(stats.dropped) + " lines lost so far";
-    // Each such line tries the file anew.
-    if (stats.failing && log_failures.admit(raw_now_ns()))
-      log.error("the log file does not take lines: " + stats.reason + "; " + lost);
-    if (!stats.failing && log_failing) log.warning("the log file takes lines again; " + lost);
-    log_failing = stats.failing;
+    show();
   }
 
   // The loop turns, or this would not be called; the rest is looked at.
-  void watch() {
-    const std::string found = watchdog.judge(raw_now_ns(), session->threads(), session->rings());
-    if (found.empty() != trouble.empty()) {
-      if (found.empty()) {
-        log.info("the service works again");
-      } else {
-        log.error("the service does not work: " + found);
-      }
-    }
-    trouble = found;
-    watch_log();
-    tell_health();
-    if (trouble.empty()) notifier.feed_watchdog();
+  void look() {
+    watch.look(raw_now_ns(), session->threads(), session->rings());
+    show();
+    if (watch.trouble().empty()) notifier.feed_watchdog();
   }
 
-  void signalled() {
+  void signalled(int descriptor) {
     signalfd_siginfo signal{};
-    if (read(signals->get(), &signal, sizeof signal) != sizeof signal) return;
-    if (signal.ssi_signo == SIGHUP) return check_rig_file();
+    if (read(descriptor, &signal, sizeof signal) != sizeof signal) return;
+    if (signal.ssi_signo == SIGHUP) return check_rig_file(session->file(), drivers, log);
     log.info(std::string("stopping: ") + strsignal(static_cast<int>(signal.ssi_signo)));
     loop.stop();
-  }
-
-  // What a restart would find. A rig file is not taken up while its rig is being measured.
-  void check_rig_file() {
-    const std::string& path = session->file().path;
-    const auto file = config::load(path, driver_source);
-    if (!file) {
-      log.error("hangup: a restart would fail, for " + path + " now holds mistakes; the service goes on as it is");
-      for (const config::Mistake& mistake : file.error()) log.error(config::to_string(path, mistake));
-    } else if (file->sha256 == session->file().sha256) {
-      log.info("hangup: " + path + " is what is being served");
-    } else {
-      log.warning("hangup: " + path +
-                  " has changed and holds no mistake; to take it up, restart the service, which ends the dwell");
-    }
   }
 
   std::string control_line(std::string_view line, const Peer& peer) {
     return control_answer(view(), line, [this, &peer] {
       log.info("rearm asked for by uid " + std::to_string(peer.uid) + ", pid " + std::to_string(peer.pid));
-      return session->rearm();
+      return session->run().rearm();
     });
+  }
+
+  Made make_session(config::RigFile file) {
+    if (wake.get() < 0) return tl::unexpected(Failure{1, "no descriptor is to be had"});
+    auto made = Session::make(std::move(file), drivers, log, [descriptor = wake.get()] {
+      const std::uint64_t one = 1;
+      // Full means that the loop has been woken already.
+      [[maybe_unused]] const auto written = write(descriptor, &one, sizeof one);
+    });
+    if (!made) return tl::unexpected(Failure{1, made.error()});
+    session = std::move(*made);
+    loop.on_readable(wake.get(), [this] { woken(); });
+    return {};
+  }
+
+  Made make_http() {
+    const config::ServerSettings& server = session->file().server;
+    auto made = Http::make(loop, http_options(server), [this] { return view(); });
+    if (!made) return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, made.error().message});
+    http = std::move(*made);
+    if (http->server().awaits_address())
+      log.warning(
+          "listen: " + server.listen +
+          " is no address of this computer yet; clients are served as soon as it is, the rig is measured anyway");
+    return {};
+  }
+
+  Made make_control(const std::string& path) {
+    if (path.empty()) return {};
+    ControlOptions options;
+    options.path = path;
+    auto made = ControlServer::make(
+        loop, options, [this](std::string_view line, const Peer& peer) { return control_line(line, peer); });
+    if (!made) return tl::unexpected(Failure{1, made.error()});
+    control = std::move(*made);
+    return {};
+  }
+
+  Made await_signals() {
+    const sigset_t signals = service_signals();
+    const auto descriptor = std::make_shared<Descriptor>(signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC));
+    if (descriptor->get() < 0) return tl::unexpected(Failure{1, "signals cannot be received"});
+    loop.on_readable(descriptor->get(), [this, descriptor] { signalled(descriptor->get()); });
+    return {};
+  }
+
+  Made start() {
+    constexpr std::int64_t kLongest_ms = 1000;
+    const std::int64_t asked_ms = notifier.watchdog_ms() > 0 ? notifier.watchdog_ms() / 4 : kLongest_ms;
+    loop.every(std::chrono::milliseconds(std::clamp<std::int64_t>(asked_ms, 10, kLongest_ms)), [this] { look(); });
+    if (auto started = session->start(); !started) return tl::unexpected(Failure{1, started.error()});
+    return {};
   }
 };
 
@@ -203,69 +209,14 @@ Service::Service(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::RigFile file,
                                                                        const config::SchemaSource& drivers,
                                                                        const ServiceOptions& options, Log& log) {
-  const int wake = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-  if (wake < 0) return tl::unexpected(Failure{1, "no descriptor is to be had"});
-  auto impl = std::make_unique<Impl>(log, wake);
+  auto impl = std::make_unique<Impl>(log, drivers);
   Impl& self = *impl;
-
-  self.run.rig_sha256 = file.sha256;
-  self.run.version = kVersion;
-  self.driver_source = drivers;
-  for (const config::DeviceSettings& device : file.devices) self.drivers.push_back(device.driver);
-  const config::ServerSettings server = file.server;
-
-  auto session = Session::make(std::move(file), drivers, log, [wake] {
-    const std::uint64_t one = 1;
-    // Full means that the loop has been woken already.
-    [[maybe_unused]] const auto written = write(wake, &one, sizeof one);
-  });
-  if (!session) return tl::unexpected(Failure{1, session.error()});
-  self.session = std::move(*session);
-
-  HttpOptions http_options;
-  http_options.host = server.host;
-  http_options.port = server.port;
-  http_options.names = server.names;
-  char own_name[HOST_NAME_MAX + 1] = {};
-  if (gethostname(own_name, sizeof own_name - 1) == 0) http_options.names.emplace_back(own_name);
-  http_options.names.push_back(server.host);
-  http_options.server = std::string("dwelld/") + kVersion;
-  auto http = HttpServer::make(
-      self.loop, http_options,
-      [&self](std::string_view path, std::string_view query) { return http_answer(self.view(), path, query); },
-      [&self] {
-        self.stream.joined();
-        return event_text("dwell", dwell_text_json(self.view()));
-      });
-  if (!http) return tl::unexpected(Failure{http.error().bad_address ? 2 : 1, http.error().message});
-  self.http = std::move(*http);
-  if (self.http->awaits_address())
-    log.warning("listen: " + server.listen +
-                " is no address of this computer yet; clients are served as soon as it is, the rig is measured anyway");
-
-  if (!options.control_path.empty()) {
-    ControlOptions control_options;
-    control_options.path = options.control_path;
-    auto control = ControlServer::make(self.loop, control_options, [&self](std::string_view line, const Peer& peer) {
-      return self.control_line(line, peer);
-    });
-    if (!control) return tl::unexpected(Failure{1, control.error()});
-    self.control = std::move(*control);
-  }
-
-  if (options.handle_signals) {
-    const sigset_t signals = service_signals();
-    self.signals.emplace(signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC));
-    if (self.signals->get() < 0) return tl::unexpected(Failure{1, "signals cannot be received"});
-    self.loop.on_readable(self.signals->get(), [&self] { self.signalled(); });
-  }
-  self.loop.on_readable(wake, [&self] { self.published(); });
-  constexpr std::int64_t kLongest_ms = 1000;
-  const std::int64_t asked_ms = self.notifier.watchdog_ms() > 0 ? self.notifier.watchdog_ms() / 4 : kLongest_ms;
-  self.loop.every(std::chrono::milliseconds(std::clamp<std::int64_t>(asked_ms, 10, kLongest_ms)),
-                  [&self] { self.watch(); });
-
-  if (auto started = self.session->start(); !started) return tl::unexpected(Failure{1, started.error()});
+  auto made = self.make_session(std::move(file))
+                  .and_then([&] { return self.make_http(); })
+                  .and_then([&] { return self.make_control(options.control_path); })
+                  .and_then([&] { return options.handle_signals ? self.await_signals() : Impl::Made(); })
+                  .and_then([&] { return self.start(); });
+  if (!made) return tl::unexpected(std::move(made.error()));
   return std::unique_ptr<Service>(new Service(std::move(impl)));
 }
 
@@ -280,12 +231,14 @@ void Service::run() {
   self.notifier.stopping();
   self.control.reset();
   self.http.reset();
+  self.session->end();
+  self.tell_events();
   self.session.reset();
   self.log.info("stopped");
 }
 
 void Service::stop() { impl_->loop.stop(); }
 
-std::uint16_t Service::port() const { return impl_->http->port(); }
+std::uint16_t Service::port() const { return impl_->http->server().port(); }
 
 }  // namespace dwell

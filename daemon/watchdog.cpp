@@ -14,9 +14,7 @@ std::string Watchdog::judge(std::int64_t now_ns, const std::vector<WatchedThread
     trouble += what + seconds;
   };
   for (const WatchedThread& thread : threads) {
-    const std::int64_t still_ns = now_ns - thread.last_turn_ns;
-    if (!thread.ours) continue;
-    if (still_ns > thread.bound_ns) add("thread " + thread.name + " has not turned", still_ns);
+    if (thread.ours && !thread.turns(now_ns)) add("thread " + thread.name + " has not turned", thread.still_ns(now_ns));
   }
   for (const WatchedRing& ring : rings) {
     const auto [found, fresh] = rings_.try_emplace(ring.name, Progress{ring.left, now_ns});

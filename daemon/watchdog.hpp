@@ -1,5 +1,5 @@
 // Whether the service works, for systemd's watchdog: every thread of its own has turned within its bound, and no ring
-// holds samples that nobody takes. A driver that hangs is the fault of its device (Estimator), no reason to restart.
+// holds samples that nobody takes. A driver that hangs is the fault of its device (DeviceIntake), no reason to restart.
 // Pure: the caller brings the instants; never fed by a timer alone. Bound to one thread.
 #pragma once
 
@@ -15,6 +15,9 @@ struct WatchedThread {
   std::int64_t last_turn_ns = 0;  // CLOCK_MONOTONIC_RAW
   std::int64_t bound_ns = 0;      // it must have turned within this
   bool ours = true;               // false: a driver's; shown, but the service works without it
+
+  [[nodiscard]] std::int64_t still_ns(std::int64_t now_ns) const noexcept { return now_ns - last_turn_ns; }
+  [[nodiscard]] bool turns(std::int64_t now_ns) const noexcept { return still_ns(now_ns) <= bound_ns; }
 };
 
 struct WatchedRing {

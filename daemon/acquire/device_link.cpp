@@ -29,11 +29,9 @@ DeviceLink::DeviceLink(std::string name, std::vector<std::uint16_t> channels, st
       capacity_(capacity),
       log_(std::move(log)),
       positions_(std::size_t{largest(channels_)} + 1, -1),
-      counters_(std::make_unique<ChannelCounters[]>(channels_.size())),
+      own_(std::make_unique<Own[]>(channels_.size())),
       samples_(capacity),
       events_(kEvents),
-      gap_(channels_.size(), 0),
-      waiting_(channels_.size()),
       last_turn_ns_(raw_now_ns()) {
   for (std::size_t i = 0; i < channels_.size(); ++i) positions_[channels_[i]] = static_cast<std::int16_t>(i);
 }
@@ -82,8 +80,9 @@ bool DeviceLink::push(const dwell_sample* samples, std::size_t count) noexcept {
   entered_.store(entered_.load(std::memory_order_relaxed) + count, std::memory_order_release);
   for (std::size_t i = 0; i < count; ++i) {
     const dwell_sample& from = samples[i];
-    const bool gap = std::exchange(gap_[static_cast<std::size_t>(position(from.channel))], std::uint8_t{0}) != 0;
+    bool& gap = own_[static_cast<std::size_t>(position(from.channel))].gap;
     const auto flags = static_cast<std::uint8_t>((from.flags & (kGap | kStampReplaced)) | (gap ? kGap : 0));
+    gap = false;
     samples_.push(Record{from.t_ns, from.raw, from.t_half_ns, from.channel, Kind::sample, flags});
   }
   return true;
@@ -91,9 +90,9 @@ bool DeviceLink::push(const dwell_sample* samples, std::size_t count) noexcept {
 
 void DeviceLink::mark_gaps(const dwell_sample* samples, std::size_t count) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
-    const int at = position(samples[i].channel);
-    counters(at).refuse();
-    gap_[static_cast<std::size_t>(at)] = 1;
+    Own& own = own_[static_cast<std::size_t>(position(samples[i].channel))];
+    own.counters.refuse();
+    own.gap = true;
   }
 }
 
@@ -116,16 +115,18 @@ void DeviceLink::state(std::int32_t channel, dwell_fault fault, const char* reas
   if (!any_waiting_ && events_.push(event)) return;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (at >= 0 && static_cast<std::size_t>(at) != i) continue;
-    waiting_[i] = event;
-    waiting_[i]->channel = channels_[i];
+    own_[i].waiting = event;
+    own_[i].waiting->channel = channels_[i];
     any_waiting_ = true;
   }
 }
 
 void DeviceLink::offer_waiting() noexcept {
   if (!any_waiting_) return;
-  for (std::optional<StateEvent>& waiting : waiting_) {
-    if (waiting && !events_.push(*waiting)) return;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    std::optional<StateEvent>& waiting = own_[i].waiting;
+    if (!waiting) continue;
+    if (!events_.push(*waiting)) return;
     waiting.reset();
   }
   any_waiting_ = false;

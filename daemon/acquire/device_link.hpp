@@ -73,10 +73,7 @@ class DeviceLink {
   }
   // By position. late, overflow and settle belong to the estimation thread.
   [[nodiscard]] ChannelCounters& counters(int position) noexcept {
-    return counters_[static_cast<std::size_t>(position)];
-  }
-  [[nodiscard]] const ChannelCounters& counters(int position) const noexcept {
-    return counters_[static_cast<std::size_t>(position)];
+    return own_[static_cast<std::size_t>(position)].counters;
   }
 
   // Any thread.
@@ -88,6 +85,13 @@ class DeviceLink {
   [[nodiscard]] std::uint64_t left() const noexcept { return left_.load(std::memory_order_acquire); }
 
  private:
+  struct Own {
+    ChannelCounters counters;
+    // The driver's thread alone.
+    bool gap = false;                   // samples were lost before the next one
+    std::optional<StateEvent> waiting;  // the newest change for which there was no room
+  };
+
   void offer_waiting() noexcept;
   void mark_gaps(const dwell_sample* samples, std::size_t count) noexcept;
 
@@ -95,16 +99,13 @@ class DeviceLink {
   const std::vector<std::uint16_t> channels_;
   const std::size_t capacity_;
   const LogLine log_;
-  std::vector<std::int16_t> positions_;          // by Rig::channels index
-  std::unique_ptr<ChannelCounters[]> counters_;  // by position
+  std::vector<std::int16_t> positions_;  // by Rig::channels index
+  std::unique_ptr<Own[]> own_;           // by position
 
   boost::lockfree::spsc_queue<Record> samples_;
   boost::lockfree::spsc_queue<StateEvent> events_;
 
-  // The driver's thread alone.
-  std::vector<std::uint8_t> gap_;                   // by position: samples were lost before the next one
-  std::vector<std::optional<StateEvent>> waiting_;  // by position: the newest change for which there was no room
-  bool any_waiting_ = false;
+  bool any_waiting_ = false;  // the driver's thread alone
 
   std::array<std::atomic<std::uint64_t>, kFaultCount> faults_{};
   std::atomic<std::uint64_t> foreign_{0};

@@ -7,70 +7,59 @@ namespace dwell {
 namespace {
 constexpr double kNsPerS = 1e9;
 constexpr double kSilentIntervals = 20.0;
-constexpr std::int64_t kShortestSilence_ns = 1'000'000'000;
-constexpr std::int64_t kLongestSilence_ns = 600'000'000'000;
+constexpr double kShortestSilence_ns = 1e9;
+constexpr double kLongestSilence_ns = 600e9;
 constexpr std::int64_t kRateSpan_ns = 1'000'000'000;
+
+std::int64_t silence_ns(double rate_hz) {
+  const double intervals_ns = rate_hz > 0.0 ? kSilentIntervals * kNsPerS / rate_hz : 0.0;
+  return static_cast<std::int64_t>(std::clamp(intervals_ns, kShortestSilence_ns, kLongestSilence_ns));
+}
 }  // namespace
 
-ChannelWatch::ChannelWatch(const std::vector<double>& nominal_rate_hz, std::int64_t now_ns)
-    : channels_(nominal_rate_hz.size()) {
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    Channel& channel = channels_[i];
-    const double silence_ns = nominal_rate_hz[i] > 0.0 ? kSilentIntervals * kNsPerS / nominal_rate_hz[i] : 0.0;
-    channel.silence_ns = static_cast<std::int64_t>(
-        std::clamp(silence_ns, static_cast<double>(kShortestSilence_ns), static_cast<double>(kLongestSilence_ns)));
-    channel.since_ns = now_ns;
-    channel.rate_since_ns = now_ns;
-  }
-}
+ChannelWatch::ChannelWatch(double nominal_rate_hz, std::int64_t now_ns)
+    : since_ns_(now_ns), silence_ns_(silence_ns(nominal_rate_hz)), rate_since_ns_(now_ns) {}
 
-bool ChannelWatch::sample(std::size_t channel, std::int64_t t_ns, std::int64_t now_ns) noexcept {
-  Channel& c = channels_[channel];
-  heard(channel, now_ns);
-  if (c.fault == Fault::none || t_ns <= c.since_ns) return false;
-  c.fault = Fault::none;
-  c.reason.clear();
-  c.since_ns = t_ns;
+bool ChannelWatch::sample(std::int64_t t_ns, std::int64_t now_ns) noexcept {
+  heard(now_ns);
+  if (fault_ == Fault::none || t_ns <= since_ns_) return false;
+  fault_ = Fault::none;
+  reason_.clear();
+  since_ns_ = t_ns;
   return true;
 }
 
-bool ChannelWatch::said(std::size_t channel, std::int64_t t_ns, Fault fault, const char* reason) {
-  Channel& c = channels_[channel];
-  if (c.fault == fault) {
-    if (fault != Fault::none && reason != nullptr && *reason != '\0') c.reason = reason;
+bool ChannelWatch::said(std::int64_t t_ns, Fault fault, const char* reason) {
+  const bool words = reason != nullptr && *reason != '\0';
+  if (fault_ == fault) {
+    if (fault != Fault::none && words) reason_ = reason;
     return false;
   }
-  c.fault = fault;
-  c.since_ns = t_ns;
+  fault_ = fault;
+  since_ns_ = t_ns;
   if (fault == Fault::none) {
-    c.reason.clear();
+    reason_.clear();
   } else {
-    c.reason = reason != nullptr && *reason != '\0' ? reason : to_string(fault);
+    reason_ = words ? reason : to_string(fault);
   }
   return true;
 }
 
-bool ChannelWatch::fell_silent(std::size_t channel, std::int64_t now_ns) {
-  Channel& c = channels_[channel];
-  const std::int64_t quiet_ns = now_ns - std::max(c.since_ns, c.heard_ns);
-  if (c.fault != Fault::none || quiet_ns <= c.silence_ns) return false;
+bool ChannelWatch::fell_silent(std::int64_t now_ns) {
+  const std::int64_t quiet_ns = now_ns - std::max(since_ns_, heard_ns_);
+  if (fault_ != Fault::none || quiet_ns <= silence_ns_) return false;
   char words[96];
   std::snprintf(words, sizeof words, "nothing received for %.1f s although the device reports no fault",
                 static_cast<double>(quiet_ns) / kNsPerS);
-  c.fault = Fault::silent;
-  c.reason = words;
-  c.since_ns = now_ns;
-  return true;
+  return said(now_ns, Fault::silent, words);
 }
 
-void ChannelWatch::measure_rates(std::int64_t now_ns) noexcept {
-  for (Channel& c : channels_) {
-    const std::int64_t span_ns = now_ns - c.rate_since_ns;
-    if (span_ns < kRateSpan_ns) continue;
-    c.rate_hz = static_cast<double>(c.samples - c.rate_samples) * kNsPerS / static_cast<double>(span_ns);
-    c.rate_since_ns = now_ns;
-    c.rate_samples = c.samples;
-  }
+void ChannelWatch::measure_rate(std::int64_t now_ns) noexcept {
+  const std::int64_t span_ns = now_ns - rate_since_ns_;
+  if (span_ns < kRateSpan_ns) return;
+  rate_hz_ = static_cast<double>(samples_ - rate_samples_) * kNsPerS / static_cast<double>(span_ns);
+  rate_since_ns_ = now_ns;
+  rate_samples_ = samples_;
 }
 
 }  // namespace dwell

@@ -1,5 +1,6 @@
-// What the estimation thread publishes: the dwell as it stands, every channel, every device. Plain data, never changed
-// once published. Its channels are those of Rig::channels, its devices those of Rig::devices, in that order.
+// What the estimation thread publishes: snapshots (the dwell as it stands, every channel, every device), of which the
+// newest counts, and events, none of which may be missed. Plain data, never changed once published. The channels are
+// those of Rig::channels, the devices those of Rig::devices, in that order.
 #pragma once
 
 #include <array>
@@ -42,7 +43,10 @@ struct ChannelView {
 };
 
 struct DeviceView {
-  bool up = false;                                  // at least one of its channels delivers
+  std::string name;
+  std::string driver;
+  bool up = false;     // at least one of its channels delivers
+  bool ended = false;  // a recording played to its end: its thread has nothing left to turn for
   std::array<std::uint64_t, kFaultCount> faults{};  // occurrences by kind
   std::uint64_t foreign = 0;                        // readings of channels that are not the device's
 };
@@ -59,6 +63,14 @@ struct Snapshot {
   std::shared_ptr<const FinishedDwells> finished;  // oldest first
   std::uint64_t forgotten = 0;                     // finished dwells no longer kept
   std::uint64_t skipped_turns = 0;  // turns of the estimation thread that came too late and were left out
+};
+
+struct RunEvent {
+  enum class Kind : std::uint8_t { state_changed, dwell_finished };
+  Kind kind = Kind::state_changed;
+  State before = State::idle;          // of state_changed: the state that ended
+  std::shared_ptr<const Dwell> dwell;  // as it stands after the change, or as it ended; never null
+  std::uint64_t lost = 0;              // events before this one for which there was no room
 };
 
 }  // namespace dwell

@@ -39,7 +39,7 @@ bool Panel::has_inputs() const noexcept { return settings_.interlock || settings
 std::array<pollfd, 2> Panel::waited_for() const noexcept {
   std::array<pollfd, 2> waited{pollfd{-1, POLLIN, 0}, pollfd{-1, POLLIN, 0}};
   for (std::size_t i = 0; i < waited.size(); ++i)
-    if (held_[i].input) waited[i].fd = held_[i].input->descriptor();
+    if (held_[i].input.line) waited[i].fd = held_[i].input.line->descriptor();
   return waited;
 }
 
@@ -50,8 +50,8 @@ void Panel::turn(const ClockPair& now) {
     if (held(function).line != nullptr && !held(function).open() && now.monotonic_ns >= held(function).retry_ns)
       open(function);
   for (const Function function : {Function::interlock, Function::sync}) {
-    if (held(function).input) take(function);
-    if (held(function).input && now.monotonic_ns >= input(function).probe_ns) probe(function);
+    if (input(function).line) take(function);
+    if (input(function).line && now.monotonic_ns >= input(function).probe_ns) probe(function);
     if (function == Function::interlock && input(function).untold && link_.has_room())
       tell_edge(function, now.monotonic_ns, status(function).level.value_or(false));
   }
@@ -81,10 +81,10 @@ void Panel::open(Function function) {
     }
     const auto level = (*opened)->level();
     if (!level) return fail(function, level.error());
-    own.input = std::move(*opened);
-    input(function) = {};
-    if (!rising) input(function).filter.emplace(*level, debounce_ns(*own.line));
-    input(function).probe_ns = now_ns + kProbe_ns;
+    own.input = {};
+    own.input.line = std::move(*opened);
+    if (!rising) own.input.filter.emplace(*level, debounce_ns(*own.line));
+    own.input.probe_ns = now_ns + kProbe_ns;
     if (function == Function::interlock) tell_edge(function, now_ns, *level);
   }
   LineStatus& told = status(function);
@@ -99,7 +99,7 @@ void Panel::fail(Function function, const std::string& reason) {
   if (told.reason != reason)
     log_.error("gpio: " + name_of(function) + " does not work: " + reason, {{"DWELL_GPIO", name_of(function)}});
   const bool permitted = function == Function::interlock && told.level.value_or(false);
-  own.input.reset();
+  own.input.line.reset();
   own.output.reset();
   own.retry_ns = clocks_.now().monotonic_ns + kRetry_ns;
   if (permitted) tell_edge(function, clocks_.now().monotonic_ns, false);
@@ -113,7 +113,7 @@ void Panel::take(Function function) {
   const auto tell = [&](std::int64_t t_ns, bool level) { tell_edge(function, t_ns, level); };
   std::array<LineEdge, kBatch> edges;
   for (int i = 0; i < kBatches; ++i) {
-    const auto taken = held(function).input->take(edges.data(), edges.size());
+    const auto taken = own.line->take(edges.data(), edges.size());
     if (!taken) {
       fail(function, taken.error());
       return;
@@ -140,11 +140,11 @@ void Panel::probe(Function function) {
   Input& own = input(function);
   const std::int64_t now_ns = clocks_.now().monotonic_ns;
   own.probe_ns = now_ns + kProbe_ns;
-  const auto level = held(function).input->level();
+  const auto level = own.line->level();
   if (!level) return fail(function, level.error());
   if (function != Function::interlock || *level == own.filter->line()) return;
   take(function);  // it may just have changed
-  if (!held(function).input || *level == own.filter->line()) return;
+  if (!own.line || *level == own.filter->line()) return;
   count_loss(function);
   own.filter->edge({now_ns, *level, false}, [&](std::int64_t t_ns, bool to) { tell_edge(function, t_ns, to); });
 }

@@ -45,18 +45,19 @@ class Panel {
   [[nodiscard]] std::array<pollfd, 2> waited_for() const noexcept;
 
  private:
-  struct Held {
-    const config::GpioLine* line = nullptr;  // null: not configured
-    std::unique_ptr<InputLine> input;
-    std::unique_ptr<OutputLine> output;
-    std::int64_t retry_ns = INT64_MIN;
-    [[nodiscard]] bool open() const noexcept { return input != nullptr || output != nullptr; }
-  };
   struct Input {
+    std::unique_ptr<InputLine> line;   // null: not open
     std::optional<EdgeFilter> filter;  // none: rising edges are taken as they come
     std::int64_t probe_ns = 0;         // CLOCK_MONOTONIC
     bool gap = false;                  // edges were lost before the next one
     bool untold = false;               // the last edge found no room: the stream knows another level
+  };
+  struct Held {
+    const config::GpioLine* line = nullptr;  // null: not configured
+    Input input;                             // of interlock and sync
+    std::unique_ptr<OutputLine> output;      // of the lamps; null: not open
+    std::int64_t retry_ns = INT64_MIN;
+    [[nodiscard]] bool open() const noexcept { return input.line != nullptr || output != nullptr; }
   };
 
   void open(Function function);
@@ -68,7 +69,7 @@ class Panel {
   void light();
 
   Held& held(Function function) noexcept { return held_[static_cast<std::size_t>(function)]; }
-  Input& input(Function function) noexcept { return inputs_[static_cast<std::size_t>(function)]; }
+  Input& input(Function function) noexcept { return held(function).input; }
   LineStatus& status(Function function) noexcept { return status_[static_cast<std::size_t>(function)]; }
 
   const config::GpioSettings settings_;
@@ -80,7 +81,6 @@ class Panel {
   std::int64_t previous_raw_ns_ = INT64_MIN;  // when edges were read before
   std::int64_t lamps_anew_ns_ = INT64_MIN;    // when they are set though nothing has changed
   std::array<Held, kFunctions> held_;
-  std::array<Input, 2> inputs_;
   Status status_;
 };
 

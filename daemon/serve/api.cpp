@@ -72,14 +72,13 @@ Json stale_json(const ServiceView& view) {
 
 Json devices_json(const ServiceView& view) {
   Json list = Json::array();
-  for (std::size_t i = 0; i < view.snapshot.devices.size(); ++i) {
-    const DeviceView& device = view.snapshot.devices[i];
+  for (const DeviceView& device : view.snapshot.devices) {
     Json faults = Json::object();
     for (int kind = 1; kind < kFaultCount; ++kind)
       if (const auto count = device.faults[static_cast<std::size_t>(kind)]; count > 0)
         faults[to_string(static_cast<Fault>(kind))] = count;
-    list.push_back({{"name", view.rig.devices[i].name},
-                    {"driver", view.drivers[i]},
+    list.push_back({{"name", device.name},
+                    {"driver", device.driver},
                     {"up", device.up},
                     {"faults", std::move(faults)},
                     {"foreign", device.foreign}});
@@ -104,14 +103,13 @@ Json gpio_json(const ServiceView& view) {
 }
 
 Json health_json(const ServiceView& view) {
-  const Health health = judge_health(view.rig, view.snapshot, view.gpio, view.log, view.trouble);
+  const Health& health = view.health;
   const Json stale = stale_json(view);
   Json threads = Json::array();
   for (const WatchedThread& thread : view.threads) {
-    const std::int64_t still_ns = view.now_ns - thread.last_turn_ns;
     threads.push_back({{"name", thread.name},
-                       {"turned_s_ago", number(static_cast<double>(still_ns) * 1e-9)},
-                       {"ok", still_ns <= thread.bound_ns}});
+                       {"turned_s_ago", number(static_cast<double>(thread.still_ns(view.now_ns)) * 1e-9)},
+                       {"ok", thread.turns(view.now_ns)}});
   }
   return {{"status", to_string(health.status)},
           {"reason", health.reasons.empty() ? Json(nullptr) : Json(reason_of(health))},
@@ -261,7 +259,8 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   constexpr std::string_view kOne = "/api/v1/dwells/";
   if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
-  if (path == "/api/v1/health") return {view.trouble.empty() ? 200 : 503, dump(health_json(view))};
+  if (path == "/api/v1/health")
+    return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
   return http_error(404,
                     "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
                     "/api/v1/channels, /api/v1/health and /api/v1/stream");

@@ -2,37 +2,15 @@
 // A number that does not exist is null. Bound to one thread; throws only where memory ends.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "core/rig/rig.hpp"
-#include "daemon/estimate/snapshot.hpp"
-#include "daemon/gpio/link.hpp"
-#include "daemon/health.hpp"
-#include "daemon/log/log.hpp"
-#include "daemon/report/dwell_view.hpp"
 #include "daemon/serve/http_server.hpp"
-#include "daemon/watchdog.hpp"
+#include "daemon/service_view.hpp"
 
 namespace dwell {
-
-// Everything the answers are made from, as it stands at now_ns. The references live as long as the call.
-struct ServiceView {
-  const Rig& rig;
-  const std::vector<std::string>& drivers;  // by device
-  const RunInfo& run;
-  const Snapshot& snapshot;
-  std::int64_t now_ns = 0;  // CLOCK_MONOTONIC_RAW
-  double uptime_s = 0.0;
-  HttpStats http;
-  LogStats log;
-  std::vector<WatchedThread> threads;
-  std::string trouble;  // the watchdog's; empty: all is well
-  gpio::Status gpio{};  // of the lines that are configured
-};
 
 // Finished dwells in one answer of /api/v1/dwells at most, and unless ?count= asks for fewer …
 inline constexpr std::size_t kDwellsPerAnswer = 100;

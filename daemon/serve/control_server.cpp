@@ -14,7 +14,7 @@
 #include <boost/asio/write.hpp>
 #include <unordered_set>
 
-#include "daemon/serve/event_loop.hpp"
+#include "daemon/serve/listener.hpp"
 
 namespace dwell {
 
@@ -28,16 +28,15 @@ constexpr mode_t kMode = 0660;
 }  // namespace
 
 struct ControlServer::Impl : std::enable_shared_from_this<ControlServer::Impl> {
-  Impl(asio::io_context& context, ControlOptions asked, Handler answers)
-      : options(std::move(asked)), handler(std::move(answers)), acceptor(context) {}
+  Impl(EventLoop& loop, ControlOptions asked, Handler answers)
+      : options(std::move(asked)), handler(std::move(answers)), listener(loop) {}
 
-  void accept();
+  void welcome(Local::socket socket);
   bool make_room();
 
   const ControlOptions options;
   const Handler handler;
-  Local::acceptor acceptor;
-  std::weak_ptr<void> accepting;  // expired: nobody waits for the next caller
+  Listener<Local> listener;
   std::unordered_set<Caller*> callers;
   std::uint64_t came = 0;
 };
@@ -139,19 +138,9 @@ std::string clear(asio::io_context& context, const std::string& path) {
 
 }  // namespace
 
-void ControlServer::Impl::accept() {
-  const auto waiting = std::make_shared<char>();
-  accepting = waiting;
-  acceptor.async_accept([self = shared_from_this(), waiting](const error_code& error, Local::socket socket) {
-    if (error || !self->acceptor.is_open()) return;
-    // Whatever befalls this caller must not keep the next one out.
-    try {
-      if (self->callers.size() < self->options.clients || self->make_room())
-        std::make_shared<Caller>(self, std::move(socket))->read();
-    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): memory has ended; the caller sees it closed
-    }
-    self->accept();
-  });
+void ControlServer::Impl::welcome(Local::socket socket) {
+  if (callers.size() < options.clients || make_room())
+    std::make_shared<Caller>(shared_from_this(), std::move(socket))->read();
 }
 
 // Closes the oldest connection that has not asked anything; false: all have.
@@ -175,28 +164,23 @@ tl::expected<std::unique_ptr<ControlServer>, std::string> ControlServer::make(Ev
     return failed("the path is empty or too long");
   const std::string obstacle = clear(loop.context(), options.path);
   if (!obstacle.empty()) return failed(obstacle);
-  auto impl = std::make_shared<Impl>(loop.context(), options, std::move(handler));
+  auto impl = std::make_shared<Impl>(loop, options, std::move(handler));
+  Local::acceptor& acceptor = impl->listener.acceptor();
   error_code error;
-  impl->acceptor.open(Local(), error);
-  if (!error) impl->acceptor.bind(Local::endpoint(options.path), error);
+  acceptor.open(Local(), error);
+  if (!error) acceptor.bind(Local::endpoint(options.path), error);
   if (error) return failed(error.message());
   // Before listen(): until then nobody can connect, whatever the umask.
   if (chmod(options.path.c_str(), kMode) != 0) return failed("its mode cannot be set");
-  impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  impl->listener.begin([server = impl.get()](Local::socket socket) { server->welcome(std::move(socket)); }, error);
   if (error) return failed(error.message());
-  impl->accept();
-  // Also after memory or descriptors had run out for a while.
-  loop.every(std::chrono::milliseconds(250), [weak = std::weak_ptr(impl)] {
-    if (const auto self = weak.lock(); self && self->accepting.expired() && self->acceptor.is_open()) self->accept();
-  });
   return std::unique_ptr<ControlServer>(new ControlServer(std::move(impl)));
 }
 
 ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 ControlServer::~ControlServer() {
-  error_code ignored;
-  impl_->acceptor.close(ignored);
+  impl_->listener.close();
   const auto callers = impl_->callers;
   for (Caller* caller : callers) caller->close();
   unlink(impl_->options.path.c_str());

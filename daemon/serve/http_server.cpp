@@ -19,7 +19,8 @@
 #include <unordered_set>
 
 #include "daemon/serve/event_loop.hpp"
-#include "daemon/serve/host_check.hpp"
+#include "daemon/serve/http_request.hpp"
+#include "daemon/serve/listener.hpp"
 
 namespace dwell {
 
@@ -36,26 +37,21 @@ class Connection;
 }
 
 struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
-  Impl(asio::io_context& context, HttpOptions asked, Handler answers, FirstEvent first)
-      : options(std::move(asked)), handler(std::move(answers)), first_event(std::move(first)), acceptor(context) {}
+  Impl(EventLoop& loop, HttpOptions asked, Handler answers, FirstEvent first)
+      : options(std::move(asked)), handler(std::move(answers)), first_event(std::move(first)), listener(loop) {}
 
-  void accept();
   void welcome(tcp::socket socket);
   bool make_room();
 
   const HttpOptions options;
   const Handler handler;
   const FirstEvent first_event;
-  tcp::acceptor acceptor;
-  std::weak_ptr<void> accepting;  // expired: nobody waits for the next client
+  Listener<tcp> listener;
   std::unordered_set<Connection*> connections;
   std::unordered_set<Connection*> streams;
   bool awaits_address = false;
   std::size_t large_bytes = 0;  // of large answers on their way
-  std::uint64_t requests = 0;
-  std::uint64_t refused = 0;
-  std::uint64_t displaced = 0;
-  std::uint64_t events_dropped = 0;
+  HttpStats counts;             // clients and streams apart: those are the sets above
 };
 
 namespace {
@@ -90,7 +86,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (waiting_.size() >= server_->options.events_waiting) {
       // The first one is on its way out; the oldest behind it goes.
       waiting_.erase(waiting_.begin() + 1);
-      ++server_->events_dropped;
+      ++server_->counts.events_dropped;
     }
     waiting_.push_back(event);
     if (idle) write_event();
@@ -136,42 +132,34 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (error.category() == http::make_error_code(http::error::bad_method).category())
       return answer(http_error(400, "not a request: " + error.message()), false, false);
     if (error) return;  // gone, or out of time: what it wanted is not known
-    ++server_->requests;
-    const auto& request = parser_->get();
-    const bool head = request.method() == http::verb::head;
-    const auto hosts = request.count(http::field::host);
-    if (hosts > 1 || (hosts == 0 && request.version() >= 11))
-      return answer(http_error(400, "expected one Host field"), head, false);
-    const auto host = request[http::field::host];
-    if (hosts == 1 && !is_our_host({host.data(), host.size()}, server_->options.names))
-      return answer(
-          http_error(421, "\"" + std::string(host) +
-                              "\" is no name of this service: expected a numeric address, localhost or one of "
-                              "[server] names in the rig file"),
-          head, false);
-    if (!head && request.method() != http::verb::get)
-      return answer(http_error(405, "only GET and HEAD: this interface is for reading"), false, false);
-    const std::string_view target(request.target().data(), request.target().size());
-    const auto mark = std::min(target.find('?'), target.size());
-    const std::string_view path = target.substr(0, mark);
-    const std::string_view query = target.substr(std::min(mark + 1, target.size()));
-    if (path.empty() || path.front() != '/')
-      return answer(http_error(400, "the target is no path"), head, request.keep_alive());
+    ++server_->counts.requests;
+    const auto& read = parser_->get();
+    const auto host = read[http::field::host];
+    const HttpRequest request{read.method() == http::verb::get,
+                              read.method() == http::verb::head,
+                              read.version() >= 11,
+                              read.count(http::field::host),
+                              {host.data(), host.size()},
+                              {read.target().data(), read.target().size()}};
+    const bool head = request.head;
+    if (auto refused = refusal(request, server_->options.names))
+      return answer(std::move(refused->reply), head, !refused->ends && read.keep_alive());
+    const std::string_view path = request.path();
     if (path == server_->options.stream_path && !head) {
       if (server_->streams.size() < server_->options.streams) return begin_stream();
-      return answer(http_error(503, "too many live streams"), head, request.keep_alive());
+      return answer(http_error(503, "too many live streams"), head, read.keep_alive());
     }
     HttpReply reply;
     if (path == server_->options.stream_path) {
       reply.content_type = "text/event-stream";
     } else {
       try {
-        reply = server_->handler(path, query);
+        reply = server_->handler(path, request.query());
       } catch (const std::exception&) {
         reply = http_error(500, "the answer could not be made");
       }
     }
-    answer(std::move(reply), head, request.keep_alive());
+    answer(std::move(reply), head, read.keep_alive());
   }
 
   template <class Body>
@@ -288,24 +276,6 @@ std::string event_text(std::string_view name, std::string_view data) {
   return text;
 }
 
-void HttpServer::Impl::accept() {
-  // Where memory ends within Asio the handler is never called; that it is gone is then all there is to see.
-  const auto waiting = std::make_shared<char>();
-  accepting = waiting;
-  acceptor.async_accept([self = shared_from_this(), waiting](const error_code& error, tcp::socket socket) {
-    if (!self->acceptor.is_open()) return;
-    // Out of descriptors, perhaps: trying again at once would turn the loop into a busy one.
-    if (error) return;
-    // Whatever befalls this client must not keep the next one out.
-    try {
-      self->welcome(std::move(socket));
-    } catch (const std::exception&) {
-      ++self->refused;
-    }
-    self->accept();
-  });
-}
-
 // Closes the connection that has been silent longest, one that was never served before one that was; false: there is
 // none.
 bool HttpServer::Impl::make_room() {
@@ -317,7 +287,7 @@ bool HttpServer::Impl::make_room() {
   }
   if (longest == nullptr) return false;
   longest->close();
-  ++displaced;
+  ++counts.displaced;
   return true;
 }
 
@@ -325,10 +295,14 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
   if (connections.size() < options.clients || make_room()) {
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
-    std::make_shared<Connection>(shared_from_this(), std::move(socket))->read();
+    try {
+      std::make_shared<Connection>(shared_from_this(), std::move(socket))->read();
+    } catch (const std::exception&) {
+      ++counts.refused;
+    }
     return;
   }
-  ++refused;
+  ++counts.refused;
   // A word of explanation if it can be had for nothing.
   const std::string body = http_error(503, "too many clients").body;
   const std::string text =
@@ -343,17 +317,17 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
 
 namespace {
 
-// Binds; an address that is not there yet by the kernel's leave to do so (ip(7), IP_FREEBIND).
-void bind(HttpServer::Impl& server, const tcp::endpoint& endpoint, error_code& error) {
-  server.acceptor.bind(endpoint, error);
-  if (error.value() != EADDRNOTAVAIL) return;
+// An address that is not there yet is bound by the kernel's leave to do so (ip(7), IP_FREEBIND); true: that was needed.
+bool bind(tcp::acceptor& acceptor, const tcp::endpoint& endpoint, error_code& error) {
+  acceptor.bind(endpoint, error);
+  if (error.value() != EADDRNOTAVAIL) return false;
   const int yes = 1;
   const bool v6 = endpoint.address().is_v6();
-  if (setsockopt(server.acceptor.native_handle(), v6 ? IPPROTO_IPV6 : IPPROTO_IP, v6 ? IPV6_FREEBIND : IP_FREEBIND,
-                 &yes, sizeof yes) != 0)
-    return;
-  server.acceptor.bind(endpoint, error);
-  server.awaits_address = !error;
+  if (setsockopt(acceptor.native_handle(), v6 ? IPPROTO_IPV6 : IPPROTO_IP, v6 ? IPV6_FREEBIND : IP_FREEBIND, &yes,
+                 sizeof yes) != 0)
+    return false;
+  acceptor.bind(endpoint, error);
+  return !error;
 }
 
 }  // namespace
@@ -366,35 +340,32 @@ tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(
   const auto address = asio::ip::make_address(options.host == "localhost" ? "127.0.0.1" : options.host, error);
   if (error) return tl::unexpected(Failure{true, "listen: \"" + options.host + "\" is no numeric address"});
   const tcp::endpoint endpoint(address, options.port);
-  auto impl = std::make_shared<Impl>(loop.context(), options, std::move(handler), std::move(first_event));
-  impl->acceptor.open(endpoint.protocol(), error);
-  if (!error) impl->acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) bind(*impl, endpoint, error);
-  if (!error) impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  auto impl = std::make_shared<Impl>(loop, options, std::move(handler), std::move(first_event));
+  tcp::acceptor& acceptor = impl->listener.acceptor();
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) impl->awaits_address = bind(acceptor, endpoint, error);
+  // Not the server itself: a listener that holds on to it would keep it for ever.
+  if (!error)
+    impl->listener.begin([server = impl.get()](tcp::socket socket) { server->welcome(std::move(socket)); }, error);
   if (error) {
     return tl::unexpected(Failure{
         false, "cannot listen on " + options.host + ":" + std::to_string(options.port) + ": " + error.message()});
   }
-  impl->accept();
-  // Also after memory or descriptors had run out for a while.
-  loop.every(std::chrono::milliseconds(250), [weak = std::weak_ptr(impl)] {
-    if (const auto self = weak.lock(); self && self->accepting.expired() && self->acceptor.is_open()) self->accept();
-  });
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
 HttpServer::HttpServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 HttpServer::~HttpServer() {
-  error_code ignored;
-  impl_->acceptor.close(ignored);
+  impl_->listener.close();
   const auto connections = impl_->connections;
   for (Connection* connection : connections) connection->close();
 }
 
 std::uint16_t HttpServer::port() const {
   error_code ignored;
-  return impl_->acceptor.local_endpoint(ignored).port();
+  return impl_->listener.acceptor().local_endpoint(ignored).port();
 }
 
 bool HttpServer::awaits_address() const noexcept { return impl_->awaits_address; }
@@ -413,8 +384,10 @@ void HttpServer::broadcast(std::string_view name, std::string_view data) {
 }
 
 HttpStats HttpServer::stats() const noexcept {
-  return {impl_->connections.size(), impl_->streams.size(), impl_->requests, impl_->refused,
-          impl_->displaced,          impl_->events_dropped};
+  HttpStats stats = impl_->counts;
+  stats.clients = impl_->connections.size();
+  stats.streams = impl_->streams.size();
+  return stats;
 }
 
 }  // namespace dwell

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/outlets/dwell_stream.hpp"
 #include "daemon/serve/api.hpp"
-#include "daemon/serve/dwell_stream.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 
 namespace dwell {
@@ -31,6 +31,8 @@ struct ApiSchemaTest : testing::Test {
     snapshot.channels[2].fault = Fault::timeout;
     snapshot.channels[2].reason = "no answer within 0.1 s";
     snapshot.devices.resize(1);
+    snapshot.devices[0].name = "amplifier";
+    snapshot.devices[0].driver = "modbus";
     snapshot.devices[0].faults[2] = 7;
     lines[0] = {true, true, "", true, 5, 1, 0};
     lines[3] = {true, false, "there is no /dev/gpiochip0", std::nullopt, 0, 0, 0};
@@ -46,8 +48,13 @@ struct ApiSchemaTest : testing::Test {
     snapshot.finished = list;
   }
   [[nodiscard]] ServiceView view() const {
-    return {rig, drivers, run, snapshot, 2'000'000'000, 3.5, {}, {}, {{"estimate", 1'990'000'000, 1'000'000'000}},
-            "",  lines};
+    ServiceView now{rig, run, snapshot};
+    now.now_ns = 2'000'000'000;
+    now.uptime_s = 3.5;
+    now.threads = {{"estimate", 1'990'000'000, 1'000'000'000}};
+    now.gpio = lines;
+    now.health = judge_health(rig, snapshot, now.gpio, now.log, "");
+    return now;
   }
   [[nodiscard]] std::string get(const std::string& path) const { return http_answer(view(), path, "").body; }
   [[nodiscard]] std::string control(const std::string& line) const {
@@ -64,7 +71,6 @@ struct ApiSchemaTest : testing::Test {
 
   test::ApiSchema schema;
   Rig rig;
-  std::vector<std::string> drivers{"modbus"};
   RunInfo run = test::sample_run();
   Snapshot snapshot;
   gpio::Status lines{};

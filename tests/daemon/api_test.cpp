@@ -23,20 +23,21 @@ struct ApiTest : testing::Test {
     snapshot.channels[0].tally = {10, 5, 1, 1, 0, 1, 2};
     snapshot.channels[0].half_width_s = 1e-3;
     snapshot.devices.resize(1);
+    snapshot.devices[0].name = "amplifier";
+    snapshot.devices[0].driver = "modbus";
     snapshot.devices[0].faults[2] = 7;
     snapshot.dwell.phasors.resize(1);
   }
-  [[nodiscard]] ServiceView view(std::string trouble = {}) const {
-    return {rig,
-            drivers,
-            run,
-            snapshot,
-            2'000'000'000,
-            3.5,
-            {},
-            {},
-            {{"estimate", 1'990'000'000, 1'000'000'000}},
-            std::move(trouble)};
+  [[nodiscard]] ServiceView view(const std::string& trouble = {}) const {
+    ServiceView now{rig, run, snapshot};
+    now.now_ns = 2'000'000'000;
+    now.uptime_s = 3.5;
+    now.threads = {{"estimate", 1'990'000'000, 1'000'000'000}};
+    return judged(now, trouble);
+  }
+  [[nodiscard]] static ServiceView judged(ServiceView now, const std::string& trouble = {}) {
+    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, trouble);
+    return now;
   }
   [[nodiscard]] Json get(const char* path, const char* query = "") const {
     const HttpReply reply = http_answer(view(), path, query);
@@ -59,7 +60,6 @@ struct ApiTest : testing::Test {
   }
 
   Rig rig;
-  std::vector<std::string> drivers{"modbus"};
   RunInfo run{"abc", "0.1.0", ""};
   Snapshot snapshot;
   int rearmed = 0;
@@ -198,7 +198,7 @@ TEST_F(ApiTest, HealthTellsOfLinesOfTheLogThatAreLost) {
   snapshot.channels[0].fault = Fault::none;
   ServiceView now = view();
   now.log = {500, 29, true, "No space left on device"};
-  const Json health = Json::parse(http_answer(now, "/api/v1/health", "").body);
+  const Json health = Json::parse(http_answer(judged(now), "/api/v1/health", "").body);
   EXPECT_EQ(health["status"], "degraded");
   EXPECT_EQ(health["log"]["dropped"], 29);
   EXPECT_NE(health["reason"].get<std::string>().find("29"), std::string::npos) << health["reason"];
@@ -238,14 +238,14 @@ TEST_F(ApiTest, ARearmThatCannotBeTakenIsSaid) {
 TEST_F(ApiTest, HealthTellsOfTheLinesThatAreConfiguredAndIsDegradedByOneThatDoesNotWork) {
   snapshot.channels[0].fault = Fault::none;
   ServiceView now = view();
-  EXPECT_EQ(Json::parse(http_answer(now, "/api/v1/health", "").body)["gpio"], Json::object());
+  EXPECT_EQ(Json::parse(http_answer(judged(now), "/api/v1/health", "").body)["gpio"], Json::object());
   now.gpio[0] = {true, true, "", true, 5, 1, 0};
-  Json health = Json::parse(http_answer(now, "/api/v1/health", "").body);
+  Json health = Json::parse(http_answer(judged(now), "/api/v1/health", "").body);
   EXPECT_EQ(health["status"], "ok");
   EXPECT_EQ(health["gpio"], Json::parse(R"({"interlock":{"works":true,"reason":null,"level":1,"edges":5,"bounces":1,
                                              "lost":0}})"));
   now.gpio[3] = {true, false, "there is no /dev/gpiochip0", std::nullopt, 0, 0, 0};
-  health = Json::parse(http_answer(now, "/api/v1/health", "").body);
+  health = Json::parse(http_answer(judged(now), "/api/v1/health", "").body);
   EXPECT_EQ(health["status"], "degraded");
   EXPECT_EQ(health["gpio"]["fault"]["reason"], "there is no /dev/gpiochip0");
   EXPECT_EQ(health["gpio"]["fault"]["level"], nullptr);

@@ -1,4 +1,4 @@
-#include "daemon/serve/dwell_stream.hpp"
+#include "daemon/outlets/dwell_stream.hpp"
 
 #include <gtest/gtest.h>
 

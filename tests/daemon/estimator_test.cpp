@@ -44,10 +44,9 @@ struct EstimatorTest : testing::Test {
     log = std::move(*Log::make(quiet));
     begin({});
   }
-  void begin(EstimatorOptions options) {
-    options.nominal_rate_hz = {200.0, 200.0};
+  void begin(const EstimatorOptions& options, bool leads = false) {
     estimator.emplace(
-        rig, std::vector<DeviceLink*>{&link}, options, *log, [this] { ++published; }, now_ns);
+        rig, std::vector<DeviceFeed>{{&link, "modbus", 200.0, leads}}, options, *log, [this] { ++woken; }, now_ns);
   }
   // A scan of both channels stamped t; of a steady 10 Hz, in the channels' unit.
   bool scan(std::int64_t t_ns, double factor = 1.0) {
@@ -76,14 +75,16 @@ struct EstimatorTest : testing::Test {
   std::unique_ptr<Log> log;
   DeviceLink link{"amplifier", {0, 1}, 4096, nullptr};
   std::int64_t now_ns = kStart_ns;
-  int published = 0;
+  int woken = 0;
   std::optional<Estimator> estimator;
 };
 
 TEST_F(EstimatorTest, PublishesAsOftenAsTheRigFileSays) {
   go_on(2'000 * kMs_ns);
-  EXPECT_NEAR(published, 20, 1);
-  EXPECT_EQ(latest().sequence, static_cast<std::uint64_t>(published));
+  EXPECT_NEAR(static_cast<double>(latest().sequence), 20, 1);
+  int events = 0;
+  for (RunEvent event; estimator->next_event(event);) ++events;
+  EXPECT_EQ(latest().sequence + static_cast<std::uint64_t>(events), static_cast<std::uint64_t>(woken));
 }
 
 TEST_F(EstimatorTest, MeasuresWhatSettles) {
@@ -238,9 +239,7 @@ TEST_F(EstimatorTest, TheEndOfTheRunUsesWhatWaitsAndCompletesTheDwell) {
 }
 
 TEST_F(EstimatorTest, ARecordingPlayedFasterThanTimeIsUsedWhole) {
-  EstimatorOptions played;
-  played.leads = {true};  // as the driver says of it
-  begin(played);
+  begin({}, true);  // as the driver says of it
   // Ten seconds of stamps within one second.
   for (int i = 0; i < 100; ++i) {
     now_ns += 10 * kMs_ns;

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "daemon/outlets/outlet.hpp"
+
 namespace dwell {
 namespace {
 
@@ -71,6 +73,26 @@ TEST(Notifier, DoesNothingWhereNobodyAsked) {
   notifier.ready();
   notifier.status("x");
   notifier.feed_watchdog();
+}
+
+TEST_F(NotifierTest, TheStatusLineTellsTheDwellAndWhatIsWrong) {
+  Notifier notifier;
+  const auto outlet = make_systemd_status(notifier);
+  const Rig rig;
+  const RunInfo run;
+  Snapshot snapshot;
+  snapshot.dwell.index = 3;
+  snapshot.dwell.state = State::measuring;
+  snapshot.dwell.frequency_hz.value = 4.0003;
+  ServiceView now{rig, run, snapshot};
+  outlet->show(now);
+  EXPECT_EQ(received(), "STATUS=measuring, dwell 3, 4 Hz");
+  now.health = {Health::Status::degraded, {"channel y0: timeout"}, false};
+  outlet->show(now);
+  EXPECT_EQ(received(), "STATUS=measuring, dwell 3, 4 Hz; channel y0: timeout");
+  now.health = {Health::Status::fault, {"thread estimate has not turned for 3.0 s"}, false};
+  outlet->show(now);
+  EXPECT_EQ(received(), "STATUS=not working: thread estimate has not turned for 3.0 s");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "daemon/session.hpp"
+#include "daemon/run/session.hpp"
 
 namespace dwell {
 namespace {

@@ -29,10 +29,9 @@ struct EdgesInStream : testing::Test {
       rig.channels.push_back(channel);
     }
     EstimatorOptions options;
-    options.nominal_rate_hz = {100.0, 100.0};
     options.gpio = &edges;
     estimator.emplace(
-        rig, std::vector<DeviceLink*>{&link}, options, *log, [] {}, now_ns);
+        rig, std::vector<DeviceFeed>{{&link, "modbus", 100.0}}, options, *log, [] {}, now_ns);
   }
   // One turn every 10 ms, a scan in each; `heard`: the GPIO thread turns as well.
   void go_on(std::int64_t for_ns, bool heard = true) {

@@ -1,8 +1,7 @@
-// Everything made from one rig file: the devices' plugin instances, their rings, the estimation and its thread. The
+// Everything made from one rig file: the devices' plugin instances, their rings, the GPIO lines, and the run. The
 // server, the log and the watchdog outlive it.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,42 +9,40 @@
 #include <vector>
 
 #include "config/rig_file.hpp"
-#include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
-#include "daemon/health.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/outlets/outlet.hpp"
+#include "daemon/run/run.hpp"
 #include "daemon/watchdog.hpp"
 
 namespace dwell {
 
+// Bound to one thread, in dwelld the event loop's.
 class Session {
  public:
   // Makes the devices (none is touched yet); fails with the reason. `drivers` yields the plugins' tables, which stay
-  // valid for ever. published: called on the estimation thread after each snapshot; must not block.
+  // valid for ever. wake: called on the estimation thread when the run has something new; must not block.
   static tl::expected<std::unique_ptr<Session>, std::string> make(config::RigFile file,
                                                                   const config::SchemaSource& drivers, Log& log,
-                                                                  std::function<void()> published);
-  // Stops the devices, all at once, then ends the run; within about half a second. A driver that does not stop within
-  // 1 s is left behind, cut off from everything: what it hangs in cannot be ended, and must not cost the end of the
-  // run.
+                                                                  std::function<void()> wake);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // Starts the estimation, then the devices. A rig that is off is no failure.
+  // Starts the run, then the devices. A rig that is off is no failure.
   tl::expected<void, std::string> start();
+  // Stops the devices, all at once, then ends the run; within about half a second. A driver that does not stop within
+  // 1 s is left behind, cut off from everything: what it hangs in cannot be ended, and must not cost the end of the
+  // run. The destructor does it where nobody has; what the run published last can be read until then.
+  void end();
 
   [[nodiscard]] const config::RigFile& file() const noexcept;
-
-  // Of one thread, the event loop's: moves on to the newest snapshot; the operator's rearm (false: too many at once).
-  bool refresh() noexcept;
-  [[nodiscard]] const Snapshot& latest() const noexcept;
-  bool rearm() noexcept;
+  [[nodiscard]] Run& run() noexcept;
 
   // How the rig's GPIO lines stand; none is configured where there is no [gpio].
   [[nodiscard]] gpio::Status gpio() const;
-  // Of the event loop: what the lamps are to show; at least once a second.
-  void light_lamps(const Health& health);
+  // The rig's lamps; null: it has none.
+  [[nodiscard]] Outlet* lamps() noexcept;
 
   // What the watchdog looks at.
   [[nodiscard]] std::vector<WatchedThread> threads() const;

@@ -1,4 +1,4 @@
-#include "daemon/serve/dwell_stream.hpp"
+#include "daemon/outlets/dwell_stream.hpp"
 
 #include "daemon/report/dwell_change.hpp"
 #include "daemon/report/dwell_json.hpp"

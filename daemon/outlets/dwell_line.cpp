@@ -1,4 +1,4 @@
-#include "daemon/estimate/dwell_line.hpp"
+#include "daemon/outlets/dwell_line.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -1,0 +1,48 @@
+// The pipeline of one run and what comes of it: the dwells that have ended, and the events that tell of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/dwell/pipeline.hpp"
+#include "core/rig/rig.hpp"
+#include "daemon/estimate/kept_dwells.hpp"
+#include "daemon/estimate/snapshot.hpp"
+
+namespace dwell {
+
+// Bound to the estimation thread. Real-time safe but where a dwell or a state ends.
+class Measurement {
+ public:
+  using Tell = std::function<void(RunEvent)>;
+  // What became of the samples of a channel that were taken.
+  struct Fate {
+    std::uint64_t used = 0;
+    std::uint64_t rejected = 0;
+  };
+
+  // The rig must be valid. kept: the finished dwells that stay in memory.
+  Measurement(const Rig& rig, KeptDwells kept, Tell tell);
+
+  // The next record of the ordered stream.
+  void take(const Record& record);
+  // The end of the run: the current dwell completes.
+  void finish();
+
+  [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_; }
+  [[nodiscard]] const KeptDwells& finished() const noexcept { return finished_; }
+  [[nodiscard]] Fate fate(std::size_t channel) const noexcept;
+
+ private:
+  void note(std::uint8_t change);
+
+  Pipeline pipeline_;
+  std::vector<std::uint64_t> taken_;  // samples, by Rig::channels
+  State state_ = State::idle;         // the last that was told
+  KeptDwells finished_;
+  Tell tell_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,31 @@
+#include "daemon/outlets/dwell_line.hpp"
+#include "daemon/outlets/outlet.hpp"
+
+namespace dwell {
+namespace {
+
+class LogLines final : public Outlet {
+ public:
+  explicit LogLines(Log& log) : log_(log) {}
+
+  void show(const ServiceView& /*now*/) override {}
+
+  void tell(const RunEvent& event, const Rig& rig) override {
+    if (event.lost > 0)
+      log_.warning(std::to_string(event.lost) + " changes of state and finished dwells are not told of");
+    if (event.kind == RunEvent::Kind::dwell_finished) {
+      log_.info(finished_line(*event.dwell, rig));
+    } else {
+      log_.info(state_line(event.before, *event.dwell), {{"DWELL_STATE", to_string(event.dwell->state)}});
+    }
+  }
+
+ private:
+  Log& log_;
+};
+
+}  // namespace
+
+std::unique_ptr<Outlet> make_log_lines(Log& log) { return std::make_unique<LogLines>(log); }
+
+}  // namespace dwell

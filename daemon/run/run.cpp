@@ -1,0 +1,56 @@
+#include "daemon/run/run.hpp"
+
+#include <cstdio>
+#include <ctime>
+#include <utility>
+
+#include "daemon/acquire/hold_back.hpp"
+#include "daemon/clock.hpp"
+#include "daemon/version.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
+
+std::string iso_utc(std::int64_t utc_ns) {
+  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  char day[40];
+  std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &parts);
+  char text[64];
+  std::snprintf(text, sizeof text, "%s.%06dZ", day, static_cast<int>(utc_ns / 1000 % 1'000'000));
+  return text;
+}
+
+EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges) {
+  EstimatorOptions options;
+  options.hold_back_ns = hold_back_ns(file);
+  options.gpio = edges;
+  return options;
+}
+
+}  // namespace
+
+Run::Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
+         std::function<void()> wake)
+    : info_{file.sha256, kVersion, {}},
+      estimator_(file.rig, std::move(devices), options_for(file, edges), log, std::move(wake), raw_now_ns()) {}
+
+void Run::start() { thread_.emplace(estimator_); }
+
+void Run::end() { thread_.reset(); }
+
+bool Run::refresh() {
+  const bool newer = estimator_.refresh();
+  if (info_.start_utc.empty() && latest().start_utc_ns != 0) info_.start_utc = iso_utc(latest().start_utc_ns);
+  return newer;
+}
+
+std::optional<WatchedThread> Run::thread() const {
+  if (!thread_) return std::nullopt;
+  return WatchedThread{"estimate", thread_->last_turn_ns(), kEstimateBound_ns};
+}
+
+}  // namespace dwell

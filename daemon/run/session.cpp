@@ -1,0 +1,108 @@
+#include "daemon/run/session.hpp"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "daemon/acquire/device_host.hpp"
+#include "daemon/clock.hpp"
+#include "daemon/gpio/gpio_thread.hpp"
+#include "daemon/gpio/kernel_lines.hpp"
+#include "daemon/log/driver_lines.hpp"
+#include "daemon/run/stop_together.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::chrono::seconds kStopWithin{1};  // the interface asks for half of that
+constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
+
+}  // namespace
+
+struct Session::Impl {
+  config::RigFile file;
+  Log& log;
+  std::vector<std::shared_ptr<DeviceHost>> devices;  // by RigFile::devices
+  std::optional<gpio::GpioThread> gpio;
+  std::unique_ptr<Outlet> lamps;
+  std::optional<Run> run;
+};
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFile file,
+                                                                  const config::SchemaSource& drivers, Log& log,
+                                                                  std::function<void()> wake) {
+  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}});
+  std::vector<DeviceFeed> feeds;
+  for (const config::DeviceSettings& settings : impl->file.devices) {
+    const auto table = drivers(settings.driver);
+    if (!table) return tl::unexpected("device " + settings.name + ": " + table.error());
+    if (const std::string note = config::rate_note(impl->file, settings); !note.empty()) log.info(note);
+    auto device =
+        DeviceHost::make(settings, impl->file.directory, **table,
+                         [lines = DriverLines(settings.name, log)](dwell_level level, const char* message) mutable {
+                           lines.line(level, message, raw_now_ns());
+                         });
+    if (!device) return tl::unexpected(device.error());
+    feeds.push_back({&(*device)->link(), settings.driver, settings.rate_hz.value_or(0.0), settings.leads});
+    impl->devices.push_back(std::move(*device));
+  }
+  gpio::Link* edges = nullptr;
+  if (const config::GpioSettings& lines = impl->file.gpio;
+      lines.interlock || lines.sync || lines.ready || lines.fault) {
+    impl->gpio.emplace(lines, std::make_unique<gpio::KernelLines>(), log);
+    edges = &impl->gpio->link();
+    impl->lamps = make_lamps(*edges);
+  }
+  impl->run.emplace(impl->file, std::move(feeds), edges, log, std::move(wake));
+  return std::unique_ptr<Session>(new Session(std::move(impl)));
+}
+
+tl::expected<void, std::string> Session::start() {
+  impl_->run->start();
+  for (const auto& device : impl_->devices) {
+    if (auto started = device->start(); !started) return started;
+  }
+  return {};
+}
+
+void Session::end() {
+  const std::vector<std::string> left_behind = stop_together(impl_->devices, kStopWithin);
+  impl_->run->end();
+  impl_->devices.clear();  // not before: the run reads their rings to its end
+  for (const std::string& name : left_behind)
+    impl_->log.error("device " + name +
+                     ": its driver did not stop within 1 s and is left behind; the run is complete without it");
+}
+
+Session::~Session() { end(); }
+
+const config::RigFile& Session::file() const noexcept { return impl_->file; }
+Run& Session::run() noexcept { return *impl_->run; }
+gpio::Status Session::gpio() const { return impl_->gpio ? impl_->gpio->link().status() : gpio::Status{}; }
+Outlet* Session::lamps() noexcept { return impl_->lamps.get(); }
+
+std::vector<WatchedThread> Session::threads() const {
+  std::vector<WatchedThread> threads;
+  if (impl_->gpio) threads.push_back({"gpio", impl_->gpio->last_turn_ns(), kGpioBound_ns});
+  if (const auto estimation = impl_->run->thread()) threads.push_back(*estimation);
+  const std::vector<DeviceView>& views = impl_->run->latest().devices;
+  for (std::size_t i = 0; i < impl_->devices.size(); ++i) {
+    if (i < views.size() && views[i].ended) continue;
+    const DeviceLink& link = impl_->devices[i]->link();
+    threads.push_back({link.name(), link.last_turn_ns(), DeviceIntake::kHung_ns, false});
+  }
+  return threads;
+}
+
+std::vector<WatchedRing> Session::rings() const {
+  std::vector<WatchedRing> rings;
+  for (const auto& device : impl_->devices) {
+    const std::uint64_t entered = device->link().entered();
+    rings.push_back({device->link().name(), entered, device->link().left()});
+  }
+  return rings;
+}
+
+}  // namespace dwell

@@ -1,0 +1,37 @@
+#include "daemon/run/stop_together.hpp"
+
+#include <future>
+#include <thread>
+#include <utility>
+
+namespace dwell {
+
+std::vector<std::string> stop_together(std::vector<std::shared_ptr<DeviceHost>> devices,
+                                       std::chrono::milliseconds within) {
+  struct Stopping {
+    DeviceLink& link;
+    std::future<void> stopped;
+    std::thread thread;  // shares the device: the last of them destroys it
+  };
+  const auto until = std::chrono::steady_clock::now() + within;
+  std::vector<Stopping> all;
+  for (std::shared_ptr<DeviceHost>& device : devices) {
+    DeviceLink& link = device->link();
+    std::packaged_task<void()> stop([own = std::move(device)] { own->stop(); });
+    auto stopped = stop.get_future();
+    all.push_back({link, std::move(stopped), std::thread(std::move(stop))});
+  }
+  std::vector<std::string> left_behind;
+  for (Stopping& one : all) {
+    if (one.stopped.wait_until(until) == std::future_status::ready) {
+      one.thread.join();
+      continue;
+    }
+    left_behind.push_back(one.link.name());
+    one.link.abandon();
+    one.thread.detach();
+  }
+  return left_behind;
+}
+
+}  // namespace dwell

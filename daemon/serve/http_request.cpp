@@ -1,0 +1,21 @@
+#include "daemon/serve/http_request.hpp"
+
+#include "daemon/serve/host_check.hpp"
+
+namespace dwell {
+
+std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector<std::string>& names) {
+  if (request.hosts > 1 || (request.hosts == 0 && request.host_needed))
+    return HttpRefusal{http_error(400, "expected one Host field")};
+  if (request.hosts == 1 && !is_our_host(request.host, names))
+    return HttpRefusal{http_error(421, "\"" + std::string(request.host) +
+                                           "\" is no name of this service: expected a numeric address, localhost or "
+                                           "one of [server] names in the rig file")};
+  if (!request.get && !request.head)
+    return HttpRefusal{http_error(405, "only GET and HEAD: this interface is for reading")};
+  if (request.target.empty() || request.target.front() != '/')
+    return HttpRefusal{http_error(400, "the target is no path"), false};
+  return std::nullopt;
+}
+
+}  // namespace dwell

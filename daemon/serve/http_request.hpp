@@ -1,0 +1,39 @@
+// What a client asks for, and whether that may be asked at all. Pure.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/serve/http_server.hpp"
+
+namespace dwell {
+
+// A request once it has been read; the views are of its own bytes.
+struct HttpRequest {
+  bool get = true;
+  bool head = false;
+  bool host_needed = true;  // HTTP/1.1
+  std::size_t hosts = 1;    // Host fields
+  std::string_view host;    // the first of them
+  std::string_view target;
+
+  // `/api/v1/dwells` and `from=3` of "/api/v1/dwells?from=3".
+  [[nodiscard]] std::string_view path() const noexcept { return target.substr(0, target.find('?')); }
+  [[nodiscard]] std::string_view query() const noexcept {
+    const auto mark = target.find('?');
+    return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
+  }
+};
+
+// Why it is not answered; nothing: it may be. After a refusal of what it is or whom it asks, the connection ends.
+struct HttpRefusal {
+  HttpReply reply;
+  bool ends = true;
+};
+// names: by which clients may ask, beside numeric addresses and "localhost".
+[[nodiscard]] std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector<std::string>& names);
+
+}  // namespace dwell

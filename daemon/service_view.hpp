@@ -1,0 +1,32 @@
+// The service as it stands at one instant: what every answer and every outlet is made from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+#include "daemon/estimate/snapshot.hpp"
+#include "daemon/gpio/link.hpp"
+#include "daemon/health.hpp"
+#include "daemon/log/log.hpp"
+#include "daemon/report/dwell_view.hpp"
+#include "daemon/serve/http_server.hpp"
+#include "daemon/watchdog.hpp"
+
+namespace dwell {
+
+// The references live as long as the call that is given it.
+struct ServiceView {
+  const Rig& rig;
+  const RunInfo& run;
+  const Snapshot& snapshot;
+  Health health{};          // judged of all the rest
+  std::int64_t now_ns = 0;  // CLOCK_MONOTONIC_RAW
+  double uptime_s = 0.0;
+  HttpStats http{};
+  LogStats log{};
+  std::vector<WatchedThread> threads{};
+  gpio::Status gpio{};  // of the lines that are configured
+};
+
+}  // namespace dwell

@@ -1,0 +1,105 @@
+// One device on its way into the stream.
+#include "daemon/estimate/device_intake.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/daemon/log_to_read.hpp"
+#include "tests/durations.hpp"
+
+namespace dwell {
+namespace {
+
+struct DeviceIntakeTest : testing::Test {
+  DeviceIntakeTest() {
+    rig.devices = {{"a"}};
+    for (const char* name : {"y0", "y1"}) {
+      Channel& channel = rig.channels.emplace_back();
+      channel.name = name;
+      channel.device = 0;
+    }
+    assembler.emplace(Assembler::sources(rig), 100 * kMs_ns, 10'000);
+    intake.emplace(0, DeviceFeed{&link, "modbus", 200.0}, rig, *assembler, 100 * kMs_ns, log, now_ns);
+    assembler->set_now(now_ns);
+    link.turn(now_ns);
+  }
+  void push(std::int64_t t_ns) {
+    const dwell_sample scan[2] = {{t_ns, 1.0, 1000, 0, 0}, {t_ns, 2.0, 1000, 1, 0}};
+    ASSERT_TRUE(link.push(scan, 2));
+  }
+  // The kinds of all records that wait in the merger, by their first letters.
+  std::string stream() {
+    std::string kinds;
+    for (Record record; assembler->flush(record);)
+      kinds += record.kind == Kind::sample          ? 's'
+               : record.kind != Kind::channel_state ? '?'
+               : record.flags == 0                  ? 'u'
+                                                    : 'd';
+    return kinds;
+  }
+  DeviceView view() {
+    const Pipeline pipeline(rig);
+    shown.channels.resize(2);
+    shown.devices.resize(1);
+    intake->show(rig, pipeline, now_ns, shown);
+    return shown.devices[0];
+  }
+
+  Rig rig;
+  test::LogToRead log{"intake"};
+  DeviceLink link{"a", {0, 1}, 4096, nullptr};
+  std::int64_t now_ns = 5 * kSecond_ns;
+  Snapshot shown;
+  std::optional<Assembler> assembler;
+  std::optional<DeviceIntake> intake;
+};
+
+TEST_F(DeviceIntakeTest, HandsOnEverySampleAndThatTheChannelsAreUp) {
+  push(now_ns + 1 * kMs_ns);
+  push(now_ns + 6 * kMs_ns);
+  now_ns += 10 * kMs_ns;
+  intake->take(now_ns);
+  EXPECT_EQ(stream(), "ususss") << "up, then its samples";
+  EXPECT_EQ(view().name, "a");
+  EXPECT_EQ(view().driver, "modbus");
+  EXPECT_TRUE(view().up);
+  EXPECT_EQ(log.lines(), std::vector<std::string>{"info device a: y0, y1 delivering"});
+}
+
+TEST_F(DeviceIntakeTest, ADriverThatDoesNotTurnIsFoundAndToldOfOnce) {
+  push(now_ns + 1 * kMs_ns);
+  now_ns += 10 * kMs_ns;
+  intake->take(now_ns);
+  (void)stream();
+  // Its samples go on coming from the ring: it is the thread that hangs.
+  now_ns += DeviceIntake::kHung_ns;
+  push(now_ns - 1 * kMs_ns);
+  intake->take(now_ns);
+  (void)stream();
+  intake->find_faults(now_ns);
+  intake->find_faults(now_ns + 10 * kMs_ns);
+  EXPECT_EQ(stream(), "dd");
+  EXPECT_EQ(view().faults[static_cast<std::size_t>(Fault::silent)], 1u);
+  EXPECT_FALSE(view().up);
+  EXPECT_FALSE(view().ended);
+  EXPECT_EQ(shown.channels[1].reason, "its driver hangs: no turn of its thread for 3.0 s");
+}
+
+TEST_F(DeviceIntakeTest, ARecordingPlayedToItsEndHasNothingLeftToTurnFor) {
+  link.state(-1, DWELL_FAULT_END_OF_DATA, nullptr);
+  intake->take(now_ns);
+  now_ns += 100 * kSecond_ns;
+  intake->find_faults(now_ns);
+  EXPECT_TRUE(view().ended);
+  EXPECT_EQ(shown.channels[0].fault, Fault::end_of_data);
+  EXPECT_EQ(view().faults[static_cast<std::size_t>(Fault::silent)], 0u);
+}
+
+TEST_F(DeviceIntakeTest, ChannelsThatGoStaleTogetherAreOneLine) {
+  link.state(-1, DWELL_FAULT_TIMEOUT, "no answer within 0.1 s");
+  link.count(DWELL_FAULT_TIMEOUT);
+  intake->take(now_ns);
+  EXPECT_EQ(log.lines(), std::vector<std::string>{"warning device a: y0, y1 stale, timeout: no answer within 0.1 s"});
+}
+
+}  // namespace
+}  // namespace dwell
