@@ -9,12 +9,12 @@
 namespace dwell {
 namespace {
 
-struct Motion {
+struct ReadMotion {
   double readings_a_period, noise = 0.0, step = 0.0, end = INFINITY;  // of an amplitude of 1
 };
 
 // So many readings, each given `times` times.
-bool held(const Motion& motion, int readings, int times, std::uint64_t seed) {
+bool held(const ReadMotion& motion, int readings, int times, std::uint64_t seed) {
   HeldReadings held;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -50,7 +50,7 @@ TEST(HeldReadings, OfAMotionOfFewReadingsAPeriodNoneIsHeldHoweverItIsRoundedOrCl
 
 // How many of 4000 readings are one of the last numbers again; `stale`: the part that is the reading two before.
 // Of 4000 readings the part `stale` are as old as that many polls.
-HeldReadings::Again again_of(const Motion& motion, double stale, int polls, std::uint64_t seed) {
+HeldReadings::Again again_of(const ReadMotion& motion, double stale, int polls, std::uint64_t seed) {
   HeldReadings held;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;

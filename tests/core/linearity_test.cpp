@@ -12,7 +12,7 @@
 namespace dwell {
 namespace {
 
-constexpr double kOmega = 2 * M_PI * 4;
+constexpr double kDriveOmega = 2 * M_PI * 4;
 constexpr int kFitted = 3;
 
 // What an element feels beside c d + r d', N, by deformation and its rate.
@@ -33,8 +33,8 @@ Beside nothing() {
 }
 
 double table_at(double t, double distortion, bool rate) {
-  const double A = 0.002, phase = kOmega * t;
-  return rate ? A * kOmega * (std::cos(phase) + 3 * distortion * std::cos(3 * phase + 0.7))
+  const double A = 0.002, phase = kDriveOmega * t;
+  return rate ? A * kDriveOmega * (std::cos(phase) + 3 * distortion * std::cos(3 * phase + 0.7))
               : A * (std::sin(phase) + distortion * std::sin(3 * phase + 0.7));
 }
 
@@ -71,7 +71,7 @@ std::vector<Evidence> simulated(const Chain& chain, int k, const Beside& beside,
     return out;
   };
   const int per_period = 4000, periods = n > 0 ? 60 : 1;
-  const double dt = 2 * M_PI / kOmega / per_period;
+  const double dt = 2 * M_PI / kDriveOmega / per_period;
   State s(static_cast<std::size_t>(2 * n), 0.0);
   std::vector<std::vector<Complex>> X(static_cast<std::size_t>(n + 2), std::vector<Complex>(kFitted));
   for (int i = 0; i < per_period * periods; ++i) {
@@ -83,7 +83,7 @@ std::vector<Evidence> simulated(const Chain& chain, int k, const Beside& beside,
       for (std::size_t c = 0; c < readings.size(); ++c)
         for (int h = 1; h <= kFitted; ++h)  // Y with y = Im(Y exp(jωt))
           X[c][static_cast<std::size_t>(h - 1)] +=
-              readings[c] * 2.0 / per_period * Complex{0, 1} * std::polar(1.0, -h * kOmega * t);
+              readings[c] * 2.0 / per_period * Complex{0, 1} * std::polar(1.0, -h * kDriveOmega * t);
     }
     const auto at = [&](const State& k1, double part) {
       State out = s;
@@ -110,8 +110,8 @@ void set_noise(std::vector<Evidence>& evidence, double part) {
 }
 
 ElementsResult estimate(const Rig& rig, const std::vector<Evidence>& evidence) {
-  const Gain gain = solve_observation(observation_matrix(rig), observation_weights(rig, evidence, kOmega));
-  return estimate_elements(rig, gain, evidence, {kOmega, 0, 0});
+  const Gain gain = solve_observation(observation_matrix(rig), observation_weights(rig, evidence, kDriveOmega));
+  return estimate_elements(rig, gain, evidence, {kDriveOmega, 0, 0});
 }
 
 std::string all(const std::vector<std::string>& warnings) {
@@ -244,7 +244,7 @@ TEST(Linearity, NoFalseAlarmInThousandsOfHealthyDwells) {
         const double sigma = std::sqrt(exact[c].covariance(0, 0));
         for (int h = 1; h <= kFitted; ++h) {
           Complex& X = seen[c].X[static_cast<std::size_t>(h - 1)];
-          X = X * gain * std::polar(1.0, -h * kOmega * late) + Complex{sigma * normal(rng), sigma * normal(rng)};
+          X = X * gain * std::polar(1.0, -h * kDriveOmega * late) + Complex{sigma * normal(rng), sigma * normal(rng)};
         }
       }
       alarms += estimate(stated, seen).warnings.empty() ? 0 : 1;

@@ -11,17 +11,17 @@
 namespace dwell {
 namespace {
 
-constexpr double kOmega = 2 * M_PI * 5.0, kRate_hz = 200.0;
+constexpr double kModalOmega = 2 * M_PI * 5.0, kModalRate_hz = 200.0;
 
 // 3 + 2 sin ωu + decaying modes + noise, as readings of channel 0.
 void show(ModalFit& fit, const std::vector<Complex>& poles, const std::vector<Complex>& amplitudes, double seconds,
           double noise, std::uint64_t seed = 1) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> normal;
-  for (int i = 0; i < seconds * kRate_hz; ++i) {
+  for (int i = 0; i < seconds * kModalRate_hz; ++i) {
     const std::int64_t t_ns = 5'000'000LL * i;
     const double u = 1e-9 * static_cast<double>(t_ns);
-    double value = 3 + 2 * std::sin(kOmega * u) + noise * normal(rng);
+    double value = 3 + 2 * std::sin(kModalOmega * u) + noise * normal(rng);
     for (std::size_t m = 0; m < poles.size(); ++m) value += (amplitudes[m] * std::exp(poles[m] * u)).real();
     fit.add(0, t_ns, value);
   }
@@ -30,7 +30,7 @@ void show(ModalFit& fit, const std::vector<Complex>& poles, const std::vector<Co
 TEST(ModalFit, TellsTheSteadyMotionFromAModeNearItExactlyWhereThereIsNoNoise) {
   const std::vector<Complex> poles{{-0.5, 33.0}, {-2.0, 60.0}};
   ModalFit fit(1, 2, 4);
-  fit.restart(kOmega, 0.0, 0, poles);
+  fit.restart(kModalOmega, 0.0, 0, poles);
   show(fit, poles, {{0.7, 0.3}, {-0.2, 0.5}}, 2.0, 0.0);
   ASSERT_TRUE(fit.solve(0, 1e3, 1e3));
   EXPECT_LT(std::abs(fit.phasor(0, 1) - Complex{2.0, 0.0}), 1e-6);
@@ -43,7 +43,7 @@ TEST(ModalFit, TellsTheSteadyMotionFromAModeNearItExactlyWhereThereIsNoNoise) {
 Complex refined(ModalFit& fit, Complex told, Complex truth, Complex amplitude, int steps) {
   std::vector<Complex> poles{told};
   for (int step = 0; step < steps; ++step) {
-    fit.restart(kOmega, 0.0, 0, poles);
+    fit.restart(kModalOmega, 0.0, 0, poles);
     show(fit, {truth}, {amplitude}, 4.0, 1e-3);
     EXPECT_TRUE(fit.solve(0, 10, 10));
     const auto moved = fit.refined(0.05, 0.0);
@@ -77,13 +77,13 @@ TEST(ModalFit, WhatMayBeLeftCoversWhatIsLeftInNineteenOfTwentyNoises) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     ModalFit fit(1, 1, 2);
     const std::vector<Complex> poles{pole};
-    fit.restart(kOmega, 0.0, 0, poles);
+    fit.restart(kModalOmega, 0.0, 0, poles);
     show(fit, poles, {{0.05, 0.0}}, 1.0, 0.02, seed);
     ASSERT_TRUE(fit.solve(0, 1, 1));
     const auto left = fit.left(0, 1'000'000'000);
     covered += left.envelope + 2 * left.u > 0.05 * std::exp(-0.8);
     // No noise, no transient: what is left is told to be no more than the noise allows to say.
-    fit.restart(kOmega, 0.0, 0, poles);
+    fit.restart(kModalOmega, 0.0, 0, poles);
     show(fit, {}, {}, 1.0, 0.02, seed);
     ASSERT_TRUE(fit.solve(0, 1, 1));
     false_alarms += fit.left(0, 1'000'000'000).envelope > 0;
@@ -93,9 +93,9 @@ TEST(ModalFit, WhatMayBeLeftCoversWhatIsLeftInNineteenOfTwentyNoises) {
 }
 
 TEST(ModalFit, BeforeASlowModeCanBeToldFromTheSteadyMotionItsUncertaintyIsTheWholeRange) {
-  const std::vector<Complex> poles{{-0.05, kOmega * 1.001}};
+  const std::vector<Complex> poles{{-0.05, kModalOmega * 1.001}};
   ModalFit fit(1, 1, 2);
-  fit.restart(kOmega, 0.0, 0, poles);
+  fit.restart(kModalOmega, 0.0, 0, poles);
   show(fit, {}, {}, 0.6, 0.1);
   ASSERT_TRUE(fit.solve(0, 2.0, 2.0));
   EXPECT_GT(fit.left(0, 600'000'000).u, 0.5);
@@ -104,15 +104,15 @@ TEST(ModalFit, BeforeASlowModeCanBeToldFromTheSteadyMotionItsUncertaintyIsTheWho
 // Driven at a natural frequency, what is not known of the pole and of the drive's frequency is nearly all that is not
 // known of the mode: the uncertainty without it is less than half of the error seen.
 TEST(ModalFit, WhatIsNotKnownOfPoleAndFrequencyIsInWhatMayBeLeft) {
-  const Complex truth{-0.15, 1.001 * kOmega}, amplitude{-1.5, 0.5};
+  const Complex truth{-0.15, 1.001 * kModalOmega}, amplitude{-1.5, 0.5};
   const std::int64_t t_ns = 10'000'000'000;
   const double given = (amplitude * std::exp(10.0 * truth)).real();
   double with = 0.0, without = 0.0;
   int fits = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     ModalFit fit(1, 1, 1);
-    std::vector<Complex> poles{{-0.16, 1.0012 * kOmega}};
-    double omega = kOmega * (1 + 1e-4);
+    std::vector<Complex> poles{{-0.16, 1.0012 * kModalOmega}};
+    double omega = kModalOmega * (1 + 1e-4);
     for (int step = 0; step < 12; ++step) {
       fit.restart(omega, 0.0, 0, poles);
       show(fit, {truth}, {amplitude}, 10.0, 0.01, seed);
@@ -139,7 +139,7 @@ TEST(ModalFit, WhatIsNotKnownOfPoleAndFrequencyIsInWhatMayBeLeft) {
 TEST(ModalFit, KnowsNoMoreOfTheAmplitudesWhereThePolesAreOpenAndNoLessWhereThereIsNoMode) {
   const std::vector<Complex> poles{{-0.5, 33.0}};
   ModalFit fit(1, 1, 1);
-  fit.restart(kOmega, 0.0, 0, poles);
+  fit.restart(kModalOmega, 0.0, 0, poles);
   show(fit, {}, {}, 2.0, 0.0);
   ASSERT_TRUE(fit.solve(0, 1, 1));
   const double before = fit.left(0, 0).u;
@@ -150,7 +150,7 @@ TEST(ModalFit, KnowsNoMoreOfTheAmplitudesWhereThePolesAreOpenAndNoLessWhereThere
 TEST(ModalFit, ASteadyLineIsTakenOutButIsNoTransient) {
   const std::vector<Complex> poles{{0.0, 2 * M_PI * 50.02}};
   ModalFit fit(1, 1, 2);
-  fit.restart(kOmega, 0.0, 0, poles);
+  fit.restart(kModalOmega, 0.0, 0, poles);
   show(fit, poles, {{0.3, 0.4}}, 3.0, 1e-3);
   ASSERT_TRUE(fit.solve(0, 0.0, 1.0));
   EXPECT_EQ(fit.left(0, 0).envelope, 0.0);
@@ -166,11 +166,11 @@ ModalFit of_two(double ring, std::uint64_t seed) {
   std::vector<Complex> poles{pole};
   for (int step = 0; step < 6; ++step) {
     rng.seed(seed);
-    fit.restart(kOmega, 0.0, 0, poles);
+    fit.restart(kModalOmega, 0.0, 0, poles);
     for (int i = 0; i < 800; ++i)
       for (int c = 0; c < 2; ++c) {
-        const double u = i / kRate_hz;
-        double value = 2 * std::sin(kOmega * u + c) + (Complex{0.5, 0.2 * c} * std::exp(pole * u)).real();
+        const double u = i / kModalRate_hz;
+        double value = 2 * std::sin(kModalOmega * u + c) + (Complex{0.5, 0.2 * c} * std::exp(pole * u)).real();
         if (c == 0) value += ring * std::exp(beside * u).real();
         fit.add(c, static_cast<std::int64_t>(1e9 * u), value + 1e-2 * normal(rng));
       }
@@ -197,13 +197,13 @@ TEST(ModalFit, IsCertainOfAModeThatIsThereAndOfNoneInNoise) {
   const std::vector<Complex> poles{{-0.5, 33.0}};
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     ModalFit fit(1, 1, 1);
-    fit.restart(kOmega, 0.0, 0, poles);
+    fit.restart(kModalOmega, 0.0, 0, poles);
     show(fit, {}, {}, 4.0, 0.02, seed);
     ASSERT_TRUE(fit.solve(0, 1, 1));
     EXPECT_FALSE(fit.certain(0)) << seed;
   }
   ModalFit fit(1, 1, 1);
-  fit.restart(kOmega, 0.0, 0, poles);
+  fit.restart(kModalOmega, 0.0, 0, poles);
   show(fit, poles, {{0.02, 0.0}}, 4.0, 0.02);
   ASSERT_TRUE(fit.solve(0, 1, 1));
   EXPECT_TRUE(fit.certain(0));

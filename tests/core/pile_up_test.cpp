@@ -9,7 +9,7 @@
 namespace dwell {
 namespace {
 
-struct Motion {
+struct NoisyMotion {
   double noise = 0.0, step = 0.0;  // of an amplitude of 1
   double end = INFINITY;           // of the transducer
   double readings_a_period = 40.3;
@@ -17,7 +17,7 @@ struct Motion {
 };
 
 // So many periods of a sine of amplitude 1 as the transducer shows it.
-void play(PileUp& pile_up, const Motion& motion, double periods, std::uint64_t seed) {
+void play(PileUp& pile_up, const NoisyMotion& motion, double periods, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   const double phase = std::uniform_real_distribution<double>(0.0, 6.0)(random);
@@ -32,11 +32,11 @@ void play(PileUp& pile_up, const Motion& motion, double periods, std::uint64_t s
   }
 }
 
-PileUp::Noise seen(const Motion& motion) {
+PileUp::Noise seen(const NoisyMotion& motion) {
   return {std::hypot(motion.noise, motion.step / std::sqrt(12.0)), motion.step};
 }
 
-std::int64_t found(const Motion& motion, double periods, std::uint64_t seed) {
+std::int64_t found(const NoisyMotion& motion, double periods, std::uint64_t seed) {
   PileUp pile_up;
   play(pile_up, motion, periods, seed);
   EXPECT_EQ(pile_up.below(seen(motion)), 0) << seed;
@@ -108,7 +108,7 @@ TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeate
 TEST(PileUp, RepeatsOfALargestReadingAreNone) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     PileUp pile_up;
-    const Motion motion{0.02};
+    const NoisyMotion motion{0.02};
     play(pile_up, motion, 8.0, seed);
     const double largest = pile_up.largest();
     for (int i = 0; i < 2; ++i) pile_up.add(largest, largest, 0.1);
@@ -137,7 +137,7 @@ TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
 }
 
 TEST(PileUp, AnEndOnceFoundNeedsNoProofLater) {
-  const Motion motion{1e-4, 1e-3, 0.9};
+  const NoisyMotion motion{1e-4, 1e-3, 0.9};
   PileUp pile_up;
   play(pile_up, motion, 60.0, 1);
   ASSERT_GT(pile_up.above(seen(motion)), 0);

@@ -12,7 +12,7 @@
 namespace dwell {
 namespace {
 
-Record sample(std::int64_t t_ns, std::uint16_t channel, double value = 0.0) {
+Record scan_sample(std::int64_t t_ns, std::uint16_t channel, double value = 0.0) {
   Record record;
   record.t_ns = t_ns;
   record.channel = channel;
@@ -31,8 +31,8 @@ TEST(ScanClocks, ChannelsOfAScanKeepOneInstant) {
   ScanClocks clocks(Clock::device, {2, 5}, 0.0);
   std::vector<Record> out;
   for (const Arrival& arrival : arrivals({}, 0.0, 5.0, rng)) {
-    clocks.push(sample(arrival.arrival_ns, 2));
-    clocks.push(sample(arrival.arrival_ns, 5));
+    clocks.push(scan_sample(arrival.arrival_ns, 2));
+    clocks.push(scan_sample(arrival.arrival_ns, 5));
     for (const Record& record : drained(clocks)) out.push_back(record);
   }
   ASSERT_GT(out.size(), 9000u);
@@ -51,7 +51,7 @@ TEST(ScanClocks, ReadingsOfOneBunchAreScansOfTheirOwn) {
   std::size_t count = 0;
   for (int i = 0; i < 300; ++i)
     for (std::uint16_t channel = 0; channel < 2; ++channel) {
-      clocks.push(sample(1'000'000LL * (i / 3 * 3), channel, i));
+      clocks.push(scan_sample(1'000'000LL * (i / 3 * 3), channel, i));
       count += drained(clocks).size();
     }
   clocks.flush();
@@ -61,8 +61,8 @@ TEST(ScanClocks, ReadingsOfOneBunchAreScansOfTheirOwn) {
 TEST(ScanClocks, StreamsOfDifferentRatesHaveClocksOfTheirOwn) {
   ScanClocks clocks(Clock::device, {0, 1}, 1000.0);
   for (int i = 0; i < 20'000; ++i) {
-    clocks.push(sample(1'000'000LL * i, 0));
-    if (i % 7 == 0) clocks.push(sample(1'000'000LL * i + 300'000, 1));
+    clocks.push(scan_sample(1'000'000LL * i, 0));
+    if (i % 7 == 0) clocks.push(scan_sample(1'000'000LL * i + 300'000, 1));
     (void)drained(clocks);
   }
   EXPECT_NEAR(clocks.figures(0).rate_hz, 1000.0, 1e-3);
@@ -74,7 +74,7 @@ TEST(ScanClocks, WhereTheHostIsTheClockSamplesPassAtOnceUnchangedAndAreWatched) 
   ScanClocks clocks(Clock::host, {0, 1}, 1000.0);
   for (const Arrival& arrival : arrivals({}, 0.0, 5.0, rng)) {
     for (std::uint16_t channel = 0; channel < 2; ++channel) {
-      clocks.push(sample(arrival.arrival_ns, channel));
+      clocks.push(scan_sample(arrival.arrival_ns, channel));
       const auto out = drained(clocks);
       ASSERT_EQ(out.size(), 1u);
       ASSERT_EQ(out[0].t_ns, arrival.arrival_ns);
@@ -106,7 +106,7 @@ TEST(ScanClocks, EverySampleComesOutOnceAndInItsChannelsOrder) {
     for (const Arrival& arrival : arrivals(device, 0.0, 3.0, rng)) {
       // Channels come in any company: all of them, some, or none.
       for (std::uint16_t channel = 0; channel < 3; ++channel)
-        if (rng() % 8 != 0) clocks.push(sample(arrival.arrival_ns, channel, ++pushed));
+        if (rng() % 8 != 0) clocks.push(scan_sample(arrival.arrival_ns, channel, ++pushed));
       take();
       if (rng() % 50 == 0) clocks.wait(arrival.arrival_ns + 150'000'000);
     }
@@ -141,7 +141,7 @@ TEST(ScanClocks, PhasorsOfTwoDevicesAgreeToAThousandthAcrossThePipeline) {
                      [](const Due& a, const Due& b) { return a.arrival.arrival_ns < b.arrival.arrival_ns; });
     for (const Due& d : due) {
       const double value = exact_reading(rig, motion.at(d.arrival.taken_s), d.channel);
-      clocks[d.channel].push(sample(d.arrival.arrival_ns, d.channel, value));
+      clocks[d.channel].push(scan_sample(d.arrival.arrival_ns, d.channel, value));
       for (const Record& record : drained(clocks[d.channel]))
         ASSERT_EQ(merger.push(d.channel, record), Merger::Admission::queued);
       for (Record out; merger.pop(out);) pipeline.push(out);

@@ -33,7 +33,7 @@ Toned under(const Chain& chain, double hz, std::vector<Tone> tones) {
   return {.chain = chain, .rig = rig_of(chain, hz), .tones = std::move(tones)};
 }
 
-Chain with_damping(double times) {
+Chain chain_with_damping(double times) {
   Chain chain = clamped_chain();
   for (double& r : chain.damping) r *= times;
   return chain;
@@ -50,7 +50,7 @@ class HuntingAmplitude : public testing::TestWithParam<Hunted> {};
 TEST_P(HuntingAmplitude, GivesNoWrongNumberWithoutAWord) {
   int dwells = 0, off = 0, silent = 0, relied_on = 0;
   const auto [hz, damping, least] = GetParam();
-  const Chain chain = with_damping(damping);
+  const Chain chain = chain_with_damping(damping);
   for (const double by : {0.003, 0.006, 0.01, 0.02})
     for (const Dwell& dwell : under(chain, hz, hunting(hz, 0.002, by, 0.5)).run(100)) {
       const double worst = worst_of(dwell, chain);
@@ -77,7 +77,7 @@ class HuntingFrequency : public testing::TestWithParam<double> {};  // damping o
 
 TEST_P(HuntingFrequency, GivesNoWrongNumberWithoutAWord) {
   int dwells = 0, silent = 0, relied_on = 0;
-  const Chain chain = with_damping(GetParam());
+  const Chain chain = chain_with_damping(GetParam());
   for (const double by_rad : {0.001, 0.01, 0.03, 0.1})
     for (const Dwell& dwell : under(chain, 4.0, hunting(4.0, 0.002, 0.0, 0.5, by_rad)).run(400)) {
       const double worst = worst_of(dwell, chain);
@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(UnsteadyDrive, HuntingFrequency, testing::Values(0.1, 1
 // Half a percent a minute in all channels alike changes no ratio.
 TEST(UnsteadyDrive, ADriftOfAmplitudeThatAllChannelsShareWidensNoCoefficient) {
   for (const double damping : {0.1, 1.0}) {
-    const Chain chain = with_damping(damping);
+    const Chain chain = chain_with_damping(damping);
     const Toned toned = under(chain, 4.0, {{4.0, 0.002}});
     double U95[2] = {};
     for (const bool drifts : {false, true}) {

@@ -14,7 +14,7 @@ namespace dwell {
 namespace {
 
 // A rig with a second transducer on mass 2.
-Rig redundant_rig() {
+Rig rig_with_redundant_channels() {
   Rig rig = rig_of(clamped_chain(), 4.0);
   rig.channels.push_back(rig.channels[2]);
   rig.channels.back().name = "y2b";
@@ -22,7 +22,7 @@ Rig redundant_rig() {
 }
 
 TEST(UsableObservation, GivesTheStateThatTheDecompositionGivesWhicheverRedundantTransducerIsLeft) {
-  const Rig rig = redundant_rig();
+  const Rig rig = rig_with_redundant_channels();
   const Eigen::MatrixXd G = observation_matrix(rig);
   Eigen::VectorXcd x(G.cols());
   x << Complex{1.0, 0.2}, Complex{0.3, -0.4}, Complex{-0.5, 0.1}, Complex{20, 3};
@@ -40,7 +40,7 @@ TEST(UsableObservation, GivesTheStateThatTheDecompositionGivesWhicheverRedundant
 }
 
 TEST(UsableObservation, SaysSoWhereTheTransducersThatAreLeftDoNotDetermineTheChain) {
-  const Rig rig = redundant_rig();
+  const Rig rig = rig_with_redundant_channels();
   const Eigen::MatrixXd G = observation_matrix(rig);
   UsableObservation observation(rig, G);
   for (int c = 0; c < G.rows(); ++c)
@@ -52,7 +52,7 @@ TEST(UsableObservation, SaysSoWhereTheTransducersThatAreLeftDoNotDetermineTheCha
 // With one of two transducers on a mass dead from the beginning, the verdict comes as soon as with both.
 TEST(Pipeline, ADeadRedundantTransducerDoesNotDelayTheVerdict) {
   const Chain chain = clamped_chain();
-  const Rig rig = redundant_rig();
+  const Rig rig = rig_with_redundant_channels();
   Drive drive;
   drive.frequency_hz = 4.0;
   drive.amplitude = 0.002;

@@ -12,7 +12,7 @@
 namespace dwell {
 namespace {
 
-constexpr double kOmega = 2 * M_PI * 5.0, kPeriod_s = 0.2, kRate_hz = 400.0, kNoise = 1e-3;
+constexpr double kHoldOmega = 2 * M_PI * 5.0, kPeriod_s = 0.2, kHoldRate_hz = 400.0, kNoise = 1e-3;
 constexpr Complex kSlow{-0.5, 33.0}, kFast{-20.0, 95.0};
 
 // Two channels, a steady motion and what `beside` gives (channel, time since the hold began).
@@ -28,16 +28,16 @@ struct Hold {
       : seconds(hold_s) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
-    for (int i = 0; i < hold_s * kRate_hz; ++i)
+    for (int i = 0; i < hold_s * kHoldRate_hz; ++i)
       for (int c = 0; c < 2; ++c) {
-        const double t = i / kRate_hz + 0.0007 * c;
+        const double t = i / kHoldRate_hz + 0.0007 * c;
         history.push(static_cast<std::int64_t>(std::llround(1e9 * t)), c,
-                     std::sin(kOmega * t + c) + beside(c, t) + kNoise * normal(random));
+                     std::sin(kHoldOmega * t + c) + beside(c, t) + kNoise * normal(random));
       }
     // The ordinary fit: it begins where the fast mode has gone.
     std::vector<Complex> poles{kSlow};
     for (int step = 0; step < 4; ++step) {
-      latest.restart(kOmega, 0.0, static_cast<std::int64_t>(1e9 * from_s), poles);
+      latest.restart(kHoldOmega, 0.0, static_cast<std::int64_t>(1e9 * from_s), poles);
       for (auto n = history.first_at(latest.t0_ns()); n < history.end(); ++n)
         latest.add(history[n].channel, history[n].t_ns, history[n].value);
       for (int c = 0; c < 2; ++c) EXPECT_TRUE(latest.solve(c, 2.0, 2.0));
@@ -123,7 +123,7 @@ TEST(WholeHold, OfALongHoldLeavesOutSamplesAndStaysRight) {
   Hold hold(healthy, 7, 2.0, 150.0);
   ASSERT_EQ(hold.history.begin(), 0u);
   ASSERT_GT(hold.go(), 3);
-  EXPECT_LT(hold.whole.modes().samples(0), 0.9 * (150.0 - 0.05) * kRate_hz);
+  EXPECT_LT(hold.whole.modes().samples(0), 0.9 * (150.0 - 0.05) * kHoldRate_hz);
   EXPECT_LT(hold.off(kFast), 4.0);
   EXPECT_LT(hold.off(kSlow), 4.0);
 }
@@ -141,11 +141,11 @@ TEST(WholeHold, OfManyChannelsLeavesOutMostSamplesAndStillExplainsTheBeginning) 
   for (int i = 0; i < kSeconds * 1000; ++i)
     for (int c = 0; c < kChannels; ++c) {
       const double t = 1e-3 * i + 1e-5 * c;
-      double value = std::sin(kOmega * t + c) + kNoise * normal(random);
+      double value = std::sin(kHoldOmega * t + c) + kNoise * normal(random);
       for (const Complex& pole : chain) value += natural(pole, {0.1 * std::cos(c + pole.imag()), 0.05}, t);
       history.push(static_cast<std::int64_t>(std::llround(1e9 * t)), c, value);
     }
-  latest.restart(kOmega, 0.0, 2'500'000'000, chain);
+  latest.restart(kHoldOmega, 0.0, 2'500'000'000, chain);
   for (auto n = history.first_at(latest.t0_ns()); n < history.end(); ++n)
     latest.add(history[n].channel, history[n].t_ns, history[n].value);
   for (int c = 0; c < kChannels; ++c) ASSERT_TRUE(latest.solve(c, 2.0, 2.0));
