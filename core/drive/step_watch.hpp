@@ -15,9 +15,10 @@
 #include <array>
 #include <complex>
 #include <cstdint>
-#include <span>
-#include <vector>
 
+#include "core/drive/amplitude_excess.hpp"
+#include "core/drive/drive_doubt.hpp"
+#include "core/drive/residual_blocks.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -25,10 +26,10 @@ namespace dwell {
 // Bound to one thread, real-time safe but for the constructor.
 class StepWatch {
  public:
-  static constexpr int kLongest = 512;  // quarter periods that are gone back
+  static constexpr int kLongest = ResidualBlocks::kLongest;  // quarter periods that are gone back
 
   // tolerance: relative change of amplitude or frequency that is another drive.
-  explicit StepWatch(double tolerance) : tolerance_(tolerance), blocks_(kLongest) {}
+  explicit StepWatch(double tolerance) : tolerance_(tolerance) {}
 
   // What a drive that has not changed reads: mean, phasors of harmonics 1 … at t_ref (SI of the reading, rad), omega
   // (rad/s), the standard deviation of a reading, and how well that is known: relative standard uncertainty of the
@@ -58,35 +59,29 @@ class StepWatch {
   // How late the readings of the newest period were, beyond the usual: rms, s.
   [[nodiscard]] double late_s() const noexcept { return late_s_; }
   // Enough is seen for a verdict.
-  [[nodiscard]] bool watches() const noexcept { return seen_ >= kShortest; }
+  [[nodiscard]] bool watches() const noexcept { return blocks_.seen() >= kShortest; }
 
  private:
   static constexpr int kShortest = 6;  // quarter periods: one disturbed reading is no step
-  struct Block {
-    double t_s = 0.0;  // centre, of t_ref
-    double rm = 0.0, mm = 0.0, rq = 0.0, qq = 0.0;
-    double late2 = 0.0, n = 0.0;  // sum of squares of how late, s²; readings
-  };
-  [[nodiscard]] const Block& back(int k) const noexcept {
-    return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
-  }
 
-  struct Since;
+  // What the readings since an instant say: relative change of amplitude and change of ω, rad/s, with their variances.
+  struct Change {
+    double since_s;
+    double alpha, u2_alpha, drift, u2_drift;
+    double late2;  // mean square of how late they were, rad²
+  };
+  [[nodiscard]] Change change_since(const ResidualsSince& sums, double since_s, double now_s) const noexcept;
+  [[nodiscard]] double weigh(const Change& change, bool far_back) noexcept;
   [[nodiscard]] int changed() const noexcept;
 
   double tolerance_;
-  std::vector<Block> blocks_;
-  Block open_;
-  double open_t_ = 0.0, in_quarter_ = 0.0;
-  std::int64_t seen_ = 0;
+  ResidualBlocks blocks_;
   bool referred_ = false;
   Reference now_{};
-  double excess_ =
-      0.0;  // relative variance of one period's amplitude beyond its noise, as it is in an unchanged drive …
-  double tolerated_ = 0.0;  // … and what it adds to a deviation
+  AmplitudeExcess excess_;
+  DriveDoubt doubt_;
   double beats_ = 0.0, late_s_ = 0.0;
-  int since_good_ = 0, in_doubt_ = 0, slipping_ = 0;
-  bool far_amplitude_doubt_ = false, far_drift_doubt_ = false;  // at the last look further back
+  int since_good_ = 0;
 };
 
 }  // namespace dwell

@@ -28,6 +28,28 @@ void Totals::restart(double omega, std::int64_t t_ref_ns) noexcept {
   std::fill(owner_.begin(), owner_.end(), -1);
 }
 
+void Totals::restart_channel(int c, double omega, std::int64_t t_ref_ns) noexcept {
+  omega_ = omega;
+  t_ref_ns_ = t_ref_ns;
+  owner_[static_cast<std::size_t>(c)] = c;
+  std::fill_n(instants(c), moments::size(instants_count_), 0.0);
+  std::fill_n(readings(c), moments::size(readings_count_), 0.0);
+}
+
+void Totals::share(int c, int owner) noexcept {
+  int& shared = owner_[static_cast<std::size_t>(c)];
+  if (shared == owner || shared == c) return;
+  if (shared >= 0) std::copy_n(instants(shared), moments::size(instants_count_), instants(c));
+  shared = shared < 0 ? owner : c;
+}
+
+void Totals::add(int c, const ChannelMoments& sets, const moments::Turn& turn) noexcept {
+  if (owner_[static_cast<std::size_t>(c)] == c)
+    moments::add_instants(sets.instants, instants_count_, turn, instants(c));
+  moments::add_readings(sets.readings, readings_count_, turn, moments::mean_square_u(sets.instants, instants_count_),
+                        readings(c));
+}
+
 ChannelMoments Totals::channel(int c) const noexcept {
   const auto i = static_cast<std::size_t>(c);
   const auto owner = static_cast<std::size_t>(std::max(owner_[i] < 0 ? c : owner_[i], 0));

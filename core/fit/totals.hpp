@@ -21,6 +21,18 @@ class Totals {
 
   // Empties it; what is added from now on is brought to omega (rad/s) and t_ref.
   void restart(double omega, std::int64_t t_ref_ns) noexcept;
+  // The same of one channel alone, its instants its own; the others are left as they are.
+  void restart_channel(int c, double omega, std::int64_t t_ref_ns) noexcept;
+  // How sets about centre at omega come to (ω, t_ref), of a drive that was there `faster` (rad/s) and `ahead` (rad) of
+  // this ω.
+  [[nodiscard]] moments::Turn turn_from(double omega, std::int64_t centre_ns, double faster = 0.0,
+                                        double ahead = 0.0) const noexcept;
+  // What is added to a channel next shares the instants of `owner`: makes room for c's own where it can no longer share
+  // all of them. For every channel, before any is added to.
+  void share(int c, int owner) noexcept;
+  // Adds sets that were taken elsewhere; the instants only where c has its own.
+  void add(int c, const ChannelMoments& sets, const moments::Turn& turn) noexcept;
+
   // The same sums at another (ω, t_ref), into `out` of the same size. Good while |ω' - ω| times half the stretch is
   // well below 1. O(channels · H).
   void turned(double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
@@ -34,12 +46,8 @@ class Totals {
   [[nodiscard]] std::int64_t centroid_ns(int c) const noexcept;
 
  private:
-  friend class Blocks;
   [[nodiscard]] double* instants(int c) noexcept;
   [[nodiscard]] double* readings(int c) noexcept;
-  // Of sets about centre at omega, of a drive that was there `faster` (rad/s) and `ahead` (rad) of this ω.
-  [[nodiscard]] moments::Turn turn_from(double omega, std::int64_t centre_ns, double faster = 0.0,
-                                        double ahead = 0.0) const noexcept;
 
   int channels_, instants_count_, readings_count_;
   double omega_ = 0.0;

@@ -8,23 +8,22 @@
 // that nothing jumps when the clock is found amid a dwell. Why the mean and not the earliest arrivals: it is steady
 // whatever the shape of the jitter, and it does not move when a busier host makes rare short delays rarer.
 //
-// T and t are followed by a second-order tracker with the gains of least squares that grow older: first those of a line
-// through all that has come, later those of a memory of kMemory_s. Arrivals far off (stalls) do not enter.
-//
-// Which reading an arrival is: the next, unless it is later than the earliest that the one after could be. Then it is
-// either late or follows a loss, and it and those after it are held until one of them shows that nothing was lost (it
-// is as early as only the next reading can be), or as many have come without such that a loss is beyond doubt.
+// GridSearch finds the grid among the first arrivals, ClockTracker follows it, LossJudge tells which reading an arrival
+// is, and until that is decided HeldArrivals keeps it.
 //
 // Virtual time, no clock of its own; no allocation; bound to one thread. About 60 ns per arrival, now and then 100
 // µs until a grid has been found.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "core/result/dwell.hpp"
-#include "core/stream/arrival_grid.hpp"
+#include "core/stream/clock_stamps.hpp"
+#include "core/stream/clock_tracker.hpp"
+#include "core/stream/grid_search.hpp"
+#include "core/stream/held_arrivals.hpp"
+#include "core/stream/loss_judge.hpp"
 
 namespace dwell {
 
@@ -39,9 +38,9 @@ struct ClockFigures {
 
 class DeviceClock {
  public:
-  static constexpr std::int64_t kLongestHold_ns = 100'000'000;  // a reading is decided upon after that
-  static constexpr std::size_t kHeld = 256;                     // readings held at most
-  static constexpr double kMemory_s = 20.0;
+  static constexpr std::int64_t kLongestHold_ns = 100'000'000;   // a reading is decided upon after that
+  static constexpr std::size_t kHeld = HeldArrivals::kCapacity;  // readings held at most
+  static constexpr double kMemory_s = ClockTracker::kMemory_s;
 
   // nominal_rate_hz: what the device is set to, within 2 %; 0: not known.
   explicit DeviceClock(double nominal_rate_hz = 0.0) noexcept;
@@ -54,69 +53,25 @@ class DeviceClock {
   void decide_all() noexcept;
 
   // The instant of the oldest reading not yet given out, in the order of arrival.
-  struct Instant {
-    std::int64_t t_ns = 0;      // locked: after the one before, always
-    std::uint32_t half_ns = 0;  // half width of what the recovery is uncertain by; 0 where the arrival stands
-    bool after_loss = false;    // readings before it never arrived
-  };
+  using Instant = DeviceInstant;
   // false: none is decided.
-  bool next(Instant& out) noexcept;
+  bool next(Instant& out) noexcept { return held_.take(out); }
 
   [[nodiscard]] ClockFigures figures() const noexcept;
 
  private:
-  struct Held {
-    std::int64_t arrival_ns = 0;
-    Instant instant;
-  };
-  [[nodiscard]] Held& held(std::size_t i) noexcept { return ring_[(first_ + i) % kHeld]; }
-  [[nodiscard]] std::size_t waiting() const noexcept { return count_ - decided_; }
-  struct Verdict {
-    std::size_t settled = 0;  // so many of those waiting follow each other without a loss
-    int lost = 0;             // readings lost after them; negative: so many too many were counted
-  };
-  // Of the i-th reading waiting, in periods, if nothing was lost.
-  [[nodiscard]] double deviation(std::size_t i) noexcept;
-
   void weigh(bool at_once) noexcept;
-  [[nodiscard]] Verdict judge(bool at_once) noexcept;
   void commit(std::size_t count) noexcept;
-  void commit_one(Held& reading) noexcept;
-  void shift(double periods) noexcept;
-  void acquire(std::int64_t arrival_ns) noexcept;
-  void lock(const ArrivalGrid& grid, std::size_t count) noexcept;
+  void lock(const ArrivalGrid& grid) noexcept;
   void unlock() noexcept;
 
-  double nominal_ns_;
-
-  std::array<Held, kHeld> ring_{};  // first_: the oldest; the first decided_ of count_ have their instant
-  std::size_t first_ = 0, decided_ = 0, count_ = 0;
+  HeldArrivals held_;
+  GridSearch search_;
+  ClockTracker tracker_;  // these three: while locked
+  LossJudge judge_;
+  ClockStamps stamps_;
   std::int64_t last_arrival_ns_ = 0;
-  bool any_ = false;
-
-  // Until locked.
-  std::array<std::int64_t, kLongestStretch> stretch_{};
-  std::size_t stretch_count_ = 0;
-  std::uint64_t pause_ = 0, next_pause_;
-
-  // Locked: the last reading decided on was at whole_ns_ + part_ns_.
-  bool locked_ = false;
-  std::int64_t whole_ns_ = 0;
-  double part_ns_ = 0.0;
-  double period_ns_ = 0.0;
-  double memory_ = 0.0;  // readings: kMemory_s
-  double age_ = 0.0;     // readings since the grid began, at most 3 memories
-  double spread_ = 0.0;  // see ArrivalGrid
-  DelayShape shape_;
-  std::int64_t previous_arrival_ns_ = 0;  // of the last reading decided on
-  double variance_ = 0.0;                 // of the deviations, stalls included, periods²
-  double lost_part_ = 0.0;                // of the readings, recently
-  double too_early_ = 0.0;                // numbers taken back beyond the losses counted before, recently
-  double mistrusted_ = 0.0;               // part of the readings, recently, at which the rate would have left its range
-  double doubt_ = 0.0;                    // periods by which the numbering was just put right
-  bool after_loss_ = false;
-  std::int64_t last_given_ns_ = 0;
-
+  bool any_ = false, locked_ = false;
   std::uint64_t lost_ = 0, relocked_ = 0;
 };
 

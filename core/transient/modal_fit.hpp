@@ -8,25 +8,31 @@
 // by Kaufman). An amplitude is not believed to be larger than what the channel has shown: a Gaussian prior of that
 // width makes the fit solvable at any time, and makes its uncertainty tell when a slow mode cannot be told yet from the
 // steady motion. What is asked of it: how much of the transient is left, and what to subtract.
+//
+// ModalRegressors gives the regressors at an instant, ModalSums their sums in a channel; LinearPart solves a channel or
+// eliminates its linear parameters; PoleStep improves poles and ω; PoleErrors tells what is not known of them.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <array>
 #include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/fit/frequency_prior.hpp"
-#include "core/rig/rig.hpp"
+#include "core/transient/linear_part.hpp"
+#include "core/transient/modal_motion.hpp"
 #include "core/transient/modal_regressors.hpp"
+#include "core/transient/modal_solution.hpp"
+#include "core/transient/modal_sums.hpp"
+#include "core/transient/pole_errors.hpp"
+#include "core/transient/pole_step.hpp"
 
 namespace dwell {
 
 class ModalFit {
  public:
-  static constexpr int kMaxModes = ModalRegressors::kMaxModes;
+  static constexpr int kMaxModes = ModalMotion::kMaxModes;
 
   // modes: at most this many poles will be given. All memory is allocated here: 16·(2H+3+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
@@ -42,7 +48,7 @@ class ModalFit {
   void add(int channel, std::int64_t t_ns, double value) noexcept;
 
   // The variance of the noise that the next solution of a channel starts from, its unit squared.
-  void expect(int channel, double sigma2) noexcept { channels_[static_cast<std::size_t>(channel)].sigma2 = sigma2; }
+  void expect(int channel, double sigma2) noexcept { at(channel).solution.sigma2 = sigma2; }
   // Solves one channel. range, line_range: widths of the prior of the amplitudes of what decays and of steady lines, in
   // its unit. false: too few samples.
   bool solve(int channel, double range, double line_range) noexcept;
@@ -57,10 +63,10 @@ class ModalFit {
   [[nodiscard]] std::span<const std::complex<double>> refined(double trust, double trust_omega) noexcept;
   // Those poles again.
   [[nodiscard]] std::span<const std::complex<double>> moved_poles() const noexcept {
-    return {moved_.data(), poles().size()};
+    return {step_.poles().data(), regressors_.motion().count()};
   }
   // ω after that step, rad/s.
-  [[nodiscard]] double refined_omega() const noexcept { return moved_omega_; }
+  [[nodiscard]] double refined_omega() const noexcept { return step_.omega(); }
 
   // Adds to what left() and spread() say what is not known of the poles and of ω: by the channels as now solved, and by
   // a prior of max(1/T, |Re λ|) on each pole, T the time seen. To be called anew after each solution, at which it is
@@ -72,37 +78,37 @@ class ModalFit {
   [[nodiscard]] Change last_change() const noexcept;
   // Covariance of these relative changes, as propagate_poles() left it.
   [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> propagated() const noexcept {
-    return propagated_.topLeftCorner(modal() + 1, modal() + 1);
+    return errors_.covariance().topLeftCorner(layout().modal() + 1, layout().modal() + 1);
   }
   // What they do to (Re, Im) of a mode's amplitude, by propagate_poles(). has_propagated: whether that could be done.
-  [[nodiscard]] bool has_propagated(int channel) const noexcept { return at(channel).usable && at(channel).propagated; }
+  [[nodiscard]] bool has_propagated(int channel) const noexcept { return usable(channel) && at(channel).errors.known; }
   [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> amplitude_by_poles(int channel, std::size_t mode) const noexcept {
-    return at(channel).by_poles.block(2 * static_cast<Eigen::Index>(mode), 0, 2, modal() + 1);
+    return at(channel).errors.by_poles.block(2 * static_cast<Eigen::Index>(mode), 0, 2, layout().modal() + 1);
   }
 
   // Standard uncertainty of a pole at the last step, rad/s, either component.
-  [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
+  [[nodiscard]] double u_pole(std::size_t m) const noexcept { return step_.u_pole(m); }
   // Covariance of (Re, Im) of a pole at the last step, (rad/s)², from the data alone: an open pole has a large one.
   [[nodiscard]] Eigen::Matrix2d pole_covariance(std::size_t m) const noexcept;
   // χ² of the channel that disagrees most with the common pole, at the last step: two degrees of freedom, or less. A
   // natural oscillation has one pole in all channels; a bracket that rings beside it draws the pole of its own channel
   // alone.
-  [[nodiscard]] double disagreement(std::size_t m) const noexcept { return disagreement_[m]; }
+  [[nodiscard]] double disagreement(std::size_t m) const noexcept { return step_.disagreement(m); }
   // How far the last step went, in standard deviations of the poles and of ω.
-  [[nodiscard]] double converged() const noexcept { return converged_; }
+  [[nodiscard]] double converged() const noexcept { return step_.length(); }
 
-  [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return regressors_.poles(); }
-  [[nodiscard]] double omega() const noexcept { return regressors_.omega(); }
-  [[nodiscard]] double rate() const noexcept { return regressors_.rate(); }
+  [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return regressors_.motion().poles(); }
+  [[nodiscard]] double omega() const noexcept { return regressors_.motion().omega(); }
+  [[nodiscard]] double rate() const noexcept { return regressors_.motion().rate(); }
   // θ at t, rad.
-  [[nodiscard]] double angle(std::int64_t t_ns) const noexcept { return regressors_.angle(t_ns); }
-  [[nodiscard]] std::int64_t t0_ns() const noexcept { return regressors_.t0_ns(); }
-  [[nodiscard]] bool usable(int channel) const noexcept { return at(channel).usable; }
+  [[nodiscard]] double angle(std::int64_t t_ns) const noexcept { return regressors_.motion().angle(t_ns); }
+  [[nodiscard]] std::int64_t t0_ns() const noexcept { return regressors_.motion().t0_ns(); }
+  [[nodiscard]] bool usable(int channel) const noexcept { return at(channel).solution.usable; }
   // Phasor of harmonic h at t_0, of the reading.
   [[nodiscard]] std::complex<double> phasor(int channel, int h) const noexcept;
-  [[nodiscard]] double variance(int channel) const noexcept { return at(channel).sigma2; }
-  [[nodiscard]] int parameters() const noexcept { return static_cast<int>(linear()); }
-  [[nodiscard]] double samples(int channel) const noexcept { return at(channel).samples; }
+  [[nodiscard]] double variance(int channel) const noexcept { return at(channel).solution.sigma2; }
+  [[nodiscard]] int parameters() const noexcept { return static_cast<int>(layout().linear()); }
+  [[nodiscard]] double samples(int channel) const noexcept { return at(channel).sums.samples(); }
 
   // Amplitude of a mode in a channel at t_0, and its standard deviation, either component.
   [[nodiscard]] std::complex<double> amplitude(int channel, std::size_t mode) const noexcept;
@@ -110,8 +116,7 @@ class ModalFit {
 
   // Covariance of (Re, Im) of that amplitude, the poles given.
   [[nodiscard]] Eigen::Matrix2d amplitude_covariance(int channel, std::size_t mode) const noexcept {
-    const auto i = 2 * static_cast<Eigen::Index>(mode);
-    return at(channel).covariance.block<2, 2>(i, i);
+    return at(channel).solution.amplitude_covariance(static_cast<Eigen::Index>(mode));
   }
 
   // Whether the amplitude of a mode stands out of the noise in any channel.
@@ -144,51 +149,40 @@ class ModalFit {
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
   // (Σ sin ωu e, Σ cos ωu e), e what is taken out, B from overlap_at.
   [[nodiscard]] Eigen::Vector2d taken_out(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;
-  [[nodiscard]] int modal_regressors() const noexcept { return 4 * static_cast<int>(regressors_.capacity()); }
+  [[nodiscard]] int modal_regressors() const noexcept { return 4 * static_cast<int>(regressors_.motion().capacity()); }
 
  private:
   struct PerChannel {
-    Eigen::MatrixXd normal;   // lower triangle, of all regressors
-    Eigen::MatrixXd pending;  // regressors of the samples not yet in `normal`
-    Eigen::Index pending_count = 0;
-    Eigen::VectorXd moments, theta;
-    Eigen::MatrixXd covariance;  // of the modal amplitudes, the poles given
-    // What relative changes of the poles and of ω do to the modal amplitudes, then to the coefficients of the modes'
-    // derivatives; and the covariance of all these.
-    Eigen::MatrixXd by_poles, whole;
-    double prior = 0.0, line_prior = 0.0;  // information of the amplitudes' prior, times σ²
-    double squares = 0.0, samples = 0.0, sigma2 = 0.0, reference = 0.0;
-    bool usable = false, referenced = false;
-    bool propagated = false;  // `whole` is of this solution; else `covariance` is all that is known
+    ModalSums sums;
+    ModalSolution solution;
+    PoleErrors::Effect errors;  // what those of the poles do to the solution
+    // All that is known of the errors of the modal amplitudes: errors.whole, or what the solution alone tells.
+    [[nodiscard]] const Eigen::MatrixXd& covariance() const noexcept {
+      return errors.known ? errors.whole : solution.covariance;
+    }
   };
+  [[nodiscard]] PerChannel& at(int channel) noexcept { return channels_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] const PerChannel& at(int channel) const noexcept {
     return channels_[static_cast<std::size_t>(channel)];
   }
-  static constexpr Eigen::Index kTogether = 4;
-  void add_pending(PerChannel& to) noexcept;
-  // Coefficients of the two derivatives of mode m, by its pole's relative change (Re, Im).
-  [[nodiscard]] Eigen::Matrix2d slope_by_pole(const PerChannel& of, Eigen::Index m) const noexcept;
-  // Information of the amplitudes' priors, times σ². false: the channel cannot be solved.
-  bool eliminate_linear(const PerChannel& of, double prior, double line_prior) noexcept;
-  void invert_information() noexcept;
-  void take_disagreement(Eigen::Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept;
-  [[nodiscard]] Eigen::Index steady() const noexcept { return regressors_.steady(); }
-  [[nodiscard]] Eigen::Index modal() const noexcept { return regressors_.modal(); }
-  [[nodiscard]] Eigen::Index linear() const noexcept { return regressors_.linear(); }
-  [[nodiscard]] Eigen::Index slopes() const noexcept { return regressors_.slopes(); }
+  [[nodiscard]] const ModalLayout& layout() const noexcept { return regressors_.layout(); }
+  // What all modes together reach so many seconds after t0, as fitted, and its variance.
+  struct Swing {
+    double value, variance;
+  };
+  [[nodiscard]] Swing swing_at(const PerChannel& of, double u) const noexcept;
+  // How many rows of channel.covariance() are of use.
+  [[nodiscard]] Eigen::Index errors_of(const PerChannel& channel) const noexcept {
+    return channel.errors.known ? 2 * layout().modal() : layout().modal();
+  }
 
-  ModalRegressors regressors_;
   FrequencyPrior stated_;
-  std::int64_t newest_ns_ = 0;
-  // Of the last step.
-  std::vector<std::complex<double>> moved_;
-  double moved_omega_ = 0.0, converged_ = 0.0;
-  std::vector<double> u_poles_, disagreement_;
+  ModalRegressors regressors_;
   std::vector<PerChannel> channels_;
-  Eigen::MatrixXd work_, columns_, slopes_, hessian_, products_;
-  Eigen::MatrixXd relative_covariance_;  // of the poles' relative changes, then of that of ω, at the last step
-  Eigen::MatrixXd propagated_;           // likewise, of propagate_poles
-  Eigen::VectorXd gradient_, product_;
+  LinearPart linear_;
+  PoleStep step_;
+  PoleErrors errors_;
+  std::int64_t newest_ns_ = 0;
 };
 
 }  // namespace dwell

@@ -1,0 +1,97 @@
+// The residuals of the table's channel against what its reference predicts, summed by quarters of a period.
+//
+// With m the predicted fundamental, q its quadrature and r the residual of a reading, a quarter's sums of r m, m², r q
+// and q² say by how much amplitude and phase differ from the reference; sums over several quarters say since when.
+//
+// All memory is allocated by the constructor. Bound to one thread; real-time safe.
+#pragma once
+
+#include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace dwell {
+
+struct ResidualBlock {
+  double t_s = 0.0;  // centre, of the reference's instant
+  double rm = 0.0, mm = 0.0, rq = 0.0, qq = 0.0;
+  double late2 = 0.0, n = 0.0;  // sum of squares of how late, s²; readings
+};
+
+// Sums over the blocks since an instant, the moments of time about now so that they serve every instant.
+struct ResidualsSince {
+  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0;
+  void take(const ResidualBlock& block, double ago_s) noexcept {
+    late2 += block.late2;
+    n += block.n;
+    rm += block.rm;
+    mm += block.mm;
+    r0 += block.rq;
+    r1 += block.rq * ago_s;
+    q0 += block.qq;
+    q1 += block.qq * ago_s;
+    q2 += block.qq * ago_s * ago_s;
+  }
+  // Σ r q τ and Σ q² τ², τ the time since the instant, which was since_s ago.
+  [[nodiscard]] double score(double since_s) const noexcept { return since_s * r0 - r1; }
+  [[nodiscard]] double weight(double since_s) const noexcept { return since_s * since_s * q0 - 2 * since_s * q1 + q2; }
+};
+
+class ResidualBlocks {
+ public:
+  static constexpr int kLongest = 512;  // blocks that are kept
+
+  ResidualBlocks() : blocks_(kLongest) {}
+
+  void restart() noexcept {
+    seen_ = 0;
+    in_quarter_ = 0.0;
+    drop_open();
+  }
+  // A reading at t_s: its residual, the predicted m (imaginary part) and q (real part), and by how much it was late.
+  void add(double t_s, double r, std::complex<double> predicted, double late_s) noexcept {
+    open_.rm += r * predicted.imag();
+    open_.mm += predicted.imag() * predicted.imag();
+    open_.rq += r * predicted.real();
+    open_.qq += predicted.real() * predicted.real();
+    open_.late2 += late_s * late_s;
+    open_.n += 1.0;
+    open_t_ += t_s;
+  }
+  // Ends a quarter; false: it is empty and none.
+  bool close() noexcept {
+    if (open_.n == 0) return false;
+    open_.t_s = open_t_ / open_.n;
+    in_quarter_ += ((seen_ == 0 ? open_.n : std::min(open_.n, 2 * in_quarter_)) - in_quarter_) / (seen_ < 8 ? 2 : 8);
+    blocks_[static_cast<std::size_t>(seen_ % kLongest)] = open_;
+    ++seen_;
+    drop_open();
+    return true;
+  }
+  // What was read since the last close() is no more.
+  void drop_open() noexcept {
+    open_ = {};
+    open_t_ = 0.0;
+  }
+
+  // Blocks so far, those that are kept of them, the k-th before the newest, and readings of a usual one.
+  [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
+  [[nodiscard]] int kept() const noexcept { return static_cast<int>(std::min<std::int64_t>(seen_, kLongest)); }
+  [[nodiscard]] const ResidualBlock& back(int k) const noexcept {
+    return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
+  }
+  [[nodiscard]] ResidualBlock& back(int k) noexcept {
+    return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
+  }
+  [[nodiscard]] double in_quarter() const noexcept { return in_quarter_; }
+
+ private:
+  std::vector<ResidualBlock> blocks_;
+  ResidualBlock open_;
+  double open_t_ = 0.0, in_quarter_ = 0.0;
+  std::int64_t seen_ = 0;
+};
+
+}  // namespace dwell
