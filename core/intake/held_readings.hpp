@@ -16,7 +16,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -24,6 +23,7 @@
 #include "core/intake/recurring_numbers.hpp"
 #include "core/intake/repeat_beat.hpp"
 #include "core/intake/repeated_answers.hpp"
+#include "core/intake/small_differences.hpp"
 
 namespace dwell {
 
@@ -50,13 +50,13 @@ class HeldReadings {
     numbers_.add(value_, run_, reading, jump * before_ < 0);
     answers_.add(run_, before_, jump, std::max(mean_difference(), least));
     path_ += size;
-    see(size);
+    differences_.add(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
       const bool onwards = before_ * jump > 0;
       if (onwards) interrupting_ += run_ - 1;
       // Readings that were rounded a second time keep the first rounding's step, which the smallest differences all
       // show.
-      const double rounding = smallest_[0] > kSameStep * step() ? std::max(grid, step()) : grid;
+      const double rounding = differences_.least() > kSameStep * step() ? std::max(grid, step()) : grid;
       beat_.repeat(onwards, std::min(std::abs(before_), size), rounding, kDensity);
     }
     before_ = jump;
@@ -73,7 +73,7 @@ class HeldReadings {
     return pairs_ > 0 ? path_ / static_cast<double>(pairs_) : 0.0;
   }
   // The third smallest difference that is not 0, at least the rounding step; INFINITY: not known.
-  [[nodiscard]] double step() const noexcept { return smallest_[2]; }
+  [[nodiscard]] double step() const noexcept { return differences_.step(); }
   // There are such readings at all: those from here on are looked at.
   [[nodiscard]] bool suspected() const noexcept { return interrupting_ > 0 || beat_.suspected(); }
   // The register is refreshed more slowly than it is read.
@@ -102,12 +102,12 @@ class HeldReadings {
 
   // A new hold of the drive: counts begin anew. What was found stands until as much is seen again.
   void restart() noexcept {
-    pairs_ = same_ = one_step_ = interrupting_ = 0;
+    pairs_ = same_ = interrupting_ = 0;
     runs_.restart();
     numbers_.restart();
     answers_.restart();
     path_ = 0.0;
-    smallest_ = {INFINITY, INFINITY, INFINITY};
+    differences_.restart();
   }
 
  private:
@@ -122,29 +122,17 @@ class HeldReadings {
     return kDensity * differing * differing * step() / path_;
   }
 
-  void see(double size) noexcept {
-    const double before = step();
-    if (size < smallest_[0]) {
-      smallest_ = {size, smallest_[0], smallest_[1]};
-    } else if (size < smallest_[1]) {
-      smallest_ = {smallest_[0], size, smallest_[1]};
-    } else if (size < smallest_[2]) {
-      smallest_[2] = size;
-    }
-    if (step() < before / 1.5) one_step_ = 2;  // the others were larger
-    if (size < 1.5 * step()) ++one_step_;
-  }
   void judge() noexcept {
     const bool otherwise = beat_.found() || runs_.found() || numbers_.held_by_few(pairs_, changes());
     if (otherwise) held_ = true;
     if (changes() < 3 || (interrupting_ == 0 && !held_)) return;
-    if (beyond_chance(interrupting_, 0.5 * static_cast<double>(one_step_) + by_chance())) held_ = true;
+    if (beyond_chance(interrupting_, 0.5 * static_cast<double>(differences_.one_step()) + by_chance())) held_ = true;
     if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !otherwise) held_ = false;
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
-  std::int64_t run_ = 1, pairs_ = 0, same_ = 0, one_step_ = 0, interrupting_ = 0;
-  std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
+  std::int64_t run_ = 1, pairs_ = 0, same_ = 0, interrupting_ = 0;
+  SmallDifferences differences_;
   RepeatBeat beat_;
   EvenRuns runs_;
   RecurringNumbers numbers_;
