@@ -235,7 +235,7 @@ class DriverContract : public ::testing::TestWithParam<Param> {
       ASSERT_EQ(real_->records()[i].channel, samples[i].channel);
       ASSERT_EQ(real_->records()[i].flags & samples[i].flags, samples[i].flags);
     }
-    const DeviceLink& link = real_->link();
+    DeviceLink& link = real_->link();
     for (int position = 0; position < 2; ++position) {
       const auto channel = static_cast<std::uint16_t>(Given::kFirstIndex + position);
       EXPECT_EQ(link.counters(position).read().received, host_.samples(channel).size() + host_.refused());
