@@ -36,7 +36,7 @@ void Blocks::open(std::int64_t begin_ns, std::int64_t end_ns, double omega) noex
   free_.pop_back();
   const std::int64_t centre_ns = begin_ns + (end_ns - begin_ns) / 2;
   blocks_[slot] = {begin_ns, end_ns, centre_ns, omega, serials_, 1};
-  newest_.open(sets_, slot, centre_ns, omega);
+  newest_.open(sets_, slot, centre_ns, end_ns, omega);
 }
 
 void Blocks::close() noexcept {

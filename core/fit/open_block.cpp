@@ -58,9 +58,11 @@ void OpenBlock::reset() noexcept {
   open_ = false;
 }
 
-void OpenBlock::open(MomentSets& sets, std::size_t slot, std::int64_t centre_ns, double omega) noexcept {
+void OpenBlock::open(MomentSets& sets, std::size_t slot, std::int64_t centre_ns, std::int64_t end_ns,
+                     double omega) noexcept {
   slot_ = slot;
   centre_ns_ = centre_ns;
+  end_ns_ = end_ns;
   omega_ = omega;
   sets.clear(slot);
   for (int c = 0; c < channels(); ++c) {
@@ -85,7 +87,7 @@ template <int H>
 void OpenBlock::add_sample(OpenBlock& block, int channel, std::int64_t t_ns, double value) noexcept {
   moments::Regressors& now = block.now_;
   if (t_ns != now.t_ns) {
-    assert(block.open_);
+    assert(block.open_ && t_ns < block.end_ns_);
     const double u = static_cast<double>(t_ns - block.centre_ns_) * kSecond;
     now.t_ns = t_ns;
     moments::evaluate<H>(block.omega_ * u, u, now);

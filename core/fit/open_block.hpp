@@ -28,8 +28,9 @@ class OpenBlock {
   void set_reference(int channel, double value) noexcept { member(channel).reference = value; }
   [[nodiscard]] double reference(int channel) const noexcept { return member(channel).reference; }
 
-  // Begins to fill a slot of `sets`, whose pointers it keeps until close(); angles are ω (t - centre).
-  void open(MomentSets& sets, std::size_t slot, std::int64_t centre_ns, double omega) noexcept;
+  // Begins to fill a slot of `sets`, whose pointers it keeps until close(); angles are ω (t - centre), and no sample is
+  // at or after the end.
+  void open(MomentSets& sets, std::size_t slot, std::int64_t centre_ns, std::int64_t end_ns, double omega) noexcept;
   [[nodiscard]] bool is_open() const noexcept { return open_; }
   // The slot that is being filled, or was last.
   [[nodiscard]] std::size_t slot() const noexcept { return slot_; }
@@ -75,7 +76,7 @@ class OpenBlock {
   std::vector<Member> members_;
   bool open_ = false;
   std::size_t slot_ = 0;
-  std::int64_t centre_ns_ = 0;
+  std::int64_t centre_ns_ = 0, end_ns_ = 0;
   double omega_ = 0.0;
   moments::Regressors now_;
   // The inner loops know H at compile time; these are the right ones for this H.

@@ -38,7 +38,7 @@ void expect_moments(const double* instants, const double* readings, const Sample
 
 // Quarter blocks of three channels about 0.
 struct Filled {
-  void open() { block.open(sets, slot, 0, kBlockOmega); }
+  void open() { block.open(sets, slot, 0, 125'000'000, kBlockOmega); }
   void add(int channel, double u, double value) {
     const std::int64_t t_ns = std::llround(1e9 * u);
     block.add(channel, t_ns, value);
