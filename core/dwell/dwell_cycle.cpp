@@ -169,7 +169,7 @@ void Pipeline::Impl::rearm() {
 void Pipeline::Impl::refresh_reference() {
   if (blocks().count() < kIdleBlocks) return;
   data.clear();
-  for (int c = 0; c < channel_count; ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
+  for (int c = 0; c < live.count(); ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }
 
 void Pipeline::Impl::conclude(int to, bool with_open) {

@@ -24,7 +24,8 @@ std::string Pipeline::Impl::foreign_oscillations() const {
 std::string Pipeline::Impl::barred_reason() const {
   if (window.too_few())
     return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
-           std::to_string(H) + " harmonics: at least " + std::to_string(2 * (H + 1)) + " are needed" +
+           std::to_string(harmonics()) + " harmonics: at least " + std::to_string(2 * (harmonics() + 1)) +
+           " are needed" +
            (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
   if (states.phase() == Phase::interlocked) return "the interlock is open";
   if (states.phase() == Phase::idle) return tracker.at_rest_reason();
@@ -100,7 +101,7 @@ std::string Pipeline::Impl::taken_back_reason() const {
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
   const double step = live[c].intake().step();
   if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
-  const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * H + 1));
+  const double span_s = std::sqrt(12 * moments::mean_square_u(from.channel(c).instants, 2 * harmonics() + 1));
   const double in_period = std::max(1.0, fit.samples * std::min(1.0, period_s() / std::max(span_s, 1e-9)));
   return step / std::sqrt(12.0) * std::sqrt(2 / in_period);
 }
@@ -108,8 +109,8 @@ double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Total
 ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
   const LiveChannel& channel = live[c];
   ChannelResult result;
-  result.fit = fit_harmonics(data.totals(), c, H, blocks().reference(c));
-  result.dof = result.fit.samples - (2 * H + 1);
+  result.fit = fit_harmonics(data.totals(), c, harmonics(), blocks().reference(c));
+  result.dof = result.fit.samples - (2 * harmonics() + 1);
   if (channel.stuck(period_s()))
     result.withheld = "stuck at one reading";
   else if (up_to_now && !delivers(c))
@@ -147,9 +148,9 @@ void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
 void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
   const double f = omega() / kTwoPi;
   for (const double line : kMainsFundamentals_hz)
-    for (int h = 1; h <= H; ++h) {
+    for (int h = 1; h <= harmonics(); ++h) {
       std::string names;
-      for (int c = 0; c < channel_count; ++c)
+      for (int c = 0; c < live.count(); ++c)
         if (live[c].sampling().distance_hz(line, h * f) < kMainsWander_hz + 1 / seconds)
           names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
       if (names.empty()) continue;
@@ -166,7 +167,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
                                       ? -provisional_chain.time_constant_s() * std::log(rig.tolerance)
                                       : kNaN;
   dwell.settling_reason = settling_reason();
-  if (origin_ns == INT64_MIN) return dwell;
+  if (at.origin_ns == INT64_MIN) return dwell;
   const bool active = !states.at_rest();
   if (active) {
     dwell.index = states.index();
@@ -181,11 +182,11 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
   dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
   std::vector<ChannelResult> results;
-  for (int c = 0; c < channel_count; ++c) {
+  for (int c = 0; c < live.count(); ++c) {
     results.push_back(result_of(c, up_to_now));
     if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
     if (settled) look_within(c, from, to, results.back());
-    for (int h = 1; h <= H; ++h)
+    for (int h = 1; h <= harmonics(); ++h)
       results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));
   }
   const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
@@ -197,10 +198,10 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel())]);
     if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, reference.stated().u));
   }
-  for (int c = 0; c < channel_count; ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
+  for (int c = 0; c < live.count(); ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
   if (settled) {
     std::vector<Folded> folded;
-    for (int c = 0; c < channel_count; ++c) {
+    for (int c = 0; c < live.count(); ++c) {
       const auto i = static_cast<std::size_t>(c);
       folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[c].sampling(), w / kTwoPi, seconds));
       results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
@@ -210,8 +211,9 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   // The frequency of a drive that drifts is another at either end: its spread over the dwell.
   report_phasors(rig, results, w, std::hypot(u, data.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
-  dwell.end_s = axis_s(with_open || to == 0 ? last_sample_ns : std::min(last_sample_ns, blocks().block(to - 1).end_ns));
-  for (int c = 0; c < channel_count; ++c)
+  dwell.end_s =
+      axis_s(with_open || to == 0 ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns));
+  for (int c = 0; c < live.count(); ++c)
     for (const std::string& warning : live[c].warnings(rig.tolerance))
       dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
   if (!settled) {

@@ -21,7 +21,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   at.verdict_ns = end_ns;
   states.begin_to_measure();
   live.begin_to_count();
-  for (int c = 0; c < channel_count; ++c) transient[static_cast<std::size_t>(c)] = windows.left(c);
+  for (int c = 0; c < live.count(); ++c) transient[static_cast<std::size_t>(c)] = windows.left(c);
   count_anew();
 }
 
@@ -41,7 +41,7 @@ bool Pipeline::Impl::look(int from, int to) {
 void Pipeline::Impl::provisional() {
   if (rig.mass_count() > kLargestSolved || !windows.wants_chain(at.steady_serial)) return;
   provisional_chain.forget_time_constant();
-  for (int c = 0; c < channel_count; ++c)
+  for (int c = 0; c < live.count(); ++c)
     if (windows.usable(c))
       provisional_chain.observe(c, windows.phasor(c), omega());
     else

@@ -61,7 +61,7 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
   if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel())) return;
   const Complex change = since_fitted(table, modes.fit(), drive_channel(), data.totals().t_ref_ns());
   if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
-  for (int c = 0; c < channel_count; ++c) {
+  for (int c = 0; c < live.count(); ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
     if (!result.fit.usable || shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const double taken_out = 2 / result.fit.samples * modes.removal().taken_out(c).norm();
@@ -78,7 +78,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   if (!results[table].fit.usable) return;
   for (std::size_t c = 0; c < results.size(); ++c) {
     if (c == table || !results[c].withheld.empty() || !results[c].fit.usable) continue;
-    Eigen::VectorXcd against = Eigen::VectorXcd::Zero(channel_count);
+    Eigen::VectorXcd against = Eigen::VectorXcd::Zero(live.count());
     against(static_cast<Eigen::Index>(c)) = 1.0 / results[c].fit.X[0];
     against(drive_channel()) = -1.0 / results[table].fit.X[0];
     const Scatter scatter = scatter_of_sum(against, stretches);

@@ -12,7 +12,7 @@ constexpr double kMatters = 0.05;  // of the variance
 }  // namespace
 
 HoldNow Pipeline::Impl::hold_now() {
-  for (int c = 0; c < channel_count; ++c) {
+  for (int c = 0; c < live.count(); ++c) {
     const ChannelIntake& intake = live[c].intake();
     const auto i = static_cast<std::size_t>(c);
     fitted_channels[i] = {windows.usable(c),       live.imposed()[i] != 0, blocks().reference(c),
@@ -106,7 +106,7 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
 
 // Whether in any channel what is not known of the transient adds to the variance of the phasor.
 bool Pipeline::Impl::transient_matters() const {
-  for (int c = 0; c < channel_count; ++c) {
+  for (int c = 0; c < live.count(); ++c) {
     const HarmonicFit fit = data.fit_counted(c);
     if (!fit.usable || !modes.fit().usable(c)) continue;
     if (modes.removal().covariance(c, fit.samples).trace() > kMatters * fit.covariance.trace()) return true;

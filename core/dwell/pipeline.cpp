@@ -19,12 +19,12 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
 }
 
 void Pipeline::Impl::take_record(const Record& record) {
-  if (origin_ns == INT64_MIN) {
-    origin_ns = now_ns = record.t_ns;
+  if (at.origin_ns == INT64_MIN) {
+    at.origin_ns = now_ns = record.t_ns;
   }
   if (record.t_ns < now_ns ||
       record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
-    if (record.kind == Kind::sample && record.channel < channel_count) live[record.channel].refuse();
+    if (record.kind == Kind::sample && record.channel < live.count()) live[record.channel].refuse();
     return;
   }
   now_ns = record.t_ns;
@@ -34,7 +34,7 @@ void Pipeline::Impl::take_record(const Record& record) {
       sample(record);
       break;
     case Kind::channel_state:
-      if (record.channel < channel_count) live[record.channel].tell(static_cast<Fault>(record.flags));
+      if (record.channel < live.count()) live[record.channel].tell(static_cast<Fault>(record.flags));
       break;
     case Kind::action:
       if (record.flags == static_cast<std::uint8_t>(Action::rearm)) rearm();
@@ -71,7 +71,7 @@ void Pipeline::Impl::advance() {
 
 void Pipeline::Impl::sample(const Record& record) {
   const int c = record.channel;
-  if (c >= channel_count) return;
+  if (c >= live.count()) return;
   live.sample(record, omega(), [&](const LiveChannel::Reading& reading) { take(c, reading); });
 }
 
@@ -80,7 +80,7 @@ void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   if (channel.stuck(period_s()) && !states.at_rest()) return channel.leave_out_stuck();
   const bool first = !channel.has_counted();
   const double value = channel.count(reading);
-  last_sample_ns = std::max(last_sample_ns, reading.t_ns);
+  at.last_sample_ns = std::max(at.last_sample_ns, reading.t_ns);
   if (first) data.set_reference(c, value);
   history.push(reading.t_ns, c, value);
   const double cleaned = add_cleaned(reading.t_ns, c, value);
@@ -109,7 +109,7 @@ State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
-  if (p.origin_ns == INT64_MIN) return {kNaN, kNaN};
+  if (p.at.origin_ns == INT64_MIN) return {kNaN, kNaN};
   const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window.periods());
   const HarmonicFit fit = p.data.fit_now(channel, from, p.states.measuring(), p.now_ns);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];

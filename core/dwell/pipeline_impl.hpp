@@ -46,23 +46,20 @@ namespace dwell {
 struct Pipeline::Impl {
   explicit Impl(const Rig& given)
       : rig(given),
-        channel_count(static_cast<int>(given.channels.size())),
-        H(given.excitation.harmonics),
         live(rig),
         reference(rig),
         data(rig, live, reference),
         tracker(rig, reference),
         windows(rig, live, data, window),
-        history(history_capacity(channel_count)),
+        history(history_capacity(live.count())),
         G(observation_matrix(given)),
         provisional_chain(rig, G),
         modes(rig, reference.stated(), history, provisional_chain) {
-    transient.resize(static_cast<std::size_t>(channel_count));
-    fitted_channels.resize(static_cast<std::size_t>(channel_count));
+    transient.resize(static_cast<std::size_t>(live.count()));
+    fitted_channels.resize(static_cast<std::size_t>(live.count()));
   }
 
   const Rig rig;
-  const int channel_count, H;
   LiveChannels live;
   DriveReference reference;
   CountedData data;
@@ -78,14 +75,15 @@ struct Pipeline::Impl {
 
   DwellStates states;
   DwellTimes at;
-  std::int64_t origin_ns = INT64_MIN, now_ns = INT64_MIN, last_sample_ns = INT64_MIN;
+  std::int64_t now_ns = INT64_MIN;
   SettlingDetector::Verdict verdict;
   FinishedDwell finished;
   std::uint8_t changes = kNothing;
 
+  [[nodiscard]] int harmonics() const { return rig.excitation.harmonics; }
   [[nodiscard]] bool tracked() const { return reference.tracked(); }
   [[nodiscard]] bool from_motion() const { return reference.from_motion(); }
-  [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - origin_ns); }
+  [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - at.origin_ns); }
   [[nodiscard]] const Blocks& blocks() const { return data.blocks(); }
   [[nodiscard]] double omega() const { return data.omega(); }
   [[nodiscard]] double period_s() const { return data.period_s(); }

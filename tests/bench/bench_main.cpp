@@ -92,6 +92,13 @@ void print(Medians& medians) {
 
   const Table table;
   table.plain("one libm sincos", ns("libm_sincos"));
+  const double least_ns = medians.cost_ns("least_work"), rls_ns = medians.cost_ns("eigen_rls"),
+               numpy_ns = medians.of("numpy_lstsq", "ns"), fit_ns = medians.cost_ns("fit_own_instants");
+  table.plain("sums of 3 harmonics, least possible work per sample", ns("least_work"));
+  table.plain("fit per sample, own instants, H = 3 / least work", ns("fit_own_instants"),
+              text("%.2f", fit_ns / least_ns));
+  table.plain("recursive least squares in Eigen per sample / that fit", ns("eigen_rls"), text("%.2f", rls_ns / fit_ns));
+  table.plain("numpy lstsq per sample / that fit", text("%.1f ns", numpy_ns), text("%.2f", numpy_ns / fit_ns));
   table.at_most("fit per sample, own instants, H = 3 / sincos", ns("fit_own_instants"),
                 against_sincos("fit_own_instants"), 3);
   table.at_most("fit per channel, shared instant, H = 3 / sincos", ns("fit_shared_instant"),
@@ -103,6 +110,14 @@ void print(Medians& medians) {
               text("%.2f", against_sincos("device_clock/1")));
   table.plain("clock of a device recovered, per sample, 8 in a scan / sincos", ns("device_clock/8"),
               text("%.2f", against_sincos("device_clock/8")));
+  const double first_over_later = medians.cost_ns("pipeline") / medians.cost_ns("pipeline_later");
+  table.at_most("pipeline per sample, the first minute / later ones", ns("pipeline"), first_over_later, 1.3);
+  for (const char* turn : {"64/1000", "16/10000"}) {
+    const double longest = medians.of(std::string("longest_turn/") + turn, "longest_ms");
+    table.at_most(
+        turn[0] == '6' ? "longest turn in ms, 64 channels at 1 kHz" : "longest turn in ms, 16 channels at 10 kHz",
+        text("%.1f ms", longest), longest, 5);
+  }
   const double publish_ns = medians.cost_ns("publish");
   table.plain("publishing one result / the 0.1 s between two", text("%.1f us", 1e-3 * publish_ns),
               text("%.5f", publish_ns / update_ns));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/complex.hpp"
 #include "core/model/forward.hpp"
 #include "core/rig/observation.hpp"
 #include "tests/core/bench_rig.hpp"
