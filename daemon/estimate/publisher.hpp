@@ -20,6 +20,13 @@ class Publisher {
 
   // wake: called on the estimation thread when there is something new; must not block.
   explicit Publisher(std::function<void()> wake) : wake_(std::move(wake)) {}
+  // The queue does not destroy what is left in it.
+  ~Publisher() {
+    for (RunEvent left; events_.pop(left);) {
+    }
+  }
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
 
   // The estimation thread: the snapshot to fill, with its number in it, then to publish.
   [[nodiscard]] Snapshot& next() noexcept {
