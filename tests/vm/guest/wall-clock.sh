@@ -11,10 +11,10 @@ counted() {  # SECONDS
 frequency_is_right() {
   dwellctl status --json | jq -e '(.frequency_hz.value / 4 - 1) * 1e6 | if fabs < 50 then true else "off by \(.) ppm" | halt_error end'
 }
-# More data make the same dwell's estimate better; it may move by what that explains, the root of the difference of the
-# variances, four times of which chance exceeds in one of eight coefficients once in 2000 dwells; and by 0.1 u.
+# More data make the same dwell's estimate better; it may move by what that explains, three times the root of the
+# difference of the variances, and 0.1 u.
 same_but_better() {
-  jq -se 'def off($a; $b): (($a[0] - $b[0]) | fabs) / (0.1 * $a[1] + 4 * ((($a[1] * $a[1] - $b[1] * $b[1]) | fabs) | sqrt));
+  jq -se 'def off($a; $b): (($a[0] - $b[0]) | fabs) / (0.1 * $a[1] + 3 * ((($a[1] * $a[1] - $b[1] * $b[1]) | fabs) | sqrt));
     . as [$a, $b] | [range($a | length) | off($a[.]; $b[.])] | max
     | if . <= 1 then true else "off by \(.) of what is allowed: \($a), then \($b)" | halt_error end' "$work/before" "$work/after"
 }
