@@ -1,5 +1,5 @@
-// What a plugin's table holds, read by the sizes that the plugin states: one built against an older or a newer header
-// of the same version is read as far as both headers know it.
+// Reads a plugin's table. The plugin states the sizes of its structs, for it may be built against an older or a newer
+// header of the same version. Members that either header lacks are not read.
 #pragma once
 
 #include <algorithm>

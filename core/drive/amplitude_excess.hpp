@@ -29,7 +29,7 @@ class AmplitudeExcess {
   static constexpr double kForget = 1.0 / 64;     // of the excess, per period
   static constexpr double kExcess = 0.6;          // of the variance by noise, from which an excess shows
   static constexpr double kBeyond = 1.5;          // standard deviations of the excess
-  static constexpr double kSureOfRounding = 3.0;  // standard deviations of what rounding does
+  static constexpr double kSureOfRounding = 3.0;  // standard deviations of the mean square that rounding adds
   double excess_ = 0.0, tolerated_ = 0.0;
 };
 

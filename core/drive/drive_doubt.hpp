@@ -46,7 +46,7 @@ class DriveDoubt {
       phase = phase || other.phase;
     }
   };
-  Seen now_, far_;  // this look's; the last far look's, of what lies far back
+  Seen now_, far_;  // now_: of the present look; far_: of the last look at quarters that lie far back
   bool far_look_ = false;
   int amplitude_ = 0, phase_ = 0;
 };

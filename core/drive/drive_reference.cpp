@@ -11,10 +11,11 @@
 namespace dwell {
 namespace {
 
-constexpr double kContradicts = 2.0;  // tolerances between the table's frequency and that of the pulses
-constexpr double kSureOfOff = 4.0;    // standard deviations …
-constexpr double kOffMatters = 0.1;   // … and tolerances between the two in the data that count
-constexpr double kCovered = 0.5;      // part of the data that the pulses must span to tell their frequency
+constexpr double kContradicts =
+    2.0;  // tolerances, by which the table's frequency and that of the pulses must differ to contradict
+constexpr double kSureOfOff = 4.0;   // standard deviations, and …
+constexpr double kOffMatters = 0.1;  // … tolerances, by which they must differ in the data that count
+constexpr double kCovered = 0.5;     // part of the data that the pulses must span to tell their frequency
 
 std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
 std::string in_hz(double omega) { return brief(omega / kTwoPi, 7); }

@@ -42,10 +42,10 @@ class DriveReference {
   // Why not.
   [[nodiscard]] std::string unusable_reason(std::int64_t now_ns) const;
 
-  // The table moves at `omega`, another frequency than that of the pulses.
+  // Whether the pulses have another frequency than the table, which moves at `omega` (rad/s); and the reason in words.
   [[nodiscard]] bool pulses_contradict(double omega) const noexcept;
   [[nodiscard]] std::string contradiction_of_pulses(double omega) const;
-  // The table moves at `omega`, another frequency than the rig file states.
+  // The reason in words, where the table moves at `omega` (rad/s) and the rig file states another frequency.
   [[nodiscard]] std::string contradiction_of_statement(double omega) const;
 
   // Data over [from, to], at an ω near the solution, at the best one for them: leaves them in `out`, as refine() of

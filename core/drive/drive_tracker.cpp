@@ -111,8 +111,9 @@ int DriveTracker::doubtful_quarters() const noexcept {
   return watch_.watches() ? watch_.since_good() : std::min(monitor_.windows_since_good(), 2 * kQuarters);
 }
 
-// The last window that was beyond doubt, and a quarter before it: two periods back at most by the amplitude, as far as
-// the phase has been slipping away by that. A change that begins as a ramp explains most a little after it has begun.
+// A change may have begun a quarter before the first doubtful window. Doubts by amplitude reach back two periods at
+// most; doubts by phase reach back to where the phase began to slip. A ramp is doubted only some time after it has
+// begun.
 int DriveTracker::quarters_of_change() const noexcept { return std::max(doubtful_quarters() + 2, since_in_phase_ + 1); }
 
 }  // namespace dwell

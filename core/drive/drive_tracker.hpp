@@ -1,4 +1,5 @@
-// The tracker of the drive: is the table moving, is its motion that of the hold, at which frequency.
+// The tracker of the drive answers three questions. Does the table move? At which frequency? Is it still the steady
+// motion with which the hold began?
 //
 // Each quarter of a period brings a window of the drive's channel. Three watch it: DriveMonitor compares windows with
 // each other, which is all there is while a dwell settles; once the data count, StepWatch compares each reading with

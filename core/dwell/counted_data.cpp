@@ -13,7 +13,7 @@ namespace dwell {
 namespace {
 
 constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
-constexpr std::int64_t kEnoughQuarters = 40;  // of which an eighth may go
+constexpr std::int64_t kEnoughQuarters = 40;  // from so many on, an eighth of the data may be dropped
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
 constexpr int kStretches = 12;                // in which the drive's phase is looked at
 constexpr double kShortestDrift = 20.0;       // periods

@@ -39,9 +39,9 @@ class CountedData {
   // ω from one window of the drive's channel, centred at centre_ns, where that is known to a hundredth.
   void acquire(int from, int to, std::int64_t centre_ns) noexcept;
   [[nodiscard]] const Blocks::Drift& drift() const noexcept { return blocks_.drift(); }
-  // ω at t of a drive of which it is `omega` where the drift is about.
+  // ω at t, where the drive drifts and has `omega` at drift().about_ns.
   [[nodiscard]] double omega_at(std::int64_t t_ns, double omega) const noexcept;
-  // By what the drift has turned the drive at t beyond the phase that sums are of, rad.
+  // Phase of the drifting drive at t beyond that of a drive without drift, rad.
   [[nodiscard]] double bend(std::int64_t t_ns) const noexcept;
   // The rate, rad/s² beyond drift(), by which the table's frequency drifts over the blocks from `first` on; 0: it does
   // not show, or turns nothing by what matters. omega: its frequency at `about`.

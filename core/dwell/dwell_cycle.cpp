@@ -39,7 +39,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   } else if (states.measuring()) {
     refit_measuring(end_ns);
     states.ask_again(modes.asks_again());
-    // Not from what may be another drive.
+    // While the newest quarters are in doubt they may hold another drive: ω is not refined from them.
     if (!data.counted() || (data.wants_refining() && doubtful_quarters() == 0)) count_anew();
   }
 }

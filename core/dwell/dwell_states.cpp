@@ -24,32 +24,6 @@ State state_of(Phase phase) noexcept {
   return State::idle;
 }
 
-const char* to_string(Phase phase) noexcept {
-  switch (phase) {
-    case Phase::idle:
-      return "idle";
-    case Phase::interlocked:
-      return "interlocked";
-    case Phase::unseen:
-      return "unseen";
-    case Phase::unseen_interlocked:
-      return "unseen, interlocked";
-    case Phase::settling:
-      return "settling";
-    case Phase::asked_again:
-      return "asked again";
-    case Phase::measuring:
-      return "measuring";
-    case Phase::settling_after_change:
-      return "settling after a change";
-    case Phase::asked_again_after_change:
-      return "asked again after a change";
-    case Phase::measuring_after_change:
-      return "measuring after a change";
-  }
-  return "";
-}
-
 void DwellStates::go(Phase next) noexcept {
   if (state_of(next) != state()) changed_ = true;
   phase_ = next;

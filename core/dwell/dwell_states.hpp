@@ -25,7 +25,6 @@ enum class Phase : std::uint8_t {
 };
 
 [[nodiscard]] State state_of(Phase phase) noexcept;
-[[nodiscard]] const char* to_string(Phase phase) noexcept;  // "idle", "interlocked", "asked again", …
 
 // Bound to one thread, real-time safe.
 class DwellStates {

@@ -31,7 +31,7 @@ class ClockTracker {
   // So many readings never arrived; negative: so many were counted too many.
   void shift(double readings) noexcept { part_ns_ += readings * period_ns_; }
 
-  // Of the newest reading: its instant, and the half width of what that is uncertain by, ns.
+  // Instant of the newest reading, ns; it is known to ± half_ns().
   [[nodiscard]] std::int64_t t_ns() const noexcept { return whole_ns_ + (part_ns_ >= 0.5 ? 1 : 0); }
   [[nodiscard]] double half_ns() const noexcept;
 

@@ -7,26 +7,12 @@
 #include <random>
 
 #include "core/base/angle.hpp"
+#include "tests/core/table_and_mass.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr double kCountedRate_hz = 200.0, kCountedNoise = 1e-3, kCountedPeriod_s = 0.25;
-
-Rig counted_rig() {
-  Rig rig;
-  rig.excitation.frequency_hz = 4.0;
-  rig.excitation.search_low_hz = 3.8;
-  rig.excitation.search_high_hz = 4.2;
-  rig.excitation.harmonics = 2;
-  for (const int at : {0, 1}) {
-    Channel channel;
-    channel.name = at == 0 ? "table" : "y1";
-    channel.at = at;
-    rig.channels.push_back(channel);
-  }
-  return rig;
-}
 
 // A table that moves at f + drift·t/2 Hz with an amplitude of 1, and a mass of 2 behind it.
 struct CountedBench {
@@ -62,7 +48,7 @@ struct CountedBench {
 };
 
 TEST(CountedData, FindsTheFrequencyOfASteadyDriveWithinItsUncertainty) {
-  CountedBench bench(counted_rig(), 4.0003);
+  CountedBench bench(table_and_mass(), 4.0003);
   bench.run_to(20.0);
   EXPECT_FALSE(bench.data.counted());
   EXPECT_FALSE(bench.data.knows_omega());
@@ -78,7 +64,7 @@ TEST(CountedData, FindsTheFrequencyOfASteadyDriveWithinItsUncertainty) {
 }
 
 TEST(CountedData, TheFirstBlocksTakenAtAWrongFrequencyDoNotCount) {
-  CountedBench bench(counted_rig(), 4.05);
+  CountedBench bench(table_and_mass(), 4.05);
   bench.run_to(1.0);
   EXPECT_EQ(bench.data.blocks().block(0).begin_ns, 0);
   bench.data.take_omega(kTwoPi * 4.05);
@@ -91,13 +77,13 @@ TEST(CountedData, TheFirstBlocksTakenAtAWrongFrequencyDoNotCount) {
 }
 
 TEST(CountedData, WithoutDataNothingIsCounted) {
-  CountedBench bench(counted_rig(), 4.0);
+  CountedBench bench(table_and_mass(), 4.0);
   EXPECT_FALSE(bench.data.count_anew(0));
   EXPECT_FALSE(bench.data.counted());
 }
 
 TEST(CountedData, OneWindowIsEnoughToAcquireTheFrequency) {
-  CountedBench bench(counted_rig(), 4.1);
+  CountedBench bench(table_and_mass(), 4.1);
   bench.run_to(1.3 * kCountedPeriod_s);
   ASSERT_GE(bench.data.blocks().count(), kQuarters);
   bench.data.acquire(0, kQuarters, 125'000'000);
@@ -105,7 +91,7 @@ TEST(CountedData, OneWindowIsEnoughToAcquireTheFrequency) {
 }
 
 TEST(CountedData, TheRunningSumsStayThoseOfAllBlocksAndAreRefinedOnceTheDataHaveGrownByASixth) {
-  CountedBench bench(counted_rig(), 4.0);
+  CountedBench bench(table_and_mass(), 4.0);
   bench.run_to(20.0);
   bench.data.count_anew(0);
   EXPECT_FALSE(bench.data.wants_refining());
@@ -121,7 +107,7 @@ TEST(CountedData, TheRunningSumsStayThoseOfAllBlocksAndAreRefinedOnceTheDataHave
 }
 
 TEST(CountedData, WhatIsOlderThanTheMemoryIsForgottenAndTheSumsHoldNoLonger) {
-  Rig rig = counted_rig();
+  Rig rig = table_and_mass();
   rig.memory_s = 10.0;
   CountedBench bench(rig, 4.0);
   bench.run_to(9.0);
@@ -133,7 +119,7 @@ TEST(CountedData, WhatIsOlderThanTheMemoryIsForgottenAndTheSumsHoldNoLonger) {
 }
 
 TEST(CountedData, ADriftThatTurnsThePhaseIsFollowedAndOneThatIsStatedAwayIsNot) {
-  CountedBench drifting(counted_rig(), 4.0, 2e-4);
+  CountedBench drifting(table_and_mass(), 4.0, 2e-4);
   drifting.run_to(60.0);
   drifting.data.count_anew(0);
   EXPECT_NEAR(drifting.data.drift().rate, kTwoPi * 2e-4, kTwoPi * 2e-5);
@@ -141,7 +127,7 @@ TEST(CountedData, ADriftThatTurnsThePhaseIsFollowedAndOneThatIsStatedAwayIsNot) 
   EXPECT_NEAR(start_omega / kTwoPi, 4.0, 1e-3);
   EXPECT_EQ(drifting.data.bend(drifting.data.drift().about_ns), 0.0);
 
-  Rig stated = counted_rig();
+  Rig stated = table_and_mass();
   stated.excitation.reference = Reference::fixed;
   stated.excitation.clock_u = 0.0;
   CountedBench exact(stated, 4.0, 2e-4);
@@ -151,7 +137,7 @@ TEST(CountedData, ADriftThatTurnsThePhaseIsFollowedAndOneThatIsStatedAwayIsNot) 
 }
 
 TEST(CountedData, ADwellThatIsTakenBackKeepsTheFrequencyOfThatInstantWithoutTheDrift) {
-  CountedBench bench(counted_rig(), 4.0, 2e-4);
+  CountedBench bench(table_and_mass(), 4.0, 2e-4);
   bench.run_to(60.0);
   bench.data.count_anew(0);
   const double then = bench.data.omega_at(60'000'000'000, bench.data.omega());
@@ -162,7 +148,7 @@ TEST(CountedData, ADwellThatIsTakenBackKeepsTheFrequencyOfThatInstantWithoutTheD
 }
 
 TEST(CountedData, WhatIsReportedRestsOnTheBlocksAskedForAndTheOpenOneIfAskedFor) {
-  CountedBench bench(counted_rig(), 4.0);
+  CountedBench bench(table_and_mass(), 4.0);
   bench.run_to(10.02);
   const int all = bench.data.blocks().count();
   const std::int64_t now_ns = 10'020'000'000;

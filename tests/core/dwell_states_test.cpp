@@ -21,7 +21,7 @@ TEST(DwellStates, OutsidersSeeFourStatesOfTheTen) {
   EXPECT_EQ(state_of(Phase::unseen_interlocked), State::fault);
   for (const Phase phase :
        {Phase::settling, Phase::asked_again, Phase::settling_after_change, Phase::asked_again_after_change})
-    EXPECT_EQ(state_of(phase), State::settling) << to_string(phase);
+    EXPECT_EQ(state_of(phase), State::settling) << static_cast<int>(phase);
   EXPECT_EQ(state_of(Phase::measuring), State::measuring);
   EXPECT_EQ(state_of(Phase::measuring_after_change), State::measuring);
 }

@@ -7,26 +7,12 @@
 #include <random>
 
 #include "core/base/angle.hpp"
+#include "tests/core/table_and_mass.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr double kWindowsHz = 4.0, kWindowsNoise = 1e-3;
-
-Rig windows_rig() {
-  Rig rig;
-  rig.excitation.frequency_hz = kWindowsHz;
-  rig.excitation.search_low_hz = 3.8;
-  rig.excitation.search_high_hz = 4.2;
-  rig.excitation.harmonics = 2;
-  for (const int at : {0, 1}) {
-    Channel channel;
-    channel.name = at == 0 ? "table" : "y1";
-    channel.at = at;
-    rig.channels.push_back(channel);
-  }
-  return rig;
-}
 
 // A table with an amplitude of 1, and a mass behind it whose own oscillation dies away.
 struct WindowsBench {
@@ -74,7 +60,7 @@ struct WindowsBench {
                 [&](const LiveChannel::Reading& reading) { data.add(c, reading.t_ns, live[c].count(reading)); });
   }
 
-  Rig rig = windows_rig();
+  Rig rig = table_and_mass();
   double transient;
   long mass_every;
   LiveChannels live{rig};
