@@ -19,6 +19,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   at.settled_ns = blocks().block(counts_from).begin_ns;
   data.forget_before(at.settled_ns);
   at.verdict_ns = end_ns;
+  if (states.awaits_reason()) emit(EndedBy::drive_changed);
   states.begin_to_measure();
   live.begin_to_count();
   for (int c = 0; c < live.count(); ++c) transient[static_cast<std::size_t>(c)] = windows.left(c);

@@ -18,7 +18,6 @@ State state_of(Phase phase) noexcept {
     case Phase::asked_again_after_change:
       return State::settling;
     case Phase::measuring:
-    case Phase::measuring_after_change:
       return State::measuring;
   }
   return State::idle;
@@ -66,17 +65,16 @@ void DwellStates::ask_again(bool again) noexcept {
 }
 
 void DwellStates::begin_to_measure() noexcept {
-  if (settling()) go(awaits_reason() ? Phase::measuring_after_change : Phase::measuring);
+  if (settling() && !awaits_reason()) go(Phase::measuring);
 }
 
 void DwellStates::take_back() noexcept {
-  if (measuring()) go(awaits_reason() ? Phase::settling_after_change : Phase::settling);
+  if (measuring()) go(Phase::settling);
 }
 
 void DwellStates::go_on() noexcept {
   if (phase_ == Phase::settling_after_change) go(Phase::settling);
   if (phase_ == Phase::asked_again_after_change) go(Phase::asked_again);
-  if (phase_ == Phase::measuring_after_change) go(Phase::measuring);
 }
 
 void DwellStates::interlock(bool closed) noexcept {

@@ -18,10 +18,9 @@ enum class Phase : std::uint8_t {
   settling,            // the drive is steady, the transient is not over
   asked_again,         // the transient seems to be over, but readings are rounded: more data must say so again
   measuring,           // the data count
-  // The same while the dwell before waits for the reason of its end: has the drive changed, or does it stop?
+  // Settling while the dwell before waits for the reason of its end: has the drive changed, or does it stop?
   settling_after_change,
   asked_again_after_change,
-  measuring_after_change,
 };
 
 [[nodiscard]] State state_of(Phase phase) noexcept;
@@ -61,7 +60,8 @@ class DwellStates {
   void settle_anew() noexcept;
   // While settling: whether the verdict waits to be asked again.
   void ask_again(bool again) noexcept;
-  // While settling: the data count from now on; while measuring: a better fit says that they do not.
+  // While settling, and no dwell waits for its reason (a drive that is steady enough to measure has changed): the data
+  // count from now on. While measuring: a better fit says that they do not.
   void begin_to_measure() noexcept;
   void take_back() noexcept;
   // The reason is known why the dwell before ended: the one armed since then goes on …

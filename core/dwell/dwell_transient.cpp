@@ -53,11 +53,11 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   at.settled_ns = *judged.counts_from_ns;
   verdict.settled = true;
   at.verdict_ns = end_ns;
+  if (states.awaits_reason()) emit(EndedBy::drive_changed);
   states.begin_to_measure();
   live.begin_to_count();
   std::fill(transient.begin(), transient.end(), 0.0);
   data.take_drive(modes.fit().omega(), {modes.fit().rate(), modes.fit().t0_ns()});
-  if (states.awaits_reason()) emit(EndedBy::drive_changed);
   modes.begin_measuring(hold_now());
   take_transient_out(end_ns);
   count_anew();

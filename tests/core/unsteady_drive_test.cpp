@@ -92,6 +92,26 @@ TEST_P(HuntingFrequency, GivesNoWrongNumberWithoutAWord) {
 
 INSTANTIATE_TEST_SUITE_P(UnsteadyDrive, HuntingFrequency, testing::Values(0.1, 1.0));
 
+// A dwell that ended waits for the reason until the drive is steady again. What is held shortly, and left again, must
+// not take its place before it is told: no number of a run is missing.
+TEST(UnsteadyDrive, HoldsOfFewPeriodsAreAllToldEachUnderItsNumber) {
+  const Chain chain{Boundary::clamped, {}, {8e3}, {40}};
+  int told_in_all = 0;
+  for (double held = 2.0; held <= 8.0; held += 0.25) {  // periods
+    Toned toned = under(chain, 4.0, {{4.0, 0.002}});
+    Pipeline pipeline(toned.rig);
+    int told = 0;
+    const auto count = [&](std::uint8_t changes) {
+      if (!(changes & kCompleted)) return;
+      EXPECT_EQ(pipeline.completed().index, ++told) << held << " periods";
+    };
+    toned.play(pipeline, 30, count, [&](double t_s) { return std::fmod(t_s * 4.0, 2 * held) < held ? 1.0 : 1.2; });
+    count(pipeline.finish());
+    told_in_all += told;
+  }
+  EXPECT_GT(told_in_all, 100);
+}
+
 // Half a percent a minute in all channels alike changes no ratio.
 TEST(UnsteadyDrive, ADriftOfAmplitudeThatAllChannelsShareWidensNoCoefficient) {
   for (const double damping : {0.1, 1.0}) {
