@@ -19,6 +19,7 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
 }
 
 void Pipeline::Impl::take_record(const Record& record) {
+  if (record.kind > Kind::tick) return;
   if (at.origin_ns == INT64_MIN) {
     at.origin_ns = now_ns = record.t_ns;
   }
@@ -43,6 +44,9 @@ void Pipeline::Impl::take_record(const Record& record) {
       edge(record);
       break;
     case Kind::tick:
+    case Kind::run:
+    case Kind::loss:
+    case Kind::fault:
       break;
   }
 }

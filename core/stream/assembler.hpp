@@ -62,7 +62,7 @@ class Assembler {
   // Hands in a change of state of a device's channel. It is never dropped as late: where its instant lies before the
   // newest record released, it takes that record's instant. false: the device's queue is full; hand it in again.
   bool state(std::size_t device, Record record) noexcept { return enter_now(device, record); }
-  // An action, or another record that must not be late; as state().
+  // An action, or another record that no device stamps and that must not be late; as state().
   bool action(Record record) noexcept { return enter_now(ticks(), record); }
   // Time goes on, whether or not anything happens. Dropped as late only where a recording is played faster than real
   // time, which needs no ticks.

@@ -16,6 +16,11 @@ enum class Kind : std::uint8_t {
   edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
   action,         // an operator's action; `flags`: an Action
   tick,           // time goes on, nothing else
+  // For whoever records or replays the stream; the pipeline takes no notice of these.
+  run,    // the first record of a run and the last; `flags`: a RunEdge
+  loss,   // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
+          // record
+  fault,  // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
 };
 
 // Sample and edge flags.
@@ -56,15 +61,26 @@ enum class Action : std::uint8_t {
   rearm = 1,  // begin the dwell anew
 };
 
-// One element of the stream, 24 bytes, trivially copyable.
+enum class RunEdge : std::uint8_t { begins = 1, ends = 2 };
+
+// Why a sample is not in the stream.
+enum class Loss : std::uint8_t {
+  refused = 1,   // the ring between its driver and the estimation was full
+  late = 2,      // older than what had been released
+  ahead = 3,     // stamped ahead of the clock
+  overflow = 4,  // the merger was full
+};
+
+// One element of the stream, 32 bytes, trivially copyable.
 struct Record {
   std::int64_t t_ns = 0;        // ns, CLOCK_MONOTONIC_RAW (live) or the recording's own axis
+  std::int64_t stamped_ns = 0;  // of a sample: its driver's stamp; t_ns may be recovered from many of these
   double value = 0.0;           // see Kind
   std::uint32_t t_half_ns = 0;  // ns, half width of what is known of the instant (rectangular)
   std::uint16_t channel = 0;    // index into Rig::channels
   Kind kind = Kind::sample;
   std::uint8_t flags = 0;
 };
-static_assert(sizeof(Record) == 24 && std::is_trivially_copyable_v<Record>);
+static_assert(sizeof(Record) == 32 && std::is_trivially_copyable_v<Record>);
 
 }  // namespace dwell

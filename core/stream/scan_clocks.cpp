@@ -35,6 +35,7 @@ void ScanClocks::push(const Record& sample) noexcept {
   const int node = take_first(free_);
   assert(node >= 0);
   nodes_[static_cast<std::size_t>(node)].record = sample;
+  nodes_[static_cast<std::size_t>(node)].record.stamped_ns = sample.t_ns;
   nodes_[static_cast<std::size_t>(node)].scan = scan_;
   if (kind_ == Clock::host) {
     for (DeviceClock::Instant instant; stream.clock.next(instant);) {

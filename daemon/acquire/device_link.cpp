@@ -83,7 +83,12 @@ bool DeviceLink::push(const dwell_sample* samples, std::size_t count) noexcept {
     bool& gap = own_[static_cast<std::size_t>(position(from.channel))].gap;
     const auto flags = static_cast<std::uint8_t>((from.flags & (kGap | kStampReplaced)) | (gap ? kGap : 0));
     gap = false;
-    samples_.push(Record{from.t_ns, from.raw, from.t_half_ns, from.channel, Kind::sample, flags});
+    samples_.push(Record{.t_ns = from.t_ns,
+                         .value = from.raw,
+                         .t_half_ns = from.t_half_ns,
+                         .channel = from.channel,
+                         .kind = Kind::sample,
+                         .flags = flags});
   }
   return true;
 }

@@ -55,6 +55,7 @@ DeviceIntake::DeviceIntake(std::size_t index, DeviceFeed feed, const Rig& rig, A
       assembler_(assembler),
       hold_back_ns_(hold_back_ns),
       lines_(feed_.link->name(), feed_.rate_hz, log),
+      accounts_(static_cast<std::uint16_t>(index), feed_.link->channels()),
       scratch_(kScratch) {
   for (const std::uint16_t channel : feed_.link->channels())
     channels_.emplace_back(channel, rig.channels[channel].name, feed_.rate_hz, now_ns);
@@ -171,6 +172,17 @@ void DeviceIntake::admit_state(Heard& channel, std::int64_t t_ns, Fault fault) {
 void DeviceIntake::offer_states() {
   for (Heard& channel : channels_)
     if (channel.state && assembler_.state(index_, *channel.state)) channel.state.reset();
+}
+
+void DeviceIntake::account(std::int64_t now_ns) {
+  // Not among its own records: those it will stamp a moment earlier would be late behind them.
+  const auto enter = [this](const Record& record) { return assembler_.action(record); };
+  for (std::size_t i = 0; i < channels_.size(); ++i)
+    accounts_.lost(i, feed_.link->counters(static_cast<int>(i)).read(), now_ns, enter);
+  for (int kind = 1; kind < kFaultCount; ++kind) {
+    const auto fault = static_cast<Fault>(kind);
+    accounts_.faulty(fault, occurrences(fault), now_ns, enter);
+  }
 }
 
 void DeviceIntake::goes_stale(Heard& channel, Fault fault, const std::string& reason, std::int64_t now_ns) {

@@ -13,6 +13,7 @@
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/device_lines.hpp"
+#include "daemon/estimate/lost_and_faulty.hpp"
 #include "daemon/estimate/measurement.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/log/log.hpp"
@@ -45,6 +46,8 @@ class DeviceIntake {
   void find_faults(std::int64_t now_ns);
   // States for which the merger had no room; none is ever lost.
   void offer_states();
+  // Tells the stream which samples never reached it, and which faults the device counted.
+  void account(std::int64_t now_ns);
   // The run ends: what its clocks hold goes on.
   void stop(std::int64_t now_ns);
 
@@ -110,6 +113,7 @@ class DeviceIntake {
   const std::int64_t hold_back_ns_;
   std::vector<Heard> channels_;  // by DeviceLink::position
   DeviceLines lines_;
+  LostAndFaulty accounts_;
   std::vector<Record> scratch_;
   std::uint64_t silences_ = 0;  // times that channels fell silent
   std::uint64_t untimely_ = 0;  // times that nothing of a channel could be put in order

@@ -30,6 +30,7 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
                      std::function<void()> wake, std::int64_t now_ns)
     : rig_(rig),
       gpio_(options.gpio),
+      show_(options.show),
       assembler_(sources_of(rig, devices), options.hold_back_ns, merger_capacity(devices)),
       publisher_(std::move(wake)),
       measurement_(rig, KeptDwells(options.kept_dwells, options.kept_bytes),
@@ -38,6 +39,7 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
   devices_.reserve(devices.size());
   for (DeviceFeed& device : devices)
     devices_.emplace_back(devices_.size(), std::move(device), rig_, assembler_, options.hold_back_ns, log, now_ns);
+  tell_run(RunEdge::begins, now_ns);
 }
 
 void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped) {
@@ -50,8 +52,9 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   take_edges(now_ns);
   // Actions and the tick last: a backlog in the rings must not look late beside them.
   take_actions(now_ns);
+  for (DeviceIntake& device : devices_) device.account(now_ns);
   assembler_.tick(now_ns);
-  for (Record record; assembler_.next(record);) measurement_.take(record);
+  for (Record record; assembler_.next(record);) take(record);
   settle();
   if (now_ns >= next_publish_ns_) {
     const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
@@ -65,7 +68,12 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
   turn(now_ns, utc_ns);
   for (DeviceIntake& device : devices_) device.stop(now_ns);
   release();
-  for (DeviceIntake& device : devices_) device.offer_states();
+  for (DeviceIntake& device : devices_) {
+    device.offer_states();
+    device.account(now_ns);
+  }
+  release();
+  tell_run(RunEdge::ends, now_ns);
   release();
   measurement_.finish();
   settle();
@@ -97,9 +105,18 @@ void Estimator::take_actions(std::int64_t now_ns) {
   }
 }
 
+void Estimator::tell_run(RunEdge edge, std::int64_t now_ns) {
+  assembler_.action({.t_ns = now_ns, .kind = Kind::run, .flags = static_cast<std::uint8_t>(edge)});
+}
+
+void Estimator::take(const Record& record) {
+  if (show_) show_(record);
+  measurement_.take(record);
+}
+
 // Everything, without waiting for anybody.
 void Estimator::release() {
-  for (Record record; assembler_.flush(record);) measurement_.take(record);
+  for (Record record; assembler_.flush(record);) take(record);
 }
 
 void Estimator::settle() {

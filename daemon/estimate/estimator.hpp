@@ -28,6 +28,8 @@ struct EstimatorOptions {
   // elements; of a usual rig the number above is reached first.
   std::size_t kept_bytes = 80'000'000;
   gpio::Link* gpio = nullptr;  // where edges come from; must outlive the estimator; null: none
+  // Is shown every record of the ordered stream, as the pipeline sees it, on the estimation thread; empty: nobody is.
+  std::function<void(const Record&)> show = {};
 };
 
 class Estimator {
@@ -60,12 +62,15 @@ class Estimator {
 
   void take_edges(std::int64_t now_ns);
   void take_actions(std::int64_t now_ns);
+  void take(const Record& record);
   void release();
+  void tell_run(RunEdge edge, std::int64_t now_ns);
   void settle();
   void publish(std::int64_t now_ns);
 
   const Rig rig_;
   gpio::Link* const gpio_;
+  const std::function<void(const Record&)> show_;
   Assembler assembler_;
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -177,6 +179,80 @@ TEST_F(EstimatorTest, ASampleFromBeforeWhatWasUsedIsLateAndCountedAndAGap) {
     EXPECT_EQ(channel.tally.received, channel.tally.used + channel.tally.dropped() + channel.tally.queued);
     EXPECT_EQ(channel.gaps, 1u);
   }
+}
+
+// Whoever keeps the stream can account for every sample: received = in the stream + lost, by reason.
+TEST_F(EstimatorTest, TheStreamBeginsAndEndsWithItsRunAndTellsOfEverySampleThatIsNotInIt) {
+  std::vector<Record> stream;
+  EstimatorOptions shown;
+  shown.show = [&](const Record& record) { stream.push_back(record); };
+  begin(shown);
+  go_on(1'000 * kMs_ns);
+  scan(now_ns - 500 * kMs_ns);    // late
+  scan(now_ns + 5'000 * kMs_ns);  // stamped ahead
+  link.count(DWELL_FAULT_TIMEOUT, 3);
+  go_on(1'000 * kMs_ns);
+  while (scan(now_ns)) {
+  }
+  ASSERT_TRUE(estimator->rearm());
+  go_on(100 * kMs_ns);
+  estimator->finish(now_ns, now_ns);
+
+  const auto flagged = [&](const Record& record, Kind kind, auto flags) {
+    return record.kind == kind && record.flags == static_cast<std::uint8_t>(flags);
+  };
+  EXPECT_TRUE(flagged(stream.front(), Kind::run, RunEdge::begins));
+  EXPECT_TRUE(flagged(stream.back(), Kind::run, RunEdge::ends));
+  EXPECT_TRUE(
+      std::is_sorted(stream.begin(), stream.end(), [](const Record& a, const Record& b) { return a.t_ns < b.t_ns; }));
+  double in_stream = 0, timeouts = 0, actions = 0;
+  std::map<Loss, double> lost;
+  for (const Record& record : stream) {
+    if (record.channel == 0 && record.kind == Kind::sample) ++in_stream;
+    if (record.channel == 0 && record.kind == Kind::loss) lost[static_cast<Loss>(record.flags)] += record.value;
+    if (flagged(record, Kind::fault, Fault::timeout)) timeouts += record.value;
+    actions += flagged(record, Kind::action, Action::rearm);
+  }
+  const Tally tally = latest().channels[0].tally;
+  EXPECT_EQ(lost[Loss::late], 1);
+  EXPECT_EQ(lost[Loss::ahead], 1);
+  EXPECT_GE(lost[Loss::refused], 1);
+  EXPECT_EQ(lost[Loss::refused], static_cast<double>(tally.refused));
+  EXPECT_EQ(static_cast<double>(tally.received),
+            in_stream + lost[Loss::late] + lost[Loss::ahead] + lost[Loss::refused] + lost[Loss::overflow]);
+  EXPECT_EQ(timeouts, 3);
+  EXPECT_EQ(actions, 1);
+}
+
+TEST_F(EstimatorTest, TheStreamKeepsTheDriversStampBesideTheRecoveredOne) {
+  rig.devices[0].clock = Clock::device;
+  rig.devices[0].rate_hz = 200.0;
+  std::vector<Record> samples;
+  EstimatorOptions shown;
+  shown.hold_back_ns = ScanClocks::kHoldBack_ns;
+  shown.show = [&](const Record& record) {
+    if (record.kind == Kind::sample) samples.push_back(record);
+  };
+  begin(shown);
+  std::mt19937_64 random(7);
+  std::uniform_int_distribution<std::int64_t> late_ns(0, 2 * kMs_ns);
+  std::vector<std::int64_t> stamps;
+  for (const std::int64_t end_ns = now_ns + 5'000 * kMs_ns; now_ns < end_ns;) {
+    now_ns += 10 * kMs_ns;
+    for (const std::int64_t before_ns : {8, 3}) {
+      stamps.push_back(now_ns - before_ns * kMs_ns + late_ns(random));
+      scan(stamps.back());
+    }
+    estimator->turn(now_ns, now_ns);
+  }
+  estimator->finish(now_ns, now_ns);
+  ASSERT_EQ(samples.size(), 2 * stamps.size());
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(samples[i].stamped_ns, stamps[i / 2]);
+    moved += samples[i].t_ns != samples[i].stamped_ns;
+  }
+  EXPECT_GT(moved, samples.size() / 2) << "the clock was recovered";
 }
 
 TEST_F(EstimatorTest, WhatIsBeyondTheRangeIsShownAndNotUsed) {
