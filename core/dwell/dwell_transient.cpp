@@ -7,7 +7,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kMatters = 0.05;  // of the variance
+constexpr double kMatters = 0.05;   // of the variance
+constexpr double kOfAdding = 50.0;  // multiplications, to put a sample into its block
 
 }  // namespace
 
@@ -129,8 +130,10 @@ void Pipeline::Impl::rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns) 
   std::uint64_t i = history.first_at(begin_ns);
   for (; begin_ns < end_ns; begin_ns += quarter_ns) {
     data.open(begin_ns);
-    for (; i < history.end() && history[i].t_ns < begin_ns + quarter_ns; ++i)
+    for (; i < history.end() && history[i].t_ns < begin_ns + quarter_ns; ++i) {
       add_cleaned(history[i].t_ns, history[i].channel, history[i].value);
+      history.spend(kOfAdding);
+    }
     data.close();
   }
 }

@@ -93,7 +93,7 @@ void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   tracker.add(reading.t_ns, cleaned, channel.late_s(reading));
 }
 
-Pipeline::Pipeline(const Rig& rig) : impl_(std::make_unique<Impl>(rig)) {}
+Pipeline::Pipeline(const Rig& rig, Slices* slices) : impl_(std::make_unique<Impl>(rig, slices)) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
@@ -109,6 +109,11 @@ std::uint8_t Pipeline::finish() {
 
 Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks().count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished.dwell(); }
+bool Pipeline::may_take_long(const Record& record) const noexcept {
+  return record.kind == Kind::edge || record.kind == Kind::action ||
+         (impl_->blocks().is_open() && record.t_ns >= impl_->blocks().open_end_ns());
+}
+
 State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/slices.hpp"
 #include "core/intake/channel_now.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
@@ -23,8 +24,9 @@ enum Change : std::uint8_t {
 
 class Pipeline {
  public:
-  // The rig must be valid (config::validate). Everything is allocated here.
-  explicit Pipeline(const Rig& rig);
+  // The rig must be valid (config::validate). Everything is allocated here. slices: in which push() works where it
+  // takes long (PacedPipeline); null: in one. Must outlive this.
+  explicit Pipeline(const Rig& rig, Slices* slices = nullptr);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
@@ -34,8 +36,11 @@ class Pipeline {
   // O(channels · (H² + windows seen)) and now and then the chain's eigenvalues, O(masses³), masses <= 64. Each time
   // that the hold has grown by a quarter to two times, its transient is fitted anew: at least four passes over the
   // samples that are held, (2H + 3 + 4 modes)²/2 multiplications each, 0.1 s where that is no more, some seconds for
-  // sixteen full rings. No allocation, but once per completed dwell.
+  // sixteen full rings, in `slices` where there are any. No allocation, but once per completed dwell.
   std::uint8_t push(const Record& record) noexcept;
+
+  // Whether push() may do more than take a sample in.
+  [[nodiscard]] bool may_take_long(const Record& record) const noexcept;
 
   // The end of the run: completes the current dwell with `end`. Returns a set of Change.
   std::uint8_t finish();

@@ -44,14 +44,14 @@ namespace dwell {
 }
 
 struct Pipeline::Impl {
-  explicit Impl(const Rig& given)
+  Impl(const Rig& given, Slices* slices)
       : rig(given),
         live(rig),
         reference(rig),
         data(rig, live, reference),
         tracker(rig, reference),
         windows(rig, live, data, window),
-        history(history_capacity(live.count())),
+        history(history_capacity(live.count()), slices),
         G(observation_matrix(given)),
         provisional_chain(rig, G),
         modes(rig, reference.stated(), history, provisional_chain) {

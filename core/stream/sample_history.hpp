@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/slices.hpp"
+
 namespace dwell {
 
 // A ring: the oldest are overwritten. Bound to one thread, real-time safe but for the constructor.
@@ -17,7 +19,8 @@ class SampleHistory {
     int channel;
   };
 
-  explicit SampleHistory(std::size_t capacity) : samples_(capacity) {}
+  // slices: in which it is gone over; null: in one. Must outlive this.
+  explicit SampleHistory(std::size_t capacity, Slices* slices = nullptr) : samples_(capacity), slices_(slices) {}
 
   void push(std::int64_t t_ns, int channel, double value) noexcept {
     samples_[next_] = {t_ns, value, channel};
@@ -45,10 +48,17 @@ class SampleHistory {
     return low;
   }
 
+  // Whoever goes over it says so: as many multiplications as were made for a sample, or for a channel when all samples
+  // were gone over. May return much later; no sample is added meanwhile.
+  void spend(double work) const noexcept {
+    if (slices_ != nullptr) slices_->spend(work);
+  }
+
  private:
   std::vector<Sample> samples_;
   std::uint64_t end_ = 0;
   std::size_t next_ = 0;  // where the next goes
+  Slices* slices_;
 };
 
 }  // namespace dwell

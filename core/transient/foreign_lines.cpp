@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kMains = 8, kLines = 400;                   // lines of hum, of 50 and 60 Hz; of the search
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
 constexpr double kSureOfLine = 9.0;                               // exp(-9): once in 8000 searches noise alone
+constexpr double kOfLine = 6.0;                                   // multiplications, of a line at a sample
 constexpr double kFewest = 16.0;                                  // readings of a channel
 constexpr double kMainsFirst = 1.2;                               // of the power of any other line
 constexpr double kBeside = 2.0;                                   // half cycles over the search
@@ -63,6 +64,7 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
     double squares = 0.0, count = 0.0;
     for (auto i = history.first_at(fit.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
       const SampleHistory::Sample& s = history[i];
+      history.spend(s.channel == c ? kOfLine * static_cast<double>(kMains + lines) : 1.0);
       if (s.channel != c) continue;
       const double r = fit.residual(c, s.t_ns, s.value), u = to_s(s.t_ns - fit.t0_ns());
       const Complex step = std::polar(1.0, grid * u);

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
 constexpr double kPerParameter = 4.0;               // readings
+constexpr double kOfRange = 2.0;                    // multiplications' worth, to look at a sample
 
 }  // namespace
 
@@ -25,6 +26,7 @@ void HoldFit::measure_ranges(std::span<const FittedChannel> channels) noexcept {
   for (double& range : ranges_) range = 0.0;
   for (auto i = history_.first_at(from_ns_); i < history_.end(); ++i) {
     const SampleHistory::Sample& s = history_[i];
+    history_.spend(kOfRange);
     const auto c = static_cast<std::size_t>(s.channel);
     ranges_[c] = std::max(ranges_[c], std::abs(s.value - channels[c].reference));
   }
@@ -34,13 +36,18 @@ void HoldFit::feed(std::span<const FittedChannel> channels) noexcept {
   next_ = std::max(next_, history_.begin());
   for (; next_ < history_.end(); ++next_) {
     const SampleHistory::Sample& s = history_[next_];
-    if (channels[static_cast<std::size_t>(s.channel)].watched) believed_.add(s.channel, s.t_ns, s.value);
+    if (!channels[static_cast<std::size_t>(s.channel)].watched) continue;
+    believed_.add(s.channel, s.t_ns, s.value);
+    history_.spend(believed_.work_of_sample());
   }
 }
 
 void HoldFit::solve(std::span<const FittedChannel> channels) noexcept {
-  for (std::size_t c = 0; c < channels.size(); ++c)
-    if (channels[c].watched) believed_.solve(static_cast<int>(c), channels[c].imposed ? 0.0 : ranges_[c], ranges_[c]);
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (!channels[c].watched) continue;
+    believed_.solve(static_cast<int>(c), channels[c].imposed ? 0.0 : ranges_[c], ranges_[c]);
+    history_.spend(believed_.work_of_solution());
+  }
 }
 
 double HoldFit::anew(double omega, std::span<const std::complex<double>> poles,

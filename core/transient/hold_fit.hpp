@@ -66,6 +66,7 @@ class HoldFit {
     for (auto i = history_.first_at(from_ns); i < next_; ++i) {
       const SampleHistory::Sample& s = history_[i];
       if (believed_.usable(s.channel)) f(s.channel, s.t_ns, believed_.residual(s.channel, s.t_ns, s.value));
+      history_.spend(believed_.work_of_residual());
     }
   }
 

@@ -49,6 +49,15 @@ class ModalFit {
 
   // The variance of the noise that the next solution of a channel starts from, its unit squared.
   void expect(int channel, double sigma2) noexcept { at(channel).solution.sigma2 = sigma2; }
+  // Multiplications in add(), solve() and residual(), for whoever has to count them.
+  [[nodiscard]] double work_of_sample() const noexcept {
+    return 0.5 * static_cast<double>(layout().all() * layout().all());
+  }
+  [[nodiscard]] double work_of_solution() const noexcept {
+    return static_cast<double>(layout().linear() * layout().linear() * (layout().linear() + 2 * layout().modal()));
+  }
+  [[nodiscard]] double work_of_residual() const noexcept { return static_cast<double>(2 * layout().all()); }
+
   // Solves one channel. range, line_range: widths of the prior of the amplitudes of what decays and of steady lines, in
   // its unit. false: too few samples.
   bool solve(int channel, double range, double line_range) noexcept;

@@ -34,6 +34,7 @@ constexpr double kSure = 4.0;
 constexpr double kSearched = 4.0, kHighest = 12.0;
 constexpr std::size_t kMostLines = 200;
 constexpr double kMostSearched = 2e4;
+constexpr double kOfChance = 5.0, kOfLine = 6.0;  // multiplications: whether a sample is left out; a line at a sample
 
 double to_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -119,6 +120,7 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   for (PerChannel& channel : channels_)
     channel.low = INFINITY, channel.high = -INFINITY, channel.early_part = channel.late_part = 0.0;
   for (std::uint64_t i = first; i < end; ++i) {
+    given.history.spend(1.0);
     PerChannel& channel = channels_[static_cast<std::size_t>(given.history[i].channel)];
     (i < late ? channel.early_part : channel.late_part) += 1.0;
   }
@@ -130,8 +132,10 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   for (std::uint64_t i = first; i < end; ++i) {
     const SampleHistory::Sample& s = given.history[i];
     PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
+    given.history.spend(kOfChance);
     if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? channel.early_part : channel.late_part)) continue;
     fit_.add(s.channel, s.t_ns, s.value);
+    given.history.spend(fit_.work_of_sample());
     channel.low = std::min(channel.low, s.value);
     channel.high = std::max(channel.high, s.value);
   }
@@ -141,6 +145,7 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
     const double range = channels_[c].high - channels_[c].low;
     fit_.expect(channel, given.latest.variance(channel));
     fit_.solve(channel, given.imposed[c] != 0 ? 0.0 : range, range);
+    given.history.spend(fit_.work_of_solution());
   }
   return fit_.misfit();
 }
@@ -202,6 +207,7 @@ bool WholeHold::explains(const Given& given) noexcept {
       PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
       // Those that were fitted: of others the errors of the fit make the residuals larger than the noise.
       if (!fit_.usable(s.channel) || chance(i) >= channel.early_part) continue;
+      given.history.spend(fit_.work_of_residual());
       const double r = fit_.residual(s.channel, s.t_ns, s.value);
       channel.squares += r * r;
       channel.count += 1.0;
@@ -246,6 +252,7 @@ bool WholeHold::add_pole(const Given& given) noexcept {
   for (std::uint64_t i = first; i < end; ++i) {
     const SampleHistory::Sample& s = given.history[i];
     if (!fit_.usable(s.channel) || chance(i) >= part) continue;
+    given.history.spend(kOfLine * static_cast<double>(lines));
     std::vector<Complex>& sums = channels_[static_cast<std::size_t>(s.channel)].lines;
     const Complex step = std::polar(1.0, grid * to_s(s.t_ns - from_ns_));
     Complex turned = fit_.residual(s.channel, s.t_ns, s.value) * step;

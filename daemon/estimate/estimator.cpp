@@ -127,7 +127,7 @@ void Estimator::publish(std::int64_t now_ns) {
   Snapshot& to = publisher_.next();
   to.t_ns = now_ns;
   to.start_utc_ns = start_utc_ns_;
-  to.dwell = measurement_.pipeline().current();
+  to.dwell = measurement_.current();
   to.finished = measurement_.finished().list();
   to.forgotten = measurement_.finished().forgotten();
   to.skipped_turns = skipped_;

@@ -1,4 +1,5 @@
-// The pipeline of one run and what comes of it: the dwells that have ended, and the events that tell of them.
+// The pipeline of one run, which works in slices, and what comes of it: the dwells that have ended, and the events that
+// tell of them.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/dwell/pipeline.hpp"
+#include "core/dwell/paced_pipeline.hpp"
 #include "core/rig/rig.hpp"
 #include "daemon/estimate/kept_dwells.hpp"
 #include "daemon/estimate/snapshot.hpp"
@@ -28,19 +29,22 @@ class Measurement {
 
   // The next record of the ordered stream.
   void take(const Record& record);
-  // The end of the run: the current dwell completes.
+  // The end of the run: what waits is done, the current dwell completes.
   void finish();
 
-  [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_; }
+  // What is live of the channels; state() and channel() alone may be asked of it at any time.
+  [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_.pipeline(); }
+  // The dwell as it stands; while a long piece of work goes on, as it stood before. Allocates.
+  [[nodiscard]] const Dwell& current();
   [[nodiscard]] const KeptDwells& finished() const noexcept { return finished_; }
   [[nodiscard]] Fate fate(std::size_t channel) const noexcept;
 
  private:
   void note(std::uint8_t change);
 
-  Pipeline pipeline_;
-  std::vector<std::uint64_t> taken_;  // samples, by Rig::channels
-  State state_ = State::idle;         // the last that was told
+  PacedPipeline pipeline_;
+  Dwell current_;
+  State state_ = State::idle;  // the last that was told
   KeptDwells finished_;
   Tell tell_;
 };

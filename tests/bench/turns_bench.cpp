@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <random>
 
-#include "core/dwell/pipeline.hpp"
+#include "core/dwell/paced_pipeline.hpp"
 #include "core/model/driven_chain.hpp"
 #include "daemon/clock.hpp"
 #include "tests/core/bench_rig.hpp"
@@ -27,8 +27,9 @@ void longest_turn(benchmark::State& state) {
   for (auto _ : state) {
     DrivenChain motion(chain, {.frequency_hz = kFrequency_hz, .amplitude = 2e-3, .ramp_s = 0.1},
                        DrivenChain::Start::rest);
-    Pipeline pipeline(rig);
+    PacedPipeline pipeline(rig);
     std::int64_t longest_ns = 0, all_ns = 0, turns = 0;
+    std::size_t most_waiting = 0;
     for (std::int64_t t_ns = 0; t_ns < static_cast<std::int64_t>(1e9 * kSeconds); t_ns += step_ns) {
       const ChainMotion& now = motion.at(1e-9 * static_cast<double>(t_ns));
       for (int c = 0; c < channels; ++c) {
@@ -41,11 +42,13 @@ void longest_turn(benchmark::State& state) {
         const std::int64_t took_ns = read_clock_ns(CLOCK_THREAD_CPUTIME_ID) - begin_ns;
         longest_ns = std::max(longest_ns, took_ns);
         all_ns += took_ns, ++turns;
+        most_waiting = std::max(most_waiting, pipeline.waiting());
       }
     }
     state.counters["longest_ms"] = 1e-6 * static_cast<double>(longest_ns);
     state.counters["mean_ns"] = static_cast<double>(all_ns) / static_cast<double>(turns);
-    state.counters["settled"] = pipeline.state() == State::measuring;
+    state.counters["waiting"] = static_cast<double>(most_waiting);
+    state.counters["settled"] = pipeline.pipeline().state() == State::measuring;
   }
 }
 BENCHMARK(longest_turn)->Args({64, 1000})->Args({16, 10000})->Iterations(1)->Unit(benchmark::kMillisecond);
