@@ -184,10 +184,13 @@ TEST(RepeatBeat, RepeatsAtRegularDistancesTellAndRandomOnesDoNot) {
 
 TEST(RepeatedAnswers, RepeatsCountWhereTheMotionIsSteep) {
   RepeatedAnswers answers;
-  answers.add(2, 1.2, 1.3, 1.0);
-  answers.add(1, 1.2, 1.3, 1.0);
-  answers.add(2, 1.2, -1.3, 1.0);  // the motion turns
-  answers.add(2, 0.2, 1.3, 1.0);   // and here it is slow
+  const auto mean = [] { return 1.0; };
+  answers.add(2, 1.2, 1.3, 0.5, mean);
+  answers.add(1, 1.2, 1.3, 0.5, mean);
+  answers.add(2, 1.2, -1.3, 0.5, mean);  // the motion turns
+  answers.add(2, 0.2, 1.3, 0.5, mean);   // and here it is slow
+  answers.add(2, 0.8, 1.3, 0.5, mean);   // slower than the mean
+  answers.add(2, 1.2, 1.3, 1.25, mean);  // less than the step tells
   EXPECT_EQ(answers.places(), 3);
   EXPECT_EQ(answers.repeats(), 1);
 }
