@@ -1,5 +1,6 @@
 #include "core/transient/normal_matrix.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace dwell {
@@ -22,12 +23,30 @@ void NormalMatrix::complete(Index all) noexcept {
   if (pending_count_ == 0) return;
   for (Index i = pending_count_; i < kTogether; ++i) pending_.col(i).head(all).setZero();
   const double *x0 = &pending_(0, 0), *x1 = &pending_(0, 1), *x2 = &pending_(0, 2), *x3 = &pending_(0, 3);
-  for (Index j = 0; j < all; ++j) {
-    double* column = &sum_(0, j);
-    const double a = x0[j], b = x1[j], c = x2[j], d = x3[j];
-    for (Index i = j; i < all; ++i) column[i] += (a * x0[i] + b * x1[i]) + (c * x2[i] + d * x3[i]);
-  }
+  const std::span<const Run> runs = runs_of_pending(all);
+  for (std::size_t k = 0; k < runs.size(); ++k)
+    for (Index j = runs[k].begin; j < runs[k].end; ++j) {
+      double* column = &sum_(0, j);
+      const double a = x0[j], b = x1[j], c = x2[j], d = x3[j];
+      Index i = j;
+      for (const Run& run : runs.subspan(k)) {
+        for (i = std::max(i, run.begin); i < run.end; ++i)
+          column[i] += (a * x0[i] + b * x1[i]) + (c * x2[i] + d * x3[i]);
+      }
+    }
   pending_count_ = 0;
+}
+
+std::span<const NormalMatrix::Run> NormalMatrix::runs_of_pending(Index all) noexcept {
+  std::size_t count = 0;
+  bool in_run = false;
+  for (Index i = 0; i < all; ++i) {
+    const bool zero = pending_(i, 0) == 0 && pending_(i, 1) == 0 && pending_(i, 2) == 0 && pending_(i, 3) == 0;
+    if (!zero && !in_run) runs_[count++].begin = i;
+    if (!zero) runs_[count - 1].end = i + 1;
+    in_run = !zero;
+  }
+  return {runs_.data(), count};
 }
 
 void NormalMatrix::take_all_but_newest(const NormalMatrix& other, Index all) noexcept {

@@ -1,7 +1,10 @@
 // The small owners that the intake of a channel is made of, each by itself.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/intake/device_numbers.hpp"
 #include "core/intake/end_codes.hpp"
@@ -132,6 +135,32 @@ TEST(MotionPredictor, ASineAtTheDrivesFrequencyIsPredictedExactly) {
   // After a pause, or with fewer than five readings a period, nothing is.
   EXPECT_EQ(predictor.predict(t_ns, t_ns - 40'000'000, omega).gain, 0.0);
   EXPECT_EQ(predictor.predict(t_ns, t_ns - 4'000'000, 20 * omega).gain, 0.0);
+}
+
+TEST(MotionPredictor, PredictsAsOneThatHasSeenTheLastFiveReadingsAlone) {
+  // Evenly sampled, with gaps and a frequency that is refined now and then: what is kept from before changes no bit.
+  const double omegas[] = {30.0, 30.01, 45.0};
+  MotionPredictor lasting;
+  std::vector<std::pair<std::int64_t, double>> readings;
+  std::int64_t t_ns = 0;
+  int predicted = 0;
+  for (int i = 0; i < 300; ++i) {
+    const std::int64_t before_ns = t_ns;
+    t_ns += i % 37 == 36 ? 9'000'000 : i % 50 > 44 ? 3'000'000 + 1'000 * i : 4'000'000;
+    const double omega = omegas[i / 100];
+    MotionPredictor fresh;
+    for (std::size_t j = readings.size() - std::min<std::size_t>(5, readings.size()); j < readings.size(); ++j)
+      fresh.add(readings[j].first, readings[j].second);
+    const MotionPredictor::Prediction one = lasting.predict(t_ns, before_ns, omega),
+                                      other = fresh.predict(t_ns, before_ns, omega);
+    EXPECT_EQ(one.value, other.value) << i;
+    EXPECT_EQ(one.gain, other.gain) << i;
+    EXPECT_EQ(one.slope, other.slope) << i;
+    if (one.gain > 0) ++predicted;
+    readings.emplace_back(t_ns, std::sin(1e-9 * omega * static_cast<double>(t_ns)) + 0.001 * (i * 7 % 11));
+    lasting.add(readings.back().first, readings.back().second);
+  }
+  EXPECT_GT(predicted, 200);
 }
 
 TEST(RefreshStamps, AValueOfAHeldRegisterIsDatedBetweenTheTwoReadings) {
