@@ -30,7 +30,7 @@ void StepWatch::restart() noexcept {
 void StepWatch::refer(const Reference& reference) noexcept {
   if (referred_) {
     const double shift_s = 1e-9 * static_cast<double>(reference.t_ref_ns - now_.t_ref_ns);
-    const double before = std::abs(now_.X[0]), after = std::abs(reference.X[0]);
+    const double before = amplitude_, after = std::abs(reference.X[0]);
     const double advance = (now_.omega + 0.5 * now_.drift * shift_s) * shift_s;
     const double turned = std::arg(reference.X[0] * std::conj(now_.X[0] * std::polar(1.0, advance)));
     const double faster = reference.omega - now_.omega - now_.drift * shift_s;
@@ -48,6 +48,7 @@ void StepWatch::refer(const Reference& reference) noexcept {
     blocks_.drop_open();
   }
   now_ = reference;
+  amplitude_ = std::abs(now_.X[0]);
   referred_ = true;
 }
 
@@ -62,7 +63,7 @@ void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
     predicted += (now_.X[static_cast<std::size_t>(h)] * turn).imag();  // p sin + q cos = Im (p + jq) exp(jωt)
   const std::complex<double> now = now_.X[0] * step;
   const double most =
-      std::max(kClip * now_.sigma, kClipPart * kShortest * blocks_.in_quarter() * tolerance_ * std::abs(now_.X[0]));
+      std::max(kClip * now_.sigma, kClipPart * kShortest * blocks_.in_quarter() * tolerance_ * amplitude_);
   const double r = std::clamp(value - predicted, -most, most);
   blocks_.add(t_s, r, now, late_s);
 }

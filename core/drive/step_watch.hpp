@@ -78,6 +78,7 @@ class StepWatch {
   ResidualBlocks blocks_;
   bool referred_ = false;
   Reference now_{};
+  double amplitude_ = 0.0;  // of its fundamental
   AmplitudeExcess excess_;
   DriveDoubt doubt_;
   double beats_ = 0.0, late_s_ = 0.0;

@@ -37,10 +37,10 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   codes_.see(raw);
   if (!judged_) return Says::take;
 
-  if (const double interval = times_.interval_s(); interval > 0) readings_a_period_ = kTwoPi / (omega * interval);
+  if (const auto interval = times_.mean_interval(); interval.span_ns > 0) sampled_ = {omega, interval};
   const bool same = held_.add(raw, rounding_.step());
   cluster_.add(raw, before);
-  pile_up_.add(raw, before, held_.mean_difference());
+  pile_up_.add(raw, before, [this] { return held_.mean_difference(); });
   const bool spike = spikes_.spike(raw);
   if (spike && !motion_.active()) {
     left_.spike();
@@ -78,8 +78,13 @@ ChannelIntake::Says ChannelIntake::count(const Reading& reading, std::int64_t re
 }
 
 bool ChannelIntake::frozen() const noexcept {
-  if (!(readings_a_period_ > 0) || !(held_.mean_difference() > kMoves * apart())) return false;
-  return static_cast<double>(held_.run() - kAnyway) > kAtCrest * std::sqrt(readings_a_period_);
+  const double readings = readings_a_period();
+  if (!(readings > 0) || !(held_.mean_difference() > kMoves * apart())) return false;
+  return static_cast<double>(held_.run() - kAnyway) > kAtCrest * std::sqrt(readings);
+}
+
+double ChannelIntake::readings_a_period() const noexcept {
+  return sampled_.interval.span_ns > 0 ? kTwoPi / (sampled_.omega * sampled_.interval.s()) : 0.0;
 }
 
 void ChannelIntake::begin_hold() noexcept {
@@ -129,7 +134,7 @@ double ChannelIntake::clipping_bias() const noexcept {
 }
 
 HeldReadings::Again ChannelIntake::again() const noexcept {
-  if (held() || readings_a_period_ < kTurnsSlowly || times_.count() == 0) return {};
+  if (held() || readings_a_period() < kTurnsSlowly || times_.count() == 0) return {};
   return held_.again(static_cast<double>(motion_.foreign().repeats() + left_.repeats()) /
                      static_cast<double>(times_.count()));
 }
@@ -137,7 +142,7 @@ HeldReadings::Again ChannelIntake::again() const noexcept {
 double ChannelIntake::repeat_bias() const noexcept {
   const HeldReadings::Again again = this->again();
   if (again.one_before == 0 && again.older == 0) return 0.0;
-  return (again.one_before + kOlderLags * again.older) * kTwoPi / readings_a_period_;
+  return (again.one_before + kOlderLags * again.older) * kTwoPi / readings_a_period();
 }
 
 double ChannelIntake::left_out() const noexcept {

@@ -94,6 +94,8 @@ class ChannelIntake {
   [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;
   [[nodiscard]] bool frozen() const noexcept;
+  // Of the drive; 0: not known.
+  [[nodiscard]] double readings_a_period() const noexcept;
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
   [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noise()); }
   Says count(const Reading& reading, std::int64_t read_ns, Says says) noexcept;
@@ -112,8 +114,11 @@ class ChannelIntake {
   LeftOut left_;
 
   double newest_taken_ = NAN;
-  double readings_a_period_ = 0.0;  // 0: not known
-  double residuals2_ = INFINITY;    // of this hold: variance, the newest period an eighth of it, the device's numbers
+  struct {
+    double omega = 0.0;                   // of the drive, rad/s
+    ReadingTimes::MeanInterval interval;  // of the readings
+  } sampled_;                             // as the newest reading was judged
+  double residuals2_ = INFINITY;  // of this hold: variance, the newest period an eighth of it, the device's numbers
   bool overrange_now_ = false, held_at_begin_ = false;
   bool stuck_ = false;  // the newest reading is identical to so many before it as no motion explains
 };

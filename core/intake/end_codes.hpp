@@ -12,8 +12,8 @@ namespace dwell {
 class EndCodes {
  public:
   [[nodiscard]] bool has(double raw) const noexcept {
-    if (std::find(std::begin(kCodes), std::end(kCodes), raw) == std::end(kCodes)) return false;
-    return raw > largest_ || raw < smallest_;
+    if (!(raw > largest_ || raw < smallest_)) return false;
+    return std::find(std::begin(kCodes), std::end(kCodes), raw) != std::end(kCodes);
   }
   // A reading that is none.
   void see(double raw) noexcept {

@@ -48,7 +48,7 @@ class HeldReadings {
     const double size = std::abs(jump), least = kJump * step();
     runs_.add(run_, before_, jump);
     numbers_.add(value_, run_, reading, jump * before_ < 0);
-    answers_.add(run_, before_, jump, std::max(mean_difference(), least));
+    answers_.add(run_, before_, jump, least, [this] { return mean_difference(); });
     path_ += size;
     differences_.add(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
@@ -131,7 +131,7 @@ class HeldReadings {
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
-  std::int64_t run_ = 1, pairs_ = 0, same_ = 0, interrupting_ = 0;
+  std::int64_t run_ = 1, same_ = 0, pairs_ = 0, interrupting_ = 0;
   SmallDifferences differences_;
   RepeatBeat beat_;
   EvenRuns runs_;

@@ -65,7 +65,8 @@ void LiveChannel::begin_hold() noexcept {
 }
 
 bool LiveChannel::stuck(double period_s) const noexcept {
-  return intake_.same_for_s() > std::max(kStuck_s, kLostPeriods * period_s);
+  const double same_for_s = intake_.same_for_s();
+  return same_for_s > kStuck_s && same_for_s > kLostPeriods * period_s;
 }
 
 bool LiveChannel::delivers(std::int64_t now_ns, double period_s) const noexcept {

@@ -33,7 +33,8 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   if (error <= limit) {
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
-    median_ *= relative > median_ ? 1 + kLearn : 1 - kLearn;
+    static constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
+    median_ *= kTowards[relative > median_ ? 1 : 0];  // no branch: noise cannot be guessed
     predictor_.add(reading.t_ns, reading.value);
     return Says::take;
   }

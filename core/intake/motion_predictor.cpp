@@ -6,17 +6,35 @@
 
 namespace dwell {
 
-MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int64_t before_ns,
-                                                     double omega) const noexcept {
+MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept {
   if (held_ < kPoints) return {};
-  // Instants before t_ns, rad; h, their mean distance, scales the regressors 1, sin x / h, (1 - cos x) / h² to like
-  // sizes, however densely the motion is sampled.
+  bool other = omega != weights_.omega;
+  for (std::size_t j = 0; j < kPoints; ++j) {
+    const std::int64_t ago_ns = points_[j].t_ns - t_ns;
+    other |= ago_ns != weights_.ago_ns[j];
+    weights_.ago_ns[j] = ago_ns;
+  }
+  if (other) weigh(omega);
+  if (!(weights_.gain > 0)) return {};
+  if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * weights_.interval) return {};
+  Prediction out;
+  for (std::size_t j = 0; j < kPoints; ++j) out.value += weights_.of_point[j] * points_[j].value;
+  const Point& newest = points_.back();
+  out.gain = weights_.gain;
+  out.slope = std::abs(out.value - newest.value) / (1e-9 * static_cast<double>(t_ns - newest.t_ns));
+  return out;
+}
+
+void MotionPredictor::weigh(double omega) noexcept {
+  weights_.omega = omega;
+  weights_.gain = 0.0;
+  // Instants, rad; h, their mean distance, scales the regressors 1, sin x / h, (1 - cos x) / h² to like sizes, however
+  // densely the motion is sampled.
   std::array<double, kEven> x{}, s, c;
-  for (std::size_t j = 0; j < kPoints; ++j)
-    x[j] = 1e-9 * omega * static_cast<double>(points_[(next_ + j) % kPoints].t_ns - t_ns);
+  for (std::size_t j = 0; j < kPoints; ++j) x[j] = 1e-9 * omega * static_cast<double>(weights_.ago_ns[j]);
   const double h = (x[kPoints - 1] - x[0]) / (kPoints - 1);
-  if (!(h > 0) || h > kSparse || -x[kPoints - 1] > kBlind) return {};
-  if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * h) return {};
+  if (!(h > 0) || h > kSparse || -x[kPoints - 1] > kBlind) return;
+  weights_.interval = h;
   // Half the angle's sine and cosine: accurate however small it is. A loop of its own, which the compiler takes two at
   // a time.
   const double h2 = h * h;
@@ -34,22 +52,15 @@ MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int
     m12 += s[j] * c[j];
     m22 += c[j] * c[j];
   }
-  // At t_ns the regressors are (1, 0, 0): the first column of the inverse gives the weights.
+  // At the instant predicted the regressors are (1, 0, 0): the first column of the inverse gives the weights.
   const double m00 = kPoints;
   const double a00 = m11 * m22 - m12 * m12, a01 = m12 * m02 - m01 * m22, a02 = m01 * m12 - m11 * m02;
   const double determinant = m00 * a00 + m01 * a01 + m02 * a02;
-  if (!(determinant > 1e-6 * m00 * m11 * m22)) return {};
-  Prediction out;
+  if (!(determinant > 1e-6 * m00 * m11 * m22)) return;
+  for (std::size_t j = 0; j < kEven; ++j) weights_.of_point[j] = (a00 + a01 * s[j] + a02 * c[j]) / determinant;
   double squares = 1.0;
-  for (std::size_t j = 0; j < kPoints; ++j) {
-    const double weight = (a00 + a01 * s[j] + a02 * c[j]) / determinant;
-    out.value += weight * points_[(next_ + j) % kPoints].value;
-    squares += weight * weight;
-  }
-  const Point& newest = points_[(next_ + kPoints - 1) % kPoints];
-  out.gain = std::sqrt(squares);
-  out.slope = std::abs(out.value - newest.value) / (1e-9 * static_cast<double>(t_ns - newest.t_ns));
-  return out;
+  for (std::size_t j = 0; j < kPoints; ++j) squares += weights_.of_point[j] * weights_.of_point[j];
+  weights_.gain = std::sqrt(squares);
 }
 
 }  // namespace dwell

@@ -4,6 +4,7 @@
 // follows any motion that is smooth over kPoints readings, whatever its frequency.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,11 +19,11 @@ class MotionPredictor {
     double value = 0.0, gain = 0.0, slope = 0.0;
   };
   // At t_ns; before_ns: the instant of the reading before, good or not; ω in rad/s.
-  [[nodiscard]] Prediction predict(std::int64_t t_ns, std::int64_t before_ns, double omega) const noexcept;
+  [[nodiscard]] Prediction predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept;
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
-    points_[next_] = {t_ns, value};
-    next_ = (next_ + 1) % kPoints;
+    std::move(points_.begin() + 1, points_.end(), points_.begin());
+    points_.back() = {t_ns, value};
     if (held_ < kPoints) ++held_;
   }
   [[nodiscard]] bool full() const noexcept { return held_ == kPoints; }
@@ -37,8 +38,18 @@ class MotionPredictor {
     std::int64_t t_ns = 0;
     double value = 0.0;
   };
-  std::array<Point, kPoints> points_{};  // the newest at (next_ - 1) % kPoints
-  std::size_t next_ = 0, held_ = 0;
+  // What the points weigh in the prediction, which their instants and ω tell.
+  struct Weights {
+    double omega = 0.0;                          // 0: of nothing yet
+    std::array<std::int64_t, kPoints> ago_ns{};  // before the instant that is predicted
+    std::array<double, kEven> of_point{};        // beyond kPoints: of no meaning
+    double interval = 0.0, gain = 0.0;           // mean distance of the points, rad; 0: nothing can be predicted
+  };
+  void weigh(double omega) noexcept;
+
+  std::array<Point, kPoints> points_{};  // the newest last
+  std::size_t held_ = 0;
+  Weights weights_;  // evenly sampled, they stay as they are
 };
 
 }  // namespace dwell

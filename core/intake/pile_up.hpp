@@ -44,8 +44,9 @@ class PileUp {
   struct Noise {
     double sigma, step;
   };
-  // The next reading, the one before it, and the mean difference of two readings one after the other.
-  void add(double reading, double before, double difference) noexcept {
+  // The next reading, the one before it, and what gives the mean difference of two readings one after the other.
+  template <class Difference>
+  void add(double reading, double before, Difference&& difference) noexcept {
     ++seen_;
     top_.add(reading, before, difference);
     bottom_.add(-reading, -before, difference);
@@ -94,7 +95,8 @@ class PileUp {
     bool at_top = false;                   // the newest reading
     double known = INFINITY;               // where the transducer was found to end
 
-    void add(double reading, double before, double difference) noexcept {
+    template <class Difference>
+    void add(double reading, double before, Difference&& difference) noexcept {
       at_top = reading >= numbers[0].value;
       if (reading < numbers.back().value) return;
       const auto at = std::find_if(numbers.begin(), numbers.end(), [&](const Number& n) { return reading >= n.value; });
@@ -105,7 +107,7 @@ class PileUp {
       }
       ++at->readings;
       if (reading != before) ++at->runs;
-      if (at == numbers.begin() && std::abs(reading - before) > kNear * difference) ++from_far;
+      if (at == numbers.begin() && std::abs(reading - before) > kNear * difference()) ++from_far;
     }
 
     void see_stuck() noexcept {

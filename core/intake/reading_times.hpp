@@ -22,10 +22,19 @@ class ReadingTimes {
   [[nodiscard]] bool heard() const noexcept { return newest_ns_ != INT64_MIN; }
   // Since the restart.
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
-  // Mean time between two readings, s; 0: not known.
-  [[nodiscard]] double interval_s() const noexcept {
-    return count_ > 1 ? 1e-9 * static_cast<double>(newest_ns_ - first_ns_) / static_cast<double>(count_ - 1) : 0.0;
+  // Mean time between two readings: the division is left to whoever asks for seconds.
+  struct MeanInterval {
+    std::int64_t span_ns = 0;     // 0: not known
+    std::uint64_t intervals = 0;  // in that
+    [[nodiscard]] double s() const noexcept {
+      return span_ns > 0 ? 1e-9 * static_cast<double>(span_ns) / static_cast<double>(intervals) : 0.0;
+    }
+  };
+  [[nodiscard]] MeanInterval mean_interval() const noexcept {
+    return count_ > 1 ? MeanInterval{newest_ns_ - first_ns_, count_ - 1} : MeanInterval{};
   }
+  // The same in s; 0: not known.
+  [[nodiscard]] double interval_s() const noexcept { return mean_interval().s(); }
   // For so long the reading has been the same, s.
   [[nodiscard]] double same_for_s() const noexcept {
     return changed_ns_ == INT64_MIN ? 0.0 : 1e-9 * static_cast<double>(newest_ns_ - changed_ns_);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace dwell {
 
@@ -20,9 +21,9 @@ class RecentNumbers {
     next_ = (next_ + 1) % N;
   }
   [[nodiscard]] bool has(double number) const noexcept {
-    bool found = false;  // without a branch: two comparisons at once
-    for (const double one : numbers_) found |= one == number;
-    return found;
+    std::int64_t found = 0;  // as wide as a number and without a branch: two comparisons at once
+    for (const double one : numbers_) found |= one == number ? -1 : 0;
+    return found != 0;
   }
   // NaN: none yet.
   [[nodiscard]] double newest() const noexcept { return numbers_[(next_ + N - 1) % N]; }

@@ -15,9 +15,12 @@ namespace dwell {
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
 class RepeatedAnswers {
  public:
-  // A number was read `run` times, between the jumps `before` and `after`; jumps above `steep` count.
-  void add(std::int64_t run, double before, double after, double steep) noexcept {
-    if (!(before * after > 0) || !(std::min(std::abs(before), std::abs(after)) > steep)) return;
+  // A number was read `run` times, between the jumps `before` and `after`; jumps above `least` and above what mean()
+  // gives count.
+  template <class Mean>
+  void add(std::int64_t run, double before, double after, double least, Mean&& mean) noexcept {
+    const double smaller = std::min(std::abs(before), std::abs(after));
+    if (!(before * after > 0) || !(smaller > least) || !(smaller > mean())) return;
     places_ += run;
     repeats_ += run - 1;
   }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace dwell {
 
@@ -19,7 +20,7 @@ class RoundingStep {
     if (!(difference > 0) || !std::isfinite(difference)) return;
     const double before = batch_;
     batch_ = common(batch_, difference);
-    in_row_ = batch_ == before ? in_row_ + 1 : 0;
+    in_row_ = (in_row_ + 1) * static_cast<int>(batch_ == before);
     if (in_row_ < kSure) return;
     vote(batch_);
     batch_ = INFINITY;
@@ -43,7 +44,8 @@ class RoundingStep {
     const double times = difference / step;
     if (!(times < kNoGrid)) return 0.0;
     if (times < 0.5) return difference;  // no multiple but zero, and the readings differ
-    const double off = std::abs(difference - step * std::round(times));
+    const auto whole = static_cast<double>(static_cast<std::int64_t>(times + 0.5));
+    const double off = std::abs(difference - step * whole);
     return off > kOnGrid * step ? off : step;
   }
   [[nodiscard]] bool agrees(double divisor) const noexcept {

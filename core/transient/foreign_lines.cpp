@@ -1,6 +1,7 @@
 #include "core/transient/foreign_lines.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -25,6 +26,45 @@ constexpr double kHarmonicUnsure = 0.02;  // … known to so much of the drive's
 double mains(std::size_t k) {
   return kTwoPi * kMainsFundamentals_hz[k / (kMains / 2)] * static_cast<double>(k % (kMains / 2) + 1);
 }
+
+// Adds r exp(jkθ), k = 1, 2 …, of samples to their sums. Several samples at once: none waits for the turn of another.
+class LineSums {
+ public:
+  // grid: θ by time, rad/s.
+  LineSums(double grid, std::span<Complex> sums) : grid_(grid), sums_(sums) {}
+
+  // r at u, s.
+  void add(double r, double u) noexcept {
+    const Complex step = std::polar(1.0, grid_ * u);
+    step_re_[count_] = step.real(), step_im_[count_] = step.imag();
+    re_[count_] = r * step.real(), im_[count_] = r * step.imag();
+    if (++count_ == kTogether) complete();
+  }
+  // To be called before the sums are read.
+  void complete() noexcept {
+    for (; count_ < kTogether; ++count_) step_re_[count_] = step_im_[count_] = re_[count_] = im_[count_] = 0.0;
+    for (Complex& sum : sums_) {
+      double re = sum.real(), im = sum.imag();
+      for (std::size_t i = 0; i < kTogether; ++i) re += re_[i], im += im_[i];
+      sum = {re, im};
+      for (std::size_t i = 0; i < kTogether; ++i) {
+        const double turned = re_[i] * step_re_[i] - im_[i] * step_im_[i];
+        im_[i] = re_[i] * step_im_[i] + im_[i] * step_re_[i];
+        re_[i] = turned;
+      }
+    }
+    count_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kTogether = 4;
+  using Each = std::array<double, kTogether>;
+
+  double grid_;
+  std::span<Complex> sums_;
+  Each re_{}, im_{}, step_re_{}, step_im_{};  // r exp(jkθ), exp(jθ)
+  std::size_t count_ = 0;
+};
 
 }  // namespace
 
@@ -62,18 +102,20 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
                    static_cast<double>(spectrum_.size() - kMains)));
     std::fill(spectrum_.begin(), spectrum_.end(), Complex{});
     double squares = 0.0, count = 0.0;
+    const std::span all(spectrum_);
+    std::array sums{LineSums(mains(0), all.first(kMains / 2)),
+                    LineSums(mains(kMains / 2), all.subspan(kMains / 2, kMains / 2)),
+                    LineSums(grid, all.subspan(kMains, lines))};
     for (auto i = history.first_at(fit.t0_ns()); i < history.end() && history[i].t_ns < until_ns; ++i) {
       const SampleHistory::Sample& s = history[i];
       history.spend(s.channel == c ? kOfLine * static_cast<double>(kMains + lines) : 1.0);
       if (s.channel != c) continue;
       const double r = fit.residual(c, s.t_ns, s.value), u = to_s(s.t_ns - fit.t0_ns());
-      const Complex step = std::polar(1.0, grid * u);
-      Complex turn = r * step;
-      for (std::size_t k = kMains; k < kMains + lines; ++k, turn *= step) spectrum_[k] += turn;
-      for (std::size_t k = 0; k < kMains; ++k) spectrum_[k] += r * std::polar(1.0, mains(k) * u);
+      for (LineSums& each : sums) each.add(r, u);
       squares += r * r;
       count += 1.0;
     }
+    for (LineSums& each : sums) each.complete();
     if (count < kFewest || !(squares > 0)) continue;
     // Of white noise each is distributed as exp(-P).
     const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/base/complex.hpp"
 
@@ -24,53 +25,54 @@ constexpr double kNothingOpen = 1e-6, kSurely = 1e3;  // of the variance that th
 
 ModalFit::ModalFit(int channels, int harmonics, int modes)
     : regressors_(harmonics, modes),
+      sums_(channels, ModalLayout{harmonics, static_cast<Index>(regressors_.motion().capacity())}.all()),
       linear_(harmonics, static_cast<Index>(regressors_.motion().capacity())),
       step_(static_cast<Index>(regressors_.motion().capacity())),
       errors_(static_cast<Index>(regressors_.motion().capacity())) {
   const auto most = static_cast<Index>(regressors_.motion().capacity());
-  const ModalLayout largest{harmonics, most};
   channels_.reserve(static_cast<std::size_t>(channels));
-  for (int c = 0; c < channels; ++c)
-    channels_.push_back({ModalSums(largest.all()), ModalSolution(harmonics, most), PoleErrors::Effect(most)});
+  for (int c = 0; c < channels; ++c) channels_.push_back({ModalSolution(harmonics, most), PoleErrors::Effect(most)});
 }
 
 void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<const Complex> poles) noexcept {
   regressors_.restart(omega, rate, t0_ns, poles);
   newest_ns_ = t0_ns;
-  for (PerChannel& channel : channels_) {
-    channel.sums.clear();
-    channel.solution.usable = channel.errors.known = false;
-  }
+  sums_.clear();
+  for (PerChannel& channel : channels_) channel.solution.usable = channel.errors.known = false;
 }
 
 void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
   newest_ns_ = std::max(newest_ns_, t_ns);
-  at(channel).sums.add(regressors_.at(t_ns), layout().all(), value);
+  const Eigen::VectorXd& x = regressors_.at(t_ns);
+  sums_.add(channel, regressors_.computed(), x, layout().all(), value);
 }
 
 bool ModalFit::solve(int channel, double range, double line_range) noexcept {
   PerChannel& of = at(channel);
   of.errors.known = false;
-  of.sums.complete(layout().all());
-  return linear_.solve(layout(), regressors_.motion(), of.sums, range, line_range, of.solution);
+  sums_.complete(channel, layout().all());
+  return linear_.solve(layout(), regressors_.motion(), sums_.of(channel), range, line_range, of.solution);
 }
 
 double ModalFit::misfit() const noexcept {
   const double off = omega() - stated_.omega;
   double sum = off * off * stated_.information();
-  for (const PerChannel& channel : channels_)
-    if (channel.solution.usable) sum += channel.sums.samples() * std::log(std::max(channel.solution.sigma2, 1e-300));
+  for (int c = 0; c < channels(); ++c)
+    if (usable(c)) sum += samples(c) * std::log(std::max(variance(c), 1e-300));
   return sum;
 }
 
 std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noexcept {
   const ModalMotion& motion = regressors_.motion();
   step_.begin(layout());
-  for (const PerChannel& channel : channels_) {
-    if (!channel.solution.usable || !(channel.solution.sigma2 > 0)) continue;
-    const double ridge = 1e-9 * channel.sums.samples();
-    if (linear_.eliminate(layout(), motion, channel.sums, ridge, ridge))
-      step_.add(layout(), motion, channel.sums, channel.solution, linear_.beyond(layout()));
+  std::optional<std::size_t> eliminated;  // of this group the linear parameters
+  for (int c = 0; c < channels(); ++c) {
+    if (!usable(c) || !(variance(c) > 0)) continue;
+    const double ridge = 1e-9 * samples(c);
+    if (eliminated != sums_.group(c)) eliminated.reset();
+    if (!eliminated && !linear_.eliminate(layout(), motion, sums_.of(c), ridge, ridge)) continue;
+    eliminated = sums_.group(c);
+    step_.add(layout(), motion, sums_.of(c), at(c).solution, linear_.beyond(layout()));
   }
   step_.take(layout(), motion, stated_, trust, trust_omega);
   return moved_poles();
@@ -97,12 +99,12 @@ void ModalFit::propagate_poles(bool omega_known) noexcept {
   std::array<bool, kMaxModes> shown{};
   for (std::size_t m = 0; m < motion.count(); ++m) shown[m] = shows(m);
   errors_.begin(layout());
-  for (PerChannel& channel : channels_) {
-    const ModalSolution& solution = channel.solution;
+  for (int c = 0; c < channels(); ++c) {
+    const ModalSolution& solution = at(c).solution;
     if (!solution.usable || !(solution.sigma2 > 0)) continue;
-    if (!linear_.eliminate(layout(), motion, channel.sums, solution.prior, solution.line_prior)) continue;
-    errors_.add(layout(), motion, solution, linear_, shown, channel.errors);
-    channel.errors.known = true;
+    if (!linear_.eliminate(layout(), motion, sums_.of(c), solution.prior, solution.line_prior)) continue;
+    errors_.add(layout(), motion, solution, linear_, shown, at(c).errors);
+    at(c).errors.known = true;
   }
   const double seen_s = std::max(1e-9, 1e-9 * static_cast<double>(newest_ns_ - t0_ns()));
   constexpr double kOpen = ModalMotion::kOpen, kGiven = ModalMotion::kGiven;
@@ -144,12 +146,12 @@ bool ModalFit::certain(std::size_t mode) const noexcept {
   const auto m = static_cast<Index>(mode);
   double half = 0.0;
   int shown = 0;
-  for (const PerChannel& channel : channels_) {
-    const ModalSolution& of = channel.solution;
+  for (int c = 0; c < channels(); ++c) {
+    const ModalSolution& of = at(c).solution;
     if (!of.usable) continue;
     const Eigen::Vector2d a = of.amplitude(layout(), m);
     // What is imposed has no transient, by a prior that leaves nothing open.
-    if (!(of.covariance(2 * m, 2 * m) > kNothingOpen * of.sigma2 / channel.sums.samples())) continue;
+    if (!(of.covariance(2 * m, 2 * m) > kNothingOpen * of.sigma2 / samples(c))) continue;
     half += 0.5 * std::min(kSurely, a.dot(of.amplitude_covariance(m).inverse() * a));
     ++shown;
   }
@@ -228,7 +230,7 @@ void ModalFit::overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dyn
 double ModalFit::residual(int channel, std::int64_t t_ns, double value) noexcept {
   const Eigen::VectorXd& x = regressors_.at(t_ns);
   const PerChannel& of = at(channel);
-  return value - of.sums.reference() - of.solution.theta.head(layout().linear()).dot(x.head(layout().linear()));
+  return value - sums_.reference(channel) - of.solution.theta.head(layout().linear()).dot(x.head(layout().linear()));
 }
 
 double ModalFit::disturbance(int channel, std::int64_t t_ns) noexcept {

@@ -9,8 +9,9 @@
 // width makes the fit solvable at any time, and makes its uncertainty tell when a slow mode cannot be told yet from the
 // steady motion. What is asked of it: how much of the transient is left, and what to subtract.
 //
-// ModalRegressors gives the regressors at an instant, ModalSums their sums in a channel; LinearPart solves a channel or
-// eliminates its linear parameters; PoleStep improves poles and ω; PoleErrors tells what is not known of them.
+// ModalRegressors gives the regressors at an instant, SharedSums their sums in each channel; LinearPart solves a
+// channel or eliminates its linear parameters; PoleStep improves poles and ω; PoleErrors tells what is not known of
+// them.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,9 +25,9 @@
 #include "core/transient/modal_motion.hpp"
 #include "core/transient/modal_regressors.hpp"
 #include "core/transient/modal_solution.hpp"
-#include "core/transient/modal_sums.hpp"
 #include "core/transient/pole_errors.hpp"
 #include "core/transient/pole_step.hpp"
+#include "core/transient/shared_sums.hpp"
 
 namespace dwell {
 
@@ -44,7 +45,8 @@ class ModalFit {
   // fitted beside but is no transient; those beyond the capacity are left out. omega: of the drive at t0, rad/s; rate:
   // by which it drifts, rad/s², so that hωu above is hθ with θ = ωu + rate u²/2.
   void restart(double omega, double rate, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
-  // One sample, at t >= t_0. O((2H+3+4·modes)²), no allocation.
+  // One sample, at t >= t_0, later than the channel's sample before. O((2H+3+4·modes)²) for the first sample of an
+  // instant, else O(2H+3+4·modes). No allocation.
   void add(int channel, std::int64_t t_ns, double value) noexcept;
 
   // The variance of the noise that the next solution of a channel starts from, its unit squared.
@@ -117,7 +119,7 @@ class ModalFit {
   [[nodiscard]] std::complex<double> phasor(int channel, int h) const noexcept;
   [[nodiscard]] double variance(int channel) const noexcept { return at(channel).solution.sigma2; }
   [[nodiscard]] int parameters() const noexcept { return static_cast<int>(layout().linear()); }
-  [[nodiscard]] double samples(int channel) const noexcept { return at(channel).sums.samples(); }
+  [[nodiscard]] double samples(int channel) const noexcept { return sums_.samples(channel); }
 
   // Amplitude of a mode in a channel at t_0, and its standard deviation, either component.
   [[nodiscard]] std::complex<double> amplitude(int channel, std::size_t mode) const noexcept;
@@ -162,7 +164,6 @@ class ModalFit {
 
  private:
   struct PerChannel {
-    ModalSums sums;
     ModalSolution solution;
     PoleErrors::Effect errors;  // what those of the poles do to the solution
     // All that is known of the errors of the modal amplitudes: errors.whole, or what the solution alone tells.
@@ -170,6 +171,7 @@ class ModalFit {
       return errors.known ? errors.whole : solution.covariance;
     }
   };
+  [[nodiscard]] int channels() const noexcept { return static_cast<int>(channels_.size()); }
   [[nodiscard]] PerChannel& at(int channel) noexcept { return channels_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] const PerChannel& at(int channel) const noexcept {
     return channels_[static_cast<std::size_t>(channel)];
@@ -187,6 +189,7 @@ class ModalFit {
 
   FrequencyPrior stated_;
   ModalRegressors regressors_;
+  SharedSums sums_;
   std::vector<PerChannel> channels_;
   LinearPart linear_;
   PoleStep step_;

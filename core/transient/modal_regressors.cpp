@@ -20,6 +20,7 @@ void ModalRegressors::restart(double omega, double rate, std::int64_t t0_ns, std
 
 const Eigen::VectorXd& ModalRegressors::at(std::int64_t t_ns) noexcept {
   if (t_ns == turns_.at_ns()) return x_;
+  ++computed_;
   turns_.go(motion_, t_ns);
   const double u = motion_.seconds(t_ns);
   const int harmonics = layout_.harmonics;

@@ -26,6 +26,8 @@ class ModalRegressors {
 
   // Those at t: the first layout().all() count. O(H + modes).
   [[nodiscard]] const Eigen::VectorXd& at(std::int64_t t_ns) noexcept;
+  // How often they were computed: as long as it stays, at() gives the same numbers, bit for bit.
+  [[nodiscard]] std::uint64_t computed() const noexcept { return computed_; }
 
   // From t on a mode's regressors are zero, until the next restart.
   void fade(std::size_t m, std::int64_t t_ns) noexcept { faded_ns_[m] = t_ns; }
@@ -38,6 +40,7 @@ class ModalRegressors {
   ModalLayout layout_;
   std::vector<std::int64_t> faded_ns_;
   Eigen::VectorXd x_;
+  std::uint64_t computed_ = 0;
 };
 
 }  // namespace dwell

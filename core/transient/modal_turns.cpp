@@ -57,6 +57,7 @@ void ModalTurns::turn_by(const ModalMotion& motion, std::int64_t dt_ns) noexcept
   };
   drive_ = times(drive_, step->drive);
   for (std::size_t m = 0; m < motion.count(); ++m) {
+    if (modes_[m] == Complex{}) continue;
     modes_[m] = times(modes_[m], step->modes[m]);
     if (std::norm(modes_[m]) < kFaded * kFaded) modes_[m] = {};
   }

@@ -1,7 +1,10 @@
 // The small owners that the intake of a channel is made of, each by itself.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/intake/device_numbers.hpp"
 #include "core/intake/end_codes.hpp"
@@ -134,6 +137,32 @@ TEST(MotionPredictor, ASineAtTheDrivesFrequencyIsPredictedExactly) {
   EXPECT_EQ(predictor.predict(t_ns, t_ns - 4'000'000, 20 * omega).gain, 0.0);
 }
 
+TEST(MotionPredictor, PredictsAsOneThatHasSeenTheLastFiveReadingsAlone) {
+  // Evenly sampled, with gaps and a frequency that is refined now and then: what is kept from before changes no bit.
+  const double omegas[] = {30.0, 30.01, 45.0};
+  MotionPredictor lasting;
+  std::vector<std::pair<std::int64_t, double>> readings;
+  std::int64_t t_ns = 0;
+  int predicted = 0;
+  for (int i = 0; i < 300; ++i) {
+    const std::int64_t before_ns = t_ns;
+    t_ns += i % 37 == 36 ? 9'000'000 : i % 50 > 44 ? 3'000'000 + 1'000 * i : 4'000'000;
+    const double omega = omegas[i / 100];
+    MotionPredictor fresh;
+    for (std::size_t j = readings.size() - std::min<std::size_t>(5, readings.size()); j < readings.size(); ++j)
+      fresh.add(readings[j].first, readings[j].second);
+    const MotionPredictor::Prediction one = lasting.predict(t_ns, before_ns, omega),
+                                      other = fresh.predict(t_ns, before_ns, omega);
+    EXPECT_EQ(one.value, other.value) << i;
+    EXPECT_EQ(one.gain, other.gain) << i;
+    EXPECT_EQ(one.slope, other.slope) << i;
+    if (one.gain > 0) ++predicted;
+    readings.emplace_back(t_ns, std::sin(1e-9 * omega * static_cast<double>(t_ns)) + 0.001 * (i * 7 % 11));
+    lasting.add(readings.back().first, readings.back().second);
+  }
+  EXPECT_GT(predicted, 200);
+}
+
 TEST(RefreshStamps, AValueOfAHeldRegisterIsDatedBetweenTheTwoReadings) {
   RefreshStamps stamps;
   MotionGate::Reading reading{10'000'000, 1.0};
@@ -184,10 +213,13 @@ TEST(RepeatBeat, RepeatsAtRegularDistancesTellAndRandomOnesDoNot) {
 
 TEST(RepeatedAnswers, RepeatsCountWhereTheMotionIsSteep) {
   RepeatedAnswers answers;
-  answers.add(2, 1.2, 1.3, 1.0);
-  answers.add(1, 1.2, 1.3, 1.0);
-  answers.add(2, 1.2, -1.3, 1.0);  // the motion turns
-  answers.add(2, 0.2, 1.3, 1.0);   // and here it is slow
+  const auto mean = [] { return 1.0; };
+  answers.add(2, 1.2, 1.3, 0.5, mean);
+  answers.add(1, 1.2, 1.3, 0.5, mean);
+  answers.add(2, 1.2, -1.3, 0.5, mean);  // the motion turns
+  answers.add(2, 0.2, 1.3, 0.5, mean);   // and here it is slow
+  answers.add(2, 0.8, 1.3, 0.5, mean);   // slower than the mean
+  answers.add(2, 1.2, 1.3, 1.25, mean);  // less than the step tells
   EXPECT_EQ(answers.places(), 3);
   EXPECT_EQ(answers.repeats(), 1);
 }

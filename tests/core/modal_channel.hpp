@@ -9,6 +9,7 @@
 
 #include "core/transient/linear_part.hpp"
 #include "core/transient/modal_regressors.hpp"
+#include "core/transient/shared_sums.hpp"
 
 namespace dwell {
 
@@ -27,16 +28,15 @@ struct ModalChannel {
     std::mt19937_64 rng(seed);
     std::normal_distribution<double> normal;
     regressors.restart(kOmega, 0.0, 0, told);
-    sums.clear();
     for (int i = 0; i < truth.seconds * kRate_hz; ++i) {
       const std::int64_t t_ns = 5'000'000LL * i;
       const double u = 1e-9 * static_cast<double>(t_ns);
       double value = 3 + 2 * std::sin(truth.omega * u) + truth.noise * normal(rng);
       for (std::size_t m = 0; m < truth.poles.size(); ++m)
         value += (truth.amplitudes[m] * std::exp(truth.poles[m] * u)).real();
-      sums.add(regressors.at(t_ns), layout().all(), value);
+      sums_.add(0, static_cast<std::uint64_t>(i) + 1, regressors.at(t_ns), layout().all(), value);
     }
-    sums.complete(layout().all());
+    sums_.complete(0, layout().all());
   }
   bool solve(double range = 10.0) { return linear.solve(layout(), motion(), sums, range, range, solution); }
   bool eliminate() {
@@ -47,7 +47,8 @@ struct ModalChannel {
   [[nodiscard]] const ModalMotion& motion() const { return regressors.motion(); }
 
   ModalRegressors regressors{kHarmonics, kMost};
-  ModalSums sums{ModalLayout{kHarmonics, kMost}.all()};
+  SharedSums sums_{1, ModalLayout{kHarmonics, kMost}.all()};
+  ModalSums sums = sums_.of(0);
   LinearPart linear{kHarmonics, kMost};
   ModalSolution solution{kHarmonics, kMost};
 };

@@ -27,7 +27,7 @@ void play(PileUp& pile_up, const NoisyMotion& motion, double periods, std::uint6
     double reading = std::sin(at) + motion.third * std::sin(3 * at) + motion.noise * normal(random);
     if (motion.step > 0) reading = motion.step * std::nearbyint(reading / motion.step);
     reading = std::min(reading, motion.end);
-    pile_up.add(reading, before, 4 / motion.readings_a_period);
+    pile_up.add(reading, before, [&] { return 4 / motion.readings_a_period; });
     before = reading;
   }
 }
@@ -99,7 +99,7 @@ TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeate
     double before = 0.0;
     for (int i = 0; i < 400; ++i) {
       const double reading = std::sin(0.157 * i) + 0.02 * normal(random);
-      for (int k = 0; k < 5; ++k, before = reading) pile_up.add(reading, before, 0.1);
+      for (int k = 0; k < 5; ++k, before = reading) pile_up.add(reading, before, [] { return 0.1; });
     }
     EXPECT_EQ(pile_up.above({0.02, 0.0}), 0) << seed;
   }
@@ -111,7 +111,7 @@ TEST(PileUp, RepeatsOfALargestReadingAreNone) {
     const NoisyMotion motion{0.02};
     play(pile_up, motion, 8.0, seed);
     const double largest = pile_up.largest();
-    for (int i = 0; i < 2; ++i) pile_up.add(largest, largest, 0.1);
+    for (int i = 0; i < 2; ++i) pile_up.add(largest, largest, [] { return 0.1; });
     EXPECT_EQ(pile_up.above(seen(motion)), 0);
   }
 }
@@ -123,7 +123,7 @@ TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
     double before = 0.0;
     for (int i = 0; i < 20 * periods; ++i) {
       const double reading = std::min(1e-3 * std::nearbyint(1e3 * std::sin(M_PI * i / 10)), 0.8);
-      pile_up.add(reading, before, 0.2);
+      pile_up.add(reading, before, [] { return 0.2; });
       before = reading;
       if (i % 20 == 7) pile_up.stuck();                                                  // the last reading at the end
       if (every_other > 0 && i % 20 == 1 && i / 20 % every_other == 0) pile_up.stuck();  // a repeated answer
