@@ -1,8 +1,8 @@
 // Long work done in slices, so that it never holds up whoever asked for it.
 //
-// The work runs on a stack of its own. It says now and then how much of it is done, and goes away where that exceeds
-// what it has been allowed; whoever owns the slices lets it go on later. Work is counted in multiplications, not in
-// seconds: the same work goes away at the same places on every machine.
+// The work runs on a stack of its own. It says now and then how much of it is done, and pauses where that exceeds what
+// it has been allowed; whoever owns the slices lets it go on later. Work is counted in multiplications, not in seconds:
+// the same work pauses at the same places on every machine.
 //
 //   slices.allow(most);                       in the work:  for (…) { …; slices.spend(products); }
 //   done = slices.begin();  …  slices.go_on();
@@ -13,7 +13,7 @@
 
 namespace dwell {
 
-// Bound to one thread. All memory is allocated by the constructor: 1 MB of stack. begin(), go_on() and spend() are
+// Bound to one thread. All memory is allocated by the constructor: 4 MB of stack. begin(), go_on() and spend() are
 // real-time safe.
 class Slices {
  public:
@@ -31,7 +31,7 @@ class Slices {
   // Whether there is any left to do it with.
   [[nodiscard]] bool may_work() const noexcept { return left_ > 0; }
 
-  // By how much more than allowed the work did before it last went away: its largest piece bounds it.
+  // By how much more than allowed the work did before it paused: its largest piece bounds it.
   [[nodiscard]] double overdrawn() const noexcept { return left_ < 0 ? -left_ : 0.0; }
 
   // Begins the work, or goes on with it; whether it is done. begin() only where it is.
@@ -44,11 +44,11 @@ class Slices {
   void spend(double work) noexcept {
     if (!inside_) return;
     left_ -= work;
-    if (left_ < 0) leave();
+    if (left_ < 0) pause();
   }
 
  private:
-  void leave() noexcept;
+  void pause() noexcept;
 
   struct Stack;
   std::function<void()> work_;

@@ -1,22 +1,32 @@
 #include "core/dwell/paced_pipeline.hpp"
 
 #include <algorithm>
+#include <cassert>
+
+#include "core/dwell/history_capacity.hpp"
 
 namespace dwell {
 namespace {
 
-// Records that wait at most: 2 s of 64 channels at 1 kHz, twice what the longest work holds up there. Where there are
-// more, the next push waits for the work.
-constexpr std::size_t kMostWaiting = std::size_t{1} << 17;
 // Of records that wait, so many are taken at a push: the backlog shrinks as fast as it grew.
 constexpr int kTogether = 2;
+// Of stream time, for which a push may work at most; a stream that jumps earns no more.
+constexpr double kLongestEarned_s = 1.0;
+
+bool must_not_wait(const Record& record) noexcept {
+  return record.kind == Kind::action ||
+         (record.kind == Kind::edge && record.channel == static_cast<std::uint16_t>(Line::interlock));
+}
 
 }  // namespace
 
+// Work on the longest hold is four passes over its samples, a second of the stream: no more can come meanwhile. Where
+// it does, a push waits for the work.
 PacedPipeline::PacedPipeline(const Rig& rig)
-    : slices_([this] { take(ring_[first_]); }), pipeline_(rig, &slices_), taken_(rig.channels.size()) {
-  ring_.resize(kMostWaiting);
-}
+    : slices_([this] { take(ring_[first_]); }),
+      pipeline_(rig, &slices_),
+      taken_(rig.channels.size()),
+      ring_(history_capacity(static_cast<int>(rig.channels.size()))) {}
 
 // What is in work is done first: it needs the pipeline.
 PacedPipeline::~PacedPipeline() {
@@ -25,19 +35,18 @@ PacedPipeline::~PacedPipeline() {
 }
 
 std::uint8_t PacedPipeline::push(const Record& record) noexcept {
-  if (newest_ns_ != INT64_MIN)
-    slices_.allow(kPerSecond * 1e-9 * static_cast<double>(record.t_ns - newest_ns_), kAtOnce);
-  newest_ns_ = std::max(newest_ns_, record.t_ns);
+  earn(record.t_ns);
   changes_ = kNothing;
   if (count_ == 0 && !pipeline_.may_take_long(record)) {
     take(record);
     return changes_;
   }
-  if (count_ == ring_.size()) make_room();
-  ring_[(first_ + count_) % ring_.size()] = record;
-  ++count_;
-  for (int i = 0; i < kTogether && count_ > 0 && changes_ == kNothing && slices_.may_work(); ++i)
+  append(record);
+  for (int i = 0; count_ > 0 && changes_ == kNothing && (urgent_ > 0 || (i < kTogether && slices_.may_work())); ++i) {
+    if (urgent_ > 0) slices_.allow_all();
     if (!take_next()) break;
+    if (urgent_ == 0) slices_.allow(0.0, kAtOnce);
+  }
   return changes_;
 }
 
@@ -48,22 +57,41 @@ std::uint8_t PacedPipeline::flush() noexcept {
   return changes_;
 }
 
-void PacedPipeline::make_room() noexcept {
-  slices_.allow_all();
-  take_next();
-  slices_.allow(0.0, kAtOnce);
+std::uint8_t PacedPipeline::finish() {
+  assert(count_ == 0);
+  return pipeline_.finish();
 }
 
-// The oldest that waits; false: it has gone away amid its work.
+// An instant that is none, or not in order, earns nothing: the pipeline will refuse it.
+void PacedPipeline::earn(std::int64_t t_ns) noexcept {
+  if (t_ns <= newest_ns_ || t_ns > Pipeline::kLatest_ns) return;
+  const double since_s = 1e-9 * (static_cast<double>(t_ns) - static_cast<double>(newest_ns_));
+  slices_.allow(kPerSecond * std::min(since_s, kLongestEarned_s), kAtOnce);
+  newest_ns_ = t_ns;
+}
+
+void PacedPipeline::append(const Record& record) noexcept {
+  if (count_ == ring_.size()) {
+    slices_.allow_all();
+    take_next();
+    slices_.allow(0.0, kAtOnce);
+  }
+  ring_[(first_ + count_) % ring_.size()] = record;
+  ++count_;
+  if (must_not_wait(record)) urgent_ = count_;
+}
+
+// The oldest that waits; false: it has paused amid its work.
 bool PacedPipeline::take_next() noexcept {
   if (!(busy() ? slices_.go_on() : slices_.begin())) return false;
   first_ = (first_ + 1) % ring_.size();
   --count_;
+  urgent_ -= urgent_ > 0 ? 1 : 0;
   return true;
 }
 
 void PacedPipeline::take(const Record& record) noexcept {
-  if (record.kind == Kind::sample) ++taken_[record.channel];
+  if (record.kind == Kind::sample && record.channel < taken_.size()) ++taken_[record.channel];
   changes_ = pipeline_.push(record);
 }
 

@@ -7,7 +7,6 @@ namespace dwell {
 namespace {
 
 constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
-constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years
 
 }  // namespace
 
@@ -19,12 +18,12 @@ std::uint8_t Pipeline::Impl::push(const Record& record) {
 }
 
 void Pipeline::Impl::take_record(const Record& record) {
-  if (record.kind > Kind::tick) return;
+  if (!concerns_pipeline(record.kind)) return;
   if (at.origin_ns == INT64_MIN) {
     at.origin_ns = now_ns = record.t_ns;
   }
   if (record.t_ns < now_ns ||
-      record.t_ns > kLatest_ns) {  // not in order, or no instant: counted where there is something to count
+      record.t_ns > Pipeline::kLatest_ns) {  // not in order, or no instant: counted where there is something to count
     if (record.kind == Kind::sample && record.channel < live.count()) live[record.channel].refuse();
     return;
   }
@@ -43,10 +42,7 @@ void Pipeline::Impl::take_record(const Record& record) {
     case Kind::edge:
       edge(record);
       break;
-    case Kind::tick:
-    case Kind::run:
-    case Kind::loss:
-    case Kind::fault:
+    default:  // time goes on
       break;
   }
 }

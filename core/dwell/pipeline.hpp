@@ -24,6 +24,8 @@ enum Change : std::uint8_t {
 
 class Pipeline {
  public:
+  static constexpr std::int64_t kLatest_ns = std::int64_t{1} << 61;  // 73 years: what is beyond is no instant
+
   // The rig must be valid (config::validate). Everything is allocated here. slices: in which push() works where it
   // takes long (PacedPipeline); null: in one. Must outlive this.
   explicit Pipeline(const Rig& rig, Slices* slices = nullptr);
@@ -31,12 +33,12 @@ class Pipeline {
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
 
-  // Takes the next record of the ordered stream; t = 0 of all reported times is the first record. Returns a set of
-  // Change. Cost: O(1) per sample; at the end of a block (a quarter of a period) O(channels · H²), while settling
-  // O(channels · (H² + windows seen)) and now and then the chain's eigenvalues, O(masses³), masses <= 64. Each time
-  // that the hold has grown by a quarter to two times, its transient is fitted anew: at least four passes over the
-  // samples that are held, (2H + 3 + 4 modes)²/2 multiplications each, 0.1 s where that is no more, some seconds for
-  // sixteen full rings, in `slices` where there are any. No allocation, but once per completed dwell.
+  // Takes the next record of the ordered stream; t = 0 of all reported times is the first record that concerns it.
+  // Returns a set of Change. Cost: O(1) per sample; at the end of a block (a quarter of a period) O(channels · H²),
+  // while settling O(channels · (H² + windows seen)) and now and then the chain's eigenvalues, O(masses³), masses
+  // <= 64. Each time that the hold has grown by a quarter to two times, its transient is fitted anew: at least four
+  // passes over the samples that are held, (2H + 3 + 4 modes)²/2 multiplications each, 0.1 s where that is no more,
+  // some seconds for sixteen full rings, in `slices` where there are any. No allocation, but once per completed dwell.
   std::uint8_t push(const Record& record) noexcept;
 
   // Whether push() may do more than take a sample in.

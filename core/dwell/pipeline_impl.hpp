@@ -24,6 +24,7 @@
 #include "core/dwell/dwell_states.hpp"
 #include "core/dwell/dwell_times.hpp"
 #include "core/dwell/finished_dwell.hpp"
+#include "core/dwell/history_capacity.hpp"
 #include "core/dwell/pipeline.hpp"
 #include "core/dwell/report.hpp"
 #include "core/dwell/settling_windows.hpp"
@@ -38,10 +39,6 @@
 #include "core/transient/transient_model.hpp"
 
 namespace dwell {
-
-[[nodiscard]] inline std::size_t history_capacity(int channels) {
-  return std::min<std::size_t>(std::size_t{1} << 19, static_cast<std::size_t>(channels) << 15);
-}
 
 struct Pipeline::Impl {
   Impl(const Rig& given, Slices* slices)

@@ -9,19 +9,26 @@
 
 namespace dwell {
 
-// What a record tells. The fields of Record that a kind does not name are zero.
+// What a record tells. t_ns is always the instant. `channel` is an index into Rig::channels where nothing else is said.
+// The fields of Record that a kind does not name are zero.
 enum class Kind : std::uint8_t {
-  sample,  // `value`: the device's own number, before scale and offset; `t_half_ns`; `flags`: kGap, kStampReplaced
-  channel_state,  // `flags`: a Fault; Fault::none says that the channel delivers again
+  // `channel`; `value`: the device's own number, before scale and offset; `t_half_ns`; `stamped_ns`; `flags`: kGap,
+  // kStampReplaced
+  sample,
+  channel_state,  // `channel`; `flags`: a Fault; Fault::none says that the channel delivers again
   edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
   action,         // an operator's action; `flags`: an Action
   tick,           // time goes on, nothing else
-  // For whoever records or replays the stream; the pipeline takes no notice of these.
-  run,    // the first record of a run and the last; `flags`: a RunEdge
+  run,            // the first record of a run and the last; `flags`: a RunEdge
   loss,   // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
           // record
   fault,  // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
 };
+
+// Whether the pipeline takes notice of records of that kind. The others are for whoever keeps the stream.
+[[nodiscard]] constexpr bool concerns_pipeline(Kind kind) noexcept {
+  return kind != Kind::run && kind != Kind::loss && kind != Kind::fault;
+}
 
 // Sample and edge flags.
 inline constexpr std::uint8_t kGap = 1;            // samples of this channel were lost immediately before this one

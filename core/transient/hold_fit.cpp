@@ -37,8 +37,7 @@ void HoldFit::feed(std::span<const FittedChannel> channels) noexcept {
   for (; next_ < history_.end(); ++next_) {
     const SampleHistory::Sample& s = history_[next_];
     if (!channels[static_cast<std::size_t>(s.channel)].watched) continue;
-    believed_.add(s.channel, s.t_ns, s.value);
-    history_.spend(believed_.work_of_sample());
+    history_.spend(believed_.add(s.channel, s.t_ns, s.value));
   }
 }
 

@@ -41,10 +41,10 @@ void ModalFit::restart(double omega, double rate, std::int64_t t0_ns, std::span<
   for (PerChannel& channel : channels_) channel.solution.usable = channel.errors.known = false;
 }
 
-void ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
+double ModalFit::add(int channel, std::int64_t t_ns, double value) noexcept {
   newest_ns_ = std::max(newest_ns_, t_ns);
   const Eigen::VectorXd& x = regressors_.at(t_ns);
-  sums_.add(channel, regressors_.computed(), x, layout().all(), value);
+  return sums_.add(channel, regressors_.computed(), x, layout().all(), value);
 }
 
 bool ModalFit::solve(int channel, double range, double line_range) noexcept {

@@ -46,19 +46,19 @@ class ModalFit {
   // by which it drifts, rad/s², so that hωu above is hθ with θ = ωu + rate u²/2.
   void restart(double omega, double rate, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
   // One sample, at t >= t_0, later than the channel's sample before. O((2H+3+4·modes)²) for the first sample of an
-  // instant, else O(2H+3+4·modes). No allocation.
-  void add(int channel, std::int64_t t_ns, double value) noexcept;
+  // instant, else O(2H+3+4·modes): the multiplications are returned. No allocation.
+  double add(int channel, std::int64_t t_ns, double value) noexcept;
 
   // The variance of the noise that the next solution of a channel starts from, its unit squared.
   void expect(int channel, double sigma2) noexcept { at(channel).solution.sigma2 = sigma2; }
-  // Multiplications in add(), solve() and residual(), for whoever has to count them.
-  [[nodiscard]] double work_of_sample() const noexcept {
-    return 0.5 * static_cast<double>(layout().all() * layout().all());
-  }
+  // Multiplications in solve(), residual(), and in refined() or propagate_poles(), for whoever has to count them.
   [[nodiscard]] double work_of_solution() const noexcept {
     return static_cast<double>(layout().linear() * layout().linear() * (layout().linear() + 2 * layout().modal()));
   }
   [[nodiscard]] double work_of_residual() const noexcept { return static_cast<double>(2 * layout().all()); }
+  [[nodiscard]] double work_of_poles() const noexcept {
+    return static_cast<double>(channels() * layout().all() * layout().all() * layout().slopes());
+  }
 
   // Solves one channel. range, line_range: widths of the prior of the amplitudes of what decays and of steady lines, in
   // its unit. false: too few samples.

@@ -50,6 +50,7 @@ double PoleSearch::refine(double misfit, int steps, const HoldNow& now) {
   double best = misfit;
   for (int i = 0; i < steps && fit_.may_fit(); ++i) {
     const auto moved = fit_.fit().refined(kTrust, now.omega_given ? 0.0 : kTrustOmega);
+    fit_.history().spend(fit_.fit().work_of_poles());
     if (fit_.fit().converged() < kConverged) break;
     const double w = fit_.fit().omega(),
                  by = (now.omega_given ? w : within_search(rig_, fit_.fit().refined_omega())) - w;

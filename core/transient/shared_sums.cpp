@@ -26,15 +26,18 @@ void SharedSums::clear() noexcept {
   used_ = 1;
 }
 
-void SharedSums::add(int channel, std::uint64_t scan, const Eigen::VectorXd& x, Index all, double value) noexcept {
+double SharedSums::add(int channel, std::uint64_t scan, const Eigen::VectorXd& x, Index all, double value) noexcept {
   PerChannel& own = channels_[static_cast<std::size_t>(channel)];
   assert(own.scan != scan);
+  const auto products = static_cast<double>(all);
+  double work = products;
   if (groups_[own.group].scan != scan) {
     part(own.group, all);
     Group& group = groups_[own.group];  // it may have left its group
     group.normal.add(x, all);
     group.scan = scan;
     group.seen = 0;
+    work += 0.5 * products * products;
   }
   own.scan = scan;
   ++groups_[own.group].seen;
@@ -44,6 +47,7 @@ void SharedSums::add(int channel, std::uint64_t scan, const Eigen::VectorXd& x, 
   readings.moments.head(all) += s * x.head(all);
   readings.squares += s * s;
   readings.samples += 1.0;
+  return work;
 }
 
 void SharedSums::complete(int channel, Index all) noexcept {

@@ -26,8 +26,8 @@ class SharedSums {
   void clear() noexcept;
   // A sample: its first `all` regressors, as many for each until clear(). scan: above 0; samples that follow one
   // another with the same number have the same regressors, and a channel has one of them. O(all²) for the first sample
-  // of a scan in each group, else O(all).
-  void add(int channel, std::uint64_t scan, const Eigen::VectorXd& x, Eigen::Index all, double value) noexcept;
+  // of a scan in each group, else O(all): the multiplications are returned.
+  double add(int channel, std::uint64_t scan, const Eigen::VectorXd& x, Eigen::Index all, double value) noexcept;
   // To be called before the normal matrix of a channel is read.
   void complete(int channel, Eigen::Index all) noexcept;
 

@@ -61,7 +61,7 @@ bool TransientModel::wants_refit(std::int64_t end_ns, const HoldNow& now) {
   if (!wants && fitted()) {
     fit_.feed(now.channels);
     fit_.solve(now.channels);
-    fit_.fit().propagate_poles(now.omega_given);
+    propagate_poles(now);
     // The last refit had fewer data than their uncertainty now counts. Before a verdict the poles are refined on all.
     const std::int64_t made_ns = *schedule_.made_ns();
     const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(made_ns - knocks_.free_since_ns()));
@@ -85,7 +85,7 @@ bool TransientModel::refit(const SeenFrequency& seen, std::int64_t end_ns, const
   }
   schedule_.made(now.now_ns);
   if (explained(now)) knocks_.clear_alarm();
-  fit_.fit().propagate_poles(now.omega_given);
+  propagate_poles(now);
   // Far from settled there is time.
   const double left = left_.at(end_ns, now).left;
   const double ahead_s =
@@ -94,6 +94,11 @@ bool TransientModel::refit(const SeenFrequency& seen, std::int64_t end_ns, const
   plan_growth(std::clamp(1 + ahead_s / free_s, kHoldGrowth, kGrowthFar), now);
   if (knocks_.any() && !explained(now)) refit_after_knock(now);
   return true;
+}
+
+void TransientModel::propagate_poles(const HoldNow& now) noexcept {
+  fit_.fit().propagate_poles(now.omega_given);
+  fit_.history().spend(fit_.fit().work_of_poles());
 }
 
 TransientModel::Judgement TransientModel::judge(double left_before, std::int64_t end_ns, const HoldNow& now) {
@@ -135,7 +140,7 @@ void TransientModel::begin_measuring(const HoldNow& now) noexcept {
 }
 
 void TransientModel::take_out(std::int64_t from_ns, std::int64_t end_ns, const HoldNow& now) noexcept {
-  fit_.fit().propagate_poles(now.omega_given);
+  propagate_poles(now);
   // What hums is followed as long as it is fitted anew.
   const std::int64_t followed_ns = schedule_.planned_ns() + to_ns(2 * now.period_s());
   removal_.begin(from_ns, poles().hums() ? std::max(end_ns, followed_ns) : end_ns);
@@ -195,7 +200,7 @@ bool TransientModel::refit_measuring(const SeenFrequency& counted, bool matters,
     if (const double other = search_.try_trial(fit().omega(), refined, now); other < refined)
       search_.refine(other, PoleSearch::kManySteps, now);
   search_.take_best();
-  fit_.fit().propagate_poles(now.omega_given);
+  propagate_poles(now);
   begin_measuring(now);
   return last;
 }

@@ -107,6 +107,7 @@ class TransientModel {
   void plan_growth(double growth, const HoldNow& now) noexcept {
     schedule_.plan_growth(growth, knocks_.free_since_ns(), now.now_ns);
   }
+  void propagate_poles(const HoldNow& now) noexcept;
   void heed_knock(std::int64_t end_ns, const HoldNow& now) noexcept;
   void refit_after_knock(const HoldNow& now) noexcept;
 

@@ -87,6 +87,7 @@ bool WholeHold::earlier(const Given& given) noexcept {
   }
   static_cast<void>(fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega));
   fit_.propagate_poles(given.omega_known);
+  given.history.spend(2 * fit_.work_of_poles());
   take_poles(given, fit_);
   return true;
 }
@@ -134,8 +135,7 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
     PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
     given.history.spend(kOfChance);
     if (!given.latest.usable(s.channel) || chance(i) >= (i < late ? channel.early_part : channel.late_part)) continue;
-    fit_.add(s.channel, s.t_ns, s.value);
-    given.history.spend(fit_.work_of_sample());
+    given.history.spend(fit_.add(s.channel, s.t_ns, s.value));
     channel.low = std::min(channel.low, s.value);
     channel.high = std::max(channel.high, s.value);
   }
@@ -155,6 +155,7 @@ void WholeHold::refine(const Given& given) noexcept {
   double best = run(given, omega_, poles_);
   for (int step = 0; step < kSteps && passes_left_ > 0; ++step) {
     const auto moved = fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega);
+    given.history.spend(fit_.work_of_poles());
     trial_.assign(moved.begin(), moved.end());
     double farthest = 0.0;  // in standard deviations
     for (std::size_t m = 0; m < trial_.size(); ++m)

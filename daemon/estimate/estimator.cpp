@@ -39,7 +39,6 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
   devices_.reserve(devices.size());
   for (DeviceFeed& device : devices)
     devices_.emplace_back(devices_.size(), std::move(device), rig_, assembler_, options.hold_back_ns, log, now_ns);
-  tell_run(RunEdge::begins, now_ns);
 }
 
 void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped) {
@@ -73,9 +72,8 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
     device.account(now_ns);
   }
   release();
-  tell_run(RunEdge::ends, now_ns);
-  release();
   measurement_.finish();
+  show_run(RunEdge::ends, std::max(now_ns, shown_ns_));
   settle();
   publish(now_ns);
   for (DeviceIntake& device : devices_) device.tell_end();
@@ -96,20 +94,21 @@ void Estimator::take_edges(std::int64_t now_ns) {
 }
 
 void Estimator::take_actions(std::int64_t now_ns) {
-  for (Action action{}; actions_.pop(action);) {
-    Record record;
-    record.t_ns = now_ns;
-    record.kind = Kind::action;
-    record.flags = static_cast<std::uint8_t>(action);
-    assembler_.action(record);
+  while (actions_.read_available() > 0) {
+    const Record record{.t_ns = now_ns, .kind = Kind::action, .flags = static_cast<std::uint8_t>(actions_.front())};
+    if (!assembler_.action(record)) return;  // no room: at the next turn
+    actions_.pop();
   }
 }
 
-void Estimator::tell_run(RunEdge edge, std::int64_t now_ns) {
-  assembler_.action({.t_ns = now_ns, .kind = Kind::run, .flags = static_cast<std::uint8_t>(edge)});
+void Estimator::show_run(RunEdge edge, std::int64_t t_ns) {
+  if (show_) show_({.t_ns = t_ns, .kind = Kind::run, .flags = static_cast<std::uint8_t>(edge)});
 }
 
+// What has been stamped before the run began, as the level of the interlock, still comes after the record that says so.
 void Estimator::take(const Record& record) {
+  if (shown_ns_ == INT64_MIN) show_run(RunEdge::begins, record.t_ns);
+  shown_ns_ = record.t_ns;
   if (show_) show_(record);
   measurement_.take(record);
 }

@@ -29,6 +29,7 @@ struct EstimatorOptions {
   std::size_t kept_bytes = 80'000'000;
   gpio::Link* gpio = nullptr;  // where edges come from; must outlive the estimator; null: none
   // Is shown every record of the ordered stream, as the pipeline sees it, on the estimation thread; empty: nobody is.
+  // The first says that the run begins, the last that it ends.
   std::function<void(const Record&)> show = {};
 };
 
@@ -64,13 +65,14 @@ class Estimator {
   void take_actions(std::int64_t now_ns);
   void take(const Record& record);
   void release();
-  void tell_run(RunEdge edge, std::int64_t now_ns);
+  void show_run(RunEdge edge, std::int64_t t_ns);
   void settle();
   void publish(std::int64_t now_ns);
 
   const Rig rig_;
   gpio::Link* const gpio_;
   const std::function<void(const Record&)> show_;
+  std::int64_t shown_ns_ = INT64_MIN;  // of the record shown last; INT64_MIN: the run has not begun
   Assembler assembler_;
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;

@@ -26,10 +26,14 @@ class LostAndFaulty {
   // room.
   template <class Enter>
   void lost(std::size_t i, const Tally& tally, std::int64_t now_ns, Enter enter) {
-    const std::array<std::uint64_t, kLosses> counts = {tally.refused, tally.late, tally.ahead, tally.overflow};
-    for (std::size_t why = 0; why < kLosses; ++why)
-      tell(Kind::loss, channels_[i].index, static_cast<std::uint8_t>(why + 1), counts[why], channels_[i].told[why],
-           now_ns, enter);
+    const auto tell_of = [&](Loss why, std::uint64_t count) {
+      const auto flags = static_cast<std::uint8_t>(why);
+      tell(Kind::loss, channels_[i].index, flags, count, channels_[i].told[flags - 1U], now_ns, enter);
+    };
+    tell_of(Loss::refused, tally.refused);
+    tell_of(Loss::late, tally.late);
+    tell_of(Loss::ahead, tally.ahead);
+    tell_of(Loss::overflow, tally.overflow);
   }
   // How often the fault has occurred since the beginning.
   template <class Enter>
@@ -40,7 +44,6 @@ class LostAndFaulty {
 
  private:
   static constexpr std::size_t kLosses = 4;  // kinds of Loss, numbered from 1
-  static_assert(static_cast<int>(Loss::refused) == 1 && static_cast<int>(Loss::overflow) == kLosses);
 
   struct PerChannel {
     std::uint16_t index;

@@ -18,7 +18,7 @@ namespace dwell {
 class Measurement {
  public:
   using Tell = std::function<void(RunEvent)>;
-  // What became of the samples of a channel that were taken.
+  // What became of the samples of a channel that the pipeline has been given.
   struct Fate {
     std::uint64_t used = 0;
     std::uint64_t rejected = 0;
@@ -32,7 +32,7 @@ class Measurement {
   // The end of the run: what waits is done, the current dwell completes.
   void finish();
 
-  // What is live of the channels; state() and channel() alone may be asked of it at any time.
+  // What is live of the channels: channel() and condition_reason() alone may be asked of it at any time.
   [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_.pipeline(); }
   // The dwell as it stands; while a long piece of work goes on, as it stood before. Allocates.
   [[nodiscard]] const Dwell& current();

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -51,6 +53,7 @@ std::vector<double> numbers(const Dwell& dwell) {
                              dwell.t_ref_s, dwell.frequency_hz.value, dwell.frequency_hz.u};
   for (const ElementEstimate& element : dwell.elements)
     for (const Coefficient& c : {element.stiffness, element.damping}) all.insert(all.end(), {c.value, c.u, c.U95});
+  all.insert(all.end(), dwell.covariance.begin(), dwell.covariance.end());
   return all;
 }
 
@@ -107,24 +110,85 @@ TEST(PacedPipeline, CountsASampleAsTakenWhenThePipelineHasIt) {
   EXPECT_EQ(paced.waiting(), 0u);
 }
 
-// Where the stream stands still no work is done; ticks alone let it go on.
-TEST(PacedPipeline, TicksLetWorkGoOn) {
+// A pipeline amid a fit, and the instant of the newest record.
+struct Amid {
   LargeRig large;
-  PacedPipeline paced(large.rig);
+  PacedPipeline paced{large.rig};
   std::int64_t t_ns = 0;
-  for (const Record& record : large.stream(12)) {
-    paced.push(record);
-    t_ns = record.t_ns;
-    if (paced.waiting() > 0 && record.t_ns > 2'000'000'000) break;
+
+  Amid() {
+    for (const Record& record : large.stream(12)) {
+      paced.push(record);
+      t_ns = record.t_ns;
+      if (paced.busy() && record.t_ns > 2'000'000'000) break;
+    }
   }
-  ASSERT_GT(paced.waiting(), 0u);
-  const Record same{.t_ns = t_ns, .kind = Kind::tick};
-  while (!paced.busy() && paced.waiting() > 0) paced.push(same);
-  for (int i = 0; i < 1000 && paced.waiting() > 0; ++i) {
-    t_ns += 10'000'000;
+  void tick(std::int64_t by_ns) {
+    t_ns += by_ns;
     paced.push({.t_ns = t_ns, .kind = Kind::tick});
   }
-  EXPECT_LE(paced.waiting(), 1u);
+};
+
+TEST(PacedPipeline, WhereTheStreamStandsStillNoWorkIsDoneAndTicksLetItGoOn) {
+  Amid amid;
+  ASSERT_TRUE(amid.paced.busy());
+  const std::size_t waiting = amid.paced.waiting();
+  for (std::size_t i = 1; i <= 100; ++i) {
+    amid.tick(0);
+    ASSERT_EQ(amid.paced.waiting(), waiting + i);
+  }
+  for (int i = 0; i < 1000 && amid.paced.waiting() > 0; ++i) amid.tick(10'000'000);
+  EXPECT_EQ(amid.paced.waiting(), 0u);
+}
+
+TEST(PacedPipeline, TheInterlockDoesNotWaitForAFit) {
+  for (const double level : {1.0, 0.0}) {
+    Amid amid;
+    ASSERT_TRUE(amid.paced.busy());
+    const Record edge{
+        .t_ns = amid.t_ns, .value = level, .channel = static_cast<std::uint16_t>(Line::interlock), .kind = Kind::edge};
+    std::uint8_t changes = amid.paced.push(edge);
+    // One Change a push; then the next is let through.
+    for (int i = 0; i < 3 && amid.paced.waiting() > 0; ++i) {
+      const Record same{.t_ns = amid.t_ns, .kind = Kind::tick};
+      changes |= amid.paced.push(same);
+    }
+    EXPECT_FALSE(amid.paced.busy());
+    EXPECT_EQ(amid.paced.pipeline().state() == State::idle, level == 0.0);
+  }
+}
+
+TEST(PacedPipeline, AnInstantThatIsNoneOrNotInOrderChangesNothing) {
+  Amid amid;
+  for (const std::int64_t t_ns : {INT64_MIN, std::int64_t{0}, INT64_MAX}) {
+    amid.paced.push({.t_ns = t_ns, .kind = Kind::tick});
+    amid.paced.push({.t_ns = t_ns, .value = 1.0, .channel = 60000, .kind = Kind::sample});
+  }
+  for (int i = 0; i < 1000 && amid.paced.waiting() > 0; ++i) amid.tick(10'000'000);
+  EXPECT_EQ(amid.paced.waiting(), 0u);
+}
+
+TEST(PacedPipeline, MoreRecordsThanFindRoomWaitForTheWork) {
+  Amid amid;
+  const std::size_t room = std::size_t{13} << 15;
+  for (std::size_t i = 0; i < room + 10; ++i) {
+    amid.tick(0);
+    ASSERT_LE(amid.paced.waiting(), room);
+  }
+  EXPECT_LT(amid.paced.waiting(), room) << "it shrinks again";
+}
+
+TEST(PacedPipeline, TheSameStreamIsToldAtTheSameRecords) {
+  LargeRig large;
+  const std::vector<Record> stream = large.stream(24);
+  std::vector<std::size_t> told[2];
+  for (std::vector<std::size_t>& at : told) {
+    PacedPipeline paced(large.rig);
+    for (std::size_t i = 0; i < stream.size(); ++i)
+      if (paced.push(stream[i]) != kNothing) at.push_back(i);
+  }
+  EXPECT_GE(told[0].size(), 3u);
+  EXPECT_EQ(told[0], told[1]);
 }
 
 }  // namespace

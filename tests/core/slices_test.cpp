@@ -1,4 +1,4 @@
-// Work in slices: it goes away where it has spent what it was allowed, and goes on where it was.
+// Work in slices: it pauses where it has spent what it was allowed, and goes on there.
 #include "core/base/slices.hpp"
 
 #include <gtest/gtest.h>
@@ -17,12 +17,12 @@ struct Work {
   }};
 };
 
-TEST(Slices, WorkGoesAwayWhereItHasSpentWhatItWasAllowedAndGoesOnThere) {
+TEST(Slices, WorkPausesWhereItHasSpentWhatItWasAllowedAndGoesOnThere) {
   Work work;
   work.slices.allow(7, 100);
   EXPECT_FALSE(work.slices.begin());
   EXPECT_TRUE(work.slices.busy());
-  EXPECT_EQ(work.done, 3) << "it goes away with the piece that exceeds 7";
+  EXPECT_EQ(work.done, 3) << "it pauses after the piece that exceeds 7";
   EXPECT_FALSE(work.slices.may_work());
   work.slices.allow(14, 100);
   EXPECT_FALSE(work.slices.go_on());
