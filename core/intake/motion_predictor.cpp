@@ -39,7 +39,7 @@ void MotionPredictor::weigh(double omega) noexcept {
   // a time.
   const double h2 = h * h;
   for (std::size_t j = 0; j < kEven; ++j) {
-    double sine, cosine;
+    double sine = 0.0, cosine = 0.0;
     moments::sin_cos(0.5 * x[j], sine, cosine);
     s[j] = 2 * sine * cosine / h;
     c[j] = 2 * sine * sine / h2;

@@ -44,8 +44,8 @@ class RoundingStep {
     const double times = difference / step;
     if (!(times < kNoGrid)) return 0.0;
     if (times < 0.5) return difference;  // no multiple but zero, and the readings differ
-    const auto whole = static_cast<double>(static_cast<std::int64_t>(times + 0.5));
-    const double off = std::abs(difference - step * whole);
+    const double above = times + 0.5;    // cut off it is std::round(times), without a call
+    const double off = std::abs(difference - step * static_cast<double>(static_cast<std::int64_t>(above)));
     return off > kOnGrid * step ? off : step;
   }
   [[nodiscard]] bool agrees(double divisor) const noexcept {

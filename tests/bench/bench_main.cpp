@@ -106,6 +106,8 @@ void print(Medians& medians) {
   table.at_most("merger and pipeline per sample, 8 channels / sincos", ns("pipeline"), against_sincos("pipeline"), 8);
   table.at_most("the same from the second minute on / sincos", ns("pipeline_later"), against_sincos("pipeline_later"),
                 8);
+  table.plain("the same where instants jitter by 0.05 ms / sincos", ns("pipeline_jitter"),
+              text("%.2f", against_sincos("pipeline_jitter")));
   table.plain("clock of a device recovered, per sample, alone / sincos", ns("device_clock/1"),
               text("%.2f", against_sincos("device_clock/1")));
   table.plain("clock of a device recovered, per sample, 8 in a scan / sincos", ns("device_clock/8"),

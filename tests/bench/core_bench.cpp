@@ -57,13 +57,15 @@ void fit_shared_instant(benchmark::State& state) { fit(state, 0); }
 BENCHMARK(fit_own_instants);
 BENCHMARK(fit_shared_instant);
 
-// A minute of a rig's motion, its channels 0.1 ms apart.
-std::vector<Record> minute_of(SteadyRig& source) {
+// A minute of a rig's motion, its channels 0.1 ms apart, each instant late by up to so much.
+std::vector<Record> minute_of(SteadyRig& source, std::int64_t jitter_ns = 0) {
   std::vector<Record> records;
+  std::mt19937_64 rng(4);
+  std::uniform_int_distribution<std::int64_t> late_ns(0, jitter_ns);
   for (int i = 0; i < 60'000; ++i)
     for (int c = 0; c < source.channels(); ++c) {
       Record record;
-      record.t_ns = 1'000'000LL * i + 100'000LL * c;
+      record.t_ns = 1'000'000LL * i + 100'000LL * c + late_ns(rng);
       record.value = source.reading(c, 1e-9 * static_cast<double>(record.t_ns));
       record.channel = static_cast<std::uint16_t>(c);
       records.push_back(record);
@@ -116,9 +118,9 @@ void pipeline(benchmark::State& state) {
 BENCHMARK(pipeline)->Unit(benchmark::kMillisecond);
 
 // The same where nothing is left of the transient: the minutes after the first.
-void pipeline_later(benchmark::State& state) {
+void later_minutes(benchmark::State& state, std::int64_t jitter_ns) {
   SteadyRig source;
-  const std::vector<Record> records = minute_of(source);
+  const std::vector<Record> records = minute_of(source, jitter_ns);
   Pipeline pipeline(source.rig());
   Merger merger(2, 100'000'000, 4096);
   std::int64_t minute_ns = 0;
@@ -135,7 +137,10 @@ void pipeline_later(benchmark::State& state) {
   if (pipeline.state() != State::measuring) state.SkipWithError("the rig is not measured");
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * records.size()));
 }
+void pipeline_later(benchmark::State& state) { later_minutes(state, 0); }
+void pipeline_jitter(benchmark::State& state) { later_minutes(state, 50'000); }
 BENCHMARK(pipeline_later)->Unit(benchmark::kMillisecond);
+BENCHMARK(pipeline_jitter)->Unit(benchmark::kMillisecond);
 
 // The result with all its uncertainties, after a minute of data.
 void publish(benchmark::State& state) {
