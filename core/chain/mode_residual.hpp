@@ -72,6 +72,7 @@ class ModeResidual {
   [[nodiscard]] Complex Y(int place) const;         // of the oscillation; the ground is at rest
   [[nodiscard]] Complex steady_Y(int place) const;  // of the steady motion
 
+  // Given, and to outlive this.
   const Rig& rig_;
   const ElementsResult& identified_;
   double omega_;

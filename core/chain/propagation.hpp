@@ -54,8 +54,8 @@ class Propagation {
   // Both must outlive it.
   Propagation(const ChainState& chain, const ElementStates& elements);
 
-  // What the elements' own stiffness scatters from stretch to stretch: it widens sources of residuals. per_reading: x
-  // by a reading's phasor, (n + 2) × channels.
+  // How much the stiffness of the elements scatters from stretch to stretch: the sources of residuals are widened by
+  // it. per_reading: ∂x/∂(a reading's phasor), (n + 2) × channels.
   void heed_scatter(const Eigen::MatrixXcd& per_reading, const std::vector<Evidence>& evidence);
   void add(const ErrorSource& source);
   // What all sources together do to second order, as one source of two vectors for each element.

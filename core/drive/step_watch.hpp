@@ -31,9 +31,9 @@ class StepWatch {
   // tolerance: relative change of amplitude or frequency that is another drive.
   explicit StepWatch(double tolerance) : tolerance_(tolerance) {}
 
-  // What a drive that has not changed reads: mean, phasors of harmonics 1 … at t_ref (SI of the reading, rad), omega
-  // (rad/s), the standard deviation of a reading, and how well that is known: relative standard uncertainty of the
-  // amplitude, of the phase at t_ref (rad) and of omega (rad/s).
+  // The readings to expect while the drive has not changed: mean, phasors of harmonics 1 … at t_ref (SI of the reading,
+  // rad), omega (rad/s), the standard deviation of a reading, and how well that is known: relative standard uncertainty
+  // of the amplitude, of the phase at t_ref (rad) and of omega (rad/s).
   struct Reference {
     std::int64_t t_ref_ns;
     double mean;

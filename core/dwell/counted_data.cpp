@@ -195,8 +195,8 @@ void CountedData::refer_drift(std::int64_t about_ns) noexcept {
   take_drive(omega_at(about_ns, omega_), {drift().rate, about_ns});
 }
 
-// The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where that
-// is no small part of the uncertainty they go, if they are no large part of the data.
+// The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
+// that loss matters beside the uncertainty, and these blocks are few, they are dropped.
 bool CountedData::drop_misjudged() noexcept {
   const std::int64_t first = blocks_.block(0).first_serial, all = blocks_.serials() - first;
   if (all < kEnoughQuarters) return false;

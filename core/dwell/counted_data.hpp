@@ -105,9 +105,11 @@ class CountedData {
   void refer_drift(std::int64_t about_ns) noexcept;
   bool drop_misjudged() noexcept;
 
+  // Of the pipeline.
   const Rig& rig_;
   const LiveChannels& channels_;
   const DriveReference& reference_;
+  // Its own.
   Blocks blocks_;
   mutable Totals window_;             // what is asked for once
   Totals counted_;                    // all closed blocks of this dwell, kept up to date while measuring

@@ -9,9 +9,9 @@ namespace {
 constexpr double kTold = 0.1;  // tolerances, rms of the stretches: what varies by less is not told
 // The same for a slope over data that have stretches, which tell of all that is worth a word but a slow drift.
 constexpr double kToldOfLong = 0.5;
-// Tolerances, within a dwell too short for stretches to show what the masses make of it: beyond it, the slope alone is
-// no longer all that matters. Of 400 dwells of 0.4 s under an amplitude that hunts by 1 %, those five standard
-// uncertainties off had 0.4 and more; half of it would doubt what a slope describes well.
+// The largest change, in tolerances, that a slope alone describes in a dwell too short for stretches. Of 400 dwells of
+// 0.4 s under an amplitude that hunts by 1 %, those that were five standard uncertainties off had changed by 0.4 or
+// more; at half this limit sound dwells would be doubted.
 constexpr double kDoubted = 0.25;
 
 // Of |slope|² over its variance, from which it is told in words: once in 10 000 dwells by chance, exp(-9.2). The

@@ -7,8 +7,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kMatters = 0.05;   // of the variance
-constexpr double kOfAdding = 50.0;  // multiplications, to put a sample into its block
+constexpr double kMatters = 0.05;    // of the variance
+constexpr double kOfAdding = 500.0;  // multiplications' worth, to put a sample into its block
 
 }  // namespace
 

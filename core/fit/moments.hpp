@@ -11,7 +11,8 @@
 //   exp(jk(θ + φ + δu)) = exp(jkφ) (1 + jkδu - k²δ²u²/2 - …)
 //
 // where u² is taken at its mean: sums taken at slightly different ω can be brought to one ω and added, and the fit's
-// derivative by ω is exact. What is lost is below (kδu)²/6 for a quarter of a period, and (kδu)³/6 for many.
+// derivative by ω is exact. φ is a shift of t_c, as an angle; δ a change of ω. The relative error is below (kδu)²/6 for
+// a quarter of a period, and (kδu)³/6 for many.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// What the newest sample of a channel says, for displays. Plain data.
+// What the newest sample of a channel says, for displays. Plain data; LiveChannel keeps it, and fills in counts and
+// condition where it hands it out.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,9 @@
-// Which reading of a device is an arrival? The next, unless it is later than the earliest that the one after could be.
+// Which reading of a device is an arrival? It is taken for the next one, unless it came later than even the reading
+// after that could have come.
 //
-// Then it is either late or follows a loss, and it and those after it wait until one of them shows that nothing was
-// lost (it is as early as only the next reading can be), or as many have come without such that a loss is beyond doubt.
+// Then it is either late or follows a loss. It and those after it wait until one of them shows that nothing was lost
+// (it is as early as only the next reading can be), or until so many have come, none of them showing it, that a loss is
+// beyond doubt.
 // The evidence is the likelihood of each arrival under the delays learnt so far, for each number of readings that may
 // have been lost.
 //

@@ -7,8 +7,8 @@
 namespace dwell {
 namespace {
 
-// Of the hold, its violent beginning: what has decayed by then needs no mode; and more of it each time that the fit
-// does not explain the data.
+// Parts of the hold that are skipped at its beginning: modes that have decayed by then need not be fitted. Each fit
+// that does not explain the data skips so much more, up to the most.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
 constexpr int kRefinements = 2;      // steps each time, at most
 constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's

@@ -55,7 +55,7 @@ class ModalFit {
   [[nodiscard]] double work_of_solution() const noexcept {
     return static_cast<double>(layout().linear() * layout().linear() * (layout().linear() + 2 * layout().modal()));
   }
-  [[nodiscard]] double work_of_residual() const noexcept { return static_cast<double>(2 * layout().all()); }
+  [[nodiscard]] double work_of_residual() const noexcept { return static_cast<double>(4 * layout().all()); }
   [[nodiscard]] double work_of_poles() const noexcept {
     return static_cast<double>(channels() * layout().all() * layout().all() * layout().slopes());
   }

@@ -23,7 +23,8 @@ constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
 // unused now and then, which the next fit mends.
 constexpr double kOneChannel = 1e-3;
 // Standard deviations of their difference by which two poles must be apart: nearer, they could as well be exchanged,
-// and the fit is far from linear. A pole that is not resolved disturbs those within the sum of both decay rates.
+// and the fit is far from linear. A pole that is not resolved is left out, with those within the sum of both decay
+// rates: it disturbs them.
 constexpr double kApart = 5.0;
 // Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
 constexpr double kStandsOut = 3.0;

@@ -59,8 +59,8 @@ void TransientLeft::tell(std::int64_t t_ns, const HoldNow& now, SettlingDetector
   if (worst.channel >= 0) verdict.worst_channel = worst.channel;
 }
 
-// The data count from the earliest instant at which a verdict would have been right. At least two periods before the
-// verdict count, as far back as the transient taken out is at most kMostTakenOut times what may be left.
+// The data count from the earliest instant at which a verdict would have been right. The last two periods before the
+// verdict count as well, unless more than kMostTakenOut times what may be left of the transient was taken out there.
 std::optional<std::int64_t> TransientLeft::counts_from(std::int64_t end_ns, const HoldNow& now) const noexcept {
   const auto quarter_ns = to_ns(now.period_s() / kQuarters);
   const std::int64_t all = (end_ns - fit_.fit().t0_ns()) / quarter_ns;

@@ -111,7 +111,7 @@ class TransientModel {
   void heed_knock(std::int64_t end_ns, const HoldNow& now) noexcept;
   void refit_after_knock(const HoldNow& now) noexcept;
 
-  ChainPoles& chain_;
+  ChainPoles& chain_;  // of the pipeline
   HoldFit fit_;
   ResidualNoise noise_;
   KnockWatch knocks_;
