@@ -105,6 +105,7 @@ std::uint8_t Pipeline::finish() {
 
 Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks().count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished.dwell(); }
+const SampleHistory& Pipeline::readings() const noexcept { return impl_->history; }
 State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
