@@ -14,7 +14,7 @@ double beyond_noise(const ChannelComparison& c) {
 
 }  // namespace
 
-void judge(ChannelComparison& channel, double accuracy) {
+void judge(ChannelComparison& channel, double accuracy, bool consistent) {
   channel.verdict = Verdict::not_verified;
   channel.reason.clear();
   if (!std::isfinite(channel.error) || !std::isfinite(channel.U)) {
@@ -29,6 +29,10 @@ void judge(ChannelComparison& channel, double accuracy) {
             ? "its noise alone is " + percent(channel.noise) + " of its rms, too much to tell " + percent(accuracy)
             : "off by " + percent(channel.error) + " ± " + percent(channel.U) + " of its rms, too wide to tell " +
                   percent(accuracy);
+  } else if (!consistent && 2 * channel.error + channel.U > accuracy) {
+    channel.reason = "off by " + percent(channel.error) + " ± " + percent(channel.U) +
+                     " of its rms for a cause that is not known: another motion may show as much again, above " +
+                     percent(accuracy);
   } else if (!(channel.error + channel.U <= channel.beyond_steady / kBeyondSteady)) {
     channel.reason = "only " + percent(channel.beyond_steady) +
                      " of its rms is more than the steady phasors give for any chain: too little beside " +

@@ -1,6 +1,7 @@
 // The verdict of a comparison, after ASME V&V 20-2009: a model error lies within E ± U_val, so
 //
 //   adequate       error + U <= accuracy, and <= beyond / kBeyondSteady
+//                  where the statistics leave something unexplained: 2 · error + U, for it may show as much again
 //   not adequate   √(error² - noise²) - U > accuracy
 //   else           not verified yet: the evidence is too weak
 //
@@ -23,8 +24,9 @@ namespace dwell {
 // one that is wrong by half would be; with twice it many good rigs that settle slowly stay unverified.
 inline constexpr double kBeyondSteady = 4.0;
 
-// Fills verdict and reason of a channel whose figures are known. Allocates; thread-safe.
-void judge(ChannelComparison& channel, double accuracy);
+// Fills verdict and reason of a channel whose figures are known. consistent: the statistics leave nothing unexplained.
+// Allocates; thread-safe.
+void judge(ChannelComparison& channel, double accuracy, bool consistent);
 
 // The verdict of the whole from those of its channels: adequate where all are, not adequate where one is. Fills
 // verdict, seen, U, e_n. names: of the rig's channels, for the reasons.

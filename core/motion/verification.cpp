@@ -205,13 +205,13 @@ Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vec
   const std::vector<Index> ends = ends_of(stretch);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     out.channels.push_back(compared(stretch, i, begin, ends[i] - begin, seen, sources));
-    judge(out.channels.back(), accuracy);
     begin = ends[i];
   }
   out.evidence.push_back("transient from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
                          brief(to_s(stretch.until_ns), 4) + " s");
-  judge(out, names);
   test_consistency(stretch, dwell, seen, sources, out);
+  for (ChannelComparison& channel : out.channels) judge(channel, accuracy, *out.consistent);
+  judge(out, names);
   if (out.verdict == Verdict::adequate && !why.empty()) return unverified(why);
   if (out.verdict == Verdict::adequate && !dwell.doubts.empty())
     return unverified("coefficients are doubted: " + dwell.doubts.front().what);

@@ -5,14 +5,15 @@
 namespace dwell {
 namespace {
 
-ChannelComparison judged(double error, double U, double noise = 0.0, double beyond_steady = 1.0) {
+ChannelComparison judged(double error, double U, double noise = 0.0, double beyond_steady = 1.0,
+                         bool consistent = true) {
   ChannelComparison channel;
   channel.channel = 0;
   channel.error = error;
   channel.U = U;
   channel.noise = noise;
   channel.beyond_steady = beyond_steady;
-  judge(channel, 0.05);
+  judge(channel, 0.05, consistent);
   return channel;
 }
 
@@ -43,6 +44,12 @@ TEST(Verdict, HoldsNoNoiseAgainstTheModelAndCallsNothingAdequateForIt) {
 TEST(Verdict, CallsAPredictionOfTheSteadyMotionNoTest) {
   EXPECT_EQ(judged(0.001, 0.001, 0.0, 0.007).verdict, Verdict::not_verified);
   EXPECT_EQ(judged(0.001, 0.001, 0.0, 0.01).verdict, Verdict::adequate);
+}
+
+TEST(Verdict, CountsAnErrorTwiceWhoseCauseIsNotKnown) {
+  EXPECT_EQ(judged(0.03, 0.01, 0.0, 1.0, false).verdict, Verdict::not_verified);
+  EXPECT_EQ(judged(0.01, 0.01, 0.0, 1.0, false).verdict, Verdict::adequate);
+  EXPECT_EQ(judged(0.09, 0.01, 0.0, 1.0, false).verdict, Verdict::not_adequate);
 }
 
 TEST(Verdict, SaysNothingOfAChannelInWhichNothingMoves) {
