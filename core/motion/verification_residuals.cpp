@@ -17,9 +17,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// An initial state is taken as within so many times what the readings show: far more than any is, so that it tells
+// An initial state is taken as within so many times what the readings show: more than any is, so that it tells
 // nothing of what the readings tell, and keeps what they do not tell finite.
-constexpr double kPrior = 100.0;
+constexpr double kPrior = 10.0;
 
 // A prediction beyond so many times what was measured is none.
 constexpr double kDiverged = 1e6;
@@ -28,8 +28,10 @@ constexpr double kDiverged = 1e6;
 // the initial conditions.
 class Players {
  public:
-  Players(const VerificationStretch& stretch, const Assumption& assumption, Knots knots, const NoiseDraws* draws)
+  Players(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& assumption, Knots knots,
+          const NoiseDraws* draws)
       : stretch_(stretch),
+        table_(table),
         assumption_(assumption),
         test_(assumption.rig, assumption.chain, stretch.table),
         draws_(draws),
@@ -80,14 +82,13 @@ class Players {
   [[nodiscard]] const MatrixXd& of(int c) const { return played_[static_cast<std::size_t>(c)]; }
 
   void play(Knots knots) {
-    const auto table = static_cast<std::size_t>(stretch_.table);
-    const ChannelReadings& given = stretch_.readings[table];
-    const MatrixXd values = read(stretch_.table);
+    const MatrixXd values = table_.apply(read(stretch_.table));
+    const Instants& given = table_.instants();
     const std::size_t step = knots == Knots::all ? 1 : 2;
     Instants t_ns;
     std::vector<Index> columns;
-    for (std::size_t i = knots == Knots::odd ? 1 : 0; i < given.t_ns.size(); i += step) {
-      t_ns.push_back(taken_ns(given.t_ns[i]) - test_.model().delay_ns(stretch_.table));
+    for (std::size_t i = knots == Knots::odd ? 1 : 0; i < given.size(); i += step) {
+      t_ns.push_back(taken_ns(given[i]) - test_.model().delay_ns(stretch_.table));
       columns.push_back(static_cast<Index>(i));
     }
     MatrixXd inputs(constant_ + values.rows(), static_cast<Index>(columns.size()));
@@ -105,6 +106,7 @@ class Players {
   }
 
   const VerificationStretch& stretch_;
+  const SteadyTable& table_;
   const Assumption& assumption_;
   VirtualTest test_;
   const NoiseDraws* draws_;
@@ -176,10 +178,10 @@ NoiseDraws::NoiseDraws(const VerificationStretch& stretch, Index count, std::uin
                                                [&] { return stretch.sigma[c] * normal(rng); }));
 }
 
-Residuals residuals_of(const VerificationStretch& stretch, const Assumption& assumption, Knots knots,
-                       const NoiseDraws* draws, const SteadyRatio* steady) {
+Residuals residuals_of(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& assumption,
+                       Knots knots, const NoiseDraws* draws, const SteadyRatio* steady) {
   Residuals out;
-  const Players players(stretch, assumption, knots, draws);
+  const Players players(stretch, table, assumption, knots, draws);
   out.fault = players.fault();
   if (!out.fault.empty()) return out;
   const MatrixXd unknown = initial_conditions(stretch, players);

@@ -12,6 +12,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/motion/verification_stretch.hpp"
+#include "core/motion/verification_table.hpp"
 #include "core/result/coefficient_error.hpp"
 #include "core/rig/rig.hpp"
 
@@ -59,8 +60,8 @@ struct SteadyRatio {
   std::vector<std::complex<double>> ratio;
   double omega = 0.0;
 };
-[[nodiscard]] Residuals residuals_of(const VerificationStretch& stretch, const Assumption& assumption,
-                                     Knots knots = Knots::all, const NoiseDraws* draws = nullptr,
-                                     const SteadyRatio* steady = nullptr);
+[[nodiscard]] Residuals residuals_of(const VerificationStretch& stretch, const SteadyTable& table,
+                                     const Assumption& assumption, Knots knots = Knots::all,
+                                     const NoiseDraws* draws = nullptr, const SteadyRatio* steady = nullptr);
 
 }  // namespace dwell

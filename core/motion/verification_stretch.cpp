@@ -99,6 +99,7 @@ VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const C
   VerificationStretch out;
   out.readings.resize(rig.channels.size());
   out.sigma.assign(rig.channels.size(), 0.0);
+  out.omega = kTwoPi * dwell.frequency_hz.value;
   out.table = table_channel(rig, dwell);
   if (out.table < 0) {
     out.fault = "no channel shows the table's motion";

@@ -25,6 +25,7 @@ struct VerificationStretch {
   std::vector<ChannelReadings> readings;  // per channel of the rig, less the mean of the dwell; empty: not used
   std::vector<double> sigma;              // per channel of the rig, of one reading, SI
   std::int64_t score_from_ns = 0, until_ns = 0;
+  double omega = 0.0;  // of the drive, rad/s
 
   // Leaves out the compared channels for which keep(c) is false.
   template <class Keep>

@@ -30,7 +30,7 @@ struct Told {
 // The recording until the dwell has its periods, identified and verified as the service does.
 Told play_verified(const Case& about) {
   Told told;
-  told.of = about.description();
+  told.of = std::to_string(about.index) + " " + about.description();
   Pipeline pipeline(about.rig);
   VerificationReadings readings(about.rig.channels.size());
   Player player(about);
@@ -78,11 +78,13 @@ struct Row {
   Fault fault;
 };
 
-std::vector<Told> play_row(const Row& row, int count, std::uint64_t seed) {
+std::vector<Told> play_row(const Row& row, int count, std::uint64_t seed, int only) {
   std::vector<Case> cases;
-  for (int index = 0; static_cast<int>(cases.size()) < count; ++index) {
+  if (only >= 0) count = 1;
+  for (int index = std::max(0, only); static_cast<int>(cases.size()) < count; ++index) {
     Case about = draw(row.population, seed, index);
     if (about.change_s > 0 || about.chain.mass_count() == 0) continue;  // no table jumps while it is recorded
+    if (about.remark.find("rings") != std::string::npos) continue;      // not what the rig file states
     if (row.fault) {
       Draws draws(mixed(about.seed));
       row.fault(draws, about);
@@ -144,12 +146,14 @@ int main(int argc, char** argv) {
   int dwells = 300;
   std::uint64_t seed = 1;
   bool list = false;
+  int index = -1;
   std::string only;
   CLI::App app("Verdicts on random rigs, right ones and ones with a fault");
   app.add_option("--dwells", dwells, "of each row")->check(CLI::PositiveNumber);
   app.add_option("--seed", seed, "another seed draws other rigs");
   app.add_option("--row", only, "this row alone");
   app.add_flag("--list", list, "every dwell of the row that is not adequate or not consistent");
+  app.add_option("--only", index, "the row's rig of this index alone");
   CLI11_PARSE(app, argc, argv);
   const std::vector<Row> rows = {{"white", Population::white, {}},
                                  {"type_b", Population::type_b, {}},
@@ -157,6 +161,6 @@ int main(int argc, char** argv) {
                                  {"scale", Population::white, wrong_scale},
                                  {"delay", Population::white, wrong_delay}};
   for (const Row& row : rows)
-    if (only.empty() || only == row.name) print_row(row.name, play_row(row, dwells, seed), list);
+    if (only.empty() || only == row.name) print_row(row.name, play_row(row, dwells, seed, index), list);
   return 0;
 }
