@@ -33,11 +33,11 @@ class SourceFit {
   [[nodiscard]] Eigen::VectorXd left(const Eigen::VectorXd& error) const;
   // Σ left² + Σ z², z the sources' amplitudes: what χ² is of.
   [[nodiscard]] double chi2(const Eigen::VectorXd& error) const;
+  // Of the sources, by what the error is best explained within their priors.
+  [[nodiscard]] Eigen::VectorXd amplitudes(const Eigen::VectorXd& error) const;
   [[nodiscard]] const Eigen::MatrixXd& sources() const noexcept { return sources_; }
 
  private:
-  [[nodiscard]] Eigen::VectorXd amplitudes(const Eigen::VectorXd& error) const;
-
   Eigen::MatrixXd sources_, inverse_;  // of (S'S + I)
 };
 

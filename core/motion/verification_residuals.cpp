@@ -147,25 +147,25 @@ MatrixXd initial_conditions(const VerificationStretch& stretch, const Players& p
 
 }  // namespace
 
-Assumption Assumption::moved(const CoefficientError& error) const {
+Assumption Assumption::moved(const CoefficientError& error, double part) const {
   Assumption out = *this;
   for (std::size_t e = 0; e < chain.stiffness.size(); ++e) {
-    out.chain.stiffness[e] += error.on_coefficients[2 * e];
-    out.chain.damping[e] += error.on_coefficients[2 * e + 1];
+    out.chain.stiffness[e] += part * error.on_coefficients[2 * e];
+    out.chain.damping[e] += part * error.on_coefficients[2 * e + 1];
   }
   if (error.mass > 0) {
     const auto i = static_cast<std::size_t>(error.mass - 1);
-    out.rig.masses[i] += error.mass_u;
-    out.chain.masses[i] += error.mass_u;
+    out.rig.masses[i] += part * error.mass_u;
+    out.chain.masses[i] += part * error.mass_u;
   }
-  out.fast += error.clock_u;
+  out.fast += part * error.clock_u;
   for (const ReadingError& reading : error.readings) {
     const auto c = static_cast<std::size_t>(reading.channel);
     Channel& channel = out.rig.channels[c];
-    out.gain[c] *= 1 + reading.relative;
-    channel.delay_s += reading.late_s;
-    channel.lowpass.hz += reading.lowpass_hz;
-    channel.highpass.hz += reading.highpass_hz;
+    out.gain[c] *= 1 + part * reading.relative;
+    channel.delay_s += part * reading.late_s;
+    channel.lowpass.hz += part * reading.lowpass_hz;
+    channel.highpass.hz += part * reading.highpass_hz;
   }
   return out;
 }

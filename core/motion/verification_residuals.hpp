@@ -27,8 +27,8 @@ struct Assumption {
 
   Assumption(const Rig& the_rig, const Chain& the_chain)
       : rig(the_rig), chain(the_chain), gain(the_rig.channels.size(), 1.0) {}
-  // The same with one standard deviation of that source: coefficients, masses, readings and clock together.
-  [[nodiscard]] Assumption moved(const CoefficientError& error) const;
+  // The same with `part` standard deviations of that source: coefficients, masses, readings and clock together.
+  [[nodiscard]] Assumption moved(const CoefficientError& error, double part) const;
 };
 
 // Draws of white noise of the stretch's standard deviations, of every reading; seeded, so that a verification gives the
