@@ -271,7 +271,7 @@ Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vec
   if (determined) tell_consistency(consistency.test(seen.error(), sources), out);
   for (ChannelComparison& channel : out.channels) judge(channel, accuracy, out.consistent.value_or(false));
   judge(out, names);
-  if (out.verdict == Verdict::adequate && !why.empty()) return unverified(why);
+  if (!why.empty()) return unverified(why);  // U lacks a source
   if (out.verdict == Verdict::adequate && !dwell.doubts.empty())
     return unverified("coefficients are doubted: " + dwell.doubts.front().what);
   return out;
