@@ -127,6 +127,12 @@ void read_method(Section& root, Draft& draft) {
     section.real("update", rig.update_s, {"a number from 0.01 to 3600 (s)", 0.01, 3600.0});
     section.refuse_rest();
   }
+  if (const toml::table* table = root.table("verification", "a table [verification]")) {
+    Section section(*table, "[verification]", draft.mistakes);
+    section.real("accuracy", draft.file.verification.accuracy,
+                 {"a number above 0, at most 1 (of each channel's rms)", 0.0, 1.0, true});
+    section.refuse_rest();
+  }
 }
 
 }  // namespace dwell::config

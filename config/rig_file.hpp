@@ -31,6 +31,10 @@ struct RecordingSettings {
   std::string directory = "/var/lib/dwell";  // a relative one starts at the rig file's directory
 };
 
+struct VerificationSettings {
+  double accuracy = 0.05;  // of each channel's rms: what the model is needed for
+};
+
 struct GpioLine {
   enum class Bias : std::uint8_t { as_is, disabled, pull_up, pull_down };
   std::string chip;  // "/dev/gpiochip0"
@@ -52,6 +56,7 @@ struct RigFile {
   std::vector<DeviceSettings> devices;  // in the order of rig.devices
   ServerSettings server;
   RecordingSettings recording;
+  VerificationSettings verification;
   GpioSettings gpio;
   std::string path;       // as given
   std::string directory;  // of the file: relative paths in it start there

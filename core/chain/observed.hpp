@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/chain/evidence.hpp"
+#include "core/result/coefficient_error.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -22,12 +23,6 @@ namespace dwell {
 [[nodiscard]] std::complex<double> as_observed(const Rig& rig, int channel, std::complex<double> a,
                                                std::complex<double> s);
 
-// What one standard deviation of a source of error makes of a channel's reading of any motion exp(st).
-struct ReadingError {
-  Eigen::Index channel;
-  double relative = 0.0, late_s = 0.0;         // too small by that part; too late
-  double lowpass_hz = 0.0, highpass_hz = 0.0;  // corners higher than stated
-};
 // By what part of itself the channel observes too little of a motion exp(st), s in rad/s.
 [[nodiscard]] std::complex<double> observed_too_small(const Rig& rig, const ReadingError& error,
                                                       std::complex<double> s);

@@ -110,6 +110,7 @@ bool Pipeline::may_take_long(const Record& record) const noexcept {
          (impl_->blocks().is_open() && record.t_ns >= impl_->blocks().open_end_ns());
 }
 
+const SampleHistory& Pipeline::readings() const noexcept { return impl_->history; }
 State Pipeline::state() const noexcept { return impl_->states.state(); }
 
 std::complex<double> Pipeline::phasor(int channel) const noexcept {

@@ -12,6 +12,7 @@
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 #include "core/stream/record.hpp"
+#include "core/stream/sample_history.hpp"
 
 namespace dwell {
 
@@ -54,6 +55,9 @@ class Pipeline {
   [[nodiscard]] const Dwell& completed() const noexcept;
 
   [[nodiscard]] State state() const noexcept;
+
+  // The newest readings that count, on the stream's clock, SI: what a verification rests on. No allocation.
+  [[nodiscard]] const SampleHistory& readings() const noexcept;
 
   // Amplitude and phase now, over the data that count (while settling: over the last period), SI in the channel's own
   // quantity with the transducer's response divided out, phase at the newest sample's instant. NaN: none. No

@@ -112,6 +112,12 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
   check_modes(rig, result, omega, seen, dwell);
   dwell.elements = std::move(result.elements);
   dwell.covariance = std::move(result.covariance);
+  for (const SourceEffect& effect : result.effects)
+    dwell.errors.push_back({{effect.on_coefficients.begin(), effect.on_coefficients.end()},
+                            effect.mass,
+                            effect.mass_u,
+                            effect.clock_u,
+                            effect.readings});
   for (Doubt& doubt : result.doubts) dwell.doubts.push_back(std::move(doubt));
   for (std::string& warning : result.warnings) dwell.warnings.push_back(std::move(warning));
 }

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/result/coefficient_error.hpp"
+
 namespace dwell {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -92,6 +94,7 @@ struct Dwell {
   std::vector<ChannelPhasor> phasors;     // one per Rig::channels, in that order
   std::vector<ElementEstimate> elements;  // one per element when settled, else empty
   std::vector<double> covariance;         // row-major, of [c, r] of the identifiable elements in order
+  std::vector<CoefficientError> errors;   // the same source by source; not part of the JSON object
   std::vector<std::string> warnings;
   std::vector<Doubt> doubts;
   std::vector<std::string>

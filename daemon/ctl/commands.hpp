@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 
@@ -35,6 +36,20 @@ struct IdentifyOptions {
   bool json = false;
 };
 
+struct VerifyOptions {
+  std::string rig;
+  std::string data;
+  std::optional<int> dwell;  // its index; none: the last that settled
+  bool json = false;
+};
+
+struct ExportOptions {
+  std::string rig;
+  std::string data;
+  std::string folder;
+  std::optional<int> dwell;
+};
+
 [[nodiscard]] int status(const Service& service);
 [[nodiscard]] int watch(const Service& service, const WatchOptions& options);
 [[nodiscard]] int channels(const Service& service);
@@ -44,6 +59,8 @@ struct IdentifyOptions {
 [[nodiscard]] int rearm(const Service& service);
 [[nodiscard]] int check(const Service& service, const std::string& rig);
 [[nodiscard]] int identify_recording(const IdentifyOptions& options);
+[[nodiscard]] int verify_recording(const VerifyOptions& options);
+[[nodiscard]] int export_model(const ExportOptions& options);
 
 // What `rearm` and the key of watch do: the service's answer as JSON text. The error: the exit code, and why.
 struct Refusal {

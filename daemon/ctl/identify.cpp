@@ -92,7 +92,8 @@ ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording) {
   return match;
 }
 
-std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress) {
+std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress,
+                            VerificationReadings* readings) {
   constexpr std::size_t progress_every = 1U << 18U;
   const ColumnMatch match = match_columns(rig, recording);
   Pipeline pipeline(rig);
@@ -102,6 +103,7 @@ std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const
   const auto take = [&](const Record& record) {
     if (std::isnan(first_s)) first_s = static_cast<double>(record.t_ns) * 1e-9;
     if ((pipeline.push(record) & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+    if (readings != nullptr) readings->take(pipeline.readings());
   };
   std::size_t until_progress = progress_every;
   for (const CsvRecording::Sample& sample : recording.samples) {

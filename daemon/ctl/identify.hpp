@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/motion/verification_readings.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 #include "drivers/replay/csv_recording.hpp"
@@ -25,7 +26,9 @@ using Progress = std::function<void(double)>;
 
 // Every dwell of the recording, in order, also those that did not settle; empty: no drive was ever seen. Values are raw
 // (the rig's scale, offset and unit apply); times are on the recording's own t axis. Columns that the rig does not know
-// are ignored. The rig must be valid. The pipeline's cost per sample; bound to one thread.
-[[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress = {});
+// are ignored. The rig must be valid. readings: receives those that
+// count, if given. The pipeline's cost per sample; bound to one thread.
+[[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress = {},
+                                          VerificationReadings* readings = nullptr);
 
 }  // namespace dwell::ctl

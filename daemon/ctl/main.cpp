@@ -77,6 +77,23 @@ int run(int argc, char** argv) {
   identify_verb->add_option("data", identifying.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
   add_json(identify_verb, identifying.json);
 
+  VerifyOptions verifying;
+  CLI::App* verify_verb = app.add_subcommand(
+      "verify", "the model of a recording against transients it never saw; exit 1 if it is not adequate");
+  verify_verb->add_option("--rig", verifying.rig, "the rig file; its devices are not needed")->required();
+  verify_verb->add_option("data", verifying.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
+  verify_verb->add_option("--dwell", verifying.dwell, "index of the dwell; default: the last that settled");
+  add_json(verify_verb, verifying.json);
+
+  ExportOptions exporting;
+  bool model = false;
+  CLI::App* export_verb = app.add_subcommand("export", "the model of a recording as files for other programs");
+  export_verb->add_flag("--model", model, "matrices as Matrix Market, a state-space model as JSON")->required();
+  export_verb->add_option("--rig", exporting.rig, "the rig file; its devices are not needed")->required();
+  export_verb->add_option("data", exporting.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
+  export_verb->add_option("-o,--output", exporting.folder, "folder that receives the files")->required();
+  export_verb->add_option("--dwell", exporting.dwell, "index of the dwell; default: the last that settled");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -88,6 +105,8 @@ int run(int argc, char** argv) {
   if (*dwells_verb) return dwells(service);
   if (*rearm_verb) return rearm(service);
   if (*check_verb) return check(service, rig);
+  if (*verify_verb) return verify_recording(verifying);
+  if (*export_verb) return export_model(exporting);
   return identify_recording(identifying);
 }
 

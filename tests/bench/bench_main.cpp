@@ -143,6 +143,10 @@ void print(Medians& medians) {
                  real_time("identify_shared_instants"), 1000);
   table.at_least("identify, the same, each sample its own instant", seconds("identify_own_instants"),
                  real_time("identify_own_instants"), 1000);
+  table.at_least("virtual test, 10 min of 8 masses at 1 kHz, shared instants", seconds("virtual_test_shared_instants"),
+                 real_time("virtual_test_shared_instants"), 3000);
+  table.plain("virtual test, the same, each sample its own instant", seconds("virtual_test_own_instants"),
+              text("%.0f", real_time("virtual_test_own_instants")));
 }
 
 }  // namespace

@@ -135,6 +135,17 @@ TEST(RigFileMistakes, OfSettlingAndEstimation) {
   }
 }
 
+TEST(RigFileMistakes, OfVerification) {
+  constexpr const char* accuracy = ": expected a number above 0, at most 1 (of each channel's rms)";
+  expect_good("[settling]", "[verification]\naccuracy = 0.02\n[settling]");
+  expect_mistake("[settling]", "[verification]\naccuracy = @0\n[settling]",
+                 std::string("\"accuracy\" is 0") + accuracy);
+  expect_mistake("[settling]", "[verification]\naccuracy = @5\n[settling]",
+                 std::string("\"accuracy\" is 5") + accuracy);
+  expect_mistake("[settling]", "[verification]\n@limit = 5\n[settling]",
+                 "unknown key \"limit\" in [verification]: expected accuracy");
+}
+
 TEST(RigFileMistakes, OfADefaultThatDoesNotFitPointToWhatItDoesNotFit) {
   const std::string slow = edited("frequency = 4.0", "frequency = @0.005").text;
   const std::size_t search = slow.find("search = [3.9, 4.1]\n");

@@ -1,0 +1,280 @@
+#include "core/motion/verification.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
+#include "core/base/wording.hpp"
+#include "core/model/forward.hpp"
+#include "core/motion/comparison.hpp"
+#include "core/motion/verdict.hpp"
+#include "core/motion/verification_consistency.hpp"
+#include "core/motion/verification_residuals.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Draws of noise: u of the prediction is then known to 9 %, and so is the spread of a test's statistic.
+constexpr Index kDraws = 64;
+constexpr std::uint64_t kSeed = 20161;
+// Of what interpolating every second reading of the table changes. A motion that is smooth leaves 1/16 of it between
+// all readings, a drive that begins with a jump of velocity up to a third.
+constexpr double kInterpolation = 1.0 / 3;
+
+// Of a standard deviation, the step by which a source's column is taken: small enough for the prediction to be linear
+// in it where one standard deviation is not, and far above rounding.
+constexpr double kStep = 0.1;
+// A test of consistency that fails by less than this is made again about the amplitudes that explain most, twice: the
+// prediction of a lightly damped chain is not linear in a frequency that is off by many noises.
+constexpr double kMakeSure = 0.1;
+constexpr int kAgain = 2;
+
+// The chain of a dwell; empty masses and elements: it gives none, `why` says it.
+Chain chain_of(const Rig& rig, const Dwell& dwell, std::string& why) {
+  Chain chain{rig.boundary, rig.masses, {}, {}};
+  if (!std::isfinite(dwell.settled_s) || dwell.elements.empty())
+    why = "no coefficients: " + (dwell.settling_reason.empty() ? "the dwell has not settled" : dwell.settling_reason);
+  for (const ElementEstimate& element : dwell.elements) {
+    if (!element.identifiable && why.empty())
+      why = "element " + std::to_string(element.k) + " is not identifiable: " + element.reason;
+    chain.stiffness.push_back(element.stiffness.value);
+    chain.damping.push_back(element.damping.value);
+  }
+  return chain;
+}
+
+bool only_coefficients(const CoefficientError& error) {
+  return error.mass == 0 && error.readings.empty() && error.clock_u == 0.0;
+}
+
+// The sources of the dwell; all that move nothing but coefficients as the principal axes of their covariance.
+std::vector<CoefficientError> sources_of(const Dwell& dwell) {
+  const auto count = static_cast<Index>(2 * dwell.elements.size());
+  MatrixXd covariance = MatrixXd::Zero(count, count);
+  std::vector<CoefficientError> out;
+  for (const CoefficientError& error : dwell.errors) {
+    if (!only_coefficients(error)) {
+      out.push_back(error);
+      continue;
+    }
+    const auto v = Eigen::Map<const VectorXd>(error.on_coefficients.data(), count);
+    covariance += v * v.transpose();
+  }
+  // In units of each coefficient's own u, for they differ by orders of magnitude.
+  const VectorXd u = covariance.diagonal().cwiseSqrt().unaryExpr([](double a) { return a > 0 ? a : 1.0; });
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(u.cwiseInverse().asDiagonal() * covariance *
+                                                     u.cwiseInverse().asDiagonal());
+  for (Index i = 0; i < count; ++i) {
+    const VectorXd v = std::sqrt(std::max(0.0, axes.eigenvalues()(i))) * u.cwiseProduct(axes.eigenvectors().col(i));
+    out.push_back({{v.begin(), v.end()}, 0, 0.0, 0.0, {}});
+  }
+  return out;
+}
+
+// Per channel, the steady phasor of its reading over that of the table's motion.
+SteadyRatio steady_ratio(const Rig& rig, const Dwell& dwell, int table) {
+  SteadyRatio out;
+  const double f_hz = dwell.frequency_hz.value;
+  out.omega = kTwoPi * f_hz;
+  const auto t = static_cast<std::size_t>(table);
+  const std::complex<double> Y0 =
+      dwell.phasors[t].Y / std::pow(std::complex<double>{0.0, out.omega}, derivative_order(rig.channels[t].measures));
+  for (std::size_t c = 0; c < rig.channels.size(); ++c)
+    out.ratio.push_back(dwell.phasors[c].Y * response(rig.channels[c], device_delay_s(rig, rig.channels[c]), f_hz) /
+                        Y0);
+  return out;
+}
+
+// Columns: what one standard deviation of each source makes of the error. A source whose test cannot be played (a
+// coefficient's u so large that the chain would not decay) is left out, and said.
+MatrixXd by_source(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& nominal,
+                   const VectorXd& error, const std::vector<CoefficientError>& sources, std::string& why) {
+  MatrixXd out = MatrixXd::Zero(error.size(), static_cast<Index>(sources.size()) + 2);
+  Index column = 0;
+  const auto add = [&](const Residuals& moved, double part) {
+    if (!moved.fault.empty()) why = "the uncertainty of the coefficients is too large to predict with them";
+    if (moved.fault.empty()) out.col(column) = part * (moved.error() - error);
+    ++column;
+  };
+  for (const CoefficientError& source : sources)
+    add(residuals_of(stretch, table, nominal.moved(source, kStep)), 1 / kStep);
+  for (const Knots half : {Knots::even, Knots::odd}) add(residuals_of(stretch, table, nominal, half), kInterpolation);
+  return out;
+}
+
+std::vector<Index> ends_of(const VerificationStretch& stretch) {
+  std::vector<Index> ends;
+  Index end = 0;
+  for (const int c : stretch.compared)
+    ends.push_back(end +=
+                   static_cast<Index>(stretch.readings[static_cast<std::size_t>(c)].t_ns.size() - stretch.unscored(c)));
+  return ends;
+}
+
+double mean_square(const MatrixXd& columns) {
+  return columns.squaredNorm() / static_cast<double>(std::max<Index>(1, columns.size()));
+}
+
+// Figures of channel number i of the stretch, its rows [begin, begin + count).
+ChannelComparison compared(const VerificationStretch& stretch, std::size_t i, Index begin, Index count,
+                           const Residuals& seen, const MatrixXd& sources) {
+  ChannelComparison out;
+  out.channel = stretch.compared[i];
+  compare(seen.predicted.segment(begin, count), seen.measured.segment(begin, count), out);
+  const double sigma = stretch.sigma[static_cast<std::size_t>(out.channel)], samples = static_cast<double>(count);
+  const double of_sources = sources.middleRows(begin, count).squaredNorm() / samples;
+  const double of_prediction = of_sources + mean_square(seen.noise_predicted.middleRows(begin, count));
+  const double of_error = of_sources + mean_square(seen.noise_error.middleRows(begin, count));
+  out.noise = sigma / out.rms;
+  out.U = 2 * std::sqrt(of_prediction + sigma * sigma / samples) / out.rms;
+  out.e_n = out.error * out.rms / (2 * std::sqrt(of_error));
+  const double beyond = seen.beyond_steady.segment(begin, count).squaredNorm() / samples -
+                        mean_square(seen.noise_beyond_steady.middleRows(begin, count));
+  out.beyond_steady = std::sqrt(std::max(0.0, beyond)) / out.rms;
+  return out;
+}
+
+// Noise and sources drawn, a column each.
+MatrixXd drawn(const MatrixXd& noise, const MatrixXd& sources) {
+  std::mt19937_64 rng(kSeed + 1);
+  std::normal_distribution<double> normal;
+  const MatrixXd z = MatrixXd::NullaryExpr(sources.cols(), noise.cols(), [&] { return normal(rng); });
+  return noise + sources * z;
+}
+
+double freedom_of(const VerificationStretch& stretch, const Dwell& dwell) {
+  double freedom = 1e300;
+  for (const int c : stretch.compared) freedom = std::min(freedom, dwell.phasors[static_cast<std::size_t>(c)].samples);
+  return freedom;
+}
+
+// Everything that stays the same while a test of consistency is made again.
+struct ConsistencyTest {
+  const VerificationStretch& stretch;
+  const SteadyTable& table;
+  const Assumption& nominal;
+  const std::vector<CoefficientError>& errors;
+  const MatrixXd& noise;  // of the error, a column a draw
+  double freedom;
+
+  [[nodiscard]] VectorXd weights() const {
+    VectorXd weight(noise.rows());
+    Index begin = 0;
+    for (const Index end : ends_of(stretch)) {
+      weight.segment(begin, end - begin).setConstant(1 / std::sqrt(mean_square(noise.middleRows(begin, end - begin))));
+      begin = end;
+    }
+    return weight;
+  }
+
+  // The sources, weighted, and an offset of each channel by one standard deviation of a reading: the mean of the
+  // settled data is taken off, which tells the mean of the evidence no better where that is longer.
+  [[nodiscard]] MatrixXd weighted(const VectorXd& weight, const MatrixXd& sources) const {
+    MatrixXd out = MatrixXd::Zero(sources.rows(), sources.cols() + static_cast<Index>(stretch.compared.size()));
+    out.leftCols(sources.cols()) = weight.asDiagonal() * sources;
+    Index begin = 0, column = sources.cols();
+    for (const Index end : ends_of(stretch)) {
+      out.col(column++).segment(begin, end - begin).setOnes();
+      begin = end;
+    }
+    return out;
+  }
+
+  [[nodiscard]] Consistency test(VectorXd error, MatrixXd sources) const {
+    const VectorXd weight = weights();
+    const auto count = static_cast<Index>(errors.size());
+    for (int again = 0;; ++again) {
+      const SourceFit fit(weighted(weight, sources));
+      const VectorXd seen_error = weight.cwiseProduct(error);
+      Consistency tests =
+          consistency_of(fit, seen_error, ends_of(stretch), drawn(weight.asDiagonal() * noise, fit.sources()), freedom);
+      if (again == kAgain || tests.p() > kMakeSure) return tests;
+      // The error where the sources explain most of it, continued to where they explain nothing by the slopes there.
+      const VectorXd amplitudes = -fit.amplitudes(seen_error).head(count);
+      Assumption there = nominal;
+      for (Index i = 0; i < count; ++i) there = there.moved(errors[static_cast<std::size_t>(i)], amplitudes(i));
+      const Residuals seen = residuals_of(stretch, table, there);
+      std::string why;
+      if (!seen.fault.empty()) return tests;
+      sources = by_source(stretch, table, there, seen.error(), errors, why);
+      if (!why.empty()) return tests;
+      error = seen.error() - sources.leftCols(count) * amplitudes;
+    }
+  }
+};
+
+void tell_consistency(const Consistency& tests, Verification& out) {
+  out.chi2 = tests.chi2;
+  out.p = tests.p();
+  out.consistent = out.p >= kLeastP;
+  if (*out.consistent) return;
+  out.reasons.push_back("not consistent: " + std::string(tests.p_chi2 < tests.p_white
+                                                             ? "the squares left are " + brief(tests.chi2, 3) +
+                                                                   " times what noise and stated uncertainties leave"
+                                                             : "what is left is not noise, it has a course in time"));
+}
+
+}  // namespace
+
+Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vector<ChannelReadings>& before,
+                              double accuracy) {
+  Verification out;
+  out.accuracy = accuracy;
+  const auto unverified = [&out](const std::string& why) {
+    out.verdict = Verdict::not_verified;
+    out.reasons.insert(out.reasons.begin(), why);
+    return out;
+  };
+  std::string why;
+  const Chain chain = chain_of(rig, dwell, why);
+  if (!why.empty()) return unverified(why);
+  if (!(slowest_decay_rate(chain) > 0))
+    return unverified("the chain identified does not decay: it is no passive chain");
+  VerificationStretch stretch = transient_before(rig, dwell, chain, before);
+  if (!stretch.fault.empty()) return unverified(stretch.fault);
+  const Assumption nominal(rig, chain);
+  stretch.compare_only([model = VirtualTestModel(rig, chain, stretch.table)](int c) { return model.predicts(c); });
+  if (stretch.compared.empty()) return unverified("no channel can be predicted from the table's transducer");
+  const auto t = static_cast<std::size_t>(stretch.table);
+  const SteadyTable table(stretch.readings[t], stretch.sigma[t], stretch.omega, rig.excitation.harmonics);
+  const NoiseDraws draws(stretch, kDraws, kSeed);
+  const SteadyRatio ratio = steady_ratio(rig, dwell, stretch.table);
+  const Residuals seen = residuals_of(stretch, table, nominal, Knots::all, &draws, &ratio);
+  if (!seen.fault.empty()) return unverified(seen.fault);
+  const std::vector<CoefficientError> errors = sources_of(dwell);
+  const MatrixXd sources = by_source(stretch, table, nominal, seen.error(), errors, why);
+
+  std::vector<std::string> names;
+  for (const Channel& channel : rig.channels) names.push_back(channel.name);
+  Index begin = 0;
+  const std::vector<Index> ends = ends_of(stretch);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    out.channels.push_back(compared(stretch, i, begin, ends[i] - begin, seen, sources));
+    begin = ends[i];
+  }
+  out.evidence.push_back("transient from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
+                         brief(to_s(stretch.until_ns), 4) + " s");
+  // Of a prediction that is not determined the statistics say nothing.
+  const bool determined = std::all_of(out.channels.begin(), out.channels.end(),
+                                      [](const ChannelComparison& channel) { return channel.U < 1.0; });
+  const ConsistencyTest consistency{stretch, table, nominal, errors, seen.noise_error, freedom_of(stretch, dwell)};
+  if (determined) tell_consistency(consistency.test(seen.error(), sources), out);
+  for (ChannelComparison& channel : out.channels) judge(channel, accuracy, out.consistent.value_or(false));
+  judge(out, names);
+  if (!why.empty()) return unverified(why);  // U lacks a source
+  if (out.verdict == Verdict::adequate && !dwell.doubts.empty())
+    return unverified("coefficients are doubted: " + dwell.doubts.front().what);
+  return out;
+}
+
+}  // namespace dwell

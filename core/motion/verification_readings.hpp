@@ -1,0 +1,44 @@
+// The readings that count, kept for a verification: what the pipeline's intake lets pass, channel by channel.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "core/motion/verification_stretch.hpp"
+#include "core/stream/sample_history.hpp"
+
+namespace dwell {
+
+// Bound to one thread; allocates now and then. Memory: 16 bytes a reading.
+class VerificationReadings {
+ public:
+  explicit VerificationReadings(std::size_t channels) : of_channel_(channels) {}
+
+  // What has come since the last call, as long as the history still holds it. O(new readings).
+  void take(const SampleHistory& history) {
+    for (next_ = std::max(next_, history.begin()); next_ < history.end(); ++next_) {
+      const SampleHistory::Sample& sample = history[next_];
+      ChannelReadings& channel = of_channel_[static_cast<std::size_t>(sample.channel)];
+      channel.t_ns.push_back(sample.t_ns);
+      channel.value.push_back(sample.value);
+    }
+  }
+  // Those at or after t, one entry per channel.
+  [[nodiscard]] std::vector<ChannelReadings> since(std::int64_t t_ns) const {
+    std::vector<ChannelReadings> out(of_channel_.size());
+    for (std::size_t c = 0; c < out.size(); ++c) {
+      const ChannelReadings& all = of_channel_[c];
+      const auto first = std::lower_bound(all.t_ns.begin(), all.t_ns.end(), t_ns) - all.t_ns.begin();
+      out[c].t_ns.assign(all.t_ns.begin() + first, all.t_ns.end());
+      out[c].value.assign(all.value.begin() + first, all.value.end());
+    }
+    return out;
+  }
+
+ private:
+  std::vector<ChannelReadings> of_channel_;
+  std::uint64_t next_ = 0;  // number in the history
+};
+
+}  // namespace dwell

@@ -1,0 +1,17 @@
+#include "core/result/verification.hpp"
+
+namespace dwell {
+
+const char* to_string(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "adequate";
+    case Verdict::not_adequate:
+      return "not adequate";
+    case Verdict::not_verified:
+      return "not verified yet";
+  }
+  return "";
+}
+
+}  // namespace dwell

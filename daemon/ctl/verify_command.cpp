@@ -1,0 +1,91 @@
+// verify: a recording identified, and its model held against the transients that the coefficients never saw.
+// export --model: the model's files.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/motion/verification.hpp"
+#include "core/motion/verification_readings.hpp"
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/recorded_run.hpp"
+#include "daemon/report/model_files.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/verification_json.hpp"
+#include "daemon/report/verification_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+struct VerifiedDwell {
+  Dwell dwell;
+  Verification verification;
+};
+
+// The dwell asked for, by its index; none: the last that settled. The error: an exit code.
+tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<int> index) {
+  VerificationReadings readings(run.file.rig.channels.size());
+  const std::vector<Dwell> dwells = identify(run.file.rig, run.recording, progress_of(run.recording), &readings);
+  const auto asked = [&](const Dwell& dwell) { return index ? dwell.index == index : std::isfinite(dwell.settled_s); };
+  const auto found = std::find_if(dwells.rbegin(), dwells.rend(), asked);
+  if (found == dwells.rend()) {
+    complain(index ? "the recording has no dwell " + std::to_string(*index) + "; there are " +
+                         std::to_string(dwells.size())
+                   : why_nothing_settled(run.file.rig, run.recording, dwells));
+    return tl::make_unexpected(index ? kUsage : kNo);
+  }
+  // Evidence begins where the dwell before it ends.
+  std::int64_t from_ns = INT64_MIN;
+  for (auto before = std::next(found); before != dwells.rend() && from_ns == INT64_MIN; ++before)
+    if (std::isfinite(before->settled_s)) from_ns = std::llround(before->end_s * 1e9);
+  return VerifiedDwell{*found,
+                       verify_transient(run.file.rig, *found, readings.since(from_ns), run.file.verification.accuracy)};
+}
+
+bool written(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (file) return true;
+  complain(path.string() + " cannot be written");
+  return false;
+}
+
+}  // namespace
+
+int verify_recording(const VerifyOptions& options) {
+  const auto run = load_recorded_run(options.rig, options.data);
+  if (!run) return run.error();
+  const auto seen = verified(*run, options.dwell);
+  if (!seen) return seen.error();
+  const Rig& rig = run->file.rig;
+  const std::string text = options.json ? dump(json_value(seen->verification, rig, seen->dwell), 2) + "\n"
+                                        : verification_text(seen->verification, rig, seen->dwell);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return seen->verification.verdict == Verdict::adequate ? kDone : kNo;
+}
+
+int export_model(const ExportOptions& options) {
+  const auto run = load_recorded_run(options.rig, options.data);
+  if (!run) return run.error();
+  const auto seen = verified(*run, options.dwell);
+  if (!seen) return seen.error();
+  const auto files = model_files(run->file.rig, {run->file.sha256, DWELL_VERSION, ""}, seen->dwell, seen->verification);
+  if (!files) {
+    complain(files.error());
+    return kNo;
+  }
+  std::error_code failed;
+  std::filesystem::create_directories(options.folder, failed);
+  for (const ModelFile& file : *files)
+    if (!written(std::filesystem::path(options.folder) / file.name, file.text)) return kUsage;
+  if (seen->verification.verdict != Verdict::adequate)
+    complain(std::string("the model is ") + to_string(seen->verification.verdict) + "; model.json says why");
+  return kDone;
+}
+
+}  // namespace dwell::ctl

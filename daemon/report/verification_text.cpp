@@ -1,0 +1,84 @@
+#include "daemon/report/verification_text.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/base/wording.hpp"
+#include "daemon/report/dwell_view.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/table.hpp"
+
+namespace dwell {
+namespace {
+
+std::string part(double value) { return std::isfinite(value) ? brief(100 * value, 2) + " %" : kNoNumber; }
+std::string figure(double value, int digits) { return std::isfinite(value) ? brief(value, digits) : kNoNumber; }
+
+std::string paragraph(const std::string& head, const std::string& text) {
+  return pad_right(head, 12) + printable(text) + "\n";
+}
+
+Table channel_table(const Verification& v, const Rig& rig) {
+  const std::vector<ChannelLabel> labels = channel_labels(rig);
+  std::vector<std::string> names, verdicts, rms, errors, U, noise, beyond, e_n, fit, magnitude, phase;
+  for (const ChannelComparison& c : v.channels) {
+    const ChannelLabel& label = labels[static_cast<std::size_t>(c.channel)];
+    names.push_back(label.name);
+    verdicts.emplace_back(to_string(c.verdict));
+    rms.push_back(join(number_text(c.rms, label.unit, 3)));
+    errors.push_back(part(c.error));
+    U.push_back("± " + part(c.U));
+    noise.push_back(part(c.noise));
+    beyond.push_back(part(c.beyond_steady));
+    e_n.push_back(figure(c.e_n, 2));
+    fit.push_back(std::isfinite(c.fit_percent) ? brief(c.fit_percent, 4) + " %" : kNoNumber);
+    magnitude.push_back(part(c.sprague_geers.magnitude));
+    phase.push_back(part(c.sprague_geers.phase));
+  }
+  Table table;
+  table.add("channel", std::move(names));
+  table.add("verdict", std::move(verdicts));
+  table.add("rms", std::move(rms), Align::right);
+  table.add("off by", std::move(errors), Align::right);
+  table.add("U", std::move(U), Align::left, true);
+  table.add("noise", std::move(noise), Align::right);
+  table.add("unsteady", std::move(beyond), Align::right);
+  table.add("E_n", std::move(e_n), Align::right);
+  table.add("fit", std::move(fit), Align::right);
+  table.add("magnitude", std::move(magnitude), Align::right);
+  table.add("phase", std::move(phase), Align::right);
+  return table;
+}
+
+}  // namespace
+
+std::string verification_text(const Verification& v, const Rig& rig, const Dwell& dwell) {
+  std::string text = "rig " + printable(rig.name) + "\n\n";
+  text += paragraph("verdict", std::string(to_string(v.verdict)) + " for predictions within " + percent(v.accuracy) +
+                                   " of each channel's rms" +
+                                   (std::isfinite(v.seen) ? "; seen " + part(v.seen) + " ± " + part(v.U) : ""));
+  if (v.consistent)
+    text += paragraph("consistent", *v.consistent ? "yes: noise and stated uncertainties explain what is left"
+                                                  : "no: something is left that they do not explain");
+  if (std::isfinite(v.chi2))
+    text += paragraph("statistics", "squares left over those of noise and stated uncertainties: " + brief(v.chi2, 3) +
+                                        "; as much by chance: p = " + brief(v.p, 2));
+  for (const std::string& evidence : v.evidence)
+    text += paragraph("evidence", (dwell.index ? "dwell " + std::to_string(*dwell.index) + ", " : "") + evidence);
+  for (const std::string& reason : v.reasons) text += paragraph("reason", reason);
+  for (const MissingTerm& term : v.missing)
+    text += paragraph("missing", term.what +
+                                     (std::isfinite(term.value)
+                                          ? ": " + plus_minus(term.value, kNormal95 * term.u, unit_text(term.unit))
+                                          : std::string()) +
+                                     ", gain " + brief(term.gain, 3));
+  for (const std::string& what : v.cannot_be_checked) text += paragraph("unchecked", what + ": cannot be checked here");
+  if (v.channels.empty()) return text;
+  text += "\n" + channel_table(v, rig).text();
+  text +=
+      "off by: rms of predicted minus measured; it, U, noise and what the steady phasors do not give (unsteady)\n"
+      "are parts of the channel's rms. U is the expanded uncertainty (k = 2). magnitude, phase: Sprague and Geers.\n";
+  return text;
+}
+
+}  // namespace dwell

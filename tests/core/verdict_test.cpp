@@ -1,0 +1,78 @@
+#include "core/motion/verdict.hpp"
+
+#include <gtest/gtest.h>
+
+namespace dwell {
+namespace {
+
+ChannelComparison judged(double error, double U, double noise = 0.0, double beyond_steady = 1.0,
+                         bool consistent = true) {
+  ChannelComparison channel;
+  channel.channel = 0;
+  channel.error = error;
+  channel.U = U;
+  channel.noise = noise;
+  channel.beyond_steady = beyond_steady;
+  judge(channel, 0.05, consistent);
+  return channel;
+}
+
+TEST(Verdict, IsAdequateWhereErrorAndUncertaintyTogetherAreWithin) {
+  EXPECT_EQ(judged(0.03, 0.019).verdict, Verdict::adequate);
+  EXPECT_TRUE(judged(0.03, 0.019).reason.empty());
+}
+
+TEST(Verdict, IsNotAdequateWhereTheErrorIsBeyondItsUncertainty) {
+  EXPECT_EQ(judged(0.08, 0.02).verdict, Verdict::not_adequate);
+  EXPECT_EQ(judged(0.06, 0.02).verdict, Verdict::not_verified);
+}
+
+TEST(Verdict, WaitsForBetterEvidenceWhereUncertaintyIsWide) {
+  const ChannelComparison wide = judged(0.01, 0.06);
+  EXPECT_EQ(wide.verdict, Verdict::not_verified);
+  EXPECT_NE(wide.reason.find("too wide"), std::string::npos) << wide.reason;
+}
+
+TEST(Verdict, HoldsNoNoiseAgainstTheModelAndCallsNothingAdequateForIt) {
+  const ChannelComparison noisy = judged(0.1, 0.01, 0.099);
+  EXPECT_EQ(noisy.verdict, Verdict::not_verified);
+  EXPECT_NE(noisy.reason.find("its noise alone"), std::string::npos) << noisy.reason;
+  EXPECT_EQ(judged(0.1, 0.01, 0.05).verdict, Verdict::not_adequate);
+}
+
+// Any chain with these phasors would predict a steady motion as well.
+TEST(Verdict, CallsAPredictionOfTheSteadyMotionNoTest) {
+  EXPECT_EQ(judged(0.001, 0.001, 0.0, 0.007).verdict, Verdict::not_verified);
+  EXPECT_EQ(judged(0.001, 0.001, 0.0, 0.01).verdict, Verdict::adequate);
+}
+
+TEST(Verdict, CountsAnErrorTwiceWhoseCauseIsNotKnown) {
+  EXPECT_EQ(judged(0.03, 0.01, 0.0, 1.0, false).verdict, Verdict::not_verified);
+  EXPECT_EQ(judged(0.01, 0.01, 0.0, 1.0, false).verdict, Verdict::adequate);
+  EXPECT_EQ(judged(0.09, 0.01, 0.0, 1.0, false).verdict, Verdict::not_adequate);
+}
+
+TEST(Verdict, SaysNothingOfAChannelInWhichNothingMoves) {
+  EXPECT_EQ(judged(kNaN, kNaN).verdict, Verdict::not_verified);
+}
+
+TEST(Verdict, OfTheWholeIsThatOfItsWorstChannel) {
+  Verification whole;
+  whole.channels = {judged(0.01, 0.01), judged(0.03, 0.01)};
+  whole.channels[1].channel = 1;
+  judge(whole, {"y1", "y2"});
+  EXPECT_EQ(whole.verdict, Verdict::adequate);
+  EXPECT_EQ(whole.seen, 0.03);
+  EXPECT_TRUE(whole.reasons.empty());
+  whole.channels.push_back(judged(0.01, 0.09));
+  judge(whole, {"y1", "y2"});
+  EXPECT_EQ(whole.verdict, Verdict::not_verified);
+  EXPECT_EQ(whole.U, 0.09);
+  whole.channels.push_back(judged(0.09, 0.01));
+  judge(whole, {"y1", "y2"});
+  EXPECT_EQ(whole.verdict, Verdict::not_adequate);
+  EXPECT_EQ(whole.seen, 0.09);
+}
+
+}  // namespace
+}  // namespace dwell
