@@ -1,0 +1,64 @@
+// The likelihood of a stretch of readings under the exact chain, its table an unknown process, with the score and the
+// Fisher information of all unknowns: one pass of a Kalman filter and of its derivatives.
+//
+//   V = ½ Σ (ln S_i + e_i² / S_i)
+//   ∂_a V = Σ [ e ∂_a e / S + ½ ∂_a S (1 - e²/S) / S ],   I_ab = Σ [ ∂_a e ∂_b e / S + ½ ∂_a S ∂_b S / S² ]
+//
+// Unknowns: θ (core/motion/unknowns.hpp), the state at the first instant, and a bias of each channel. The innovations
+// are linear in the last two: Gauss-Newton finds them in one step, and directions that no reading tells of (the common
+// gauge of the biases) are null directions of I. Source: docs/method.md, Any motion; Harvey 1989, sections 3.4 and 4.3.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/motion/motion_model.hpp"
+
+namespace dwell {
+
+struct MotionReading {
+  std::int64_t t_ns = 0;  // of the motion: the stamp less the channel's stated delay
+  int channel = 0;
+  double value = 0.0;  // SI
+};
+
+struct MotionData {
+  std::vector<MotionReading> readings;        // by time; none of an auxiliary channel
+  std::vector<std::int64_t> stretch_from_ns;  // where a stretch of another intensity begins; the first: anything
+};
+
+struct MotionUnknowns {
+  Eigen::VectorXd theta;    // p
+  Eigen::VectorXd initial;  // m, the state at the first reading
+  Eigen::VectorXd bias;     // J
+};
+
+struct PassOptions {
+  bool derivatives = true;        // by θ, the initial state and the biases
+  bool keep_innovations = false;  // in Pass::normalized, with the deformations
+  double gate = 0.0;              // readings with |e| > gate·√S are left out; 0: none
+  double block_s = 0.0;           // > 0: Pass::meat from scores summed over blocks of that length
+};
+
+struct Pass {
+  double V = 0.0;
+  Eigen::VectorXd score;        // of (θ, initial, bias)
+  Eigen::MatrixXd information;  // likewise
+  Eigen::MatrixXd meat;         // Σ over blocks of score · score'
+  int blocks = 0;
+  std::vector<double> chi2;                     // per channel: mean of e²/S
+  std::vector<double> count;                    // per channel: readings that count
+  std::size_t left_out = 0;                     // by the gate
+  std::vector<std::vector<double>> normalized;  // per channel: e/√S in order of time
+  Eigen::VectorXd deformation;                  // per element: √2 times the standard deviation, m
+  Eigen::VectorXd deformation_u;
+};
+
+// unknowns: sizes as the model's. V is not finite where the unknowns make no filter. O(readings · (p m² + …)).
+// Allocates; thread-safe.
+[[nodiscard]] Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnknowns& unknowns,
+                            const PassOptions& options);
+
+}  // namespace dwell
