@@ -153,15 +153,16 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
   Pass out;
   out.chi2.assign(channels, 0.0);
   out.count.assign(channels, 0.0);
-  if (options.keep_innovations) out.normalized.resize(channels);
+  if (options.keep_innovations) out.innovations.resize(channels);
   std::int64_t now_ns = data.readings.empty() ? 0 : data.readings.front().t_ns;
   const auto block_ns = static_cast<std::int64_t>(options.block_s * 1e9);
   std::int64_t block_end_ns = now_ns + block_ns;
   std::size_t stretch = 0;
   for (const MotionReading& reading : data.readings) {
-    while (stretch + 1 < data.stretch_from_ns.size() && reading.t_ns >= data.stretch_from_ns[stretch + 1]) ++stretch;
+    while (stretch + 1 < data.stretches.size() && reading.t_ns >= data.stretches[stretch + 1].from_ns) ++stretch;
+    const int intensity = data.stretches.empty() ? 0 : data.stretches[stretch].intensity;
     const GainSchedule::Due due =
-        schedule.next(std::max<std::int64_t>(0, reading.t_ns - now_ns), reading.channel, static_cast<int>(stretch));
+        schedule.next(std::max<std::int64_t>(0, reading.t_ns - now_ns), reading.channel, intensity);
     now_ns += due.dt_ns;
     if (due.step != nullptr) {
       means.propagate(*due.step, steps.derivative_of());
@@ -181,7 +182,7 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
     out.V += 0.5 * (std::log(S) + part);
     out.chi2[c] += part;
     out.count[c] += 1.0;
-    if (options.keep_innovations) out.normalized[c].push_back(e / std::sqrt(S));
+    if (options.keep_innovations) out.innovations[c].push_back({reading.t_ns, e / std::sqrt(S)});
     if (options.derivatives) {
       if (block_ns > 0 && reading.t_ns >= block_end_ns) {
         sums.end_block();

@@ -24,9 +24,20 @@ struct MotionReading {
   double value = 0.0;  // SI
 };
 
+// From here on the table's motion has the intensity of that index (Unknown::intensity).
+struct MotionStretch {
+  std::int64_t from_ns = 0;
+  int intensity = 0;
+};
+
 struct MotionData {
-  std::vector<MotionReading> readings;        // by time; none of an auxiliary channel
-  std::vector<std::int64_t> stretch_from_ns;  // where a stretch of another intensity begins; the first: anything
+  std::vector<MotionReading> readings;   // by time; none of an auxiliary channel
+  std::vector<MotionStretch> stretches;  // by time; the first from the beginning on. Empty: intensity 0 throughout
+};
+
+struct MotionInnovation {
+  std::int64_t t_ns = 0;
+  double normalized = 0.0;  // e/√S
 };
 
 struct MotionUnknowns {
@@ -37,7 +48,7 @@ struct MotionUnknowns {
 
 struct PassOptions {
   bool derivatives = true;        // by θ, the initial state and the biases
-  bool keep_innovations = false;  // in Pass::normalized, with the deformations
+  bool keep_innovations = false;  // Pass::innovations, with the deformations
   double gate = 0.0;              // readings with |e| > gate·√S are left out; 0: none
   double block_s = 0.0;           // > 0: Pass::meat from scores summed over blocks of that length
 };
@@ -48,11 +59,11 @@ struct Pass {
   Eigen::MatrixXd information;  // likewise
   Eigen::MatrixXd meat;         // Σ over blocks of score · score'
   int blocks = 0;
-  std::vector<double> chi2;                     // per channel: mean of e²/S
-  std::vector<double> count;                    // per channel: readings that count
-  std::size_t left_out = 0;                     // by the gate
-  std::vector<std::vector<double>> normalized;  // per channel: e/√S in order of time
-  Eigen::VectorXd deformation;                  // per element: √2 times the standard deviation, m
+  std::vector<double> chi2;                                // per channel: mean of e²/S
+  std::vector<double> count;                               // per channel: readings that count
+  std::size_t left_out = 0;                                // by the gate
+  std::vector<std::vector<MotionInnovation>> innovations;  // per channel, by time
+  Eigen::VectorXd deformation;                             // per element: √2 times the standard deviation, m
   Eigen::VectorXd deformation_u;
 };
 

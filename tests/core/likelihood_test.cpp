@@ -42,8 +42,8 @@ Setting irregular(int readings, int stretches = 1) {
     const double size = c == 2 ? 3.0 : c == 3 ? 40.0 : c == 4 ? 0.1 : 0.005;
     s.data.readings.push_back({t, c, size * (std::sin(1e-9 * 25.0 * static_cast<double>(t) + c) + 0.2 * normal(rng))});
   }
-  s.data.stretch_from_ns = {0, t / 2};
-  s.data.stretch_from_ns.resize(static_cast<std::size_t>(stretches));
+  s.data.stretches = {{0, 0}, {t / 2, 1}, {2 * t / 3, 0}};
+  s.data.stretches.resize(stretches == 1 ? 1 : 3);
   s.at.theta = theta_of(s.model.parameters(), clamped_chain(), sigma, std::log(1e-4));
   for (Index a = 0; a < s.at.theta.size(); ++a)
     if (const double u = s.model.parameters()[static_cast<std::size_t>(a)].prior_u; u > 0) s.at.theta(a) = 0.3 * u;
