@@ -59,7 +59,8 @@ class Report {
     out.end_s = to_s(course_.data.readings.back().t_ns);
     out.passes = course_.passes;
     out.reason = course_.reason;
-    if (!out.reason.empty()) return out;
+    const auto known = static_cast<std::size_t>(course_.fit.at.theta.size());
+    if (!std::isfinite(course_.fit.V) || known == 0 || known != course_.parameters.size()) return out;
     pass_ = evaluate(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at,
                      {.derivatives = false, .keep_innovations = true});
     add_channels(out);
@@ -74,6 +75,7 @@ class Report {
   [[nodiscard]] double theta(Index a) const { return course_.fit.at.theta(a); }
 
   void add_channels(MotionEstimate& out) {
+    bool far_from_linear = false;
     for (std::size_t a = 0; a < course_.parameters.size(); ++a) {
       const Parameter& p = course_.parameters[a];
       if (p.what != Unknown::noise) continue;
@@ -86,10 +88,12 @@ class Report {
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
-      if (channel.unexplained > kRefused && out.reason.empty())
+      if (channel.unexplained > kRefused && !far_from_linear) {
+        far_from_linear = true;  // says more than that the estimate did not converge
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +
                      percent(course_.noise[c] / course_.size[c]) + ")";
+      }
       out.channels.push_back(channel);
     }
   }
@@ -221,7 +225,9 @@ MotionEstimate estimate_motion(const Rig& rig, MotionData data, const MotionOpti
   MotionEstimate none;
   none.reason = "there are no readings";
   if (data.readings.empty()) return none;
-  const MotionCourse course = run_course(rig, std::move(data), options.most_readings);
+  const auto states = static_cast<std::size_t>(MotionModel(rig, {}).states());
+  const std::size_t most = options.most_work / states;
+  const MotionCourse course = run_course(rig, std::move(data), most);
   none.reason = course.reason;
   return course.data.readings.empty() ? none : Report(rig, course).make();
 }

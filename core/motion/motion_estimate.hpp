@@ -12,8 +12,9 @@
 namespace dwell {
 
 struct MotionOptions {
-  // Most readings taken, from the start of the motion on: bounds the time of an estimate, 20 s for three masses.
-  std::size_t most_readings = 60'000;
+  // Most readings taken, from the start of the motion on, times the states of the model: bounds the time of an
+  // estimate. 70 000 readings of a table and two masses; some 2 s where scans repeat, 20 s where they come irregularly.
+  std::size_t most_work = 500'000;
 };
 
 // data.readings: by time, t_ns less each channel's stated delay; data.stretches: none. Where the readings do not carry

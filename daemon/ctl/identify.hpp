@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result/dwell.hpp"
+#include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
@@ -27,5 +28,8 @@ using Progress = std::function<void(double)>;
 // (the rig's scale, offset and unit apply); times are on the recording's own t axis. Columns that the rig does not know
 // are ignored. The rig must be valid. The pipeline's cost per sample; bound to one thread.
 [[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress = {});
+
+// The coefficients of any motion from a recording, on its own t axis. Takes seconds.
+[[nodiscard]] MotionEstimate identify_motion(const Rig& rig, const CsvRecording& recording);
 
 }  // namespace dwell::ctl
