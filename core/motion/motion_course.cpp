@@ -77,10 +77,10 @@ class Course {
   }
 
   void add_stretch(std::int64_t from_ns, double amplitude) {
-    // A sine's acceleration s''/ω₀² is of that amplitude and turns within 1/ω: a random walk with A² ω/2 per second.
+    // A random walk with A² ω/2 per second would make a sine's acceleration; a drive that wanders, a thousandth of it.
     const double omega0 = kTwoPi * rig_.excitation.frequency_hz;
     out_.data.stretches.push_back({from_ns, intensities_++});
-    ln_q_.push_back(std::log(std::max(0.5 * amplitude * amplitude * omega0, 1e-30)));
+    ln_q_.push_back(std::log(std::max(5e-4 * amplitude * amplitude * omega0, 1e-30)));
   }
 
   void measure_sizes() {
@@ -141,13 +141,12 @@ class Course {
     limits.gate = whole && gated_ ? kGate : 0.0;
     limits.lowest = VectorXd::Constant(at_.theta.size(), -1e300);
     const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
-    const double omega0 = kTwoPi * rig_.excitation.frequency_hz;
     double least = 1e-300;
     if (activity_.seen) {
       const auto c = static_cast<std::size_t>(activity_.channel);
       const double noise = std::max(out_.noise[c], 1e-6 * out_.size[c]);
-      // The table drifts by a hundredth of a reading's noise over the whole of it: as good as none.
-      least = 1e-4 * noise * noise * 20 / (std::pow(omega0, 4) * std::pow(span, 5));
+      // Over the whole of it the table wanders by a hundredth of a reading's noise: as good as not at all.
+      least = 1e-4 * noise * noise / span;
     }
     for (std::size_t a = 0; a < out_.parameters.size(); ++a) {
       const Parameter& p = out_.parameters[a];

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 // Of an information matrix scaled to a unit diagonal: eigenvalues below are rounding.
 constexpr double kNull = 1e-13;
 // A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
-constexpr double kLogStep = 2.0, kCoefficientStep = 0.7;
+constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;
 constexpr double kLeastDamping = 1e-9, kMostDamping = 1e6;  // of Levenberg
 constexpr double kSlower = 0.5;      // damping after a step that went too far: a step of half the length
 constexpr double kGoodEnough = 0.1;  // FitLimits::gain with which passes may run out: 0.3 standard deviations

@@ -104,6 +104,7 @@ MotionModel::Parts MotionModel::parts(const Coefficients& of, Of what) const {
   Parts out{MatrixXd::Zero(states_, states_), MatrixXd::Zero(static_cast<Eigen::Index>(rig_.channels.size()), states_)};
   const bool all = what == Of::all;
   for (int i = 0; i + 1 < table_ && all; ++i) out.A(i, i + 1) = omega0_;
+  if (all) out.A(table_ - 1, table_ - 2) = -omega0_ * (1 + of.drive) * (1 + of.drive);
   RowVectorXd before = RowVectorXd::Zero(states_);  // acceleration of the table, then of the mass before
   if (all) before = acceleration_row(of, 0);
   for (int k = 1; k <= n_; ++k) {
@@ -172,6 +173,11 @@ MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficien
   if (by.what == Unknown::lowpass || by.what == Unknown::highpass)
     return corner_derivative(here, by.index, by.what == Unknown::highpass);
   if (by.what == Unknown::clock) return {here.A, MatrixXd()};
+  if (by.what == Unknown::drive) {
+    Parts out{MatrixXd::Zero(states_, states_), MatrixXd()};
+    out.A(table_ - 1, table_ - 2) = -2 * omega0_ * (1 + at.drive);
+    return out;
+  }
   return {};
 }
 
@@ -185,6 +191,7 @@ LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
     const double value = theta(static_cast<Eigen::Index>(a));
     if (p.what == Unknown::stiffness) now.stiffness(p.index) = value;
     if (p.what == Unknown::damping) now.damping(p.index) = value;
+    if (p.what == Unknown::drive) now.drive = value;
     if (p.what == Unknown::mass) now.inverse_mass(p.index) += value;
     const auto i = static_cast<std::size_t>(p.index);
     if (p.what == Unknown::lowpass) rig.channels[i].lowpass.hz += value;

@@ -3,10 +3,12 @@
 //   x' = A x + √q g w,   reading_j(t) = C_j x(t - τ_j) + bias_j + noise_j
 //
 // State, with ω₀ the nominal drive: (s, s'/ω₀, s''/ω₀² …; d_1 … d_n; d_1'/ω₀ …; states of the filters), all in the unit
-// of a displacement. s is the table's displacement: its highest derivative is a Wiener process of intensity q, in m²/s
-// (the third derivative of s is white; the fourth, where an accelerometer on the table has to be differentiated by a
-// delay). d_k = y_k - y_{k-1}: a free chain feels the table's acceleration alone, and a transducer across an element
-// keeps every digit. With d_{n+1} = -y_n for clamped, and f_k = c_k d_k + r_k d_k':
+// of a displacement. The table is what a constant and a sine of the drive's frequency ω become under white noise of
+// intensity q, in m²/s: s''' = -ω² s' + √q ω₀² w (one derivative more where an accelerometer on the table has to be
+// differentiated by a delay). A steady drive leaves q near 0, so that the sine itself carries the estimate; towards
+// high frequencies it is the Wiener process of the acceleration, which follows ramps, knocks and random motion. d_k =
+// y_k - y_{k-1}: a free chain feels the table's acceleration alone, and a transducer across an element keeps every
+// digit. With d_{n+1} = -y_n for clamped, and f_k = c_k d_k + r_k d_k':
 //
 //   m_k y_k'' = f_{k+1} - f_k,   d_k'' = y_k'' - y_{k-1}'',   force on the ground = -f_{n+1}
 //
@@ -51,6 +53,7 @@ class MotionModel {
  private:
   struct Coefficients {
     Eigen::VectorXd stiffness, damping, inverse_mass;
+    double drive = 0.0;
   };
   enum class Of { all, change_of_elements, change_of_masses };
   struct Parts {

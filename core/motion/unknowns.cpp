@@ -1,6 +1,12 @@
 #include "core/motion/unknowns.hpp"
 
 namespace dwell {
+namespace {
+
+// Where a rig file lets the drive be searched: ±2 % of nominal, by default. Of random motion no reading tells it.
+constexpr double kDriveU = 0.02;
+
+}  // namespace
 
 std::vector<Parameter> free_parameters(const Rig& rig, int stretches) {
   std::vector<Parameter> out;
@@ -11,6 +17,7 @@ std::vector<Parameter> free_parameters(const Rig& rig, int stretches) {
   for (int i = 0; i < stretches; ++i) out.push_back({Unknown::intensity, i});
   for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c)
     if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary) out.push_back({Unknown::noise, c});
+  out.push_back({Unknown::drive, 0, kDriveU});
   return out;
 }
 
@@ -46,6 +53,8 @@ std::string name_of(const Rig& rig, const Parameter& parameter) {
       return "damping " + number();
     case Unknown::intensity:
       return "motion of the table";
+    case Unknown::drive:
+      return "frequency of the drive";
     case Unknown::noise:
       return "noise of " + rig.channels[i].name;
     case Unknown::mass:

@@ -15,6 +15,7 @@ enum class Unknown : std::uint8_t {
   damping,       // r of element `index` + 1, N·s/m
   intensity,     // ln q of the table's motion in stretch `index`; q in m²/s, see MotionModel
   noise,         // ln σ of channel `index`, σ in SI
+  drive,         // relative departure of the table's own frequency from the nominal drive
   mass,          // departures from what is stated: of mass `index` + 1, kg
   scale,         // relative, of channel `index`: it shows that part more
   delay,         // s, of channel `index`
@@ -30,7 +31,7 @@ struct Parameter {
   double prior_u = 0.0;  // standard deviation of the prior, mean 0; 0: none
 };
 
-// Coefficients, intensities of `stretches` stretches, noise of all channels that count; no priors.
+// Coefficients, intensities of `stretches` stretches, noise of all channels that count, without priors; then the drive.
 [[nodiscard]] std::vector<Parameter> free_parameters(const Rig& rig, int stretches);
 // What the rig file states with a standard uncertainty above 0.
 [[nodiscard]] std::vector<Parameter> stated_parameters(const Rig& rig);
