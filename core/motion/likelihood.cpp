@@ -173,11 +173,6 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
       out.V = std::numeric_limits<double>::quiet_NaN();
       return out;
     }
-    // A reading that is left out still takes part in the covariances: of some thousand, a few.
-    if (options.gate > 0 && part > options.gate * options.gate) {
-      ++out.left_out;
-      continue;
-    }
     const auto c = static_cast<std::size_t>(reading.channel);
     out.V += 0.5 * (std::log(S) + part);
     out.chi2[c] += part;

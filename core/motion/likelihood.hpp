@@ -49,7 +49,6 @@ struct MotionUnknowns {
 struct PassOptions {
   bool derivatives = true;        // by θ, the initial state and the biases
   bool keep_innovations = false;  // Pass::innovations, with the deformations
-  double gate = 0.0;              // readings with |e| > gate·√S are left out; 0: none
   double block_s = 0.0;           // > 0: Pass::meat from scores summed over blocks of that length
 };
 
@@ -61,7 +60,6 @@ struct Pass {
   int blocks = 0;
   std::vector<double> chi2;                                // per channel: mean of e²/S
   std::vector<double> count;                               // per channel: readings that count
-  std::size_t left_out = 0;                                // by the gate
   std::vector<std::vector<MotionInnovation>> innovations;  // per channel, by time
   Eigen::VectorXd deformation;                             // per element: √2 times the standard deviation, m
   Eigen::VectorXd deformation_u;

@@ -21,7 +21,8 @@ constexpr double kFirstPeriods = 3.0;    // … and periods of the nominal drive
 constexpr std::size_t kGrowth = 4;       // from fit to fit: the passes over shorter stretches cost a third in all
 constexpr double kEvent = 7.0;           // √S: an innovation of the table beyond is an event, one in 10¹² otherwise
 constexpr std::size_t kMostEvents = 40;  // more of them are no events
-constexpr double kGate = 9.0;            // √S: a reading beyond, once all else fits, is none of the model's
+constexpr double kFar = 9.0;             // √S: a reading beyond, once all else fits, is none of the model's …
+constexpr double kMostFar = 0.003;       // … where no more than this part of them is
 constexpr int kPasses = 40;
 constexpr double kRough = 0.1;  // FitLimits::gain of fits that only start the next
 
@@ -39,7 +40,7 @@ class Course {
     while (!last) {
       last = count >= out_.data.readings.size();
       if (!fit(std::min(count, out_.data.readings.size()), last)) return std::move(out_);
-      if (last && mark_events()) last = false;
+      if (last && (mark_events() || leave_out_far())) last = false;
       count *= kGrowth;
     }
     add_stated();
@@ -134,11 +135,10 @@ class Course {
     at_.bias = Eigen::Map<const VectorXd>(mean_.data(), static_cast<Index>(mean_.size()));
   }
 
-  [[nodiscard]] FitLimits limits(bool whole) const {
+  [[nodiscard]] FitLimits limits() const {
     FitLimits limits;
     limits.passes = kPasses;
     limits.gain = kRough;
-    limits.gate = whole && gated_ ? kGate : 0.0;
     limits.lowest = VectorXd::Constant(at_.theta.size(), -1e300);
     const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
     double least = 1e-300;
@@ -162,7 +162,7 @@ class Course {
     const MotionModel model(rig_, out_.parameters);
     MotionData part{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(count)},
                     out_.data.stretches};
-    out_.fit = fit_motion(model, part, at_, limits(whole));
+    out_.fit = fit_motion(model, part, at_, limits());
     out_.passes += out_.fit.passes;
     if (!std::isfinite(out_.fit.V)) return refuse("the likelihood is not finite");
     if (!out_.fit.converged && whole)
@@ -177,7 +177,6 @@ class Course {
     marked_ = true;
     const Pass pass =
         evaluate(MotionModel(rig_, out_.parameters), out_.data, at_, {.derivatives = false, .keep_innovations = true});
-    gated_ = true;
     const auto& seen = pass.innovations[static_cast<std::size_t>(activity_.channel)];
     std::vector<MotionStretch> stretches;
     std::size_t events = 0, next = 0;
@@ -194,17 +193,29 @@ class Course {
         now = out_.data.stretches[next].intensity;
       stretches.push_back({seen[i].t_ns + 1, now});
     }
-    if (events == 0 || events > kMostEvents) return any_left_out(pass);
+    if (events == 0 || events > kMostEvents) return false;
     for (; next < out_.data.stretches.size(); ++next) stretches.push_back(out_.data.stretches[next]);
     out_.data.stretches = std::move(stretches);
     add_intensity();
     return true;
   }
-  static bool any_left_out(const Pass& pass) {
-    for (const auto& channel : pass.innovations)
-      for (const MotionInnovation& one : channel)
-        if (std::abs(one.normalized) > kGate) return true;
-    return false;
+  // Takes out, once, what is far from all the rest. False: there is nothing.
+  bool leave_out_far() {
+    if (left_out_) return false;
+    left_out_ = true;
+    const Pass pass =
+        evaluate(MotionModel(rig_, out_.parameters), out_.data, at_, {.derivatives = false, .keep_innovations = true});
+    std::vector<MotionReading> kept;
+    std::vector<std::size_t> next(pass.innovations.size(), 0);
+    for (const MotionReading& reading : out_.data.readings) {
+      const auto c = static_cast<std::size_t>(reading.channel);
+      if (std::abs(pass.innovations[c][next[c]++].normalized) < kFar) kept.push_back(reading);
+    }
+    const std::size_t far = out_.data.readings.size() - kept.size();
+    if (far == 0 || static_cast<double>(far) > kMostFar * static_cast<double>(kept.size())) return false;
+    out_.spikes += far;
+    out_.data.readings = std::move(kept);
+    return true;
   }
 
   // One more, of events: where the largest of the others stands, and a hundred times that.
@@ -229,7 +240,7 @@ class Course {
     fit_last();
   }
   void fit_last() {
-    FitLimits last = limits(true);
+    FitLimits last = limits();
     last.gain = FitLimits{}.gain;
     const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
     last.block_s = std::max(2.0 / rig_.excitation.frequency_hz, span / 64);
@@ -249,7 +260,7 @@ class Course {
   TableActivity activity_;
   std::vector<double> ln_q_, mean_;
   MotionUnknowns at_;
-  bool marked_ = false, gated_ = false;
+  bool marked_ = false, left_out_ = false;
   MotionCourse out_;
 };
 

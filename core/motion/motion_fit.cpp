@@ -13,7 +13,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Of an information matrix scaled to a unit diagonal: eigenvalues below are rounding.
-constexpr double kNull = 1e-13;
+constexpr double kNull = 1e-11;
+// Of directions of which the readings tell less than that, the score is mostly rounding: they do not hold up the end.
+constexpr double kHardlyTold = 1e-8;
 // A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
 constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;
 constexpr double kLeastDamping = 1e-9, kMostDamping = 1e6;  // of Levenberg
@@ -64,7 +66,7 @@ class Search {
       hold_at_bounds(best);
       const VectorXd g = score(best);
       Inverse inverse(information(best), used_);
-      best.left = g.dot(inverse.times(g, 0.0));
+      best.left = g.dot(inverse.times(g, kHardlyTold));
       if (best.left < limits_.gain) break;
       const VectorXd step = -inverse.times(g, damping);
       MotionFit next = evaluated(moved(best.at, step));
@@ -85,7 +87,7 @@ class Search {
   [[nodiscard]] MotionFit evaluated(MotionUnknowns at) const {
     MotionFit fit;
     fit.at = std::move(at);
-    fit.pass = evaluate(model_, data_, fit.at, {.gate = limits_.gate, .block_s = limits_.block_s});
+    fit.pass = evaluate(model_, data_, fit.at, {.block_s = limits_.block_s});
     fit.V = fit.pass.V;
     for (Index a = 0; a < fit.at.theta.size(); ++a)
       if (const double u = prior_u(a); u > 0) fit.V += 0.5 * fit.at.theta(a) * fit.at.theta(a) / (u * u);

@@ -22,8 +22,7 @@ struct FitLimits {
   // Twice what V may still gain where it is said to be least: the square of what the unknowns are still off by, in
   // standard deviations. 1e-3: 0.03 of them.
   double gain = 1e-3;
-  double gate = 0.0;     // as PassOptions
-  double block_s = 0.0;  // likewise
+  double block_s = 0.0;  // as PassOptions
 };
 
 struct MotionFit {
