@@ -11,11 +11,12 @@
 namespace dwell {
 
 struct MotionChannel {
-  int channel = 0;           // index into Rig::channels
-  double u_noise = kNaN;     // standard deviation of a reading's noise, SI, as estimated
-  double chi2 = kNaN;        // mean of e²/S of the innovations: 1 where the noise is what it seems
-  double whiteness_p = kNaN; // Ljung-Box over 10 lags: small where the innovations are not white
-  double unexplained = kNaN; // part of the channel's own rms that is neither the model's nor noise from reading to reading
+  int channel = 0;            // index into Rig::channels
+  double u_noise = kNaN;      // standard deviation of a reading's noise, SI, as estimated
+  double chi2 = kNaN;         // mean of e²/S of the innovations: 1 where the noise is what it seems
+  double whiteness_p = kNaN;  // Ljung-Box over 10 lags: small where the innovations are not white
+  double unexplained =
+      kNaN;  // part of the channel's own rms that is neither the model's nor noise from reading to reading
 };
 
 struct MotionEstimate {
