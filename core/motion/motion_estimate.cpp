@@ -25,6 +25,8 @@ constexpr int kLags = 10;
 // are not those of a linear chain, and a coefficient would be an average over what nobody asked for. Twice the accuracy
 // that a model needs by default.
 constexpr double kRefused = 0.1;
+// … and what is left over is more than that times the noise from reading to reading, which is itself known to 10 %.
+constexpr double kMoreThanNoise = 1.5;
 constexpr double kNotWhite = 1e-3;
 
 // Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
@@ -88,7 +90,7 @@ class Report {
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
-      if (channel.unexplained > kRefused && !far_from_linear) {
+      if (channel.unexplained > kRefused && channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
         far_from_linear = true;  // says more than that the estimate did not converge
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +
