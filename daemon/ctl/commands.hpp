@@ -33,6 +33,7 @@ struct WatchOptions {
 struct IdentifyOptions {
   std::string rig;
   std::string data;
+  std::string method = "both";  // "harmonic", "motion" or "both"
   bool json = false;
 };
 

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/dwell/pipeline.hpp"
+#include "core/motion/motion_estimate.hpp"
+#include "core/motion/motion_recorder.hpp"
 #include "core/stream/assembler.hpp"
 
 namespace dwell::ctl {
@@ -67,6 +69,30 @@ class Stream {
   std::optional<Assembler> assembler_;  // none: every stamp stands
 };
 
+// The recording's samples as records, in the order in which the pipeline takes them.
+template <class Take>
+void play(const Rig& rig, const CsvRecording& recording, const Progress& progress, const Take& take) {
+  constexpr std::size_t progress_every = 1U << 18U;
+  const ColumnMatch match = match_columns(rig, recording);
+  Stream stream(rig);
+  std::size_t until_progress = progress_every;
+  for (const CsvRecording::Sample& sample : recording.samples) {
+    if (progress && --until_progress == 0) {
+      until_progress = progress_every;
+      progress(static_cast<double>(&sample - recording.samples.data()) / static_cast<double>(recording.samples.size()));
+    }
+    const int channel = match.channel_of_column[sample.column];
+    if (channel < 0) continue;
+    Record record;
+    record.t_ns = std::llround(sample.t_s * 1e9);
+    record.value = sample.value;
+    record.channel = static_cast<std::uint16_t>(channel);
+    stream.push(record, take);
+  }
+  stream.finish(take);
+  if (progress) progress(1.0);
+}
+
 }  // namespace
 
 ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording) {
@@ -94,35 +120,22 @@ ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording) {
 
 std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress,
                             VerificationReadings* readings) {
-  constexpr std::size_t progress_every = 1U << 18U;
-  const ColumnMatch match = match_columns(rig, recording);
   Pipeline pipeline(rig);
-  Stream stream(rig);
   std::vector<Dwell> dwells;
   double first_s = kNaN;
-  const auto take = [&](const Record& record) {
+  play(rig, recording, progress, [&](const Record& record) {
     if (std::isnan(first_s)) first_s = static_cast<double>(record.t_ns) * 1e-9;
     if ((pipeline.push(record) & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
     if (readings != nullptr) readings->take(pipeline.readings());
-  };
-  std::size_t until_progress = progress_every;
-  for (const CsvRecording::Sample& sample : recording.samples) {
-    if (progress && --until_progress == 0) {
-      until_progress = progress_every;
-      progress(static_cast<double>(&sample - recording.samples.data()) / static_cast<double>(recording.samples.size()));
-    }
-    const int channel = match.channel_of_column[sample.column];
-    if (channel < 0) continue;
-    Record record;
-    record.t_ns = std::llround(sample.t_s * 1e9);
-    record.value = sample.value;
-    record.channel = static_cast<std::uint16_t>(channel);
-    stream.push(record, take);
-  }
-  stream.finish(take);
+  });
   if ((pipeline.finish() & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
-  if (progress) progress(1.0);
   return dwells;
+}
+
+MotionEstimate identify_motion(const Rig& rig, const CsvRecording& recording) {
+  MotionRecorder recorder(rig);
+  play(rig, recording, {}, [&](const Record& record) { recorder.take(record); });
+  return estimate_motion(rig, recorder.data());
 }
 
 }  // namespace dwell::ctl

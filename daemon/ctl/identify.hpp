@@ -8,6 +8,7 @@
 
 #include "core/motion/verification_readings.hpp"
 #include "core/result/dwell.hpp"
+#include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
@@ -30,5 +31,8 @@ using Progress = std::function<void(double)>;
 // count, if given. The pipeline's cost per sample; bound to one thread.
 [[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress = {},
                                           VerificationReadings* readings = nullptr);
+
+// The coefficients of any motion from a recording, on its own t axis. Takes seconds.
+[[nodiscard]] MotionEstimate identify_motion(const Rig& rig, const CsvRecording& recording);
 
 }  // namespace dwell::ctl

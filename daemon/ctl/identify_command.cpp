@@ -2,13 +2,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/motion/dwell_agreement.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/dwell_text.hpp"
+#include "daemon/report/motion_report.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -21,14 +24,17 @@ bool answers(const Dwell& dwell) {
                      [](const ElementEstimate& e) { return e.identifiable; });
 }
 
-}  // namespace
+// Of the dwells whose data lie within the motion's stretch the last; NaN: there is none that has coefficients.
+double agreement(const MotionEstimate& motion, const std::vector<Dwell>& dwells) {
+  double e_n = kNaN;
+  for (const Dwell& dwell : dwells)
+    if (answers(dwell) && dwell.settled_s < motion.end_s)
+      if (const double of = agreement_e_n(motion, dwell); std::isfinite(of)) e_n = of;
+  return e_n;
+}
 
-int identify_recording(const IdentifyOptions& options) {
-  const auto loaded = load_recorded_run(options.rig, options.data);
-  if (!loaded) return loaded.error();
-  const auto& [file, recording] = *loaded;
-  const std::vector<Dwell> dwells = identify(file.rig, recording, progress_of(recording));
-
+void print(const IdentifyOptions& options, const config::RigFile& file, const std::vector<Dwell>& dwells,
+           const std::optional<MotionEstimate>& motion) {
   const RunInfo run{file.sha256, DWELL_VERSION, ""};
   Json document = {{"rig", file.rig.name}, {"dwells", Json::array()}};
   std::string text = "rig " + printable(file.rig.name) + "\n";
@@ -40,20 +46,52 @@ int identify_recording(const IdentifyOptions& options) {
       text.append("\n").append(dwell_text(view));
     }
   }
+  if (motion) {
+    const MotionView view = make_view(*motion, agreement(*motion, dwells), file.rig);
+    document["motion"] = json_value(view);
+    if (!motion->reason.empty()) document["motion_reason"] = motion->reason;
+    text.append("\n").append(motion_text(view));
+  }
   if (options.json) text = dump(document, 2) + "\n";
   std::fwrite(text.data(), 1, text.size(), stdout);
+}
 
+int judge(const MotionEstimate& motion) {
+  const bool answered = std::any_of(motion.elements.begin(), motion.elements.end(),
+                                    [](const ElementEstimate& e) { return e.identifiable; });
+  if (!motion.reason.empty())
+    complain("no coefficients: " + motion.reason);
+  else if (!answered)
+    complain("no element is identifiable; the reasons stand with the elements");
+  return answered ? kDone : kNo;
+}
+
+int judge(const Rig& rig, const CsvRecording& recording, const std::vector<Dwell>& dwells) {
   const bool settled =
       std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return std::isfinite(d.settled_s); });
   const bool answered = std::any_of(dwells.begin(), dwells.end(), answers);
   const bool doubted = std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return !d.doubts.empty(); });
   if (!settled)
-    complain(why_nothing_settled(file.rig, recording, dwells));
+    complain(why_nothing_settled(rig, recording, dwells));
   else if (doubted)
     complain("there are coefficients that must not be relied on; the reasons stand with the dwell");
   else if (!answered)
     complain("no element of any dwell is identifiable; the reasons stand with the elements");
   return answered && !doubted ? kDone : kNo;
+}
+
+}  // namespace
+
+int identify_recording(const IdentifyOptions& options) {
+  const auto loaded = load_recorded_run(options.rig, options.data);
+  if (!loaded) return loaded.error();
+  const auto& [file, recording] = *loaded;
+  std::vector<Dwell> dwells;
+  if (options.method != "motion") dwells = identify(file.rig, recording, progress_of(recording));
+  std::optional<MotionEstimate> motion;
+  if (options.method != "harmonic") motion = identify_motion(file.rig, recording);
+  print(options, file, dwells, motion);
+  return options.method == "motion" ? judge(*motion) : judge(file.rig, recording, dwells);
 }
 
 }  // namespace dwell::ctl

@@ -75,6 +75,10 @@ int run(int argc, char** argv) {
   CLI::App* identify_verb = app.add_subcommand("identify", "coefficients from a recording; exit 1 if no dwell settled");
   identify_verb->add_option("--rig", identifying.rig, "the rig file; its devices are not needed")->required();
   identify_verb->add_option("data", identifying.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
+  identify_verb
+      ->add_option("--method", identifying.method,
+                   "harmonic: steady dwells; motion: maximum likelihood on any motion; both (default)")
+      ->check(CLI::IsMember({"harmonic", "motion", "both"}));
   add_json(identify_verb, identifying.json);
 
   VerifyOptions verifying;

@@ -5,24 +5,24 @@
 #include <cstddef>
 
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_parts.hpp"
 
 namespace dwell {
 namespace {
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json numbers(const std::vector<double>& values) {
   Json array = Json::array();
-  for (const double value : values) array.push_back(number(value));
+  for (const double value : values) array.push_back(json_number(value));
   return array;
 }
 
-Json estimate(const Estimate& e) { return {{"value", number(e.value)}, {"u", number(e.u)}}; }
+Json estimate(const Estimate& e) { return {{"value", json_number(e.value)}, {"u", json_number(e.u)}}; }
 
 Json coefficient(const Coefficient& c, const char* unit) {
-  return {{"value", number(c.value)},     {"u", number(c.u)}, {"dof", number(c.dof)}, {"U95", number(c.U95)},
-          {"significant", c.significant}, {"unit", unit}};
+  return {{"value", json_number(c.value)}, {"u", json_number(c.u)},        {"dof", json_number(c.dof)},
+          {"U95", json_number(c.U95)},     {"significant", c.significant}, {"unit", unit}};
 }
 
 Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
@@ -31,26 +31,28 @@ Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
   const ChannelPhasor& p = estimated.valid ? estimated : none;
   Json object = {{"channel", label.name},
                  {"unit", label.unit},
-                 {"amplitude", number(std::abs(p.Y))},
-                 {"phase_rad", number(std::arg(p.Y))},
-                 {"u_amplitude", number(p.u_amplitude)},
-                 {"u_phase_rad", number(p.u_phase_rad)},
-                 {"u_relative_phase_rad", number(p.u_relative_phase_rad)},
-                 {"mean", number(p.mean)},
+                 {"amplitude", json_number(std::abs(p.Y))},
+                 {"phase_rad", json_number(std::arg(p.Y))},
+                 {"u_amplitude", json_number(p.u_amplitude)},
+                 {"u_phase_rad", json_number(p.u_phase_rad)},
+                 {"u_relative_phase_rad", json_number(p.u_relative_phase_rad)},
+                 {"mean", json_number(p.mean)},
                  {"harmonics", numbers(p.harmonics)},
-                 {"sigma", number(p.sigma)},
-                 {"samples", number(estimated.samples)},
+                 {"sigma", json_number(p.sigma)},
+                 {"samples", json_number(estimated.samples)},
                  {"valid", estimated.valid}};
   if (!estimated.valid) object["reason"] = estimated.reason;
   return object;
 }
 
-Json element(const ElementEstimate& e, Motion motion, Detail detail) {
+}  // namespace
+
+Json json_element(const ElementEstimate& e, Motion motion, Detail detail) {
   Json object = {{"k", e.k},
                  {"identifiable", e.identifiable},
                  {"deformation",
-                  {{"amplitude", number(e.deformation.value)},
-                   {"u", number(e.deformation.u)},
+                  {{"amplitude", json_number(e.deformation.value)},
+                   {"u", json_number(e.deformation.u)},
                    {"unit", config::si_unit(Quantity::displacement, motion)}}}};
   Json budget = Json::array();
   if (e.identifiable) {
@@ -60,8 +62,8 @@ Json element(const ElementEstimate& e, Motion motion, Detail detail) {
     for (const BudgetShare& share : e.budget) {
       if (detail != Detail::whole) break;
       budget.push_back({{"source", share.source},
-                        {"stiffness_share", number(share.stiffness_share)},
-                        {"damping_share", number(share.damping_share)}});
+                        {"stiffness_share", json_number(share.stiffness_share)},
+                        {"damping_share", json_number(share.damping_share)}});
     }
   } else {
     object["stiffness"] = nullptr;
@@ -73,19 +75,17 @@ Json element(const ElementEstimate& e, Motion motion, Detail detail) {
   return object;
 }
 
-Json square(const std::vector<double>& row_major) {
+Json json_square(const std::vector<double>& row_major) {
   const auto n = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(row_major.size()))));
   Json rows = Json::array();
   if (n * n != row_major.size()) return rows;
   for (std::size_t i = 0; i < n; ++i) {
     Json row = Json::array();
-    for (std::size_t j = 0; j < n; ++j) row.push_back(number(row_major[i * n + j]));
+    for (std::size_t j = 0; j < n; ++j) row.push_back(json_number(row_major[i * n + j]));
     rows.push_back(std::move(row));
   }
   return rows;
 }
-
-}  // namespace
 
 Json json_value(const DwellView& view, Detail detail) {
   const Dwell& d = view.dwell;
@@ -94,19 +94,19 @@ Json json_value(const DwellView& view, Detail detail) {
   object["index"] = d.index ? Json(*d.index) : Json(nullptr);
   object["state"] = to_string(d.state);
   if (d.state == State::complete) object["ended_by"] = to_string(d.ended_by);
-  object["start_s"] = number(d.start_s);
-  object["settled_s"] = number(d.settled_s);
-  object["verdict_s"] = number(d.verdict_s);
-  object["end_s"] = number(d.end_s);
+  object["start_s"] = json_number(d.start_s);
+  object["settled_s"] = json_number(d.settled_s);
+  object["verdict_s"] = json_number(d.verdict_s);
+  object["end_s"] = json_number(d.end_s);
   object["start_utc"] = text_or_null(view.run.start_utc);
-  object["memory_time_s"] = number(d.memory_time_s);
-  object["memory_time_predicted_s"] = number(d.memory_time_predicted_s);
-  object["settles_in_s"] = number(d.settles_in_s);
+  object["memory_time_s"] = json_number(d.memory_time_s);
+  object["memory_time_predicted_s"] = json_number(d.memory_time_predicted_s);
+  object["settles_in_s"] = json_number(d.settles_in_s);
   object["settling_reason"] = d.settling_reason;
   object["rig_sha256"] = text_or_null(view.run.rig_sha256);
   object["version"] = text_or_null(view.run.version);
   object["frequency_hz"] = estimate(d.frequency_hz);
-  object["t_ref_s"] = number(d.t_ref_s);
+  object["t_ref_s"] = json_number(d.t_ref_s);
 
   Json phasors = Json::array();
   const std::size_t count = std::min(d.phasors.size(), view.channels.size());
@@ -115,10 +115,10 @@ Json json_value(const DwellView& view, Detail detail) {
 
   Json elements = Json::array();
   if (settled) {
-    for (const ElementEstimate& e : d.elements) elements.push_back(element(e, view.motion, detail));
+    for (const ElementEstimate& e : d.elements) elements.push_back(json_element(e, view.motion, detail));
   }
   object["elements"] = std::move(elements);
-  if (detail == Detail::whole) object["covariance"] = settled ? square(d.covariance) : Json::array();
+  if (detail == Detail::whole) object["covariance"] = settled ? json_square(d.covariance) : Json::array();
 
   Json doubts = Json::array(), warnings = Json::array();
   for (const Doubt& doubt : d.doubts) {

@@ -16,6 +16,9 @@ using Json = nlohmann::ordered_json;  // members stay in the order of the interf
 enum class Detail : std::uint8_t { whole, moving };
 
 [[nodiscard]] Json json_value(const DwellView& view, Detail detail = Detail::whole);
+struct MotionView;
+// The object `motion`; null where there is none.
+[[nodiscard]] Json json_value(const MotionView& view);
 [[nodiscard]] tl::expected<DwellView, std::string> dwell_from_json(const Json& value);
 
 // Text of a document; indent < 0: one line. Bytes that are not UTF-8 are replaced, never thrown over.

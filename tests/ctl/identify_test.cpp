@@ -57,6 +57,16 @@ TEST(Identify, FindsTheCoefficientsOfARecordingBegunInTheSteadyState) {
   EXPECT_NEAR(dwells[0].elements[0].damping.value, kDamping, 1e-5 * kDamping);
 }
 
+// Without noise: what the arithmetic loses is all that is left.
+TEST(Identify, FindsTheSameFromAnyMotion) {
+  const MotionEstimate motion = identify_motion(mount(), recorded(3.0));
+  ASSERT_EQ(motion.reason, "");
+  EXPECT_NEAR(motion.start_s, 3.0, 1e-9);
+  ASSERT_TRUE(motion.elements.at(0).identifiable);
+  EXPECT_NEAR(motion.elements[0].stiffness.value, kStiffness, 1e-6 * kStiffness);
+  EXPECT_NEAR(motion.elements[0].damping.value, kDamping, 1e-5 * kDamping);
+}
+
 // One minute at 25 Hz and 1 kHz; both channels come together, up to a millisecond late.
 TEST(Identify, RecoversTheClockOfADeviceThatHasOne) {
   Rig rig = mount();

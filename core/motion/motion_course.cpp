@@ -1,0 +1,273 @@
+#include "core/motion/motion_course.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
+#include "core/base/wording.hpp"
+#include "core/motion/weak_form.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr std::size_t kFewest = 60;      // readings, below which nothing is tried
+constexpr std::size_t kFirst = 400;      // readings of the first fit, at least …
+constexpr double kFirstPeriods = 3.0;    // … and periods of the nominal drive
+constexpr std::size_t kGrowth = 4;       // from fit to fit: the passes over shorter stretches cost a third in all
+constexpr double kEvent = 7.0;           // √S: an innovation of the table beyond is an event, one in 10¹² otherwise
+constexpr std::size_t kMostEvents = 40;  // more of them are no events
+constexpr double kFar = 9.0;             // √S: a reading beyond, once all else fits, is none of the model's …
+constexpr double kMostFar = 0.003;       // … where no more than this part of them is
+constexpr int kPasses = 40;
+constexpr double kRough = 0.1;  // FitLimits::gain of fits that only start the next
+
+class Course {
+ public:
+  Course(const Rig& rig, MotionData data, std::size_t most) : rig_(rig), all_(std::move(data)), most_(most) {
+    for (const Channel& channel : rig.channels) channels_ += channel.measures == Quantity::auxiliary ? 0 : 1;
+  }
+
+  MotionCourse run() {
+    if (!prepare()) return std::move(out_);
+    std::size_t count = first_count();
+    start();
+    bool last = false;
+    while (!last) {
+      last = count >= out_.data.readings.size();
+      if (!fit(std::min(count, out_.data.readings.size()), last)) return std::move(out_);
+      if (last && (mark_events() || leave_out_far())) last = false;
+      count *= kGrowth;
+    }
+    add_stated();
+    return std::move(out_);
+  }
+
+ private:
+  bool refuse(std::string reason) {
+    out_.reason = std::move(reason);
+    return false;
+  }
+
+  // Chooses the stretch and its pieces.
+  bool prepare() {
+    std::vector<double> noise = local_noise(rig_, all_);
+    activity_ = table_activity(rig_, all_, noise);
+    if (activity_.seen && !activity_.moves) return refuse("the table does not move");
+    const auto before_ns = static_cast<std::int64_t>(1e9 / rig_.excitation.frequency_hz);
+    const auto first = std::find_if(all_.readings.begin(), all_.readings.end(),
+                                    [&](const MotionReading& r) { return r.t_ns >= activity_.onset_ns - before_ns; });
+    const auto left = static_cast<std::size_t>(all_.readings.end() - first);
+    out_.data.readings.assign(first, first + static_cast<std::ptrdiff_t>(std::min(left, most_)));
+    out_.spikes = leave_out_spikes(rig_, out_.data);
+    if (out_.data.readings.size() < std::max<std::size_t>(kFewest, 12 * static_cast<std::size_t>(channels_)))
+      return refuse("too few readings: " + std::to_string(out_.data.readings.size()));
+    out_.noise = local_noise(rig_, out_.data);
+    measure_sizes();
+    intensities_ = 0;
+    if (!activity_.stretches.empty() && out_.data.readings.front().t_ns < activity_.stretches.front().from_ns)
+      add_stretch(out_.data.readings.front().t_ns, 1e-3 * activity_.stretches.front().amplitude);
+    for (const auto& stretch : activity_.stretches)
+      if (stretch.from_ns <= out_.data.readings.back().t_ns) add_stretch(stretch.from_ns, stretch.amplitude);
+    if (intensities_ == 0) add_stretch(out_.data.readings.front().t_ns, 1e-3);
+    return true;
+  }
+
+  void add_stretch(std::int64_t from_ns, double amplitude) {
+    // A random walk with A² ω/2 per second would make a sine's acceleration; a drive that wanders, a thousandth of it.
+    const double omega0 = kTwoPi * rig_.excitation.frequency_hz;
+    out_.data.stretches.push_back({from_ns, intensities_++});
+    ln_q_.push_back(std::log(std::max(5e-4 * amplitude * amplitude * omega0, 1e-30)));
+  }
+
+  void measure_sizes() {
+    std::vector<double> count(rig_.channels.size(), 0.0), sum(count), squares(count);
+    for (const MotionReading& r : out_.data.readings) {
+      const auto c = static_cast<std::size_t>(r.channel);
+      count[c] += 1;
+      const double delta = r.value - sum[c];  // running mean, then squares about it
+      sum[c] += delta / count[c];
+      squares[c] += delta * (r.value - sum[c]);
+    }
+    out_.size.assign(count.size(), 0.0);
+    mean_ = sum;
+    for (std::size_t c = 0; c < count.size(); ++c)
+      if (count[c] > 0) out_.size[c] = std::sqrt(squares[c] / count[c]);
+  }
+
+  [[nodiscard]] std::size_t first_count() const {
+    const double until_s = to_s(activity_.moves ? activity_.onset_ns : out_.data.readings.front().t_ns) +
+                           kFirstPeriods / rig_.excitation.frequency_hz;
+    const auto it = std::find_if(out_.data.readings.begin(), out_.data.readings.end(),
+                                 [&](const MotionReading& r) { return to_s(r.t_ns) > until_s; });
+    return std::max(kFirst, static_cast<std::size_t>(it - out_.data.readings.begin()));
+  }
+
+  void start() {
+    out_.parameters = free_parameters(rig_, intensities_);
+    MotionData some{
+        {out_.data.readings.begin(),
+         out_.data.readings.begin() + static_cast<std::ptrdiff_t>(std::min(out_.data.readings.size(), 16 * kFirst))},
+        {}};
+    const WeakForm weak = weak_form(rig_, some);
+    const double omega = kTwoPi * rig_.excitation.frequency_hz;
+    double mass = 1.0;
+    if (!rig_.masses.empty()) mass = *std::max_element(rig_.masses.begin(), rig_.masses.end());
+    at_.theta.resize(static_cast<Index>(out_.parameters.size()));
+    for (std::size_t a = 0; a < out_.parameters.size(); ++a) {
+      const Parameter& p = out_.parameters[a];
+      const auto i = static_cast<std::size_t>(p.index);
+      double value = 0.0;
+      const double c = p.index < weak.stiffness.size() ? weak.stiffness(p.index) : kNoNumber;
+      const double r = p.index < weak.damping.size() ? weak.damping(p.index) : kNoNumber;
+      if (p.what == Unknown::stiffness) value = std::isfinite(c) ? c : mass * omega * omega;
+      if (p.what == Unknown::damping) value = std::isfinite(r) ? r : 0.1 * mass * omega;
+      if (p.what == Unknown::intensity) value = ln_q_[i];
+      if (p.what == Unknown::noise)
+        value = std::log(std::max({std::isfinite(out_.noise[i]) ? out_.noise[i] : 0.0, 1e-3 * out_.size[i], 1e-300}));
+      at_.theta(static_cast<Index>(a)) = value;
+    }
+    at_.initial = VectorXd::Zero(MotionModel(rig_, {}).states());
+    at_.bias = Eigen::Map<const VectorXd>(mean_.data(), static_cast<Index>(mean_.size()));
+  }
+
+  [[nodiscard]] FitLimits limits() const {
+    FitLimits limits;
+    limits.passes = kPasses;
+    limits.gain = kRough;
+    limits.lowest = VectorXd::Constant(at_.theta.size(), -1e300);
+    const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
+    double least = 1e-300;
+    if (activity_.seen) {
+      const auto c = static_cast<std::size_t>(activity_.channel);
+      const double noise = std::max(out_.noise[c], 1e-6 * out_.size[c]);
+      // Over the whole of it the table wanders by a hundredth of a reading's noise: as good as not at all.
+      least = 1e-4 * noise * noise / span;
+    }
+    for (std::size_t a = 0; a < out_.parameters.size(); ++a) {
+      const Parameter& p = out_.parameters[a];
+      if (p.what == Unknown::intensity) limits.lowest(static_cast<Index>(a)) = std::log(std::max(least, 1e-300));
+      if (p.what == Unknown::noise)
+        limits.lowest(static_cast<Index>(a)) =
+            std::log(std::max(1e-6 * out_.size[static_cast<std::size_t>(p.index)], 1e-300));
+    }
+    return limits;
+  }
+
+  bool fit(std::size_t count, bool whole) {
+    const MotionModel model(rig_, out_.parameters);
+    MotionData part{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(count)},
+                    out_.data.stretches};
+    out_.fit = fit_motion(model, part, at_, limits());
+    out_.passes += out_.fit.passes;
+    if (!std::isfinite(out_.fit.V)) return refuse("the likelihood is not finite");
+    if (!out_.fit.converged && whole)
+      return refuse("the estimate did not converge in " + std::to_string(out_.fit.passes) + " passes");
+    at_ = out_.fit.at;
+    return true;
+  }
+
+  // Gives sudden changes of the table an intensity of their own. False: there is nothing to change.
+  bool mark_events() {
+    if (marked_ || !activity_.seen) return false;
+    marked_ = true;
+    const Pass pass =
+        evaluate(MotionModel(rig_, out_.parameters), out_.data, at_, {.derivatives = false, .keep_innovations = true});
+    const auto& seen = pass.innovations[static_cast<std::size_t>(activity_.channel)];
+    std::vector<MotionStretch> stretches;
+    std::size_t events = 0, next = 0;
+    int now = 0;
+    for (std::size_t i = 1; i < seen.size(); ++i) {
+      for (; next < out_.data.stretches.size() && out_.data.stretches[next].from_ns <= seen[i - 1].t_ns; ++next) {
+        now = out_.data.stretches[next].intensity;
+        stretches.push_back(out_.data.stretches[next]);
+      }
+      if (std::abs(seen[i].normalized) < kEvent) continue;
+      ++events;
+      stretches.push_back({seen[i - 1].t_ns + 1, intensities_});
+      for (; next < out_.data.stretches.size() && out_.data.stretches[next].from_ns <= seen[i].t_ns; ++next)
+        now = out_.data.stretches[next].intensity;
+      stretches.push_back({seen[i].t_ns + 1, now});
+    }
+    if (events == 0 || events > kMostEvents) return false;
+    for (; next < out_.data.stretches.size(); ++next) stretches.push_back(out_.data.stretches[next]);
+    out_.data.stretches = std::move(stretches);
+    add_intensity();
+    return true;
+  }
+  // Takes out, once, what is far from all the rest. False: there is nothing.
+  bool leave_out_far() {
+    if (left_out_) return false;
+    left_out_ = true;
+    const Pass pass =
+        evaluate(MotionModel(rig_, out_.parameters), out_.data, at_, {.derivatives = false, .keep_innovations = true});
+    std::vector<MotionReading> kept;
+    std::vector<std::size_t> next(pass.innovations.size(), 0);
+    for (const MotionReading& reading : out_.data.readings) {
+      const auto c = static_cast<std::size_t>(reading.channel);
+      if (std::abs(pass.innovations[c][next[c]++].normalized) < kFar) kept.push_back(reading);
+    }
+    const std::size_t far = out_.data.readings.size() - kept.size();
+    if (far == 0 || static_cast<double>(far) > kMostFar * static_cast<double>(kept.size())) return false;
+    out_.spikes += far;
+    out_.data.readings = std::move(kept);
+    return true;
+  }
+
+  // One more, of events: where the largest of the others stands, and a hundred times that.
+  void add_intensity() {
+    const double largest = at_.theta.segment(2 * rig_.element_count(), intensities_).maxCoeff();
+    const std::vector<Parameter> parameters = free_parameters(rig_, intensities_ + 1);
+    const Index before = 2 * rig_.element_count() + intensities_;
+    VectorXd theta(at_.theta.size() + 1);
+    theta << at_.theta.head(before), largest + std::log(100.0), at_.theta.tail(at_.theta.size() - before);
+    at_.theta = theta;
+    out_.parameters = parameters;
+    ++intensities_;
+  }
+
+  // What the rig file states, with its priors.
+  void add_stated() {
+    const std::vector<Parameter> stated = stated_parameters(rig_);
+    if (!stated.empty()) {
+      out_.parameters.insert(out_.parameters.end(), stated.begin(), stated.end());
+      at_.theta.conservativeResizeLike(VectorXd::Zero(static_cast<Index>(out_.parameters.size())));
+    }
+    fit_last();
+  }
+  void fit_last() {
+    FitLimits last = limits();
+    last.gain = FitLimits{}.gain;
+    const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
+    last.block_s = std::max(2.0 / rig_.excitation.frequency_hz, span / 64);
+    const MotionModel model(rig_, out_.parameters);
+    out_.fit = fit_motion(model, out_.data, at_, last);
+    out_.passes += out_.fit.passes;
+    if (!out_.fit.converged)
+      refuse("the estimate with the stated uncertainties did not converge in " + std::to_string(out_.fit.passes) +
+             " passes");
+  }
+
+  static constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  const Rig& rig_;
+  MotionData all_;
+  std::size_t most_;
+  int channels_ = 0, intensities_ = 0;
+  TableActivity activity_;
+  std::vector<double> ln_q_, mean_;
+  MotionUnknowns at_;
+  bool marked_ = false, left_out_ = false;
+  MotionCourse out_;
+};
+
+}  // namespace
+
+MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most) {
+  return Course(rig, std::move(data), most).run();
+}
+
+}  // namespace dwell

@@ -1,0 +1,237 @@
+#include "core/motion/motion_estimate.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
+#include "core/base/student.hpp"
+#include "core/base/wording.hpp"
+#include "core/motion/motion_course.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kLags = 10;
+// Part of a channel's rms that neither the model explains nor the noise from reading to reading: above, the elements
+// are not those of a linear chain, and a coefficient would be an average over what nobody asked for. Twice the accuracy
+// that a model needs by default.
+constexpr double kRefused = 0.1;
+// … and what is left over is more than that times the noise from reading to reading, which is itself known to 10 %.
+constexpr double kMoreThanNoise = 1.5;
+constexpr double kNotWhite = 1e-3;
+
+// Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
+// form.
+double whiteness(const std::vector<MotionInnovation>& innovations) {
+  const auto count = static_cast<double>(innovations.size());
+  if (innovations.size() < 5 * kLags) return kNaN;
+  double power = 0.0, statistic = 0.0;
+  for (const MotionInnovation& one : innovations) power += one.normalized * one.normalized;
+  for (std::size_t lag = 1; lag <= kLags; ++lag) {
+    double sum = 0.0;
+    for (std::size_t i = lag; i < innovations.size(); ++i)
+      sum += innovations[i].normalized * innovations[i - lag].normalized;
+    statistic += sum * sum / (power * power) / (count - static_cast<double>(lag));
+  }
+  statistic *= count * (count + 2);
+  double term = 1.0, sum = 1.0;
+  for (int k = 1; k < kLags / 2; ++k) sum += term *= 0.5 * statistic / k;
+  return std::exp(-0.5 * statistic) * sum;
+}
+
+class Report {
+ public:
+  Report(const Rig& rig, const MotionCourse& course)
+      : rig_(rig), course_(course), coefficients_(2 * rig.element_count()), free_(0) {
+    for (const Parameter& p : course.parameters) free_ += p.prior_u > 0 ? 0 : 1;
+  }
+
+  MotionEstimate make() {
+    MotionEstimate out;
+    out.start_s = to_s(course_.data.readings.front().t_ns);
+    out.end_s = to_s(course_.data.readings.back().t_ns);
+    out.passes = course_.passes;
+    out.reason = course_.reason;
+    const auto known = static_cast<std::size_t>(course_.fit.at.theta.size());
+    if (!std::isfinite(course_.fit.V) || known == 0 || known != course_.parameters.size()) return out;
+    pass_ = evaluate(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at,
+                     {.derivatives = false, .keep_innovations = true});
+    add_channels(out);
+    if (!out.reason.empty()) return out;
+    spread_by_noise();
+    widen(out);
+    add_elements(out);
+    return out;
+  }
+
+ private:
+  [[nodiscard]] double theta(Index a) const { return course_.fit.at.theta(a); }
+
+  void add_channels(MotionEstimate& out) {
+    bool far_from_linear = false;
+    for (std::size_t a = 0; a < course_.parameters.size(); ++a) {
+      const Parameter& p = course_.parameters[a];
+      if (p.what != Unknown::noise) continue;
+      const auto c = static_cast<std::size_t>(p.index);
+      MotionChannel channel;
+      channel.channel = p.index;
+      channel.u_noise = std::exp(theta(static_cast<Index>(a)));
+      channel.chi2 = pass_.chi2[c];
+      channel.whiteness_p = whiteness(pass_.innovations[c]);
+      const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
+      channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
+      out.readings += static_cast<std::size_t>(pass_.count[c]);
+      if (channel.unexplained > kRefused && channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
+        far_from_linear = true;  // says more than that the estimate did not converge
+        out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
+                     " of its motion is left over (noise from reading to reading: " +
+                     percent(course_.noise[c] / course_.size[c]) + ")";
+      }
+      out.channels.push_back(channel);
+    }
+  }
+
+  // Covariance of the coefficients with what is stated taken as exact, and what each stated one adds.
+  void spread_by_noise() {
+    const MatrixXd& I = course_.fit.pass.information;
+    const Index p = course_.fit.at.theta.size(), size = I.rows(), stated = p - free_;
+    std::vector<Index> order;  // all but the stated ones, coefficients first
+    for (Index i = 0; i < size; ++i)
+      if (i < free_ || i >= p) order.push_back(i);
+    const MatrixXd own = I(order, order), cross = I(order, Eigen::seqN(free_, stated));
+    const VectorXd scale = own.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * own * scale.asDiagonal());
+    const VectorXd inverse = solver.eigenvalues().unaryExpr([](double d) { return d > 1e-13 ? 1 / d : 0.0; });
+    const MatrixXd root = scale.asDiagonal() * solver.eigenvectors();
+    const MatrixXd all = root * inverse.asDiagonal() * root.transpose();
+    noise_ = all.topLeftCorner(coefficients_, coefficients_);
+    if (stated > 0) {
+      by_stated_ = -(all * cross).topRows(coefficients_);
+      of_stated_ = by_stated_ * course_.fit.covariance.block(free_, free_, stated, stated);
+    }
+    covariance_ = course_.fit.covariance.topLeftCorner(coefficients_, coefficients_);
+  }
+
+  // Where the innovations are not white the information overstates: the sandwich form, never narrower.
+  void widen(MotionEstimate& out) {
+    std::vector<std::string> names;
+    for (const MotionChannel& channel : out.channels)
+      if (channel.whiteness_p < kNotWhite && !shows_drive(rig_.channels[static_cast<std::size_t>(channel.channel)]))
+        names.push_back(rig_.channels[static_cast<std::size_t>(channel.channel)].name);
+    if (names.empty()) return;
+    out.warnings.push_back("what the chain leaves of " + listed(names) + " is not white: uncertainties are widened");
+    if (course_.fit.pass.blocks < 8) return;
+    const MatrixXd& inverse = course_.fit.covariance;
+    const MatrixXd sandwich = inverse * course_.fit.pass.meat * inverse;
+    for (Index i = 0; i < coefficients_; ++i) {
+      const double wider = std::max(0.0, sandwich(i, i) - noise_(i, i));
+      noise_(i, i) += wider;
+      covariance_(i, i) += wider;
+    }
+  }
+
+  void add_elements(MotionEstimate& out) {
+    std::vector<Index> reported;
+    for (int k = 1; k <= rig_.element_count(); ++k) {
+      out.elements.push_back(element(k));
+      if (out.elements.back().identifiable) {
+        reported.push_back(2 * (k - 1));
+        reported.push_back(2 * (k - 1) + 1);
+      }
+    }
+    for (Index i = 0; i < coefficients_; ++i) out.u_of_noise.push_back(std::sqrt(noise_(i, i)));
+    for (const Index i : reported)
+      for (const Index j : reported) out.covariance.push_back(covariance_(i, j));
+  }
+
+  [[nodiscard]] Coefficient coefficient(Index i) const {
+    Coefficient out;
+    out.value = theta(i);
+    out.u = std::sqrt(covariance_(i, i));
+    const double share = noise_(i, i) / covariance_(i, i);
+    double count = 0.0;
+    for (const double of : pass_.count) count += of;
+    out.dof = std::max(1.0, count - static_cast<double>(course_.fit.covariance.rows())) / (share * share);
+    out.U95 = student_t95(out.dof) * out.u;
+    out.significant = std::abs(out.value) >= out.u;
+    return out;
+  }
+
+  [[nodiscard]] ElementEstimate element(int k) const {
+    const Index c = 2 * (k - 1), r = c + 1;
+    const double omega = kTwoPi * rig_.excitation.frequency_hz;
+    ElementEstimate out;
+    out.k = k;
+    out.deformation = {pass_.deformation(k - 1), pass_.deformation_u(k - 1)};
+    const Coefficient stiffness = coefficient(c), damping = coefficient(r);
+    const double size = std::hypot(stiffness.value, omega * damping.value);
+    const double u = std::hypot(stiffness.u, omega * damping.u);
+    const VectorXd& undetermined = course_.fit.undetermined;
+    if (undetermined(c) + undetermined(r) > 1e-6) {
+      out.reason = "the readings do not determine it";
+    } else if (!(u < size / 3)) {
+      out.reason = "its uncertainty is " + (size > 0 ? percent(u / size) : "all") + " of its dynamic stiffness";
+    } else {
+      out.identifiable = true;
+      out.stiffness = stiffness;
+      out.damping = damping;
+      const double eta = omega * damping.value / stiffness.value;
+      out.loss_factor = {eta, std::abs(eta) * std::hypot(stiffness.u / stiffness.value, damping.u / damping.value)};
+      out.budget = budget(c);
+    }
+    return out;
+  }
+
+  [[nodiscard]] std::vector<BudgetShare> budget(Index c) const {
+    std::map<std::string, std::pair<double, double>> parts;
+    parts["noise"] = {noise_(c, c), noise_(c + 1, c + 1)};
+    for (Index s = 0; s < by_stated_.cols(); ++s) {
+      auto& part = parts[name_of(rig_, course_.parameters[static_cast<std::size_t>(free_ + s)])];
+      part.first += std::max(0.0, by_stated_(c, s) * of_stated_(c, s));
+      part.second += std::max(0.0, by_stated_(c + 1, s) * of_stated_(c + 1, s));
+    }
+    double stiffness = 0.0, damping = 0.0;
+    for (const auto& [name, part] : parts) {
+      stiffness += part.first;
+      damping += part.second;
+    }
+    std::vector<BudgetShare> out;
+    for (const auto& [name, part] : parts)
+      if (part.first > 0 || part.second > 0) out.push_back({name, part.first / stiffness, part.second / damping});
+    std::stable_sort(out.begin(), out.end(), [](const BudgetShare& a, const BudgetShare& b) {
+      return a.stiffness_share + a.damping_share > b.stiffness_share + b.damping_share;
+    });
+    return out;
+  }
+
+  const Rig& rig_;
+  const MotionCourse& course_;
+  Index coefficients_, free_;
+  Pass pass_;
+  MatrixXd noise_, covariance_;     // of (c_1, r_1, …): by noise alone, whole
+  MatrixXd by_stated_, of_stated_;  // ∂(c, r)/∂stated, and that times the covariance of the stated
+};
+
+}  // namespace
+
+MotionEstimate estimate_motion(const Rig& rig, MotionData data, const MotionOptions& options) {
+  MotionEstimate none;
+  none.reason = "there are no readings";
+  if (data.readings.empty()) return none;
+  const auto states = static_cast<std::size_t>(MotionModel(rig, {}).states());
+  const std::size_t most = options.most_work / states;
+  const MotionCourse course = run_course(rig, std::move(data), most);
+  none.reason = course.reason;
+  return course.data.readings.empty() ? none : Report(rig, course).make();
+}
+
+}  // namespace dwell

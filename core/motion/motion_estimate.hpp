@@ -1,0 +1,24 @@
+// From readings of any motion to coefficients with their uncertainty: maximum likelihood on the exact chain, the table
+// an unknown process. Ramps, knocks of the table, start-up, random motion, a drive that wanders, and dwells with their
+// transient. docs/method.md, Any motion.
+#pragma once
+
+#include <cstddef>
+
+#include "core/motion/likelihood.hpp"
+#include "core/result/motion.hpp"
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+struct MotionOptions {
+  // Most readings taken, from the start of the motion on, times the states of the model: bounds the time of an
+  // estimate. 70 000 readings of a table and two masses; some 2 s where scans repeat, 20 s where they come irregularly.
+  std::size_t most_work = 500'000;
+};
+
+// data.readings: by time, t_ns less each channel's stated delay; data.stretches: none. Where the readings do not carry
+// an estimate, `reason` says why. Thread-safe; allocates, takes seconds.
+[[nodiscard]] MotionEstimate estimate_motion(const Rig& rig, MotionData data, const MotionOptions& options = {});
+
+}  // namespace dwell

@@ -1,0 +1,169 @@
+#include "core/motion/motion_fit.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Of an information matrix scaled to a unit diagonal: eigenvalues below are rounding.
+constexpr double kNull = 1e-11;
+// Of directions of which the readings tell less than that, the score is mostly rounding: they do not hold up the end.
+constexpr double kHardlyTold = 1e-8;
+// A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
+constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;
+constexpr double kLeastDamping = 1e-9, kMostDamping = 1e6;  // of Levenberg
+constexpr double kSlower = 0.5;      // damping after a step that went too far: a step of half the length
+constexpr double kGoodEnough = 0.1;  // FitLimits::gain with which passes may run out: 0.3 standard deviations
+
+// The inverse on what the readings tell of.
+struct Inverse {
+  Inverse(const MatrixXd& H, const std::vector<bool>& used) {
+    const Index size = H.rows();
+    VectorXd scale(size);
+    for (Index i = 0; i < size; ++i)
+      scale(i) = used[static_cast<std::size_t>(i)] && H(i, i) > 0 ? 1 / std::sqrt(H(i, i)) : 0.0;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * H * scale.asDiagonal());
+    vectors = scale.asDiagonal() * solver.eigenvectors();
+    const double least = kNull * std::max(1.0, solver.eigenvalues().maxCoeff());
+    values = VectorXd::Zero(size);
+    undetermined = VectorXd::Zero(size);
+    for (Index i = 0; i < size; ++i)
+      if (solver.eigenvalues()(i) > least)
+        values(i) = solver.eigenvalues()(i);
+      else
+        undetermined += solver.eigenvectors().col(i).cwiseAbs2();
+  }
+  [[nodiscard]] VectorXd inverted(double damping) const {
+    return values.unaryExpr([damping](double v) { return v > 0 ? 1 / (v + damping) : 0.0; });
+  }
+  [[nodiscard]] VectorXd times(const VectorXd& g, double damping) const {
+    return vectors * inverted(damping).cwiseProduct(vectors.transpose() * g);
+  }
+  [[nodiscard]] MatrixXd matrix() const { return vectors * inverted(0.0).asDiagonal() * vectors.transpose(); }
+  MatrixXd vectors;
+  VectorXd values;  // 0 where no reading tells
+  VectorXd undetermined;
+};
+
+class Search {
+ public:
+  Search(const MotionModel& model, const MotionData& data, const FitLimits& limits)
+      : model_(model), data_(data), limits_(limits) {}
+
+  MotionFit run(MotionUnknowns start) {
+    MotionFit best = evaluated(std::move(start));
+    if (!std::isfinite(best.V)) return best;
+    solve_linear(best);
+    double damping = kLeastDamping;
+    while (best.passes < limits_.passes && damping < kMostDamping) {
+      hold_at_bounds(best);
+      const VectorXd g = score(best);
+      Inverse inverse(information(best), used_);
+      best.left = g.dot(inverse.times(g, kHardlyTold));
+      if (best.left < limits_.gain) break;
+      const VectorXd step = -inverse.times(g, damping);
+      MotionFit next = evaluated(moved(best.at, step));
+      next.passes = ++best.passes;
+      // Scoring overshoots where an intensity rests on few events: their scatter is not what the information expects.
+      const double ratio = 2 * (best.V - next.V) / -g.dot(step);
+      damping = ratio > 0.6   ? std::max(kLeastDamping, 0.1 * damping)
+                : ratio > 0.3 ? damping
+                              : std::max(kSlower, 4.0 * damping);
+      if (next.V < best.V) best = std::move(next);
+    }
+    best.converged = best.left < std::max(limits_.gain, kGoodEnough);
+    finish(best);
+    return best;
+  }
+
+ private:
+  [[nodiscard]] MotionFit evaluated(MotionUnknowns at) const {
+    MotionFit fit;
+    fit.at = std::move(at);
+    fit.pass = evaluate(model_, data_, fit.at, {.block_s = limits_.block_s});
+    fit.V = fit.pass.V;
+    for (Index a = 0; a < fit.at.theta.size(); ++a)
+      if (const double u = prior_u(a); u > 0) fit.V += 0.5 * fit.at.theta(a) * fit.at.theta(a) / (u * u);
+    return fit;
+  }
+  [[nodiscard]] double prior_u(Index a) const { return model_.parameters()[static_cast<std::size_t>(a)].prior_u; }
+  [[nodiscard]] MatrixXd information(const MotionFit& fit) const {
+    MatrixXd H = fit.pass.information;
+    for (Index a = 0; a < fit.at.theta.size(); ++a)
+      if (const double u = prior_u(a); u > 0) H(a, a) += 1 / (u * u);
+    return H;
+  }
+  [[nodiscard]] VectorXd score(const MotionFit& fit) const {
+    VectorXd g = fit.pass.score;
+    for (Index a = 0; a < fit.at.theta.size(); ++a)
+      if (const double u = prior_u(a); u > 0) g(a) += fit.at.theta(a) / (u * u);
+    return g;
+  }
+
+  // The state and the biases at these θ: the innovations are linear in them.
+  void solve_linear(MotionFit& fit) {
+    used_.assign(static_cast<std::size_t>(fit.pass.score.size()), true);
+    std::fill_n(used_.begin(), fit.at.theta.size(), false);
+    const VectorXd step = -Inverse(fit.pass.information, used_).times(fit.pass.score, 0.0);
+    MotionFit next = evaluated(moved(fit.at, step));
+    if (next.V < fit.V) fit = std::move(next);
+    fit.passes = 2;
+    std::fill(used_.begin(), used_.end(), true);
+  }
+
+  // A parameter at its bound that wants to go below is held there.
+  void hold_at_bounds(const MotionFit& fit) {
+    for (Index a = 0; a < limits_.lowest.size(); ++a)
+      used_[static_cast<std::size_t>(a)] = fit.at.theta(a) > limits_.lowest(a) || fit.pass.score(a) < 0;
+  }
+
+  [[nodiscard]] MotionUnknowns moved(const MotionUnknowns& from, const VectorXd& step) const {
+    MotionUnknowns to = from;
+    for (Index a = 0; a < from.theta.size(); ++a) {
+      const double limit = largest_step(from.theta, a);
+      to.theta(a) += std::clamp(step(a), -limit, limit);
+    }
+    for (Index a = 0; a < limits_.lowest.size(); ++a) to.theta(a) = std::max(to.theta(a), limits_.lowest(a));
+    to.initial += step.segment(from.theta.size(), from.initial.size());
+    to.bias += step.tail(from.bias.size());
+    return to;
+  }
+  [[nodiscard]] double largest_step(const VectorXd& theta, Index a) const {
+    const Parameter& p = model_.parameters()[static_cast<std::size_t>(a)];
+    if (p.what == Unknown::noise || p.what == Unknown::intensity) return kLogStep;
+    if (p.what != Unknown::stiffness && p.what != Unknown::damping) return 5 * p.prior_u;
+    // Stiffness and damping of an element stand side by side (free_parameters()).
+    const double omega = 2 * M_PI * model_.rig().excitation.frequency_hz;
+    const Index c = p.what == Unknown::stiffness ? a : a - 1;
+    const double size = std::hypot(theta(c), omega * theta(c + 1));
+    return kCoefficientStep * (p.what == Unknown::stiffness ? size : size / omega);
+  }
+
+  void finish(MotionFit& fit) {
+    hold_at_bounds(fit);
+    const Inverse inverse(information(fit), used_);
+    fit.covariance = inverse.matrix();
+    fit.undetermined = inverse.undetermined;
+    fit.converged = fit.converged && fit.covariance.allFinite();
+  }
+
+  const MotionModel& model_;
+  const MotionData& data_;
+  const FitLimits& limits_;
+  std::vector<bool> used_;
+};
+
+}  // namespace
+
+MotionFit fit_motion(const MotionModel& model, const MotionData& data, MotionUnknowns start, const FitLimits& limits) {
+  return Search(model, data, limits).run(std::move(start));
+}
+
+}  // namespace dwell

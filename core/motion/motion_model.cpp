@@ -1,0 +1,246 @@
+#include "core/motion/motion_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/angle.hpp"
+#include "core/motion/filter_sections.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+bool differentiated_table(const Rig& rig) {
+  return std::any_of(rig.channels.begin(), rig.channels.end(), [](const Channel& c) {
+    return c.measures == Quantity::acceleration && (c.at == 0 || c.relative_to == 0);
+  });
+}
+
+}  // namespace
+
+MotionModel::MotionModel(const Rig& rig, std::vector<Parameter> parameters)
+    : rig_(rig),
+      parameters_(std::move(parameters)),
+      omega0_(kTwoPi * (rig.excitation.frequency_hz > 0 ? rig.excitation.frequency_hz : 1.0)),
+      n_(rig.mass_count()),
+      table_(differentiated_table(rig) ? 4 : 3),
+      states_(table_ + 2 * n_) {
+  for (const Channel& channel : rig_.channels) {
+    filters_at_.push_back(states_);
+    if (channel.measures != Quantity::auxiliary)
+      states_ += state_count(channel.lowpass) + state_count(channel.highpass);
+  }
+}
+
+double MotionModel::delay_s(int c) const {
+  const Channel& channel = rig_.channels[static_cast<std::size_t>(c)];
+  return channel.delay_s + device_delay_s(rig_, channel);
+}
+
+RowVectorXd MotionModel::deformation_row(int k) const {
+  RowVectorXd row = RowVectorXd::Zero(states_);
+  if (k <= n_) {
+    row(table_ + k - 1) = 1.0;
+  } else {  // it ends at the ground
+    row(0) = -1.0;
+    row.segment(table_, n_).setConstant(-1.0);
+  }
+  return row;
+}
+
+RowVectorXd MotionModel::rate_row(int k) const {
+  RowVectorXd row = RowVectorXd::Zero(states_);
+  if (k <= n_) {
+    row(table_ + n_ + k - 1) = omega0_;
+  } else {
+    row(1) = -omega0_;
+    row.segment(table_ + n_, n_).setConstant(-omega0_);
+  }
+  return row;
+}
+
+RowVectorXd MotionModel::force_row(const Coefficients& of, int k) const {
+  if (k > of.stiffness.size()) return RowVectorXd::Zero(states_);
+  return of.stiffness(k - 1) * deformation_row(k) + of.damping(k - 1) * rate_row(k);
+}
+
+RowVectorXd MotionModel::acceleration_row(const Coefficients& of, int k) const {
+  if (k > 0) return of.inverse_mass(k - 1) * (force_row(of, k + 1) - force_row(of, k));
+  RowVectorXd row = RowVectorXd::Zero(states_);
+  row(2) = omega0_ * omega0_;
+  return row;
+}
+
+RowVectorXd MotionModel::place_row(const Coefficients& of, Quantity quantity, int place) const {
+  RowVectorXd row = RowVectorXd::Zero(states_);
+  if (place == kGround) return row;
+  if (quantity == Quantity::acceleration) return acceleration_row(of, place);
+  const bool velocity = quantity == Quantity::velocity;
+  row(velocity ? 1 : 0) = velocity ? omega0_ : 1.0;
+  row.segment(velocity ? table_ + n_ : table_, place).setConstant(velocity ? omega0_ : 1.0);
+  return row;
+}
+
+RowVectorXd MotionModel::channel_row(const Coefficients& of, const Channel& channel, Of what) const {
+  RowVectorXd row = RowVectorXd::Zero(states_);
+  if (channel.measures == Quantity::force && what != Of::change_of_masses)
+    return (channel.force_on_mass ? 1.0 : -1.0) * force_row(of, rig_.element_count());
+  if (channel.measures == Quantity::force || channel.measures == Quantity::auxiliary) return row;
+  const auto depends = [&](int place) {
+    return what == Of::all || (channel.measures == Quantity::acceleration && place > 0);
+  };
+  if (depends(channel.at)) row += place_row(of, channel.measures, channel.at);
+  if (channel.relative_to && depends(*channel.relative_to))
+    row -= place_row(of, channel.measures, *channel.relative_to);
+  return row;
+}
+
+MotionModel::Parts MotionModel::parts(const Coefficients& of, Of what) const {
+  Parts out{MatrixXd::Zero(states_, states_), MatrixXd::Zero(static_cast<Eigen::Index>(rig_.channels.size()), states_)};
+  const bool all = what == Of::all;
+  for (int i = 0; i + 1 < table_ && all; ++i) out.A(i, i + 1) = omega0_;
+  if (all) out.A(table_ - 1, table_ - 2) = -omega0_ * (1 + of.drive) * (1 + of.drive);
+  RowVectorXd before = RowVectorXd::Zero(states_);  // acceleration of the table, then of the mass before
+  if (all) before = acceleration_row(of, 0);
+  for (int k = 1; k <= n_; ++k) {
+    if (all) out.A(table_ + k - 1, table_ + n_ + k - 1) = omega0_;
+    const RowVectorXd here = acceleration_row(of, k);
+    out.A.row(table_ + n_ + k - 1) = (here - before) / omega0_;
+    before = here;
+  }
+  for (std::size_t c = 0; c < rig_.channels.size(); ++c)
+    out.C.row(static_cast<Eigen::Index>(c)) = channel_row(of, rig_.channels[c], what);
+  add_filters(out, !all);
+  return out;
+}
+
+void MotionModel::add_filters(Parts& to, bool change) const {
+  for (std::size_t c = 0; c < rig_.channels.size(); ++c) {
+    const Channel& channel = rig_.channels[c];
+    if (channel.measures == Quantity::auxiliary) continue;
+    int at = filters_at_[c];
+    RowVectorXd u = to.C.row(static_cast<Eigen::Index>(c));
+    for (const bool high : {false, true})
+      for (const FilterSection& section : filter_sections(high ? channel.highpass : channel.lowpass, high)) {
+        const int last = at + section.order - 1;  // the state that u drives
+        to.A.row(last) += section.w * u;
+        if (!change) {
+          to.A(last, at) -= section.w;
+          if (section.order == 2) {
+            to.A(at, last) += section.w;
+            to.A(last, last) -= 2 * section.damping * section.w;
+          }
+        }
+        if (!high) u.setZero();
+        if (!change) {
+          u(at) += high ? -1.0 : 1.0;
+          if (high && section.order == 2) u(last) -= 2 * section.damping;
+        }
+        at += section.order;
+      }
+    to.C.row(static_cast<Eigen::Index>(c)) = u;
+  }
+}
+
+MotionModel::Parts MotionModel::corner_derivative(const Parts& at, int c, bool high) const {
+  Parts out{MatrixXd::Zero(states_, states_), MatrixXd::Zero(at.C.rows(), states_)};
+  const Channel& channel = rig_.channels[static_cast<std::size_t>(c)];
+  const int low_states = state_count(channel.lowpass);
+  const int from = filters_at_[static_cast<std::size_t>(c)] + (high ? low_states : 0);
+  const Filter& filter = high ? channel.highpass : channel.lowpass;
+  out.A.middleRows(from, filter.order) = at.A.middleRows(from, filter.order) / filter.hz;
+  return out;
+}
+
+MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficients& at, const Parts& here) const {
+  Coefficients change = at;
+  if (by.what == Unknown::stiffness || by.what == Unknown::damping) {
+    change.stiffness.setZero();
+    change.damping.setZero();
+    (by.what == Unknown::stiffness ? change.stiffness : change.damping)(by.index) = 1.0;
+    return parts(change, Of::change_of_elements);
+  }
+  if (by.what == Unknown::mass) {
+    change.inverse_mass.setZero();
+    change.inverse_mass(by.index) = -at.inverse_mass(by.index) * at.inverse_mass(by.index);
+    return parts(change, Of::change_of_masses);
+  }
+  if (by.what == Unknown::lowpass || by.what == Unknown::highpass)
+    return corner_derivative(here, by.index, by.what == Unknown::highpass);
+  if (by.what == Unknown::clock) return {here.A, MatrixXd()};
+  if (by.what == Unknown::drive) {
+    Parts out{MatrixXd::Zero(states_, states_), MatrixXd()};
+    out.A(table_ - 1, table_ - 2) = -2 * omega0_ * (1 + at.drive);
+    return out;
+  }
+  return {};
+}
+
+LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
+  const int elements = rig_.element_count();
+  Coefficients now{VectorXd::Zero(elements), VectorXd::Zero(elements),
+                   Eigen::Map<const VectorXd>(rig_.masses.data(), n_)};
+  Rig rig = rig_;
+  for (std::size_t a = 0; a < parameters_.size(); ++a) {
+    const Parameter& p = parameters_[a];
+    const double value = theta(static_cast<Eigen::Index>(a));
+    if (p.what == Unknown::stiffness) now.stiffness(p.index) = value;
+    if (p.what == Unknown::damping) now.damping(p.index) = value;
+    if (p.what == Unknown::drive) now.drive = value;
+    if (p.what == Unknown::mass) now.inverse_mass(p.index) += value;
+    const auto i = static_cast<std::size_t>(p.index);
+    if (p.what == Unknown::lowpass) rig.channels[i].lowpass.hz += value;
+    if (p.what == Unknown::highpass) rig.channels[i].highpass.hz += value;
+  }
+  now.inverse_mass = now.inverse_mass.cwiseInverse().eval();
+  MotionModel moved(*this);
+  moved.rig_ = std::move(rig);
+  const Parts here = moved.parts(now, Of::all);
+  LinearModel out{here.A, here.C, {}, {}, table_ - 1};
+  double clock = 0.0;
+  for (std::size_t a = 0; a < parameters_.size(); ++a) {
+    if (parameters_[a].what == Unknown::clock) clock = theta(static_cast<Eigen::Index>(a));
+    if (!derivatives) continue;
+    Parts by = moved.derivative(parameters_[a], now, here);
+    out.dA.push_back(std::move(by.A));
+    out.dC.push_back(std::move(by.C));
+  }
+  for (int c = 0; c < static_cast<int>(rig_.channels.size()); ++c) state_row(c, theta, here, out);
+  out.A *= 1.0 + clock;
+  for (std::size_t a = 0; a < out.dA.size(); ++a)
+    if (parameters_[a].what != Unknown::clock) out.dA[a] *= 1.0 + clock;
+  return out;
+}
+
+// Scales and delays act on a whole row: (1 + scale) (C_c - δ C_c A), to first order in the departure δ of the delay.
+void MotionModel::state_row(int c, const VectorXd& theta, const Parts& here, LinearModel& out) const {
+  const int device = rig_.channels[static_cast<std::size_t>(c)].device;
+  const auto delays = [&](const Parameter& p) {
+    return (p.what == Unknown::delay && p.index == c) || (p.what == Unknown::device_delay && p.index == device);
+  };
+  const auto scales = [&](const Parameter& p) { return p.what == Unknown::scale && p.index == c; };
+  double late = 0.0, scale = 1.0;
+  for (std::size_t a = 0; a < parameters_.size(); ++a) {
+    if (delays(parameters_[a])) late += theta(static_cast<Eigen::Index>(a));
+    if (scales(parameters_[a])) scale += theta(static_cast<Eigen::Index>(a));
+  }
+  const RowVectorXd row = here.C.row(c), slope = row * here.A;
+  out.C.row(c) = scale * (row - late * slope);
+  for (std::size_t a = 0; a < out.dC.size(); ++a) {
+    MatrixXd& dC = out.dC[a];
+    if (delays(parameters_[a]) || scales(parameters_[a])) {
+      if (dC.size() == 0) dC = MatrixXd::Zero(out.C.rows(), states_);
+      dC.row(c) = scales(parameters_[a]) ? RowVectorXd(row - late * slope) : RowVectorXd(-scale * slope);
+    } else if (dC.size() > 0 && out.dA[a].size() > 0) {
+      const RowVectorXd by = dC.row(c);
+      dC.row(c) = scale * (by - late * (by * here.A + row * out.dA[a]));
+    }
+  }
+}
+
+}  // namespace dwell

@@ -1,0 +1,160 @@
+#include "core/motion/table_activity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/angle.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+// Factor in amplitude at which a stretch ends. The estimate suffers little from an intensity wrong by its square, 10;
+// less would cut a drive that wanders into pieces that say little of their own intensity.
+constexpr double kOtherKind = 3.2;
+constexpr std::size_t kMostStretches = 5;
+constexpr double kAboveNoise = 8.0;   // standard deviations between largest and smallest of noise alone: 5.5 of 200
+constexpr double kSpike = 40.0;       // σ from its neighbours' cubic; a knock of the table stays far below
+constexpr double kMostSpikes = 0.01;  // part of a channel's readings; more of them are how it moves
+
+struct Block {
+  std::int64_t from_ns = 0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  [[nodiscard]] double amplitude() const { return high >= low ? 0.5 * (high - low) : 0.0; }
+};
+
+std::vector<Block> blocks_of(const MotionData& data, int channel, std::int64_t length_ns) {
+  std::vector<Block> blocks;
+  for (const MotionReading& reading : data.readings) {
+    if (reading.channel != channel) continue;
+    if (blocks.empty() || reading.t_ns >= blocks.back().from_ns + length_ns) blocks.push_back({reading.t_ns});
+    blocks.back().low = std::min(blocks.back().low, reading.value);
+    blocks.back().high = std::max(blocks.back().high, reading.value);
+  }
+  return blocks;
+}
+
+// The stretches of blocks, joined where they are most alike until few are left.
+std::vector<TableActivity::Stretch> joined(const std::vector<Block>& blocks, double floor) {
+  struct Piece {
+    std::int64_t from_ns;
+    double logarithm;  // mean over `count` blocks
+    double count;
+  };
+  std::vector<Piece> pieces;
+  for (const Block& block : blocks)
+    pieces.push_back({block.from_ns, std::log(std::max(block.amplitude(), floor)), 1.0});
+  while (pieces.size() > 1) {
+    std::size_t best = 1;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < pieces.size(); ++i)
+      if (const double apart = std::abs(pieces[i].logarithm - pieces[i - 1].logarithm); apart < least) {
+        least = apart;
+        best = i;
+      }
+    if (least > std::log(kOtherKind) && pieces.size() <= kMostStretches) break;
+    Piece &into = pieces[best - 1], &from = pieces[best];
+    into.logarithm = (into.logarithm * into.count + from.logarithm * from.count) / (into.count + from.count);
+    into.count += from.count;
+    pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(best));
+  }
+  std::vector<TableActivity::Stretch> out;
+  for (const Piece& piece : pieces) out.push_back({piece.from_ns, std::exp(piece.logarithm)});
+  return out;
+}
+
+// What a cubic through the four neighbours of a reading leaves of it, in standard deviations of a noise of 1.
+struct Departure {
+  std::size_t reading;  // index into MotionData::readings
+  double size;
+};
+std::vector<std::vector<Departure>> departures(const Rig& rig, const MotionData& data) {
+  std::vector<std::vector<std::size_t>> by(rig.channels.size());
+  for (std::size_t i = 0; i < data.readings.size(); ++i)
+    by[static_cast<std::size_t>(data.readings[i].channel)].push_back(i);
+  std::vector<std::vector<Departure>> out(by.size());
+  for (std::size_t c = 0; c < by.size(); ++c)
+    for (std::size_t i = 2; i + 2 < by[c].size(); ++i) {
+      const auto at = [&](std::size_t k) -> const MotionReading& { return data.readings[by[c][k]]; };
+      double residual = at(i).value, variance = 1.0;
+      for (const std::size_t a : {i - 2, i - 1, i + 1, i + 2}) {
+        double weight = 1.0;
+        for (const std::size_t b : {i - 2, i - 1, i + 1, i + 2})
+          if (b != a && at(a).t_ns != at(b).t_ns)
+            weight *= static_cast<double>(at(i).t_ns - at(b).t_ns) / static_cast<double>(at(a).t_ns - at(b).t_ns);
+        residual -= weight * at(a).value;
+        variance += weight * weight;
+      }
+      out[c].push_back({by[c][i], std::abs(residual) / std::sqrt(variance)});
+    }
+  return out;
+}
+
+double median_sigma(const std::vector<Departure>& of) {
+  if (of.size() < 4) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> sizes;
+  for (const Departure& one : of) sizes.push_back(one.size);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;  // a normal distribution's standard deviation by its median deviation
+}
+
+}  // namespace
+
+TableActivity table_activity(const Rig& rig, const MotionData& data, const std::vector<double>& noise) {
+  TableActivity out;
+  for (std::size_t c = 0; c < rig.channels.size() && !out.seen; ++c)
+    if (shows_drive(rig.channels[c])) {
+      out.seen = true;
+      out.channel = static_cast<int>(c);
+    }
+  if (data.readings.empty()) return out;
+  out.onset_ns = data.readings.front().t_ns;
+  if (!out.seen) return out;
+  const auto c = static_cast<std::size_t>(out.channel);
+  const double per_m = std::pow(kTwoPi * rig.excitation.frequency_hz, derivative_order(rig.channels[c].measures));
+  const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / rig.excitation.frequency_hz);
+  const std::vector<Block> blocks = blocks_of(data, out.channel, half_period_ns);
+  const double still =
+      std::max(rig.excitation.minimum * per_m, 0.5 * kAboveNoise * (std::isfinite(noise[c]) ? noise[c] : 0.0));
+  const auto moving = std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.amplitude() > still; });
+  if (moving == blocks.end()) return out;
+  out.moves = true;
+  out.onset_ns = moving->from_ns;
+  for (const Block& block : blocks) out.amplitude = std::max(out.amplitude, block.amplitude() / per_m);
+  out.stretches = joined({moving, blocks.end()}, still);
+  for (auto& stretch : out.stretches) stretch.amplitude /= per_m;
+  return out;
+}
+
+std::vector<double> local_noise(const Rig& rig, const MotionData& data) {
+  std::vector<double> out;
+  for (const std::vector<Departure>& of : departures(rig, data)) out.push_back(median_sigma(of));
+  return out;
+}
+
+std::size_t leave_out_spikes(const Rig& rig, MotionData& data) {
+  std::vector<bool> out(data.readings.size(), false);
+  std::size_t count = 0;
+  for (const std::vector<Departure>& of : departures(rig, data)) {
+    const double limit = kSpike * median_sigma(of);
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const auto larger = [&](std::size_t k) { return k < of.size() && of[k].size > of[i].size; };
+      if (of[i].size > limit && !larger(i - 1) && !larger(i + 1) && !larger(i - 2) && !larger(i + 2))
+        found.push_back(of[i].reading);
+    }
+    if (static_cast<double>(found.size()) > kMostSpikes * static_cast<double>(of.size())) continue;
+    for (const std::size_t i : found) out[i] = true;
+    count += found.size();
+  }
+  if (count == 0) return 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (!out[i]) data.readings[kept++] = data.readings[i];
+  data.readings.resize(kept);
+  return count;
+}
+
+}  // namespace dwell

@@ -1,0 +1,40 @@
+// How the table moves: when it begins to, and in which stretches its motion is of one kind, so that one intensity fits.
+//
+// Judged by the range of a channel that shows the table within half a period of the nominal drive: that is amplitude
+// for a sine of any phase, and it grows with whatever else the table does. No such channel: one stretch.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/motion/likelihood.hpp"
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+struct TableActivity {
+  bool seen = false;          // some channel shows the table
+  bool moves = false;         // by more than Excitation::minimum
+  int channel = -1;           // the channel judged by
+  std::int64_t onset_ns = 0;  // where it begins to
+  double amplitude = 0.0;     // m, the largest
+  // Where a stretch begins and the table's amplitude there, m.
+  struct Stretch {
+    std::int64_t from_ns;
+    double amplitude;
+  };
+  std::vector<Stretch> stretches;
+};
+
+// data: by time. noise: per channel, SI. Allocates; thread-safe. O(readings).
+[[nodiscard]] TableActivity table_activity(const Rig& rig, const MotionData& data, const std::vector<double>& noise);
+
+// Standard deviation of the noise from reading to reading, per channel: what a cubic through four neighbours leaves
+// over, by its median. Includes what the cubic misses of a motion sampled coarsely. NaN below 8 readings.
+[[nodiscard]] std::vector<double> local_noise(const Rig& rig, const MotionData& data);
+
+// Takes out readings that are far from their four neighbours, where they are few: left in, one of 100 σ would decide
+// all. Returns how many.
+std::size_t leave_out_spikes(const Rig& rig, MotionData& data);
+
+}  // namespace dwell

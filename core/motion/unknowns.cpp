@@ -1,0 +1,78 @@
+#include "core/motion/unknowns.hpp"
+
+namespace dwell {
+namespace {
+
+// Where a rig file lets the drive be searched: ±2 % of nominal, by default. Of random motion no reading tells it.
+constexpr double kDriveU = 0.02;
+
+}  // namespace
+
+std::vector<Parameter> free_parameters(const Rig& rig, int stretches) {
+  std::vector<Parameter> out;
+  for (int e = 0; e < rig.element_count(); ++e) {
+    out.push_back({Unknown::stiffness, e});
+    out.push_back({Unknown::damping, e});
+  }
+  for (int i = 0; i < stretches; ++i) out.push_back({Unknown::intensity, i});
+  for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c)
+    if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary) out.push_back({Unknown::noise, c});
+  out.push_back({Unknown::drive, 0, kDriveU});
+  return out;
+}
+
+std::vector<Parameter> stated_parameters(const Rig& rig) {
+  std::vector<Parameter> out;
+  const auto add = [&out](Unknown what, std::size_t index, double u) {
+    if (u > 0.0) out.push_back({what, static_cast<int>(index), u});
+  };
+  for (std::size_t i = 0; i < rig.mass_u.size(); ++i) add(Unknown::mass, i, rig.mass_u[i]);
+  std::vector<bool> used(rig.devices.size(), false);
+  for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+    const Channel& channel = rig.channels[c];
+    if (channel.measures == Quantity::auxiliary) continue;
+    if (channel.device >= 0) used[static_cast<std::size_t>(channel.device)] = true;
+    add(Unknown::scale, c, channel.scale_u);
+    add(Unknown::delay, c, channel.delay_u_s);
+    if (channel.lowpass.kind != FilterKind::none) add(Unknown::lowpass, c, channel.lowpass.hz_u);
+    if (channel.highpass.kind != FilterKind::none) add(Unknown::highpass, c, channel.highpass.hz_u);
+  }
+  for (std::size_t d = 0; d < rig.devices.size(); ++d)
+    if (used[d]) add(Unknown::device_delay, d, rig.devices[d].delay_u_s);
+  add(Unknown::clock, 0, rig.excitation.clock_u);
+  return out;
+}
+
+std::string name_of(const Rig& rig, const Parameter& parameter) {
+  const auto i = static_cast<std::size_t>(parameter.index);
+  const auto number = [&] { return std::to_string(parameter.index + 1); };
+  switch (parameter.what) {
+    case Unknown::stiffness:
+      return "stiffness " + number();
+    case Unknown::damping:
+      return "damping " + number();
+    case Unknown::intensity:
+      return "motion of the table";
+    case Unknown::drive:
+      return "frequency of the drive";
+    case Unknown::noise:
+      return "noise of " + rig.channels[i].name;
+    case Unknown::mass:
+      return "mass " + number();
+    case Unknown::scale:
+      return "scale of " + rig.channels[i].name;
+    case Unknown::delay:
+      return "delay of " + rig.channels[i].name;
+    case Unknown::device_delay:
+      return "delay of " + rig.devices[i].name;
+    case Unknown::lowpass:
+      return "low-pass of " + rig.channels[i].name;
+    case Unknown::highpass:
+      return "high-pass of " + rig.channels[i].name;
+    case Unknown::clock:
+      return "clock rate";
+  }
+  return {};
+}
+
+}  // namespace dwell

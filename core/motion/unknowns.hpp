@@ -1,0 +1,42 @@
+// What the likelihood of a motion is a function of: the coefficients, what nothing states (the intensity of the table's
+// motion, the noise of each channel), and what the rig file states with an uncertainty.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+enum class Unknown : std::uint8_t {
+  stiffness,     // c of element `index` + 1, N/m
+  damping,       // r of element `index` + 1, N·s/m
+  intensity,     // ln q of the table's motion in stretch `index`; q in m²/s, see MotionModel
+  noise,         // ln σ of channel `index`, σ in SI
+  drive,         // relative departure of the table's own frequency from the nominal drive
+  mass,          // departures from what is stated: of mass `index` + 1, kg
+  scale,         // relative, of channel `index`: it shows that part more
+  delay,         // s, of channel `index`
+  device_delay,  // s, of device `index`
+  lowpass,       // Hz, of the corner of channel `index`
+  highpass,      // likewise
+  clock,         // relative: true time runs faster than the stamps by this part
+};
+
+struct Parameter {
+  Unknown what = Unknown::stiffness;
+  int index = 0;
+  double prior_u = 0.0;  // standard deviation of the prior, mean 0; 0: none
+};
+
+// Coefficients, intensities of `stretches` stretches, noise of all channels that count, without priors; then the drive.
+[[nodiscard]] std::vector<Parameter> free_parameters(const Rig& rig, int stretches);
+// What the rig file states with a standard uncertainty above 0.
+[[nodiscard]] std::vector<Parameter> stated_parameters(const Rig& rig);
+
+// As the budget of a dwell names its source: "scale of y1", "mass 2", "delay of amplifier", "noise of y0".
+[[nodiscard]] std::string name_of(const Rig& rig, const Parameter& parameter);
+
+}  // namespace dwell

@@ -1,0 +1,29 @@
+// Coefficients of a first look, without state, initial condition or steady motion: the weak form of the equations.
+//
+// For a test function χ that vanishes with its first five derivatives at the ends of a window, four integrations by
+// parts of the equations of the masses k … n, added up, give
+//
+//   Σ_{i>=k} m_i ∫χ'''' y_i + ∫χ'' F = -c_k ∫χ'' d_k + r_k ∫χ''' d_k ,   element n+1: ∫χ'' F = c ∫χ'' y_n - r ∫χ''' y_n
+//
+// (free: no F), linear in c_k and r_k: one row per window, least squares over all windows. A transducer of velocity or
+// acceleration has its integrals with one or two derivatives of χ less. χ = (1 - u²)⁶; the integrals are those of a
+// cubic through the nearest four readings, since the trapezoid rule on irregular instants errs by (ωΔt)²/12.
+// Noise in d_k makes both coefficients too small: good to start from, not to report. Filters count at the nominal
+// drive alone. docs/method.md, Any motion.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/motion/likelihood.hpp"
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+struct WeakForm {
+  Eigen::VectorXd stiffness, damping;  // per element; NaN where the channels do not determine it or no window fits
+};
+
+// data: by time, of all channels that count. Allocates; thread-safe. O(readings).
+[[nodiscard]] WeakForm weak_form(const Rig& rig, const MotionData& data);
+
+}  // namespace dwell

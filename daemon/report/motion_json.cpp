@@ -1,0 +1,36 @@
+#include <algorithm>
+
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_parts.hpp"
+#include "daemon/report/motion_report.hpp"
+
+namespace dwell {
+
+Json json_value(const MotionView& view) {
+  const MotionEstimate& m = view.estimate;
+  if (!m.reason.empty()) return nullptr;
+  Json object = {{"start_s", json_number(m.start_s)}, {"end_s", json_number(m.end_s)}};
+  Json elements = Json::array();
+  for (const ElementEstimate& e : m.elements) elements.push_back(json_element(e, view.motion, Detail::whole));
+  object["elements"] = std::move(elements);
+  object["covariance"] = json_square(m.covariance);
+  object["frequency_hz"] = nullptr;  // no steady drive is part of this model
+  Json channels = Json::array();
+  for (const MotionChannel& channel : m.channels) {
+    const ChannelLabel& label = view.channels[static_cast<std::size_t>(channel.channel)];
+    channels.push_back({{"channel", label.name},
+                        {"u_noise", json_number(channel.u_noise)},
+                        {"unit", label.unit},
+                        {"chi2", json_number(channel.chi2)},
+                        {"whiteness_p", json_number(channel.whiteness_p)},
+                        {"unexplained", json_number(channel.unexplained)}});
+  }
+  object["channels"] = std::move(channels);
+  object["missing"] = Json::array();
+  object["agrees_with_dwell"] = std::isfinite(view.e_n) ? Json{{"e_n", view.e_n}} : Json(nullptr);
+  object["readings"] = m.readings;
+  object["warnings"] = m.warnings;
+  return object;
+}
+
+}  // namespace dwell

@@ -1,0 +1,26 @@
+// The object `motion` of the public interface, and the same as people read it.
+//
+// Bound to one thread, not real-time: allocates.
+#pragma once
+
+#include <string>
+
+#include "core/result/motion.hpp"
+#include "daemon/report/dwell_view.hpp"
+
+namespace dwell {
+
+// A motion with what its numbers need to be read. e_n: against the dwell of the same data; NaN: there is none.
+struct MotionView {
+  Motion motion = Motion::translation;
+  std::vector<ChannelLabel> channels;
+  MotionEstimate estimate;
+  double e_n = kNaN;
+};
+
+[[nodiscard]] MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig);
+
+// A line "any motion · …", the coefficients, and the warnings; or why there are none.
+[[nodiscard]] std::string motion_text(const MotionView& view);
+
+}  // namespace dwell

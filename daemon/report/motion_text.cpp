@@ -1,0 +1,54 @@
+#include <algorithm>
+
+#include "daemon/report/dwell_text.hpp"
+#include "daemon/report/motion_report.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/table.hpp"
+
+namespace dwell {
+namespace {
+
+std::vector<std::string> cells(const std::vector<ElementEstimate>& elements, Coefficient ElementEstimate::*which,
+                               const char* unit) {
+  std::vector<NumberText> numbers;
+  for (const ElementEstimate& e : elements)
+    numbers.push_back(e.identifiable ? number_text((e.*which).value, (e.*which).U95, unit)
+                                     : NumberText{kNoNumber, "", ""});
+  std::vector<std::string> out = join_aligned(numbers);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (elements[i].identifiable && !(elements[i].*which).significant) out[i] += " n.s.";
+  return out;
+}
+
+std::string e_n_text(double e_n) {
+  return "the dwell's coefficients " + std::string(e_n > 1 ? "contradict" : "agree with") +
+         " these: largest difference over its U is " + join(number_text(e_n, "", 2));
+}
+
+}  // namespace
+
+MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig) {
+  return {rig.motion, channel_labels(rig), estimate, e_n};
+}
+
+std::string motion_text(const MotionView& view) {
+  const MotionEstimate& m = view.estimate;
+  if (!m.reason.empty()) return "any motion · none: " + printable(m.reason) + "\n";
+  std::string text = "any motion · " + seconds_text(m.start_s, 2) + " to " + seconds_text(m.end_s, 2) + ", " +
+                     std::to_string(m.readings) + " readings\n";
+  Table table;
+  std::vector<std::string> numbers;
+  for (const ElementEstimate& e : m.elements) numbers.push_back(std::to_string(e.k));
+  table.add("element", numbers, Align::right);
+  table.add("stiffness", cells(m.elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
+  table.add("damping", cells(m.elements, &ElementEstimate::damping, damping_unit(view.motion)));
+  text += table.text();
+  for (const ElementEstimate& e : m.elements)
+    if (!e.identifiable)
+      text += "element " + std::to_string(e.k) + " is not identifiable: " + printable(e.reason) + "\n";
+  if (std::isfinite(view.e_n)) text += e_n_text(view.e_n) + "\n";
+  for (const std::string& warning : m.warnings) text += "warning: " + printable(warning) + "\n";
+  return text;
+}
+
+}  // namespace dwell

@@ -1,0 +1,134 @@
+#include "core/motion/motion_estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/model/forward.hpp"
+#include "tests/core/motion_case.hpp"
+
+namespace dwell {
+namespace {
+
+// A part of the size that each channel has in the steady motion.
+std::vector<double> part_of_steady(const Rig& rig, const Chain& chain, const Drive& drive, double part) {
+  DrivenChain steady(chain, drive, DrivenChain::Start::steady);
+  std::vector<double> out(rig.channels.size(), 0.0);
+  for (int i = 0; i < 64; ++i)
+    for (std::size_t c = 0; c < out.size(); ++c)
+      out[c] = std::max(
+          out[c], part * std::abs(exact_reading(rig, steady.at(i / 64.0 / drive.frequency_hz), static_cast<int>(c))));
+  return out;
+}
+
+MotionData start_up(const Rig& rig, const Chain& chain, const Drive& drive, double seconds, double rate_hz,
+                    double noise, std::uint64_t seed) {
+  DrivenChain driven(chain, drive, DrivenChain::Start::rest);
+  return readings_of(rig, driven, 0.0, seconds, rate_hz, part_of_steady(rig, chain, drive, noise), seed, 2e-4);
+}
+
+TEST(MotionEstimate, FindsTheCoefficientsOfStartUpsWithTheirUncertainty) {
+  std::mt19937_64 rng(12);
+  double squares = 0.0, count = 0.0;
+  for (int draw = 0; draw < 24; ++draw) {
+    const Chain chain = random_chain(rng, 1 + draw % 2, draw % 4 < 2 ? Boundary::free : Boundary::clamped, 4.0);
+    const Rig rig = rig_of(chain, 4.0);
+    const MotionEstimate found =
+        estimate_motion(rig, start_up(rig, chain, {4.0, 0.005, 0.001, draw % 3 * 0.5}, 2.0, 200.0, 0.003, rng()));
+    ASSERT_EQ(found.reason, "") << draw;
+    for (std::size_t e = 0; e < found.elements.size(); ++e) {
+      ASSERT_TRUE(found.elements[e].identifiable) << draw << found.elements[e].reason;
+      EXPECT_LT(found.elements[e].stiffness.U95, 0.1 * chain.stiffness[e]);
+      for (const auto& [seen, truth] : {std::pair{found.elements[e].stiffness, chain.stiffness[e]},
+                                        std::pair{found.elements[e].damping, chain.damping[e]}}) {
+        EXPECT_LT(std::abs(seen.value - truth), 4 * seen.u) << draw;
+        squares += std::pow((seen.value - truth) / seen.u, 2);
+        ++count;
+      }
+    }
+  }
+  EXPECT_NEAR(squares / count, 1.0, 0.5);  // three times √(2/84), as not all are independent
+}
+
+// ζ = 0.2 %: the transient takes 100 s to fall to 0.5 %.
+TEST(MotionEstimate, NeedsSecondsWhereTheHarmonicVerdictNeedsMinutes) {
+  const Chain chain{Boundary::free, {10.0}, {10.0 * std::pow(kTwoPi * 4.4, 2)}, {2 * 0.002 * 10.0 * kTwoPi * 4.4}};
+  const Rig rig = rig_of(chain, 4.0);
+  const Drive drive{4.0, 0.002, 0.0, 0.0};
+  Bench bench(chain, rig, drive, DrivenChain::Start::rest, {200.0, 0.0, 0.0, {2e-5, 2e-5}, false}, 3);
+  bench.run(60.0);
+  EXPECT_FALSE(std::isfinite(bench.pipeline.current().settled_s));
+  DrivenChain driven(chain, drive, DrivenChain::Start::rest);
+  const MotionEstimate found = estimate_motion(rig, readings_of(rig, driven, 0.0, 5.0, 200.0, {2e-5, 2e-5}, 3));
+  ASSERT_EQ(found.reason, "");
+  const ElementEstimate& element = found.elements.front();
+  EXPECT_LT(element.stiffness.U95, 0.1 * chain.stiffness[0]);
+  EXPECT_LT(element.damping.U95, 0.1 * chain.damping[0]);
+  EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[0]), 4 * element.stiffness.u);
+  EXPECT_LT(std::abs(element.damping.value - chain.damping[0]), 4 * element.damping.u);
+}
+
+TEST(MotionEstimate, CoversAScaleAndAMassThatAreOffAsStated) {
+  const Chain chain = clamped_chain();
+  Rig rig = rig_of(chain, 4.0);
+  rig.channels[3].scale_u = 0.01;
+  rig.mass_u = {0.1, 0.1};
+  MotionData data = start_up(rig, chain, {4.0, 0.005, 0.0, 0.2}, 2.0, 200.0, 0.002, 5);
+  for (MotionReading& reading : data.readings)
+    if (reading.channel == 3) reading.value *= 1.015;
+  rig.masses[0] += 0.15;
+  const MotionEstimate found = estimate_motion(rig, data);
+  ASSERT_EQ(found.reason, "");
+  bool named = false;
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Coefficient& c = found.elements[e].stiffness;
+    EXPECT_LT(std::abs(c.value - chain.stiffness[e]), 3 * c.u) << e;
+    EXPECT_LT(found.u_of_noise[2 * e], 0.5 * c.u) << e;
+    double shares = 0.0;
+    for (const BudgetShare& share : found.elements[e].budget) {
+      shares += share.stiffness_share;
+      named = named || share.source == "scale of reaction";
+    }
+    EXPECT_NEAR(shares, 1.0, 1e-9);
+  }
+  EXPECT_TRUE(named);
+}
+
+TEST(MotionEstimate, RefusesAnElementThatIsFarFromLinear) {
+  const Chain chain{Boundary::clamped, {}, {20000.0}, {300.0}};
+  const Rig rig = rig_of(chain, 4.0);
+  DrivenChain driven(chain, {4.0, 0.005, 0.0, 0.5}, DrivenChain::Start::rest);
+  MotionData data = readings_of(rig, driven, 0.0, 3.0, 200.0, {1e-5, 0.1}, 5);
+  for (MotionReading& reading : data.readings)
+    if (reading.channel == 1) reading.value += 60.0 * std::tanh(200.0 * driven.at(to_s(reading.t_ns)).velocity[0]);
+  const MotionEstimate found = estimate_motion(rig, data);
+  EXPECT_NE(found.reason.find("no linear chain explains reaction"), std::string::npos) << found.reason;
+  EXPECT_TRUE(found.elements.empty());
+}
+
+TEST(MotionEstimate, SaysWhyThereIsNone) {
+  const Rig rig = rig_of(free_chain(), 4.0);
+  EXPECT_EQ(estimate_motion(rig, {}).reason, "there are no readings");
+  DrivenChain still(free_chain(), {4.0, 0.0, 0.0, 0.0}, DrivenChain::Start::rest);
+  EXPECT_EQ(estimate_motion(rig, readings_of(rig, still, 0, 2, 200, {1e-5, 1e-5, 1e-5}, 1)).reason,
+            "the table does not move");
+  DrivenChain moving(free_chain(), {4.0, 0.005, 0.0, 0.0}, DrivenChain::Start::rest);
+  EXPECT_EQ(estimate_motion(rig, readings_of(rig, moving, 0, 0.05, 200, {1e-5, 1e-5, 1e-5}, 1)).reason,
+            "too few readings: 30");
+}
+
+// A wild reading is left out, not believed.
+TEST(MotionEstimate, LeavesOutAReadingFarFromAll) {
+  const Chain chain = free_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  MotionData data = start_up(rig, chain, {4.0, 0.005, 0.0, 0.3}, 2.0, 200.0, 0.002, 5);
+  data.readings[601].value += 0.5;
+  const MotionEstimate found = estimate_motion(rig, data);
+  ASSERT_EQ(found.reason, "");
+  EXPECT_EQ(found.readings + 1, data.readings.size());
+  for (std::size_t e = 0; e < 2; ++e)
+    EXPECT_LT(std::abs(found.elements[e].stiffness.value - chain.stiffness[e]), 4 * found.elements[e].stiffness.u);
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,42 @@
+#include "core/motion/weak_form.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/motion_case.hpp"
+
+namespace dwell {
+namespace {
+
+// Velocity at mass 1, acceleration at mass 2, a transducer across element 2, irregular instants: no noise.
+TEST(WeakForm, FindsTheCoefficientsOfAStartUpFromAnyTransducers) {
+  Rig rig = rig_of(clamped_chain(), 4.0);
+  rig.channels[1].measures = Quantity::velocity;
+  rig.channels[2].measures = Quantity::acceleration;
+  rig.channels[3].force_on_mass = true;
+  DrivenChain driven(clamped_chain(), {4.0, 0.005, 0.002, 0.4}, DrivenChain::Start::rest);
+  MotionData data = readings_of(rig, driven, 0.0, 2.0, 200.0, {0, 0, 0, 0}, 1, 3e-4);
+  const WeakForm found = weak_form(rig, data);
+  for (int e = 0; e < 3; ++e) {
+    const auto i = static_cast<std::size_t>(e);
+    EXPECT_NEAR(found.stiffness(e), clamped_chain().stiffness[i], 2e-3 * clamped_chain().stiffness[i]) << e;
+    EXPECT_NEAR(found.damping(e), clamped_chain().damping[i], 2e-2 * clamped_chain().damping[i]) << e;
+  }
+}
+
+TEST(WeakForm, GivesTheOneElementBetweenTableAndLoadCell) {
+  const Chain chain{Boundary::clamped, {}, {50000.0}, {120.0}};
+  const Rig rig = rig_of(chain, 8.0);
+  DrivenChain driven(chain, {8.0, 0.001, 0.0, 0.3}, DrivenChain::Start::rest);
+  const WeakForm found = weak_form(rig, readings_of(rig, driven, 0.0, 1.0, 400.0, {0, 0}, 1));
+  EXPECT_NEAR(found.stiffness(0), 50000.0, 50.0);
+  EXPECT_NEAR(found.damping(0), 120.0, 1.2);
+}
+
+TEST(WeakForm, HasNoNumberWhereNoWindowFits) {
+  const Rig rig = rig_of(free_chain(), 4.0);
+  DrivenChain driven(free_chain(), {4.0, 0.005, 0.0, 0.0}, DrivenChain::Start::rest);
+  EXPECT_TRUE(std::isnan(weak_form(rig, readings_of(rig, driven, 0.0, 0.02, 200.0, {0, 0, 0}, 1)).stiffness(0)));
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,121 @@
+#include "tests/study/any_motion.hpp"
+
+#include <time.h>
+
+#include <cmath>
+
+#include "core/base/angle.hpp"
+#include "core/dwell/pipeline.hpp"
+#include "core/motion/motion_estimate.hpp"
+#include "core/motion/motion_recorder.hpp"
+#include "tests/study/draw_parts.hpp"
+#include "tests/study/recording.hpp"
+
+namespace dwell::study {
+namespace {
+
+double cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// The tones of a table that moves so, the fundamental left out.
+std::vector<Tone> tones_of(Draws& draws, TableKind kind, double f, Complex A) {
+  std::vector<Tone> tones;
+  if (kind == TableKind::ramp) {  // A sin(ωt) sin²(πt/T) = its side bands
+    const double T = draws.uniform(8, 40) / f;
+    tones.push_back({f, -0.5 * A});
+    tones.push_back({f + 1 / T, -0.25 * A});
+    tones.push_back({f - 1 / T, -0.25 * A});
+  } else if (kind == TableKind::random) {
+    tones.push_back({f, -A});
+    for (int i = 0; i < 40; ++i)
+      tones.push_back({f * draws.log_uniform(0.2, 2.5),
+                       std::abs(A) * std::sqrt(1.0 / 40) * std::polar(1.0, draws.uniform(0, kTwoPi))});
+  } else if (kind == TableKind::wander) {
+    for (int i = 0; i < 6; ++i)
+      tones.push_back({f * (1 + draws.sign() * draws.log_uniform(0.01, 0.2)),
+                       0.1 * std::abs(A) / std::sqrt(3.0) * std::polar(1.0, draws.uniform(0, kTwoPi))});
+  }
+  return tones;
+}
+
+MotionRecorder recorded(const Case& about, double until_s) {
+  MotionRecorder recorder(about.rig);
+  Player player(about);
+  for (Record record = player.next(); player.now_s() < until_s; record = player.next()) recorder.take(record);
+  return recorder;
+}
+
+bool wide_enough(const MotionEstimate& estimate) {
+  if (!estimate.reason.empty()) return false;
+  for (const ElementEstimate& e : estimate.elements)
+    if (!e.identifiable || !(e.stiffness.U95 < 0.1 * std::abs(e.stiffness.value)) ||
+        !(e.damping.U95 < 0.1 * std::abs(e.damping.value)))
+      return false;
+  return true;
+}
+
+void play_times(const Case& about, double periods, MotionOutcome& outcome) {
+  for (double so_far = 0.5; so_far <= periods && std::isnan(outcome.wide_periods); so_far *= 1.25)
+    if (wide_enough(estimate_motion(about.rig, recorded(about, about.change_s + so_far / about.frequency_hz).data())))
+      outcome.wide_periods = so_far;
+  Pipeline pipeline(about.rig);
+  Player player(about);
+  const double limit_s = about.change_s + 12 * about.motion->time_constant_s() + 60 / about.frequency_hz;
+  for (int i = 1; player.now_s() < limit_s; ++i) {
+    pipeline.push(player.next());
+    if (i % 64 == 0 && pipeline.state() == State::measuring) break;
+  }
+  const Dwell dwell = pipeline.current();
+  if (std::isfinite(dwell.verdict_s))
+    outcome.harmonic_periods = (dwell.verdict_s - about.change_s) * about.frequency_hz;
+}
+
+}  // namespace
+
+const char* name_of(TableKind kind) {
+  constexpr const char* names[kTableKinds] = {"dwell", "ramp", "random", "wander"};
+  return names[static_cast<int>(kind)];
+}
+
+Case draw_motion_case(TableKind kind, std::uint64_t seed, int index, int most) {
+  for (std::uint64_t again = 0;; ++again) {
+    Case about = draw(Population::white, seed + 1000 * again, index);
+    if (about.chain.mass_count() > most) continue;
+    if (kind == TableKind::dwell) return about;
+    Draws draws(mixed(about.seed) ^ static_cast<std::uint64_t>(kind));
+    about.change_s = 0.0;
+    about.table.tones = tones_of(draws, kind, about.frequency_hz, about.table.shape[0]);
+    if (kind == TableKind::ramp) about.table.shape.resize(1);
+    about.motion = std::make_shared<Motion>(about.chain, about.sensors);
+    about.motion->drive(0.0, about.table);
+    return about;
+  }
+}
+
+MotionOutcome play_motion(const Case& about, double periods, bool timing) {
+  MotionOutcome outcome;
+  const MotionRecorder recorder = recorded(about, about.change_s + periods / about.frequency_hz);
+  const double before = cpu_s();
+  const MotionEstimate estimate = estimate_motion(about.rig, recorder.data());
+  outcome.seconds = cpu_s() - before;
+  outcome.reason = estimate.reason;
+  for (std::size_t e = 0; e < estimate.elements.size(); ++e) {
+    const ElementEstimate& element = estimate.elements[e];
+    if (!element.identifiable) {
+      ++outcome.withheld;
+      continue;
+    }
+    for (const auto& [given, truth] :
+         {std::pair{element.stiffness, about.chain.stiffness[e]}, std::pair{element.damping, about.chain.damping[e]}}) {
+      outcome.errors.push_back((given.value - truth) / given.u);
+      outcome.beyond.push_back(std::abs(given.value - truth) / given.U95);
+    }
+  }
+  if (timing) play_times(about, periods, outcome);
+  return outcome;
+}
+
+}  // namespace dwell::study

@@ -1,0 +1,38 @@
+// How good the coefficients of any motion are (core/motion), on the random rigs of the study.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/study/case.hpp"
+
+namespace dwell::study {
+
+// What the table does. All but `dwell` are sums of tones: exact, and of any shape.
+enum class TableKind {
+  dwell,   // a steady drive begun at rest, from any state or after a change: the population `white`
+  ramp,    // a sine whose amplitude rises from 0 and falls again, within 4 … 20 periods each
+  random,  // 40 tones of any phase between 0.2 and 2.5 times the drive
+  wander,  // a sine whose amplitude wanders by 10 % and whose phase does by 0.1 rad
+};
+inline constexpr int kTableKinds = 4;
+[[nodiscard]] const char* name_of(TableKind kind);
+
+// A rig of at most `most` masses and its first `periods` periods; index draws it, with the seed.
+[[nodiscard]] Case draw_motion_case(TableKind kind, std::uint64_t seed, int index, int most);
+
+struct MotionOutcome {
+  std::string reason;             // why there is no estimate
+  std::vector<double> errors;     // (value - truth) / u, of c and r of all elements that are reported
+  std::vector<double> beyond;     // |value - truth| / U95, likewise
+  int withheld = 0;               // elements that are not identifiable
+  double seconds = 0.0;           // CPU time of this estimate
+  double wide_periods = NAN;      // stream time from the start until U95 <= 10 % of all c and r, periods of the drive
+  double harmonic_periods = NAN;  // the same until the harmonic verdict; NaN: none within what was played
+};
+
+// Estimates from the first `periods` periods. timing: also when U95 falls to 10 %, and when the harmonic verdict comes.
+[[nodiscard]] MotionOutcome play_motion(const Case& about, double periods, bool timing);
+
+}  // namespace dwell::study
