@@ -60,9 +60,9 @@ int judge(const MotionEstimate& motion) {
   const bool answered = std::any_of(motion.elements.begin(), motion.elements.end(),
                                     [](const ElementEstimate& e) { return e.identifiable; });
   if (!motion.reason.empty())
-    complain("no coefficients: " + motion.reason);
+    tell_error("no coefficients: " + motion.reason);
   else if (!answered)
-    complain("no element is identifiable; the reasons stand with the elements");
+    tell_error("no element is identifiable; the reasons stand with the elements");
   return answered ? kDone : kNo;
 }
 
@@ -72,11 +72,11 @@ int judge(const Rig& rig, const CsvRecording& recording, const std::vector<Dwell
   const bool answered = std::any_of(dwells.begin(), dwells.end(), answers);
   const bool doubted = std::any_of(dwells.begin(), dwells.end(), [](const Dwell& d) { return !d.doubts.empty(); });
   if (!settled)
-    complain(why_nothing_settled(rig, recording, dwells));
+    tell_error(why_nothing_settled(rig, recording, dwells));
   else if (doubted)
-    complain("there are coefficients that must not be relied on; the reasons stand with the dwell");
+    tell_error("there are coefficients that must not be relied on; the reasons stand with the dwell");
   else if (!answered)
-    complain("no element of any dwell is identifiable; the reasons stand with the elements");
+    tell_error("no element of any dwell is identifiable; the reasons stand with the elements");
   return answered && !doubted ? kDone : kNo;
 }
 

@@ -21,7 +21,7 @@ std::string names_of(const std::vector<std::string>& names) {
 
 }  // namespace
 
-void complain(const std::string& text) { std::fprintf(stderr, "dwellctl: %s\n", printable(text).c_str()); }
+void tell_error(const std::string& text) { std::fprintf(stderr, "dwellctl: %s\n", printable(text).c_str()); }
 
 tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const std::string& data) {
   auto file = config::load(rig, {});
@@ -30,23 +30,23 @@ tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const s
     return tl::make_unexpected(kUsage);
   }
   if (file->rig.excitation.reference == Reference::sync) {
-    complain(rig + ": the reference is \"sync\", and a recording as text holds no pulses: expected \"tracked\" or " +
-             "\"fixed\" there");
+    tell_error(rig + ": the reference is \"sync\", and a recording as text holds no pulses: expected \"tracked\" or " +
+               "\"fixed\" there");
     return tl::make_unexpected(kUsage);
   }
   auto recording = read_csv(data);
   if (!recording) {
-    complain(recording.error());
+    tell_error(recording.error());
     return tl::make_unexpected(kUsage);
   }
   const ColumnMatch match = match_columns(file->rig, *recording);
   if (!match.missing_channels.empty()) {
-    complain(data + ": no column for " + names_of(match.missing_channels) + "; there are " +
-             names_of(recording->channels));
+    tell_error(data + ": no column for " + names_of(match.missing_channels) + "; there are " +
+               names_of(recording->channels));
     return tl::make_unexpected(kUsage);
   }
   if (!match.unknown_columns.empty()) {
-    complain("warning: " + data + ": the rig has no channel " + names_of(match.unknown_columns) + "; ignored");
+    tell_error("warning: " + data + ": the rig has no channel " + names_of(match.unknown_columns) + "; ignored");
   }
   return RecordedRun{std::move(*file), std::move(*recording)};
 }

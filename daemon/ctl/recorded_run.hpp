@@ -16,7 +16,7 @@ struct RecordedRun {
 };
 
 // One line on standard error, without control characters.
-void complain(const std::string& text);
+void tell_error(const std::string& text);
 
 // Says on standard error what is wrong, or what is ignored. The error: an exit code.
 [[nodiscard]] tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const std::string& data);

@@ -33,9 +33,9 @@ tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<
   const auto asked = [&](const Dwell& dwell) { return index ? dwell.index == index : std::isfinite(dwell.settled_s); };
   const auto found = std::find_if(dwells.rbegin(), dwells.rend(), asked);
   if (found == dwells.rend()) {
-    complain(index ? "the recording has no dwell " + std::to_string(*index) + "; there are " +
-                         std::to_string(dwells.size())
-                   : why_nothing_settled(run.file.rig, run.recording, dwells));
+    tell_error(index ? "the recording has no dwell " + std::to_string(*index) + "; there are " +
+                           std::to_string(dwells.size())
+                     : why_nothing_settled(run.file.rig, run.recording, dwells));
     return tl::make_unexpected(index ? kUsage : kNo);
   }
   // Evidence begins where the dwell before it ends.
@@ -51,7 +51,7 @@ bool written(const std::filesystem::path& path, const std::string& text) {
   file << text;
   file.close();
   if (file) return true;
-  complain(path.string() + " cannot be written");
+  tell_error(path.string() + " cannot be written");
   return false;
 }
 
@@ -76,7 +76,7 @@ int export_model(const ExportOptions& options) {
   if (!seen) return seen.error();
   const auto files = model_files(run->file.rig, {run->file.sha256, DWELL_VERSION, ""}, seen->dwell, seen->verification);
   if (!files) {
-    complain(files.error());
+    tell_error(files.error());
     return kNo;
   }
   std::error_code failed;
@@ -84,7 +84,7 @@ int export_model(const ExportOptions& options) {
   for (const ModelFile& file : *files)
     if (!written(std::filesystem::path(options.folder) / file.name, file.text)) return kUsage;
   if (seen->verification.verdict != Verdict::adequate)
-    complain(std::string("the model is ") + to_string(seen->verification.verdict) + "; model.json says why");
+    tell_error(std::string("the model is ") + to_string(seen->verification.verdict) + "; model.json says why");
   return kDone;
 }
 

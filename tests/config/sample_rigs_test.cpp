@@ -101,6 +101,7 @@ TEST(Manual, NamesEveryKeyOfEveryTable) {
       {"[excitation]\n", "[excitation]\nxxxxxxxxxx = 1\n"},
       {"[settling]\n", "[settling]\nxxxxxxxxxx = 1\n"},
       {"[estimation]\n", "[estimation]\nxxxxxxxxxx = 1\n"},
+      {"", "[verification]\nxxxxxxxxxx = 1\n"},
       {"[server]\n", "[server]\nxxxxxxxxxx = 1\n"},
       {"[recording]\n", "[recording]\nxxxxxxxxxx = 1\n"},
       {"", "[gpio]\nxxxxxxxxxx = 1\n"},
