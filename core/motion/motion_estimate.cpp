@@ -28,6 +28,9 @@ constexpr double kRefused = 0.1;
 // … and what is left over is more than that times the noise from reading to reading, which is itself known to 10 %.
 constexpr double kMoreThanNoise = 1.5;
 constexpr double kNotWhite = 1e-3;
+// Chance once in a million: the model is contradicted, by friction or a spring that nobody stated, and by how much the
+// coefficients are wrong no widening can tell.
+constexpr double kContradicted = 1e-6;
 
 // Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
 // form.
@@ -66,6 +69,7 @@ class Report {
     pass_ = evaluate(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at,
                      {.derivatives = false, .keep_innovations = true});
     add_channels(out);
+    if (out.reason.empty()) refuse_contradicted(out);
     if (!out.reason.empty()) return out;
     spread_by_noise();
     widen(out);
@@ -121,12 +125,27 @@ class Report {
     covariance_ = course_.fit.covariance.topLeftCorner(coefficients_, coefficients_);
   }
 
-  // Where the innovations are not white the information overstates: the sandwich form, never narrower.
-  void widen(MotionEstimate& out) {
+  // Channels behind the table whose innovations are correlated by more than chance makes them with this probability.
+  [[nodiscard]] std::vector<std::string> not_white(const MotionEstimate& out, double by_chance) const {
     std::vector<std::string> names;
     for (const MotionChannel& channel : out.channels)
-      if (channel.whiteness_p < kNotWhite && !shows_drive(rig_.channels[static_cast<std::size_t>(channel.channel)]))
+      if (channel.whiteness_p < by_chance && !shows_drive(rig_.channels[static_cast<std::size_t>(channel.channel)]))
         names.push_back(rig_.channels[static_cast<std::size_t>(channel.channel)].name);
+    return names;
+  }
+
+  void refuse_contradicted(MotionEstimate& out) const {
+    const std::vector<std::string> names = not_white(out, kContradicted);
+    if (names.empty()) return;
+    out.reason =
+        "the chain of the rig file does not explain " + listed(names) +
+        ": what is left of the readings is not noise (friction, a spring or damper that the file does not have, a " +
+        "mass, a delay, or readings that are not as stated)";
+  }
+
+  // Where the innovations are not white the information overstates: the sandwich form, never narrower.
+  void widen(MotionEstimate& out) {
+    const std::vector<std::string> names = not_white(out, kNotWhite);
     if (names.empty()) return;
     out.warnings.push_back("what the chain leaves of " + listed(names) + " is not white: uncertainties are widened");
     if (course_.fit.pass.blocks < 8) return;

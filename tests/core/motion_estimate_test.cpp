@@ -106,6 +106,23 @@ TEST(MotionEstimate, RefusesAnElementThatIsFarFromLinear) {
   EXPECT_TRUE(found.elements.empty());
 }
 
+// What is left over of a wrong model is no noise: no coefficients, however narrow the likelihood would make them.
+TEST(MotionEstimate, GivesNoCoefficientsWhereTheChainIsAnother) {
+  const Chain chain = free_chain();
+  DrivenChain driven(chain, {4.0, 0.005, 0.0, 0.5}, DrivenChain::Start::rest);
+  Rig rig = rig_of(chain, 4.0);
+  const MotionData data = readings_of(rig, driven, 0.0, 6.0, 200.0, {5e-6, 5e-6, 5e-6}, 5);
+  EXPECT_EQ(estimate_motion(rig, data).reason, "");
+  rig.masses.back() *= 1.2;
+  rig.masses.front() *= 0.8;
+  MotionData late = data;
+  for (MotionReading& reading : late.readings)
+    if (reading.channel == 2) reading.value *= 1.05;
+  const MotionEstimate found = estimate_motion(rig, late);
+  EXPECT_NE(found.reason.find("the chain of the rig file does not explain"), std::string::npos) << found.reason;
+  EXPECT_TRUE(found.elements.empty());
+}
+
 TEST(MotionEstimate, SaysWhyThereIsNone) {
   const Rig rig = rig_of(free_chain(), 4.0);
   EXPECT_EQ(estimate_motion(rig, {}).reason, "there are no readings");
