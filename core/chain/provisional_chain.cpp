@@ -10,11 +10,12 @@ namespace dwell {
 namespace {
 
 constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of |Z|
+constexpr double kOfEigenvalues = 10.0;  // multiplications, times the cube of the order (Golub and Van Loan, 7.5.6)
 
 }  // namespace
 
-ProvisionalChain::ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G)
-    : rig_(rig), observation_(rig, G), decay_(rig.boundary, rig.masses), x_(G.cols()) {
+ProvisionalChain::ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G, Slices* slices)
+    : rig_(rig), slices_(slices), observation_(rig, G), decay_(rig.boundary, rig.masses), x_(G.cols()) {
   const auto unknowns = static_cast<std::size_t>(rig.mass_count());
   Y_.resize(unknowns + 1);
   d_.resize(unknowns);
@@ -50,7 +51,7 @@ void ProvisionalChain::identify_chain(double omega) noexcept {
     Y_[static_cast<std::size_t>(k)] = Y_[static_cast<std::size_t>(k - 1)] + x_(k);
   }
   identify(rig_.boundary, rig_.masses, omega, Y_, d_, x_(n + 1), Z_);
-  time_constant_s_ = decay_.time_constant_s(Z_, omega);
+  time_constant_s_ = solve_decay(omega);
   // A real chain is passive; where noise or a transient make it look otherwise, it is taken as lightly damped.
   bool passive = true;
   for (Complex& z : Z_) {
@@ -58,7 +59,13 @@ void ProvisionalChain::identify_chain(double omega) noexcept {
     passive = passive && nearest == z;
     z = nearest;
   }
-  if (!passive) static_cast<void>(decay_.time_constant_s(Z_, omega));
+  if (!passive) static_cast<void>(solve_decay(omega));
+}
+
+double ProvisionalChain::solve_decay(double omega) noexcept {
+  const double time_constant_s = decay_.time_constant_s(Z_, omega);
+  if (slices_ != nullptr) slices_->spend(kOfEigenvalues * std::pow(2.0 * rig_.mass_count(), 3));
+  return time_constant_s;
 }
 
 }  // namespace dwell

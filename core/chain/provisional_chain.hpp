@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/slices.hpp"
 #include "core/model/decay.hpp"
 #include "core/rig/rig.hpp"
 #include "core/rig/usable_observation.hpp"
@@ -18,8 +19,8 @@ namespace dwell {
 // Bound to one thread. No allocation but in the constructor.
 class ProvisionalChain final : public ChainPoles {
  public:
-  // G: observation_matrix(rig). rig must outlive this.
-  ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G);
+  // G: observation_matrix(rig). slices: in which it works; null: in one. rig and slices must outlive this.
+  ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G, Slices* slices = nullptr);
 
   // The phasor X of channel c's reading at omega, rad/s; or that the channel does not deliver. All channels are to be
   // told before solve().
@@ -39,8 +40,10 @@ class ProvisionalChain final : public ChainPoles {
 
  private:
   void identify_chain(double omega) noexcept;
+  double solve_decay(double omega) noexcept;
 
   const Rig& rig_;
+  Slices* slices_;
   UsableObservation observation_;
   DecayRate decay_;
   Eigen::VectorXcd x_;                           // (Y_0, d_1 … d_n, F)

@@ -3,8 +3,7 @@
 namespace dwell {
 namespace {
 
-constexpr int kLargestSolved = 64;       // masses; beyond, the eigenvalues cost more than they tell
-constexpr double kOfEigenvalues = 10.0;  // multiplications, times the cube of the order (Golub and Van Loan, 7.5.6)
+constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more than they tell
 
 }  // namespace
 
@@ -49,7 +48,6 @@ void Pipeline::Impl::provisional() {
     else
       provisional_chain.leave_out(c);
   provisional_chain.solve(omega());
-  history.spend(kOfEigenvalues * std::pow(2.0 * rig.mass_count(), 3));
 }
 
 }  // namespace dwell

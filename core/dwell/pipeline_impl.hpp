@@ -50,7 +50,7 @@ struct Pipeline::Impl {
         windows(rig, live, data, window),
         history(history_capacity(live.count()), slices),
         G(observation_matrix(given)),
-        provisional_chain(rig, G),
+        provisional_chain(rig, G, slices),
         modes(rig, reference.stated(), history, provisional_chain) {
     transient.resize(static_cast<std::size_t>(live.count()));
     fitted_channels.resize(static_cast<std::size_t>(live.count()));
