@@ -31,6 +31,8 @@ constexpr double kNotWhite = 1e-3;
 // Chance once in a million: the model is contradicted, by friction or a spring that nobody stated, and by how much the
 // coefficients are wrong no widening can tell.
 constexpr double kContradicted = 1e-6;
+// … where what is left is more than this part of the channel's motion: less is the rounding of numbers.
+constexpr double kDigits = 1e-6;
 
 // Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
 // form.
@@ -126,16 +128,20 @@ class Report {
   }
 
   // Channels behind the table whose innovations are correlated by more than chance makes them with this probability.
-  [[nodiscard]] std::vector<std::string> not_white(const MotionEstimate& out, double by_chance) const {
+  // Only those where what is left is more than `least`, a part of the channel's size.
+  [[nodiscard]] std::vector<std::string> not_white(const MotionEstimate& out, double by_chance, double least) const {
     std::vector<std::string> names;
-    for (const MotionChannel& channel : out.channels)
-      if (channel.whiteness_p < by_chance && !shows_drive(rig_.channels[static_cast<std::size_t>(channel.channel)]))
-        names.push_back(rig_.channels[static_cast<std::size_t>(channel.channel)].name);
+    for (const MotionChannel& channel : out.channels) {
+      const auto c = static_cast<std::size_t>(channel.channel);
+      if (channel.whiteness_p < by_chance && channel.u_noise > least * course_.size[c] &&
+          !shows_drive(rig_.channels[c]))
+        names.push_back(rig_.channels[c].name);
+    }
     return names;
   }
 
   void refuse_contradicted(MotionEstimate& out) const {
-    const std::vector<std::string> names = not_white(out, kContradicted);
+    const std::vector<std::string> names = not_white(out, kContradicted, kDigits);
     if (names.empty()) return;
     out.reason =
         "the chain of the rig file does not explain " + listed(names) +
@@ -145,7 +151,7 @@ class Report {
 
   // Where the innovations are not white the information overstates: the sandwich form, never narrower.
   void widen(MotionEstimate& out) {
-    const std::vector<std::string> names = not_white(out, kNotWhite);
+    const std::vector<std::string> names = not_white(out, kNotWhite, 0.0);
     if (names.empty()) return;
     out.warnings.push_back("what the chain leaves of " + listed(names) + " is not white: uncertainties are widened");
     if (course_.fit.pass.blocks < 8) return;
