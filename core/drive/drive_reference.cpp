@@ -11,11 +11,12 @@
 namespace dwell {
 namespace {
 
-constexpr double kContradicts =
-    2.0;  // tolerances, by which the table's frequency and that of the pulses must differ to contradict
-constexpr double kSureOfOff = 4.0;   // standard deviations, and …
-constexpr double kOffMatters = 0.1;  // … tolerances, by which they must differ in the data that count
-constexpr double kCovered = 0.5;     // part of the data that the pulses must span to tell their frequency
+// The table and the pulses contradict each other where their frequencies differ by more tolerances than this.
+constexpr double kContradicts = 2.0;
+// In the data that count they are off where they differ by so many standard deviations and by so many tolerances.
+constexpr double kSureOfOff = 4.0;
+constexpr double kOffMatters = 0.1;
+constexpr double kCovered = 0.5;  // part of the data that the pulses must span to tell their frequency
 
 std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
 std::string in_hz(double omega) { return brief(omega / kTwoPi, 7); }

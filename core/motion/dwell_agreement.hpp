@@ -1,8 +1,10 @@
 // Whether the coefficients of any motion agree with those of a dwell of the same rig.
 //
-// What the rig file states with an uncertainty moves both alike; what differs is noise. Where the motion's stretch
-// holds all that the dwell counts, the estimate from more data is the more efficient one, and the variance of the
-// difference is that of the variances (Hausman 1978); else at most their sum.
+// Errors of what the rig file states move both alike; noise makes the difference d. Where the stretch of the motion
+// holds all readings of the dwell, the motion's estimate uses more and is the more efficient one, and Hausman (1978)
+// gives
+//
+//   var d = u_dwell² - u_motion²   (of the parts of noise);   var d = u_dwell² + u_motion² where the readings differ
 #pragma once
 
 #include "core/result/motion.hpp"

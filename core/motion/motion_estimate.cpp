@@ -21,17 +21,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kLags = 10;
-// Part of a channel's rms that neither the model explains nor the noise from reading to reading: above, the elements
-// are not those of a linear chain, and a coefficient would be an average over what nobody asked for. Twice the accuracy
-// that a model needs by default.
+// Residuals above this part of a channel's rms, beyond the noise from reading to reading: the elements are not linear,
+// and a coefficient would be an average over amplitudes. Twice the accuracy that a model needs by default.
 constexpr double kRefused = 0.1;
-// … and what is left over is more than that times the noise from reading to reading, which is itself known to 10 %.
+// … and above this many times that noise, which is known to 10 %.
 constexpr double kMoreThanNoise = 1.5;
 constexpr double kNotWhite = 1e-3;
-// Chance once in a million: the model is contradicted, by friction or a spring that nobody stated, and by how much the
-// coefficients are wrong no widening can tell.
+// Residuals as correlated as this by chance, once in a million: the model is contradicted, by friction or a spring that
+// nobody stated. No widening can tell how wrong the coefficients are.
 constexpr double kContradicted = 1e-6;
-// … where what is left is more than this part of the channel's motion: less is the rounding of numbers.
+// Residuals below this part of the channel's motion are the rounding of numbers and contradict nothing.
 constexpr double kDigits = 1e-6;
 
 // Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
@@ -145,8 +144,8 @@ class Report {
     if (names.empty()) return;
     out.reason =
         "the chain of the rig file does not explain " + listed(names) +
-        ": what is left of the readings is not noise (friction, a spring or damper that the file does not have, a " +
-        "mass, a delay, or readings that are not as stated)";
+        ": the residuals are not noise. Check for friction, a spring or damper that the file does not have, a wrong " +
+        "mass or delay, and readings that are not as stated";
   }
 
   // Where the innovations are not white the information overstates: the sandwich form, never narrower.

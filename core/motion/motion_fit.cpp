@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 // Of an information matrix scaled to a unit diagonal: eigenvalues below are rounding.
 constexpr double kNull = 1e-11;
-// Of directions of which the readings tell less than that, the score is mostly rounding: they do not hold up the end.
+// Eigenvalues below: the score in that direction is mostly rounding, so that it does not count for convergence.
 constexpr double kHardlyTold = 1e-8;
 // A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
 constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;

@@ -1,11 +1,11 @@
 // The unknowns that make the likelihood of a motion largest: Gauss-Newton on the Fisher information with Levenberg's
-// damping, priors of what the rig file states added.
+// damping. What the rig file states with an uncertainty enters with its prior.
 //
 //   minimize V(θ, x_0, b) + ½ Σ (θ_a / u_a)²;   Cov = (I + diag 1/u²)⁻¹
 //
-// What no reading tells of (the gauge of the biases, say) are null directions of the information: they are left as they
-// are and are no part of the covariance. A noise or intensity at its lower bound leaves the information: the data do
-// not tell it from zero.
+// Directions that no reading tells of, such as the common gauge of the biases, are null directions of the information.
+// They stay where the start has them and are no part of the covariance. A noise or an intensity at its lower bound
+// leaves the information, for the data do not tell it from zero.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +19,8 @@ namespace dwell {
 struct FitLimits {
   Eigen::VectorXd lowest;  // per parameter; -∞: none
   int passes = 40;         // at most
-  // Twice what V may still gain where it is said to be least: the square of what the unknowns are still off by, in
-  // standard deviations. 1e-3: 0.03 of them.
+  // The search ends where one more step would lower 2 V by less than this. The unknowns are then within √gain of their
+  // standard deviations of the minimum: 1e-3 is 0.03 of them.
   double gain = 1e-3;
   double block_s = 0.0;  // as PassOptions
 };
@@ -32,7 +32,7 @@ struct MotionFit {
   double V = 0.0;                // with the priors' part
   Eigen::MatrixXd covariance;    // of (θ, initial, bias)
   Eigen::VectorXd undetermined;  // per unknown: part that lies in directions no reading tells of, 0 … 1
-  double left = 0.0;             // twice what V may still gain, as FitLimits::gain
+  double left = 0.0;             // by how much one more step would lower 2 V; compare FitLimits::gain
   int passes = 0;
 };
 

@@ -63,7 +63,7 @@ class MotionModel {
   // y_k''; linear in the coefficients for k > 0.
   [[nodiscard]] Eigen::RowVectorXd acceleration_row(const Coefficients& of, int k) const;
   [[nodiscard]] Eigen::RowVectorXd place_row(const Coefficients& of, Quantity quantity, int place) const;
-  // What a channel shows, of what changes only.
+  // The channel's row of C before its filters; only the part that `what` names.
   [[nodiscard]] Eigen::RowVectorXd channel_row(const Coefficients& of, const Channel& channel, Of what) const;
   // A and C are linear in the coefficients of the elements, and in 1/m: with a change of one in place of these
   // coefficients the parts that do not depend on it are left out.

@@ -5,12 +5,13 @@
 //   not adequate   √(error² - noise²) - U > accuracy
 //   else           not verified yet: the evidence is too weak
 //
-// error, U and noise are parts of the channel's rms. The noise of the readings compared raises `error` and says nothing
-// against the model, so that the second line takes it off; the first does not, which errs on the safe side.
+// error, U and noise are parts of the channel's rms. The noise of the compared readings raises `error`, but it is no
+// fault of the model. The second line therefore takes it off. The first line leaves it in, which errs on the safe side.
 //
-// Evidence must hold what the coefficients were not fitted to. What the phasors of the one steady frequency give for
-// any motion without memory, y(t) = Re(ρ) y_0(t) + Im(ρ)/ω y_0'(t), proves nothing: every chain with these phasors
-// predicts it. `beyond` is the rms of what the prediction differs from that, and an error must be small beside it too.
+// Evidence must hold what the coefficients were not fitted to. A channel with the steady phasor ρ against the table
+// would follow a motion without memory as y(t) = Re(ρ) y_0(t) + Im(ρ)/ω y_0'(t). Every chain with that phasor predicts
+// this part, so that it proves nothing. `beyond` is the rms of the prediction less this part; the error must be small
+// beside it too.
 #pragma once
 
 #include <string>
@@ -20,8 +21,8 @@
 
 namespace dwell {
 
-// A model that gets a quarter of what is beyond the steady motion wrong is not called adequate. With half this number
-// one that is wrong by half would be; with twice it many good rigs that settle slowly stay unverified.
+// An adequate model predicts the part beyond the steady motion to a quarter of its size. With half this number an error
+// of half that size would pass. With twice it many good rigs that settle slowly would stay unverified.
 inline constexpr double kBeyondSteady = 4.0;
 
 // Fills verdict and reason of a channel whose figures are known. consistent: the statistics leave nothing unexplained.

@@ -27,15 +27,15 @@ using Eigen::VectorXd;
 // Draws of noise: u of the prediction is then known to 9 %, and so is the spread of a test's statistic.
 constexpr Index kDraws = 64;
 constexpr std::uint64_t kSeed = 20161;
-// Of what interpolating every second reading of the table changes. A motion that is smooth leaves 1/16 of it between
-// all readings, a drive that begins with a jump of velocity up to a third.
+// The prediction is made again with every second reading of the table. The error of interpolating all readings is this
+// part of the change: 1/16 for a smooth motion, up to a third for a drive that begins with a jump of velocity.
 constexpr double kInterpolation = 1.0 / 3;
 
-// Of a standard deviation, the step by which a source's column is taken: small enough for the prediction to be linear
-// in it where one standard deviation is not, and far above rounding.
+// A source's column is a difference quotient over this part of its standard deviation: over a whole one the prediction
+// may not be linear; over much less, rounding shows.
 constexpr double kStep = 0.1;
-// A test of consistency that fails by less than this is made again about the amplitudes that explain most, twice: the
-// prediction of a lightly damped chain is not linear in a frequency that is off by many noises.
+// Where the test of consistency gives a probability below this, it is made again, linearized about the best amplitudes
+// of the sources: the prediction of a lightly damped chain is not linear in a frequency that is far off.
 constexpr double kMakeSure = 0.1;
 constexpr int kAgain = 2;
 
@@ -81,7 +81,7 @@ std::vector<CoefficientError> sources_of(const Dwell& dwell) {
   return out;
 }
 
-// Per channel, the steady phasor of its reading over that of the table's motion.
+// The phasor of each channel's reading, divided by the phasor of the table's displacement.
 SteadyRatio steady_ratio(const Rig& rig, const Dwell& dwell, int table) {
   SteadyRatio out;
   const double f_hz = dwell.frequency_hz.value;
@@ -158,7 +158,7 @@ double freedom_of(const VerificationStretch& stretch, const Dwell& dwell) {
   return freedom;
 }
 
-// Everything that stays the same while a test of consistency is made again.
+// The parts of the test of consistency that stay the same when it is linearized anew.
 struct ConsistencyTest {
   const VerificationStretch& stretch;
   const SteadyTable& table;

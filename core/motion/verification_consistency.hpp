@@ -1,11 +1,11 @@
-// Whether the statistics leave anything unexplained: two tests of what is left of predicted minus measured once every
-// known source of error has taken what it can, each source within its prior N(0, u²).
+// Does predicted minus measured show more than noise and the stated sources of error? The sources are fitted to it
+// first, each within its prior N(0, u²). Two tests then judge the residuals:
 //
-//   χ²         reduced: weighted squares left, the sources' own included, over what noise alone leaves
-//   whiteness  Q = Σ_channels N Σ_{l <= 10} ρ_l²  (Box and Pierce 1970), ρ_l the correlation of what is left at lag l
+//   χ²         the weighted squares of the residuals and of the sources, over their mean in the draws
+//   whiteness  Q = Σ_channels N Σ_{l <= 10} ρ_l²  (Box and Pierce 1970), ρ_l the residuals' correlation at lag l
 //
-// The table's noise comes through the chain, so that what is left is not white even of a right model. Both tests are
-// therefore held against draws of all noise and of all sources, not against tables.
+// The table's noise passes through the chain, so that even a right model leaves residuals that are not white. Draws of
+// all noise and all sources, not tables of χ², therefore tell what is normal.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,11 +29,11 @@ class SourceFit {
  public:
   // sources: weighted error by one standard deviation of each source, a column each. O(rows · sources²).
   explicit SourceFit(Eigen::MatrixXd sources);
-  // What the sources cannot explain of that weighted error.
+  // The residuals of a weighted error: what the sources do not explain.
   [[nodiscard]] Eigen::VectorXd left(const Eigen::VectorXd& error) const;
   // Σ left² + Σ z², z the sources' amplitudes: what χ² is of.
   [[nodiscard]] double chi2(const Eigen::VectorXd& error) const;
-  // Of the sources, by what the error is best explained within their priors.
+  // Of the sources, in standard deviations, as they explain the error best within their priors.
   [[nodiscard]] Eigen::VectorXd amplitudes(const Eigen::VectorXd& error) const;
   [[nodiscard]] const Eigen::MatrixXd& sources() const noexcept { return sources_; }
 
