@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 
 #include "core/base/angle.hpp"
 #include "core/base/complex.hpp"
@@ -66,5 +67,42 @@ std::vector<FilterSection> filter_sections(const Filter& filter, bool high) {
 }
 
 int state_count(const Filter& filter) { return filter.kind == FilterKind::none ? 0 : filter.order; }
+
+Eigen::RowVectorXd add_filter(const Filter& filter, bool high, Eigen::RowVectorXd input, Eigen::Index first,
+                              Eigen::MatrixXd& A, bool couple_only) {
+  for (const FilterSection& section : filter_sections(filter, high)) {
+    const Eigen::Index last = first + section.order - 1;  // the state that the input drives
+    A.row(last) += section.w * input;
+    if (!couple_only) {
+      A(last, first) -= section.w;
+      if (section.order == 2) {
+        A(first, last) += section.w;
+        A(last, last) -= 2 * section.damping * section.w;
+      }
+    }
+    if (!high) input.setZero();
+    if (!couple_only) {
+      input(first) += high ? -1.0 : 1.0;
+      if (high && section.order == 2) input(last) -= 2 * section.damping;
+    }
+    first += section.order;
+  }
+  return input;
+}
+
+std::vector<double> filter_polynomial(const Filter& filter) {
+  std::vector<double> product{1.0};
+  for (const FilterSection& section : filter_sections(filter, false)) {
+    // 1 + 2 ζ x + x² or 1 + x, with x = s/w.
+    const double w = section.w / (kTwoPi * filter.hz);
+    std::vector<double> factor{1.0, (section.order == 2 ? 2 * section.damping : 1.0) / w};
+    if (section.order == 2) factor.push_back(1.0 / (w * w));
+    std::vector<double> next(product.size() + factor.size() - 1, 0.0);
+    for (std::size_t i = 0; i < product.size(); ++i)
+      for (std::size_t j = 0; j < factor.size(); ++j) next[i + j] += product[i] * factor[j];
+    product = std::move(next);
+  }
+  return product;
+}
 
 }  // namespace dwell

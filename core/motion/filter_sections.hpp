@@ -5,6 +5,7 @@
 //   second order:  x1' = w x2,  x2' = w (u - x1) - 2 ζ w x2        low: x1      high: u - x1 - 2 ζ x2
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "core/rig/rig.hpp"
@@ -22,5 +23,15 @@ struct FilterSection {
 
 // States of all sections together.
 [[nodiscard]] int state_count(const Filter& filter);
+
+// Adds a filter to the linear system x' = A x: its states are those from `first` on. input: the row of x that the
+// filter sees. Returns the row of x that it shows. couple_only: adds the input's part alone, of A and of the row, which
+// is what a derivative by a parameter of the input has.
+[[nodiscard]] Eigen::RowVectorXd add_filter(const Filter& filter, bool high, Eigen::RowVectorXd input,
+                                            Eigen::Index first, Eigen::MatrixXd& A, bool couple_only = false);
+
+// Coefficients p_0 … p_order of the polynomial P with H_low(s) = 1/P(s/ω_c), p_0 = 1; H_high(s) = 1/P(ω_c/s).
+// Allocates; thread-safe.
+[[nodiscard]] std::vector<double> filter_polynomial(const Filter& filter);
 
 }  // namespace dwell

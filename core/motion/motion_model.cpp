@@ -123,26 +123,10 @@ void MotionModel::add_filters(Parts& to, bool change) const {
   for (std::size_t c = 0; c < rig_.channels.size(); ++c) {
     const Channel& channel = rig_.channels[c];
     if (channel.measures == Quantity::auxiliary) continue;
-    int at = filters_at_[c];
+    const Eigen::Index first = filters_at_[c];
     RowVectorXd u = to.C.row(static_cast<Eigen::Index>(c));
-    for (const bool high : {false, true})
-      for (const FilterSection& section : filter_sections(high ? channel.highpass : channel.lowpass, high)) {
-        const int last = at + section.order - 1;  // the state that u drives
-        to.A.row(last) += section.w * u;
-        if (!change) {
-          to.A(last, at) -= section.w;
-          if (section.order == 2) {
-            to.A(at, last) += section.w;
-            to.A(last, last) -= 2 * section.damping * section.w;
-          }
-        }
-        if (!high) u.setZero();
-        if (!change) {
-          u(at) += high ? -1.0 : 1.0;
-          if (high && section.order == 2) u(last) -= 2 * section.damping;
-        }
-        at += section.order;
-      }
+    u = add_filter(channel.lowpass, false, u, first, to.A, change);
+    u = add_filter(channel.highpass, true, u, first + state_count(channel.lowpass), to.A, change);
     to.C.row(static_cast<Eigen::Index>(c)) = u;
   }
 }

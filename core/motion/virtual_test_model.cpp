@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
-#include "core/base/complex.hpp"
 #include "core/base/instants.hpp"
 #include "core/model/state_matrix.hpp"
+#include "core/motion/filter_sections.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
@@ -18,37 +18,17 @@ using Eigen::RowVectorXd;
 // u''' is the last derivative that a cubic has, and the dampers need one more than the table's motion.
 constexpr int kMostDerivatives = 2;
 
-[[nodiscard]] int order_of(const Filter& filter) { return filter.kind == FilterKind::none ? 0 : filter.order; }
-
 }  // namespace
-
-std::vector<double> filter_polynomial(const Filter& filter) {
-  const int order = order_of(filter);
-  if (order == 0) return {1.0};
-  // P at points of a circle, and from these its coefficients. No pole lies on the circle: those of all kinds are within
-  // 2.7 corners (Bessel of order 8; the others: 1).
-  constexpr double kRadius = 4.0;
-  const int points = order + 1;
-  std::vector<double> coefficients;
-  for (int j = 0; j <= order; ++j) {
-    Complex sum = 0.0;
-    for (int i = 0; i < points; ++i) {
-      const Complex turn = std::polar(1.0, kTwoPi * i / points);
-      sum += std::pow(std::conj(turn), j) / filter_response(filter, false, kRadius * turn * kTwoPi * filter.hz);
-    }
-    coefficients.push_back(sum.real() / points / std::pow(kRadius, j));
-  }
-  return coefficients;
-}
 
 VirtualTestModel::VirtualTestModel(const Rig& rig, const Chain& chain, int table) : table_(table) {
   const Channel& shows = rig.channels[static_cast<std::size_t>(table)];
   chain_states_ = 2 * chain.mass_count();
-  integrals_ = derivative_order(shows.measures) + order_of(shows.highpass);
+  integrals_ = derivative_order(shows.measures) + state_count(shows.highpass);
   const Index first_filter_state = chain_states_ + integrals_;
   states_ = first_filter_state;
   for (const Channel& channel : rig.channels)
-    if (channel.measures != Quantity::auxiliary) states_ += order_of(channel.lowpass) + order_of(channel.highpass);
+    if (channel.measures != Quantity::auxiliary)
+      states_ += state_count(channel.lowpass) + state_count(channel.highpass);
   M_ = Eigen::MatrixXd::Zero(states_ + kInput, states_ + kInput);
   for (Index j = 0; j + 1 < kInput; ++j) M_(states_ + j, states_ + j + 1) = 1.0;
   for (int j = 0; j < integrals_; ++j) M_(chain_states_ + j, j == 0 ? states_ : chain_states_ + j - 1) = 1.0;
@@ -95,25 +75,6 @@ RowVectorXd VirtualTestModel::place(int at, const Chain& chain) const {
   return row;
 }
 
-RowVectorXd VirtualTestModel::filtered(const Filter& filter, bool high, const RowVectorXd& input, Index& state) {
-  const int order = order_of(filter);
-  if (order == 0) return input;
-  const std::vector<double> p = filter_polynomial(filter);
-  const double corner = kTwoPi * filter.hz;
-  fastest_ = std::max(fastest_, 2 * corner);
-  for (int i = 0; i + 1 < order; ++i) M_(state + i, state + i + 1) = corner;
-  // The last state's derivative closes the loop; of a high-pass it is the output as well.
-  RowVectorXd last = input;
-  for (int i = 0; i < order; ++i) last(state + i) -= p[static_cast<std::size_t>(high ? order - i : i)];
-  M_.row(state + order - 1) = corner * last / (high ? 1.0 : p[static_cast<std::size_t>(order)]);
-  if (!high) {
-    last.setZero();
-    last(state) = 1.0;
-  }
-  state += order;
-  return last;
-}
-
 void VirtualTestModel::observe(const Rig& rig, const Chain& chain, Index first_filter_state) {
   rows_ = Eigen::MatrixXd::Zero(static_cast<Index>(rig.channels.size()), M_.rows());
   Index state = first_filter_state;
@@ -137,8 +98,12 @@ void VirtualTestModel::observe(const Rig& rig, const Chain& chain, Index first_f
       known = known && row(M_.cols() - 1) == 0.0;  // of u''' there is no derivative
       row = (row * M_).eval();
     }
-    row = filtered(channel.lowpass, false, row, state);
-    row = filtered(channel.highpass, true, row, state);
+    for (const bool high : {false, true}) {
+      const Filter& filter = high ? channel.highpass : channel.lowpass;
+      row = add_filter(filter, high, row, state, M_);
+      state += state_count(filter);
+      for (const FilterSection& section : filter_sections(filter, high)) fastest_ = std::max(fastest_, 3 * section.w);
+    }
     if (known) rows_.row(static_cast<Index>(c)) = row;
   }
 }

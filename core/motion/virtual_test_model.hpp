@@ -55,9 +55,6 @@ class VirtualTestModel {
   void undo_transducer(const Channel& channel);
   void couple_chain(const Chain& chain);
   void observe(const Rig& rig, const Chain& chain, Eigen::Index first_filter_state);
-  // The row of a filter's output for the row of its input; its states begin at `state` and are passed over.
-  [[nodiscard]] Eigen::RowVectorXd filtered(const Filter& filter, bool high, const Eigen::RowVectorXd& input,
-                                            Eigen::Index& state);
   [[nodiscard]] Eigen::RowVectorXd place(int at, const Chain& chain) const;
 
   int table_;
@@ -70,8 +67,5 @@ class VirtualTestModel {
   Eigen::RowVectorXd table_y_;  // y_0 = table_y_ · z
   std::vector<std::int64_t> delays_ns_;
 };
-
-// Coefficients p_0 … p_order of P in H_low(s) = 1/P(s/ω_c), p_0 = 1; of a high-pass P(ω_c/s). Allocates; thread-safe.
-[[nodiscard]] std::vector<double> filter_polynomial(const Filter& filter);
 
 }  // namespace dwell

@@ -11,6 +11,7 @@
 #include "core/base/instants.hpp"
 #include "core/model/driven_chain.hpp"
 #include "core/model/forward.hpp"
+#include "core/motion/filter_sections.hpp"
 #include "core/rig/transducer.hpp"
 #include "tests/core/bench_rig.hpp"
 
