@@ -48,8 +48,7 @@ class LiveChannel {
   void leave_out_stuck() noexcept { ++stuck_; }
   // Whether a reading of this channel has ever counted.
   [[nodiscard]] bool has_counted() const noexcept { return refreshed_ns_ != INT64_MIN; }
-  // How much larger the half width of this reading's instant is than 1.5 times this hold's mean, s: it was held up. 0:
-  // it was not.
+  // By how much the half width of this reading's instant exceeds 1.5 times this hold's mean, s; 0: not held up.
   [[nodiscard]] double late_s(const Reading& reading) const noexcept;
 
   // The drive is steady from now on.

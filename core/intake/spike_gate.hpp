@@ -25,7 +25,6 @@ class SpikeGate {
     ++now_.count;
     return false;
   }
-  // A period is over.
   void next_period() noexcept {
     before_ = now_;
     now_ = {};

@@ -1,5 +1,4 @@
-// Finds one number that makes up far too many readings wherever the motion is: zeros of a gateway, a code for "no
-// value".
+// Finds one number that makes up far too many readings wherever the motion is: zeros of a gateway, a "no value" code.
 //
 // The candidate comes from readings that repeat one of the last eight. It is a cluster if it makes up more than kPart
 // of the readings, the readings before it come from all over the range, and the range is kLevels rounding steps or

@@ -52,8 +52,7 @@ class Assembler {
     clocks_[device].wait(now_ns);
     hand_on(device, enter, admitted);
   }
-  // The device has stopped: samples held by its clocks go on. The merger waits for the device again after its next
-  // record.
+  // The device has stopped: samples held go on. Its next record makes the merger wait for it again.
   template <class Enter, class Admitted>
   void stopped(std::size_t device, Enter enter, Admitted admitted) {
     clocks_[device].flush();

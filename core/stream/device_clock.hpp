@@ -46,8 +46,7 @@ class DeviceClock {
 
   // The next reading arrived. Take all instants that next() has before the next call.
   void arrive(std::int64_t arrival_ns) noexcept;
-  // It is now_ns, and nothing has arrived since the last reading. A reading held longer than kLongestHold_ns is
-  // decided.
+  // It is now_ns, and nothing has arrived since. A reading held for longer than kLongestHold_ns is decided.
   void wait(std::int64_t now_ns) noexcept;
   // Decides all readings held, on the evidence so far.
   void decide_all() noexcept;

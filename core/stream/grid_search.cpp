@@ -11,8 +11,7 @@ std::optional<ArrivalGrid> GridSearch::add(std::int64_t arrival_ns) noexcept {
   }
   stretch_[count_++] = arrival_ns;
   if (count_ != kShortStretch && count_ != kLongestStretch) return std::nullopt;
-  // No attempt amid a bunch after a stall. Its stamps are the arrivals, already given out: later than the clock's next
-  // ones.
+  // No attempt amid a bunch after a stall. Its arrivals are given out as stamps, later than the clock's next.
   const std::size_t n = count_;
   if (4 * (stretch_[n - 1] - stretch_[n - 2]) * static_cast<std::int64_t>(n) < stretch_[n - 1] - stretch_[0]) {
     if (n == kLongestStretch) std::copy(stretch_.begin() + 1, stretch_.begin() + (count_--), stretch_.begin());

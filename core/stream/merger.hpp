@@ -41,7 +41,6 @@ class Merger {
   // As pop(), without waiting for the watermark: for the end of a run.
   bool flush(Record& out) noexcept;
 
-  // Records held now.
   [[nodiscard]] std::size_t size() const noexcept { return held_; }
 
  private:

@@ -1,8 +1,7 @@
 // Record is the element of the one ordered stream: the pipeline learns everything from records, and nothing else.
 //
 // Records are totally ordered by (t_ns, source, arrival within the source). The merger establishes that order, the
-// pipeline consumes the records, and a recorder can store them behind the merger. Records are the pipeline's only
-// clock.
+// pipeline consumes the records, a recorder can store them. They are the pipeline's only clock.
 #pragma once
 
 #include <cstdint>
