@@ -4,9 +4,9 @@
 //
 // It is held after kEvenRuns runs in a row, of kLeastRun readings or more, whose lengths differ by one at most. Among
 // them kReversals jumps must go back by another size than the jump before. A motion as coarse as its rounding steps may
-// have even runs as well, but goes back over the same step, however unequal a second rounding has made the steps. (A
-// run of noise is three or more long, and of one of two neighbouring lengths, at most one time in four. Sixteen such
-// runs in a row occur once in 10⁵ holds of 10⁴ runs.)
+// have even runs as well. But it goes back over the same step, even where a second rounding makes steps unequal. (A run
+// of noise is three or more long, and of one of two neighbouring lengths, at most one time in four. Sixteen such runs
+// in a row occur once in 10⁵ holds of 10⁴ runs.)
 #pragma once
 
 #include <algorithm>

@@ -8,8 +8,8 @@
 // How many such readings does chance bring? The differences of a smooth motion with noise have a density near 0 that no
 // rounding resolves: differences of 0 are as frequent as those of one step up, and of one step down. The step is the
 // third smallest difference seen; a second rounding never makes it smaller than the device's own. So half of the
-// differences within 1.5 steps are expected. For densities that rise towards 0, kDensity of all changes times the step
-// over the mean jump is added (a sine has 0.20, Gaussian noise 0.32, a decaying sine up to 0.5). beyond_chance()
+// differences within 1.5 steps are expected. Some densities rise towards 0, so kDensity of all changes times the step
+// over the mean jump is added. (A sine has 0.20, Gaussian noise 0.32, a decaying sine up to 0.5.) beyond_chance()
 // judges.
 //
 // Where few runs or none interrupt the motion, three others judge: a beat (repeat_beat.hpp), even runs (even_runs.hpp),

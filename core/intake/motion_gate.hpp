@@ -1,9 +1,9 @@
 // Decides whether a reading belongs to the motion of those before it. Foreign readings do not: zeros of a gateway,
 // repeats of an older answer, swapped words, codes for "no value".
 //
-// The last good readings predict the next one (motion_predictor.hpp). The gate compares the prediction error e with the
-// predictor's gain a (white noise σ gives e the standard deviation a σ) and the running median s of |e| / a. A reading
-// is out of the motion if
+// The last good readings predict the next one (motion_predictor.hpp). White noise σ gives the prediction error e the
+// standard deviation a σ, with a the predictor's gain. s is the running median of |e| / a. A reading is out of the
+// motion if
 //
 //   |e| > a · 12 s   This is 8 standard deviations of Gaussian noise: passed by chance once in 10^15 readings. The
 //                    largest error is 1.4 medians with a harmonic that the predictor does not follow, 5 with jitter.

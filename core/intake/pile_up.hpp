@@ -14,9 +14,9 @@
 // may be repeats of one reading.
 //
 // Less noise: the crest decides. The topmost number of a sine has at most 1/(√2 - 1) = 2.4 times the readings of the
-// next one, that of a crest flattened by harmonics 1/(2^¼ - 1) = 5.3 times. Sampled at a whole fraction of the period,
-// where counts are whole numbers of readings a period, it has about twice that: p = 10/11. A crest cut off by less than
-// five steps is not found. Its error is smaller than that of rounding.
+// next one. With a crest flattened by harmonics it has 1/(2^¼ - 1) = 5.3 times. Sampled at a whole fraction of the
+// period, where counts are whole numbers of readings a period, it has about twice that: p = 10/11. A crest cut off by
+// less than five steps is not found. Its error is smaller than that of rounding.
 //
 // Few readings a period at a whole rate: runs decide. A run of identical readings longer than any crest explains is a
 // repeated answer or a crest cut off. Repeats come at any instant of the motion, so at most one time in five at the

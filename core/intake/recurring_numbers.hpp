@@ -2,10 +2,10 @@
 //
 // A register refreshed about every other reading, with few readings a period: far too often a reading equals the one
 // before. By chance that is no more frequent than a reading that equals the one a period before, which differs by noise
-// alone. So if the motion turns after four changes and eight readings at most, as many identical readings are expected
-// as changes to one of the last kRemembered numbers. Crests are flat: readings at an extreme do not count. A third of
-// all readings must be identical, since a gateway repeats an answer only now and then. Nine changes of ten must be to a
-// new number, since a coarsely rounded motion has few numbers.
+// alone. So the changes to one of the last kRemembered numbers give the expected count, if the motion turns after four
+// changes and eight readings at most. Crests are flat: readings at an extreme do not count. A third of all readings
+// must be identical, since a gateway repeats an answer only now and then. Nine changes of ten must be to a new number,
+// since a coarsely rounded motion has few numbers.
 //
 // A gateway that answers with a reading two or three polls old: the motion turns to a number that it has just left, and
 // turns back. A crest that comes down over the same numbers turns once.

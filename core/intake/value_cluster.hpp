@@ -1,9 +1,9 @@
 // Finds one number that makes up far too many readings wherever the motion is: zeros of a gateway, a "no value" code.
 //
 // The candidate comes from readings that repeat one of the last eight. It is a cluster if it makes up more than kPart
-// of the readings, the readings before it come from all over the range, and the range is kLevels rounding steps or
-// more. A sine of that range with noise has at most 2 % of its readings at one number, at the crest. The readings
-// before those lie beside them, also where sampling at a whole fraction of the period repeats every number.
+// of the readings and follows readings from all over the range. The range must be kLevels rounding steps or more. A
+// sine of that range with noise has at most 2 % of its readings at one number, at the crest. The readings before these
+// are near the crest, also where sampling at a whole fraction of the period repeats every number.
 #pragma once
 
 #include <algorithm>

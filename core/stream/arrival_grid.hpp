@@ -2,10 +2,10 @@
 //
 //   a_j = t_0 + k_j T + d_j,   k_{j+1} > k_j
 //
-// a_j is the instant at which a reading reached the host, k_j the reading's number (it jumps where readings were lost),
-// T the device's period, d_j the delay on the way. The delay is never negative and jitters by about a period at most. A
-// stall makes it much longer now and then; after it readings arrive in a bunch. k, T and t_0 are unknown. DeviceClock
-// uses the grid to begin with and follows it from there.
+// a_j is the instant at which a reading reached the host, T the device's period, d_j the delay on the way. k_j is the
+// reading's number: it jumps where readings were lost. The delay is never negative and jitters by about a period at
+// most. A stall makes it much longer now and then; after it readings arrive in a bunch. k, T and t_0 are unknown.
+// DeviceClock uses the grid to begin with and follows it from there.
 #pragma once
 
 #include <cstddef>
