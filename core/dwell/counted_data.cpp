@@ -12,17 +12,17 @@
 namespace dwell {
 namespace {
 
-constexpr int kTurns = 3;                     // times that data are summed anew at a better ω
-constexpr std::int64_t kEnoughQuarters = 40;  // from so many on, an eighth of the data may be dropped
+constexpr int kTurns = 3;                     // sums of the data, at most, each at a better ω
+constexpr std::int64_t kEnoughQuarters = 40;  // from then on an eighth of the data may be dropped
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
-constexpr int kStretches = 12;                // in which the drive's phase is looked at
+constexpr int kStretches = 12;                // of the data, in which the drive's phase is fitted
 constexpr double kShortestDrift = 20.0;       // periods
 constexpr double kSureOfDrift = 4.0;          // standard deviations
 constexpr double kDriftMatters = 0.02;        // rad per square of the data's length
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
 constexpr int kWindowSteps = 10;    // of Gauss-Newton, from the nominal ω
-constexpr double kAcquired = 1e-2;  // relative standard uncertainty of ω
+constexpr double kAcquired = 1e-2;  // largest relative standard uncertainty of ω
 
 }  // namespace
 
@@ -131,7 +131,7 @@ std::optional<CountedData::Table> CountedData::count_anew(std::int64_t hold_ns, 
   }
   if (drop_misjudged()) return count_anew(hold_ns, follow);
   if (follow && follow_drift()) return count_anew(hold_ns, false);
-  // Once more about the centroid, where turning costs least.
+  // The last sum is about the centroid, where turning costs least.
   const std::int64_t centroid_ns = counted_.centroid_ns(channels_.drive());
   refer_drift(centroid_ns);
   blocks_.sum(0, blocks_.count(), omega_, centroid_ns, counted_);
@@ -154,10 +154,10 @@ double CountedData::seen_drift(int first, double omega, std::int64_t about_ns) c
   if (!reference_.from_motion() || blocks_.count() - first < kStretches) return 0.0;
   const std::int64_t length_ns = blocks_.block(blocks_.count() - 1).end_ns - blocks_.block(first).begin_ns;
   if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
-  // The table's phase in stretches of like length against the dwell's, a parabola through it. All have one noise: that
-  // of few readings is itself uncertain.
+  // Fits a parabola to the table's phase, relative to the dwell's, in stretches of equal length. One noise is taken for
+  // all stretches: that of a stretch of few readings is itself uncertain.
   struct Stretch {
-    double u, phase, information;  // of unit variance
+    double u, phase, information;  // information: for noise of unit variance
   };
   std::array<Stretch, 2 * kStretches> stretches;
   std::size_t count = 0;
@@ -185,18 +185,18 @@ double CountedData::seen_drift(int first, double omega, std::int64_t about_ns) c
   const Eigen::LLT<Eigen::Matrix3d> llt(N);
   if (llt.info() != Eigen::Success) return 0.0;
   const double more = llt.solve(b)(2), u_more = std::sqrt(llt.solve(Eigen::Vector3d::Unit(2))(2));  // rad per length²
-  // What turns the ends by less than it is uncertain, or a phasor by nothing that matters, is left alone.
+  // A drift within its uncertainty, or one that hardly turns a phasor, is ignored.
   if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return 0.0;
   return more / (to_s(length_ns) * to_s(length_ns));
 }
 
-// About another instant the same drift goes with another frequency.
+// Refers the same drift to another instant, where the frequency is another.
 void CountedData::refer_drift(std::int64_t about_ns) noexcept {
   take_drive(omega_at(about_ns, omega_), {drift().rate, about_ns});
 }
 
-// The first blocks of a hold may have been taken before its frequency was known; turning them loses (δu)²/6. Where
-// that loss matters beside the uncertainty, and these blocks are few, they are dropped.
+// Drops the first blocks of a hold if they were taken at a wrong frequency: turning them loses (δu)²/6 of the
+// amplitude. They are dropped only if they are few and the loss matters beside the uncertainty.
 bool CountedData::drop_misjudged() noexcept {
   const std::int64_t first = blocks_.block(0).first_serial, all = blocks_.serials() - first;
   if (all < kEnoughQuarters) return false;

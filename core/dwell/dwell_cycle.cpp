@@ -3,7 +3,7 @@
 namespace dwell {
 namespace {
 
-constexpr int kIdleBlocks = 64;  // that are kept while no dwell is on
+constexpr int kIdleBlocks = 64;  // kept while no dwell is on
 
 }  // namespace
 
@@ -16,8 +16,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   const std::int64_t begin_ns = blocks().block(from).begin_ns;
   const std::int64_t centre_ns = begin_ns + (end_ns - begin_ns) / 2;
 
-  // Before a period has shown the drive's frequency by its phase, the window itself tells it well enough that the
-  // first windows do not differ from the later ones for their frequency alone.
+  // At first the phase has not shown the drive's frequency. Then the window itself gives it, well enough that the first
+  // windows agree with later ones.
   if (tracked() && !std::isfinite(tracker.omega())) data.acquire(from, to, centre_ns);
   const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
   if (!delivers(drive_channel())) return lose_data();
@@ -39,7 +39,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   } else if (states.measuring()) {
     refit_measuring(end_ns);
     states.ask_again(modes.asks_again());
-    // While the newest quarters are in doubt they may hold another drive: ω is not refined from them.
+    // While the newest quarters may hold another drive, ω is not refined from them.
     if (!data.counted() || (data.wants_refining() && doubtful_quarters() == 0)) count_anew();
   }
 }
@@ -59,7 +59,7 @@ bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) 
     if (states.at_rest()) refresh_reference();
     return false;
   }
-  // A drive that has been steady again for two periods has changed; one that is still on its way may stop.
+  // A drive that has been steady again for two periods has changed; any other may still stop.
   if (waited_enough ||
       (states.awaits_reason() && blocks().serials() - at.steady_serial >= (2 * window.periods() + 1) * kQuarters))
     emit(EndedBy::drive_changed);
@@ -127,7 +127,7 @@ void Pipeline::Impl::change(int from) {
 
 void Pipeline::Impl::stop() {
   if (states.awaits_reason()) {
-    states.forget_dwell();  // what was armed after the change was no dwell
+    states.forget_dwell();  // the one armed after the change was no dwell
     emit(EndedBy::drive_stopped);
   } else if (!states.at_rest()) {
     conclude(blocks_before(kQuarters * window.periods() + doubtful_quarters() + 2), false);
@@ -140,11 +140,11 @@ void Pipeline::Impl::stop() {
 void Pipeline::Impl::end(EndedBy ended_by, bool with_open) {
   if (states.awaits_reason()) {
     states.forget_dwell();
-    // Of a drive that the interlock has cut the motion may tell first.
+    // If the interlock has cut the drive, the motion may show it before the interlock's edge.
     emit(ended_by == EndedBy::interlock ? ended_by : EndedBy::drive_changed);
   } else if (!states.at_rest()) {
-    // Windows in doubt do not count, whatever ends the dwell; nor does the quarter of a period before the interlock,
-    // whose contact may lag what it tells of.
+    // Doubtful windows never count. Before an interlock's edge a quarter period does not count either: the contact may
+    // lag the cut of the drive.
     const int least = ended_by == EndedBy::interlock ? 1 : 0;
     const int doubtful = doubtful_quarters() > 0 ? doubtful_quarters() + 1 : least;
     conclude(blocks_before(doubtful), with_open && doubtful == 0);
@@ -158,7 +158,7 @@ void Pipeline::Impl::end(EndedBy ended_by, bool with_open) {
 
 void Pipeline::Impl::lose_data() {
   end(EndedBy::data_lost, false);
-  // Another transducer of the table's motion, if it has one, shows the drive from now on.
+  // The drive may be seen by another transducer of the table's motion.
   live.choose_drive(now_ns, period_s());
 }
 

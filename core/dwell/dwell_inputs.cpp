@@ -1,12 +1,12 @@
-// What reaches the dwell beside the samples: the edges of interlock and sync input; and whether the drive's frequency
-// contradicts what the rig file states of it (reference = "fixed"). Then nothing is reported: either the statement is
-// wrong or the clock is, and each coefficient depends on the square of the frequency.
+// The inputs of a dwell beside the samples: the edges of interlock and sync input. Also the check of the drive's
+// frequency against the rig file's (reference = "fixed"). If they contradict, nothing is reported: the statement or the
+// clock is wrong, and each coefficient depends on the square of the frequency.
 #include "core/dwell/pipeline_impl.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr int kShortestHeld = 2 * kQuarters;  // quarters of a hold before its frequency is held against the statement
+constexpr int kShortestHeld = 2 * kQuarters;  // quarters of a hold before its frequency is compared with the stated one
 constexpr int kNewtonSteps = 4;               // of Gauss-Newton, from the windows' own frequency
 
 }  // namespace
@@ -18,7 +18,7 @@ void Pipeline::Impl::edge(const Record& record) {
     return;
   }
   if (record.channel != static_cast<std::uint16_t>(Line::interlock)) return;
-  // Edges that were lost before this one may have told of a loss.
+  // Edges lost before this one may have opened the interlock.
   const bool lost = !active || (record.flags & kGap) != 0;
   const bool was_open = states.interlocked();
   if (!was_open && lost) {
@@ -33,7 +33,7 @@ void Pipeline::Impl::edge(const Record& record) {
   states.interlock(active);
 }
 
-// By the table alone, in the newest quarters that were never joined: these resolve parts in a million.
+// Uses the table alone, in the newest quarters that were never joined: these resolve parts in a million.
 std::optional<double> Pipeline::Impl::contradicting_omega() const {
   if (!reference.stated().stated() || !states.settling() || !std::isfinite(tracker.omega())) return {};
   const int to = blocks().count();

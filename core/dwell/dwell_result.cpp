@@ -7,11 +7,10 @@
 namespace dwell {
 namespace {
 
-constexpr int kManyRestarts = 6;  // of a hold, one after the other, that want to be explained
+constexpr int kManyRestarts = 6;  // of a hold in a row: these need an explanation
 
 }  // namespace
 
-// What the fit found to swing beside the drive and the chain.
 std::string Pipeline::Impl::foreign_oscillations() const {
   std::string lines;
   for (const Complex pole : modes.poles().beside)
@@ -48,7 +47,7 @@ std::string Pipeline::Impl::barred_reason() const {
   return "";
 }
 
-// What of the settled data does not count, and why.
+// Names the settled data that do not count, and why.
 std::string Pipeline::Impl::left_out_of_dwell() const {
   if (!states.measuring() || blocks().count() == 0) return "";
   const std::int64_t from_ns = blocks().block(0).begin_ns;
@@ -87,7 +86,7 @@ std::string Pipeline::Impl::settling_reason() const {
          left_out_of_dwell();
 }
 
-// Before the reason why the rig settles again; empty: no verdict was taken back.
+// Text before the reason why the rig settles again; empty: no verdict was taken back.
 std::string Pipeline::Impl::taken_back_reason() const {
   const auto& taken_back = modes.taken_back();
   if (!taken_back) return "";
@@ -96,8 +95,8 @@ std::string Pipeline::Impl::taken_back_reason() const {
          rig.channels[static_cast<std::size_t>(taken_back->channel)].name + ": it is taken back; ";
 }
 
-// Without noise of half a step to smooth it, rounding repeats with the motion when the sampling rate is near a multiple
-// of the frequency: no more independent errors then than one period has samples.
+// Noise below half a step does not smooth rounding. If the sampling rate is near a multiple of the frequency, rounding
+// then repeats with the motion: one period has all its independent errors.
 double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Totals& from) const {
   const double step = live[c].intake().step();
   if (!fit.usable || !std::isfinite(step) || !(fit.sigma2 < step * step * kRounded)) return 0.0;
@@ -117,15 +116,14 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
     result.withheld = channel.silent_reason();
   if (states.measuring() && transient[static_cast<std::size_t>(c)] > 0 &&
       std::isfinite(provisional_chain.time_constant_s())) {
-    // Decaying with T over the D that count, its mean is T/D (1 - exp(-D/T)) of what it began with, taken as
-    // rectangular.
+    // Over the D that count, a decay with T has the mean T/D (1 - exp(-D/T)) of its beginning. Taken as rectangular.
     const double D = std::max(to_s(now_ns - at.settled_ns), 1e-9);
     const double u = transient[static_cast<std::size_t>(c)] * provisional_chain.time_constant_s() / D *
                      -std::expm1(-D / provisional_chain.time_constant_s()) / std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
   if (states.measuring() && modes.removal().active() && result.fit.usable) {
-    // What an error of the modes' amplitudes does to p_1 and q_1, turned to where the phasor is referred to.
+    // Effect of the modes' amplitude errors on p_1 and q_1, turned to the phasor's reference instant.
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(modes.fit().angle(data.totals().t_ref_ns())).toRotationMatrix();
     result.transient = turn * modes.removal().covariance(c, result.fit.samples) * turn.transpose();
   }
@@ -144,7 +142,7 @@ void Pipeline::Impl::judge_readings(int c, ChannelResult& result) const {
   result.withheld = live[c].unfit_reason(std::abs(fit.X[0]), u, states.measuring());
 }
 
-// What of the mains is in a reading adds to a harmonic that its alias cannot be told from within the dwell.
+// Hum adds to a harmonic if its alias cannot be told from the harmonic within the dwell.
 void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
   const double f = omega() / kTwoPi;
   for (const double line : kMainsFundamentals_hz)
@@ -178,7 +176,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
   const int from = settled ? 0 : std::max(0, to - kQuarters * window.periods());
   const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
-  // In the middle of the data.
+  // ω in the middle of the data.
   const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
   dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
   std::vector<ChannelResult> results;
@@ -208,7 +206,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
     }
     warn_of_folded(rig, folded, dwell);
   }
-  // The frequency of a drive that drifts is another at either end: its spread over the dwell.
+  // The frequency of a drifting drive is not one: its spread over the dwell is added.
   report_phasors(rig, results, w, std::hypot(u, data.drift().rate * seconds / std::sqrt(12.0)), dwell);
   if (!active || out_of_search()) dwell.frequency_hz = {};
   dwell.end_s =

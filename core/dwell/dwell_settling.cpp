@@ -13,7 +13,8 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
     if (!look(to - quarters, to)) return;
   if (settle_by_modes(end_ns)) return;
   if (!verdict.settled || out_of_search()) return;
-  // Where nothing rings the motion before may have been a ramp, of which a window bears a little.
+  // Without masses nothing rings, but the motion before may have been a ramp. A window tolerates a little of it: one
+  // quarter more is dropped.
   const int counts_from = blocks().index_of(verdict.from_serial + (rig.mass_count() == 0 ? 1 : 0));
   if (counts_from >= blocks().count()) return;
   at.settled_ns = blocks().block(counts_from).begin_ns;
@@ -27,13 +28,13 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
 }
 
 bool Pipeline::Impl::look(int from, int to) {
-  // Windows are a quarter of a period apart and share three quarters.
+  // Windows begin a quarter of a period apart and share three quarters: each residual is seen four times.
   const auto learn = [&](int c, double squares, double freedom) {
     modes.noise().learn(c, squares / kQuarters, freedom / kQuarters);
     return modes.noise().known(c) ? modes.noise().variance(c) : INFINITY;
   };
   if (!windows.look(from, to, now_ns, learn)) return false;
-  if (modes.has_poles()) return true;  // the modes tell more than windows do
+  if (modes.has_poles()) return true;  // poles tell more than windows do
   provisional();
   verdict = windows.judge(from, to, axis_s(blocks().block(to - 1).end_ns), provisional_chain.time_constant_s());
   return true;

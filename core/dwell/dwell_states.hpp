@@ -1,6 +1,6 @@
-// The state machine of the dwell: which states there are, and what leads from one to another (docs/states.md has the
-// picture). It decides nothing by itself: whoever watches the stream tells what has happened, each event by a function
-// of its own, and an event that means nothing in a state leaves it as it is.
+// The state machine of the dwell: its states, and the events that lead from one to another (picture: docs/states.md).
+// It decides nothing. The pipeline reports each event by a member function. In states where an event has no meaning, it
+// changes nothing.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace dwell {
 
-// The order matters to at_rest() and awaits_reason(). Outsiders see only the State of each (state_of).
+// at_rest() and awaits_reason() rely on the order. Outsiders see only the State of each (state_of).
 enum class Phase : std::uint8_t {
   idle,                // the table does not move
   interlocked,         // the interlock is open: nothing begins, however the table moves
   unseen,              // the drive cannot be seen: its channel does not deliver, or its sync pulses do not come
   unseen_interlocked,  // both
   settling,            // the drive is steady, the transient is not over
-  asked_again,         // the transient seems to be over, but readings are rounded: more data must say so again
+  asked_again,         // the transient seems to be over, but readings are rounded: more data must confirm it
   measuring,           // the data count
-  // Settling while the dwell before waits for the reason of its end: has the drive changed, or does it stop?
+  // Settling, while it is not known why the dwell before ended: has the drive changed, or does it stop?
   settling_after_change,
   asked_again_after_change,
 };
@@ -40,38 +40,39 @@ class DwellStates {
     return phase_ == Phase::asked_again || phase_ == Phase::asked_again_after_change;
   }
   [[nodiscard]] bool measuring() const noexcept { return state() == State::measuring; }
-  // A dwell has ended, and is kept back until the reason is known.
+  // A dwell has ended and is kept back until it is known why.
   [[nodiscard]] bool awaits_reason() const noexcept { return phase_ >= Phase::settling_after_change; }
-  // Number of the dwell that is on, or of the last one: 1 … in the run.
+  // Number in the run, 1 …, of the present dwell, else of the last one.
   [[nodiscard]] int index() const noexcept { return index_; }
   // How often the drive has left its hold since the dwell was armed.
   [[nodiscard]] int restarts() const noexcept { return restarts_; }
-  // Whether the State is, or was in between, another than at the last call.
+  // Whether the State has changed since the last call, even if it has changed back.
   [[nodiscard]] bool changed() noexcept;
 
-  // The table moves while no dwell is on, and nothing bars: a dwell is armed. Not while interlocked.
+  // The table moves, and nothing bars a dwell: one is armed if none is on. Ignored while interlocked.
   void arm() noexcept;
-  // The table moves while no dwell is on, but the frequency's reference does not come, or the interlock is open.
+  // The table moves while no dwell is on, but the frequency's reference is missing, or the interlock is open.
   void bar() noexcept;
-  // The drive has left its steady motion. While measuring the dwell ends, its reason open, and the next one is armed;
-  // while settling it begins anew.
+  // The drive has left its steady motion. A dwell that measures ends, the reason open, and the next one is armed. A
+  // dwell that settles begins anew.
   void leave_hold() noexcept;
-  // Registers have come to be held, or no longer are: it settles anew.
+  // A register began or ceased to be held: the dwell settles anew.
   void settle_anew() noexcept;
-  // While settling: whether the verdict waits to be asked again.
+  // While settling: whether the verdict must be confirmed by more data.
   void ask_again(bool again) noexcept;
-  // While settling, and no dwell waits for its reason (a drive that is steady enough to measure has changed): the data
-  // count from now on. While measuring: a better fit says that they do not.
+  // While settling: the data count from now on. Ignored while the dwell before waits for its reason: call go_on()
+  // first.
   void begin_to_measure() noexcept;
+  // While measuring: a better fit says that the verdict was premature. The dwell settles again.
   void take_back() noexcept;
-  // The reason is known why the dwell before ended: the one armed since then goes on …
+  // It is known why the dwell before ended: the one armed since then goes on.
   void go_on() noexcept;
-  // … or was none: its number is taken back. So it is of one that never settled and was hardly begun.
+  // The dwell's number is taken back: it was none, or it never settled and had hardly begun.
   void forget_dwell() noexcept { --index_; }
-  // Every dwell is over: the table rests or the run ends; the drive cannot be seen.
+  // No dwell is on any more. rest(): the table rests or the run has ended; lose_sight(): the drive cannot be seen.
   void rest() noexcept { go(interlocked() ? Phase::interlocked : Phase::idle); }
   void lose_sight() noexcept { go(interlocked() ? Phase::unseen_interlocked : Phase::unseen); }
-  // The level of the interlock, while no dwell is on: its loss ends a dwell first.
+  // The interlock's level, while no dwell is on. If it opens during a dwell, the dwell must be ended first.
   void interlock(bool closed) noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// What changes within a dwell: in one channel against the table, in the table itself, in the drive's frequency.
+// Detects changes within a dwell: of one channel against the table, of the table itself, of the drive's frequency.
 #include "core/base/wording.hpp"
 #include "core/dwell/pipeline_impl.hpp"
 #include "core/fit/scatter.hpp"
@@ -6,19 +6,19 @@
 namespace dwell {
 namespace {
 
-constexpr double kTold = 0.1;  // tolerances, rms of the stretches: what varies by less is not told
-// The same for a slope over data that have stretches, which tell of all that is worth a word but a slow drift.
+constexpr double kTold = 0.1;  // tolerances, rms of the stretches: smaller variations are not reported
+// The same for a slope if the data have stretches, which show everything worth a word but a slow drift.
 constexpr double kToldOfLong = 0.5;
 // The largest change, in tolerances, that a slope alone describes in a dwell too short for stretches. Of 400 dwells of
-// 0.4 s under an amplitude that hunts by 1 %, those that were five standard uncertainties off had changed by 0.4 or
-// more; at half this limit sound dwells would be doubted.
+// 0.4 s whose amplitude hunts by 1 %, those off by five standard uncertainties had changed by 0.4 or more. At half this
+// limit sound dwells would be doubted.
 constexpr double kDoubted = 0.25;
 
-// Of |slope|² over its variance, from which it is told in words: once in 10 000 dwells by chance, exp(-9.2). The
-// uncertainty heeds smaller ones (PhasorSlope::shows), and nobody is blamed for these: one healthy dwell in a hundred.
+// Least |slope|² over its variance that is reported: once in 10 000 dwells by chance, exp(-9.2). Smaller slopes
+// (PhasorSlope::shows, one healthy dwell in a hundred) only widen the uncertainty.
 constexpr double kToldSlope = 9.2;
 
-// Rms of a stretch's deviation, relative to the phasor: along it and across.
+// Rms of the stretches' deviations, relative to the phasor: along it and across.
 struct Wander {
   double amplitude = 0.0, phase_rad = 0.0;
 };
@@ -37,7 +37,7 @@ Wander wander_of(const ChannelResult& result) {
   return {std::sqrt(sum.amplitude / count), std::sqrt(sum.phase_rad / count)};
 }
 
-// The table's phasor over the data that count, relative to that over the modal fit, minus one.
+// The table's phasor over the data that count, divided by that of the modal fit, minus one.
 Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channel, std::int64_t t_ref_ns) {
   return table.X[0] / (modal.phasor(channel, 1) * std::polar(1.0, modal.angle(t_ref_ns))) - 1.0;
 }
@@ -53,9 +53,9 @@ void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result)
   result.slope.value *= turn;
 }
 
-// Where the table's phasor over the data that count is not that over the modal fit, the drive has changed in between,
-// and what the masses answered to that is no natural oscillation, though the modes may have taken it for one. In
-// channel c it is at most the change itself, and at most what the modes take out of c.
+// If the table's phasor over the data that count differs from that of the modal fit, the drive has changed in between.
+// The masses' answer to that is no natural oscillation, but the modes may have absorbed it. In channel c the part
+// absorbed is at most the change itself, and at most what the modes take out of c.
 void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel())].fit;
   if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel())) return;
@@ -70,7 +70,7 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
   }
 }
 
-// A channel whose ratio to the table varies has changed, or what it stands on has; all together only the drive.
+// If one channel's ratio to the table varies, the channel or its mount has changed; if all vary together, the drive.
 void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const {
   const auto table = static_cast<std::size_t>(drive_channel());
   std::vector<std::vector<PhasorStretch>> stretches;
@@ -98,15 +98,15 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   }
   const Complex rate = results[table].slope.value / results[table].fit.X[0];
   const double changed = std::abs(rate) * seconds;
-  // In data too short for stretches the slope is all that there is to tell.
+  // In data too short for stretches only the slope shows a change.
   const double told = results[table].scatter.dof > 0 ? kToldSlope : PhasorSlope::kShows;
   const double least = results[table].scatter.dof > 0 ? kToldOfLong : kTold;
   const bool sure = std::norm(results[table].slope.value) > told * results[table].slope.variance;
   if (!results[table].slope.shows() || !sure || !(changed > least * rig.tolerance)) {
-    double absorbed = 0.0;  // the largest part of a phasor
+    double absorbed = 0.0;  // the largest, as a part of the phasor
     for (const ChannelResult& result : results)
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
-    // Long after the transient was fitted its frequency alone turns the phasor: that is no change of the drive.
+    // Long after the transient was fitted an error of its frequency turns the phasor: the drive has not changed.
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
     const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel(), data.totals().t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
@@ -123,7 +123,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     dwell.warnings.push_back(seen + "; the uncertainties allow for it (\"change within the dwell\")");
 }
 
-// By what phases that wander make the frequency less certain than white residuals would.
+// Factor by which wandering phases widen the standard uncertainty of the frequency, over that by white residuals.
 double Pipeline::Impl::frequency_widens(const ChannelResult& table) const {
   if (!table.fit.usable) return 1.0;
   double sum = 0.0, count = 0.0;
@@ -133,7 +133,7 @@ double Pipeline::Impl::frequency_widens(const ChannelResult& table) const {
     sum += off * off * std::norm(table.fit.X[0]) / (0.5 * stretch.variance);
     count += 1.0;
   }
-  // A phase and a frequency are fitted.
+  // Two parameters are fitted: phase and frequency.
   if (count < 4) return 1.0;
   return std::sqrt(Scatter{sum / (count - 2), count - 2}.widens());
 }

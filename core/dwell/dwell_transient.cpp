@@ -1,5 +1,5 @@
-// What the model of the transient (core/transient/transient_model.hpp) is told of the pipeline, and what its verdicts
-// do to the dwell: data begin to count, the transient is taken out of them, a verdict is taken back.
+// The input of the transient's model (core/transient/transient_model.hpp), and what its verdicts do to the dwell: data
+// begin to count, the transient is taken out of them, a verdict is taken back.
 #include <utility>
 
 #include "core/dwell/pipeline_impl.hpp"
@@ -7,8 +7,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kMatters = 0.05;    // of the variance
-constexpr double kOfAdding = 500.0;  // multiplications' worth, to put a sample into its block
+constexpr double kMatters = 0.05;    // part of a phasor's variance from which the unknown transient matters
+constexpr double kOfAdding = 500.0;  // multiplications: the cost of putting a sample into its block
 
 }  // namespace
 
@@ -44,7 +44,7 @@ SeenFrequency Pipeline::Impl::drive_omega() const {
 bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   if (rig.mass_count() == 0) return false;
   const HoldNow now = hold_now();
-  // Windows alone would be believed too soon.
+  // Windows alone would settle too soon.
   if (modes.too_early(end_ns, now)) return true;
   if (modes.wants_refit(end_ns, now) && !modes.refit(drive_omega(), end_ns, now)) return false;
   if (!modes.fitted()) return false;
@@ -62,7 +62,7 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   modes.begin_measuring(hold_now());
   take_transient_out(end_ns);
   count_anew();
-  // Again, where the data that count contradict the frequency at which the transient was taken out of them.
+  // Repeated where the data that count contradict the frequency at which the transient was taken out.
   modes.allow_following();
   for (int i = 0; i < TransientModel::kMostFollowed && tracked(); ++i) {
     if (!modes.follow_drive(counted_omega(), hold_now())) break;
@@ -73,8 +73,8 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   return true;
 }
 
-// More data tell better what the transient was: now and then, while all since the hold's beginning are there and what
-// is not known of it is a part of the uncertainty that matters.
+// Fits the transient again when the data have grown. Only while the data since the hold's beginning are kept, and the
+// unknown part of the transient matters in the uncertainty.
 void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   const HoldNow now = hold_now();
   if (doubtful_quarters() > 0 || !modes.wants_refit_measuring(now)) return;
@@ -86,8 +86,8 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   if (last) modes.end_refits();
 }
 
-// After a verdict that was premature: where the same fit says that the rig has settled since, the data count from there
-// (true); else the rig settles again, in the same hold and by the fit that has taken the verdict back (false).
+// Mends a premature verdict. If the same fit says that the rig has settled since, the data count from there (true).
+// Else the rig settles again, in the same hold and with the fit that took the verdict back (false).
 bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   if (const auto counts_ns = modes.mend(end_ns, hold_now(), verdict)) {
     at.settled_ns = *counts_ns;
@@ -105,7 +105,7 @@ bool Pipeline::Impl::mend_verdict(std::int64_t end_ns) {
   return false;
 }
 
-// Whether in any channel what is not known of the transient adds to the variance of the phasor.
+// Whether the unknown part of the transient adds to the variance of some channel's phasor.
 bool Pipeline::Impl::transient_matters() const {
   for (int c = 0; c < live.count(); ++c) {
     const HarmonicFit fit = data.fit_counted(c);
@@ -115,7 +115,6 @@ bool Pipeline::Impl::transient_matters() const {
   return false;
 }
 
-// Builds the blocks anew from the history, the transient subtracted.
 void Pipeline::Impl::take_transient_out(std::int64_t end_ns) {
   const std::int64_t begin_ns = std::max(at.settled_ns, end_ns - to_ns(rig.memory_s));
   modes.take_out(begin_ns, end_ns, hold_now());

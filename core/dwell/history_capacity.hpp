@@ -6,7 +6,7 @@
 
 namespace dwell {
 
-// For a rig of so many channels: 32768 a channel, half a million in all at most.
+// For a rig of so many channels: 32768 samples a channel, half a million in all at most.
 [[nodiscard]] inline std::size_t history_capacity(int channels) {
   return std::min<std::size_t>(std::size_t{1} << 19, static_cast<std::size_t>(channels) << 15);
 }

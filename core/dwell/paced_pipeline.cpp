@@ -8,9 +8,9 @@
 namespace dwell {
 namespace {
 
-// Of records that wait, so many are taken at a push: the backlog shrinks as fast as it grew.
+// Waiting records taken in one push: the backlog shrinks as fast as it grew.
 constexpr int kTogether = 2;
-// Of stream time, for which a push may work at most; a stream that jumps earns no more.
+// Stream time for which a push may work at most; a stream that jumps earns no more.
 constexpr double kLongestEarned_s = 1.0;
 
 bool must_not_wait(const Record& record) noexcept {
@@ -20,15 +20,15 @@ bool must_not_wait(const Record& record) noexcept {
 
 }  // namespace
 
-// Work on the longest hold is four passes over its samples, a second of the stream: no more can come meanwhile. Where
-// it does, a push waits for the work.
+// The ring: work on the longest hold is four passes over its samples, a second of the stream. No more records can come
+// meanwhile. If more come, a push waits for the work.
 PacedPipeline::PacedPipeline(const Rig& rig)
     : slices_([this] { take(ring_[first_]); }),
       pipeline_(rig, &slices_),
       taken_(rig.channels.size()),
       ring_(history_capacity(static_cast<int>(rig.channels.size()))) {}
 
-// What is in work is done first: it needs the pipeline.
+// Unfinished work needs the pipeline: it is done first.
 PacedPipeline::~PacedPipeline() {
   slices_.allow_all();
   if (busy()) slices_.go_on();
@@ -62,7 +62,7 @@ std::uint8_t PacedPipeline::finish() {
   return pipeline_.finish();
 }
 
-// An instant that is none, or not in order, earns nothing: the pipeline will refuse it.
+// A record without an instant, or out of order, earns nothing: the pipeline will refuse it.
 void PacedPipeline::earn(std::int64_t t_ns) noexcept {
   if (t_ns <= newest_ns_ || t_ns > Pipeline::kLatest_ns) return;
   const double since_s = 1e-9 * (static_cast<double>(t_ns) - static_cast<double>(newest_ns_));
@@ -81,7 +81,7 @@ void PacedPipeline::append(const Record& record) noexcept {
   if (must_not_wait(record)) urgent_ = count_;
 }
 
-// The oldest that waits; false: it has paused amid its work.
+// Takes the oldest record that waits; false: its work has paused.
 bool PacedPipeline::take_next() noexcept {
   if (!(busy() ? slices_.go_on() : slices_.begin())) return false;
   first_ = (first_ + 1) % ring_.size();

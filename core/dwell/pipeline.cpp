@@ -6,7 +6,7 @@
 namespace dwell {
 namespace {
 
-constexpr std::int64_t kEmptyBlocks = 64;  // without a record: the time between is skipped, not stepped through
+constexpr std::int64_t kEmptyBlocks = 64;  // without a record: a longer gap is skipped, not stepped through
 
 }  // namespace
 
@@ -22,8 +22,7 @@ void Pipeline::Impl::take_record(const Record& record) {
   if (at.origin_ns == INT64_MIN) {
     at.origin_ns = now_ns = record.t_ns;
   }
-  if (record.t_ns < now_ns ||
-      record.t_ns > Pipeline::kLatest_ns) {  // not in order, or no instant: counted where there is something to count
+  if (record.t_ns < now_ns || record.t_ns > Pipeline::kLatest_ns) {  // out of order, or no instant: refused
     if (record.kind == Kind::sample && record.channel < live.count()) live[record.channel].refuse();
     return;
   }
@@ -85,7 +84,7 @@ void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   history.push(reading.t_ns, c, value);
   const double cleaned = add_cleaned(reading.t_ns, c, value);
   if (c != drive_channel()) return;
-  // A reading that was held up longer than usual tells less of the drive's phase.
+  // A reading that was held up tells less of the drive's phase.
   tracker.add(reading.t_ns, cleaned, channel.late_s(reading));
 }
 

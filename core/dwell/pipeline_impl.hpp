@@ -1,8 +1,9 @@
-// The pipeline's parts, and what goes on between them: pipeline.cpp takes the stream in, dwell_cycle.cpp watches the
-// drive and tells the state machine of the dwell what has happened, dwell_settling.cpp judges by windows whether the
-// transient has decayed, dwell_transient.cpp does what the model of the transient (core/transient/transient_model.hpp)
-// says; dwell_inputs.cpp heeds the interlock and the sync input, dwell_result.cpp makes of all what is reported.
-// Internal to core.
+// The pipeline's parts and the events between them. Internal to core.
+//
+// pipeline.cpp takes the stream in. dwell_cycle.cpp watches the drive and reports events to the dwell's state machine.
+// dwell_settling.cpp judges by windows whether the transient has decayed. dwell_transient.cpp carries out the verdicts
+// of the transient's model (core/transient/transient_model.hpp). dwell_inputs.cpp handles the interlock and the sync
+// input. dwell_result.cpp makes the reports.
 #pragma once
 
 #include <algorithm>
@@ -67,8 +68,8 @@ struct Pipeline::Impl {
   const Eigen::MatrixXd G;
   ProvisionalChain provisional_chain;
   TransientModel modes;
-  std::vector<FittedChannel> fitted_channels;  // of hold_now()
-  std::vector<double> transient;  // per channel, of its reading: seen of the transient where the data begin to count
+  std::vector<FittedChannel> fitted_channels;  // storage for hold_now()
+  std::vector<double> transient;  // per channel, unit of its reading: SettlingDetector::left() at the verdict
 
   DwellStates states;
   DwellTimes at;
@@ -88,51 +89,50 @@ struct Pipeline::Impl {
   std::uint8_t push(const Record& record);
   void take_record(const Record& record);
 
-  // Brings the blocks up to now.
+  // Closes blocks and opens new ones up to now_ns.
   void advance();
 
   void sample(const Record& record);
-  // A reading that counts.
+  // Takes a reading that counts.
   void take(int c, const LiveChannel::Reading& reading);
-  // A GPIO edge. The loss of the interlock ends the dwell at once; nothing begins before its return, and nothing from
-  // before that counts.
+  // A GPIO edge. If the interlock opens, the dwell ends at once. Nothing begins until it closes; earlier data do not
+  // count.
   void edge(const Record& record);
 
-  // While settling, ω of a table that contradicts what is stated of a fixed frequency.
+  // While settling: the table's ω if it contradicts the stated one of a fixed frequency.
   [[nodiscard]] std::optional<double> contradicting_omega() const;
 
   void on_block(std::int64_t end_ns);
 
-  // The channel by which the drive is known.
   [[nodiscard]] int drive_channel() const { return live.drive(); }
   [[nodiscard]] bool delivers(int c) const { return live[c].delivers(now_ns, period_s()); }
   [[nodiscard]] double refresh_u_omega(double seconds) const { return live.refresh_u_omega(seconds, omega()); }
-  // What becomes of a channel's phasor by what its intake has found in its readings.
+  // Withholds a channel's phasor or widens its uncertainty by what the intake found in its readings.
   void judge_readings(int c, ChannelResult& result) const;
 
   [[nodiscard]] DriveTracker::During during() const;
-  // What the newest window says of the drive, which begins at block `from`: a dwell may be armed by it, or all be over.
-  // false: there is nothing to judge in it.
+  // Evaluates the newest window of the drive, which begins at block `from`. A dwell may be armed, or all may end.
+  // false: there is no drive to judge further.
   bool look_at_drive(const DriveTracker::Window& table, int from);
 
   void arm(int from);
 
-  // The drive is taken as steady from block `from` on.
+  // The drive counts as steady from block `from` on.
   void begin_hold(int from);
 
-  // The drive is another than in this hold. Whether it changed or stopped shows when the change has passed through the
-  // window; until then the finished dwell is kept back.
+  // The drive is no longer that of this hold. It is known whether it changed or stopped only after the change has
+  // passed through the window. Until then the finished dwell is kept back.
   void change(int from);
 
   void stop();
 
-  // Ends the run of dwells for another reason than the drive.
+  // Ends the present dwell for a reason other than the drive.
   void end(EndedBy ended_by, bool with_open);
   void lose_data();
   void rearm();
 
-  // While nothing is measured the means may be taken anew, so that they never cost digits however long the service
-  // runs.
+  // While no dwell is on: takes the channels' references anew, so that a drifting mean never costs digits, however long
+  // the service runs.
   void refresh_reference();
 
   void settle(std::int64_t end_ns);
@@ -142,57 +142,57 @@ struct Pipeline::Impl {
 
   [[nodiscard]] bool out_of_search() const { return tracker.out_of_search(); }
 
-  // dwell_transient.cpp: what the model of the transient is told, and what its verdicts do.
-  // What it is told of this moment. Valid until the next call.
+  // dwell_transient.cpp: the input of the transient's model at this moment, valid until the next call; and what its
+  // verdicts do.
   [[nodiscard]] HoldNow hold_now();
-  // ω that the drive's channel alone tells of, from the blocks of this hold.
+  // ω from the drive's channel alone, over the blocks of this hold.
   [[nodiscard]] SeenFrequency drive_omega() const;
   // ω of the data that count.
   [[nodiscard]] SeenFrequency counted_omega() const {
     return {omega(), data.drift().rate, data.drift().about_ns, tracker.u_omega()};
   }
-  // Judges the hold; false: there are no modes to judge by.
+  // Judges the hold by its modes; false: there are none.
   bool settle_by_modes(std::int64_t end_ns);
   void refit_measuring(std::int64_t end_ns);
   bool mend_verdict(std::int64_t end_ns);
   [[nodiscard]] bool transient_matters() const;
   void take_transient_out(std::int64_t end_ns);
-  // The blocks anew from the history, the transient taken out of them where that is known.
+  // Builds the blocks anew from the history, without the known transient.
   void rebuild_blocks(std::int64_t begin_ns, std::int64_t end_ns);
-  // A reading into the blocks, without what is known of the transient; what was added.
+  // Adds a reading to the blocks, without the known transient. Returns the value added.
   double add_cleaned(std::int64_t t_ns, int c, double value);
 
   [[nodiscard]] int doubtful_quarters() const { return tracker.doubtful_quarters(); }
-  // How many blocks end before the newest so many quarters; one that holds some of these does not count.
+  // Number of blocks that end before the newest so many quarters.
   [[nodiscard]] int blocks_before(int newest_quarters) const;
-  // Why no transient is awaited but something else; empty: nothing else bars.
+  // Why the dwell waits for something other than the transient; empty: it does not.
   [[nodiscard]] std::string barred_reason() const;
 
-  // Coefficients from the later half of the hold so far, for the decay that they predict: for a chain of which every
-  // channel delivers, now and then (the eigenvalues cost n³).
+  // Identifies the chain from the later half of the hold, to predict the decay. Now and then (the eigenvalues cost n³),
+  // and only if the usable channels show every mass.
   void provisional();
 
-  // ω and the running sums from all data that count, and what the drive is held against from now on.
+  // Takes ω and running sums anew from all data that count, and compares the drive with these from now on.
   void count_anew();
 
   void conclude(int to, bool with_open);
 
   void emit(EndedBy ended_by);
 
-  // Blocks up to `to`. up_to_now: a channel that does not deliver now is withheld; a dwell that has ended keeps what it
-  // had.
+  // Evaluates blocks up to `to`. up_to_now: withholds channels that do not deliver now; without it a dwell that has
+  // ended keeps them.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
   [[nodiscard]] std::string left_out_of_dwell() const;
   [[nodiscard]] std::string taken_back_reason() const;
-  // Of the reason: what swings beside drive and chain; empty: nothing.
+  // The oscillations beside drive and chain, for the settling reason; empty: none.
   [[nodiscard]] std::string foreign_oscillations() const;
-  // Standard uncertainty of either component of a phasor of the reading by rounding.
+  // Standard uncertainty of either component of a reading's phasor by rounding.
   [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
-  // Says where hum cannot be told from a harmonic.
+  // Warns where hum cannot be told from a harmonic.
   void warn_of_hum(double seconds, Dwell& dwell) const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
-  // dwell_steadiness.cpp: what blocks [from, to), which `totals` hold, say of change within them.
+  // dwell_steadiness.cpp: changes within blocks [from, to), whose sums `totals` holds.
   void look_within(int c, int from, int to, ChannelResult& result) const;
   void look_at_settling(std::vector<ChannelResult>& results) const;
   void warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const;

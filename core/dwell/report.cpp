@@ -17,7 +17,7 @@ std::string reason_of(const ChannelResult& channel) {
   return channel.fit.usable ? "" : "too few samples in the data that count";
 }
 
-// The variance that the phases of two channels share, rad²: that of a delay which moves both alike.
+// The variance that the phases of two channels share, rad²: of delays common to both.
 double shared_phase_variance(const Rig& rig, const std::vector<ChannelResult>& channels, double omega, std::size_t a,
                              std::size_t b) {
   double variance_s2 = 0.0;
@@ -64,7 +64,6 @@ void report_phasors(const Rig& rig, const std::vector<ChannelResult>& channels, 
       out.Y = X / H_1;
       out.mean = fit.mean;
       out.sigma = std::sqrt(fit.sigma2);
-      // The covariance along the phasor and across it.
       const Eigen::Vector2d along(X.real() / amplitude, X.imag() / amplitude), across(-along(1), along(0));
       const Eigen::Matrix2d covariance = channels[c].scatter.widens() * fit.covariance;
       const double u_along = std::sqrt(along.dot(covariance * along)) / amplitude;

@@ -6,8 +6,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kMoved = 0.2;      // tolerances, of ω: the windows are taken anew
-constexpr double kInQuarter = 5.0;  // samples: a mean, a sine and a cosine, and as much again to tell the noise by
+constexpr double kMoved = 0.2;      // tolerances: a larger change of ω takes the windows anew
+constexpr double kInQuarter = 5.0;  // samples: a mean, a sine and a cosine, and two more for the noise
 
 }  // namespace
 
@@ -57,8 +57,8 @@ bool SettlingWindows::too_few_samples(int c) const noexcept {
   return !fit.usable && length_.periods() == 1 && fit.samples >= 2 * rig_.excitation.harmonics + 1;
 }
 
-// In stretches of a quarter of a period, or of a half where that has too few samples, a mean, a sine and a cosine
-// follow any smooth motion.
+// A mean, a sine and a cosine follow any smooth motion over a quarter of a period, or a half where a quarter has too
+// few samples. Their residuals are noise.
 SettlingWindows::Noise SettlingWindows::noise_of(int c, int from, int to) const noexcept {
   const Blocks& blocks = data_.blocks();
   const double in_quarter = fits_[static_cast<std::size_t>(c)].samples / (to - from);
@@ -79,7 +79,7 @@ void SettlingWindows::take(int c, bool watched, double noise_known) noexcept {
   const std::complex<double> back = std::conj(table().X[0]) / std::abs(table().X[0]);
   const double noise = watched && fit.usable ? std::min(fit.sigma2, noise_known) : 0.0;
   const double u = std::sqrt(0.5 * fit.covariance.trace() * (fit.sigma2 > 0 ? noise / fit.sigma2 : 1.0));
-  // Relative to the table's phase, whose own noise comes on top.
+  // Relative to the table's phase, whose own noise is added.
   reading = {fit.X[0] * back,      {}, std::hypot(u, std::abs(fit.X[0]) * table_u()), fit.sigma2, noise, fit.samples,
              watched && fit.usable};
   reading.others[0] = fit.mean;

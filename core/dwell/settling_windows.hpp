@@ -1,8 +1,7 @@
-// What the windows of a hold show of its transient: one window of all channels each quarter of a period, compared with
-// each other by the settling detector.
+// Shows the settling detector the windows of a hold: one window of all channels each quarter of a period.
 //
-// Windows are compared, so all are taken at one ω: when the best known has moved by a part of the tolerance that would
-// show, those of this hold are taken anew.
+// All windows that are compared are taken at one ω. If the best known ω has moved so far that it would show, the
+// windows of this hold are taken anew.
 #pragma once
 
 #include <complex>
@@ -18,7 +17,7 @@
 
 namespace dwell {
 
-// Bound to one thread; real-time safe but for the constructor. What it is given must outlive it.
+// Bound to one thread; real-time safe except for the constructor. Its arguments must outlive it.
 class SettlingWindows {
  public:
   SettlingWindows(const Rig& rig, LiveChannels& live, const CountedData& data, WindowLength& length);
@@ -26,12 +25,11 @@ class SettlingWindows {
   // The drive is steady from now on.
   void begin_hold() noexcept;
 
-  // The end of the first window to look at, an index of blocks: the newest, or an older one where all are taken anew.
-  // steady_serial: where the hold begins.
+  // The end of the first window to take, an index of blocks: the newest, or an older one where all are taken anew.
+  // steady_serial: beginning of the hold.
   [[nodiscard]] int first_end(std::int64_t steady_serial) noexcept;
-  // Takes the window of blocks [from, to). learn(c, squares, freedom) is told of each channel what blocks alone show of
-  // its noise (take_noise), and returns the variance of its noise as known by now; INFINITY: it is not. false: it could
-  // not be fitted.
+  // Takes the window of blocks [from, to). learn(c, squares, freedom) takes the channel's noise as blocks alone show it
+  // (noise_of), and returns the best known variance; INFINITY: not known. false: the window could not be fitted.
   template <class Learn>
   bool look(int from, int to, std::int64_t now_ns, Learn&& learn) {
     if (!fit(from, to)) return false;
@@ -51,17 +49,17 @@ class SettlingWindows {
     }
     return true;
   }
-  // A channel's reading in the newest window may be used.
+  // Whether a channel's reading in the newest window may be used.
   [[nodiscard]] bool usable(int c) const noexcept { return readings_[static_cast<std::size_t>(c)].usable; }
-  // The phasor to identify the chain by, relative to the table's: of the later half of the hold, of the newest window
-  // where there is none.
+  // The phasor that identifies the chain, relative to the table's: mean over the later half of the hold, or of the
+  // newest window where there is none.
   [[nodiscard]] std::complex<double> phasor(int c) const noexcept;
-  // Whether the chain is to be identified anew: now and then, for its eigenvalues cost n³.
+  // Whether to identify the chain again: now and then, since its eigenvalues cost n³.
   [[nodiscard]] bool wants_chain(std::int64_t steady_serial) noexcept;
-  // Judges the hold by the window that look() has taken. time_constant_s: of the identified chain; NaN: not known. t_s:
-  // where the window ends.
+  // Judges the hold by the window that look() took. t_s: its end; time_constant_s: of the identified chain, NaN: not
+  // known.
   [[nodiscard]] SettlingDetector::Verdict judge(int from, int to, double t_s, double time_constant_s) noexcept;
-  // After a settled verdict: as SettlingDetector::left.
+  // After a settled verdict: SettlingDetector::left().
   [[nodiscard]] double left(int c) const noexcept { return detector_.left(c); }
 
  private:

@@ -10,15 +10,16 @@
 namespace dwell {
 namespace {
 
-// A reading's noise is told from the rounding of double precision: relative to the largest reading.
+// Noise below this part of the largest reading is the rounding of double precision.
 constexpr double kRealNoise = 1e-9;
-// Identical readings in a row that no motion explains whose mean difference is kMoves rounding steps: at a crest, where
-// it is slowest, √(readings a period) / 5 of such a motion round to one number; noise makes them fewer.
+// A run of identical readings longer than any motion explains. A sine whose mean difference is kMoves rounding steps
+// has √(readings a period) / 5 identical readings at its crest, where it is slowest; with noise fewer. kAtCrest is that
+// factor with a margin.
 constexpr double kMoves = 20.0, kAtCrest = 0.25;
 constexpr std::int64_t kAnyway = 3;
-// Fewest readings a period, at which a motion of three harmonics does not turn from one reading to the next.
+// Fewest readings a period at which a motion of three harmonics does not turn within one reading.
 constexpr double kTurnsSlowly = 12.0;
-// Readings by which an older one again lags: two or three polls.
+// Age of an older reading that is repeated, in readings: it is two or three polls old.
 constexpr double kOlderLags = 2.5;
 
 }  // namespace
@@ -63,7 +64,7 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   return count(reading, read_ns, says);
 }
 
-// What the motion gate says of the reading, which was read at read_ns.
+// Notes the gate's answer for the reading, which was read at read_ns.
 ChannelIntake::Says ChannelIntake::count(const Reading& reading, std::int64_t read_ns, Says says) noexcept {
   if (says != Says::take && says != Says::give_back) return says;
   const auto take = [&](double value) {
@@ -106,7 +107,7 @@ bool ChannelIntake::left_out_matters() const noexcept {
   return left_.matters(times_.count(), motion_.foreign().all(), held());
 }
 
-// Smallest distance of two readings that differ. Readings that were rounded twice have the coarser step.
+// The smallest distance of two different readings. Readings that were rounded twice have the coarser step.
 double ChannelIntake::apart() const noexcept {
   const double step = rounding_.step(), seen = held_.step();
   return std::isfinite(seen) ? std::max(step, seen) : step;

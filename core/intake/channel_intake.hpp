@@ -1,7 +1,7 @@
-// The intake of one channel: every reading is judged by the readings around it before it counts.
+// Judges every reading of one channel by the readings around it, before it counts.
 //
-// In this order: range and end codes, held registers, pile-up at an extreme, spikes, the motion of the readings before.
-// Each has a file of its own, and there the false-alarm probability. Auxiliary channels pass all but the first.
+// The order: range and end codes, held registers, pile-up at an extreme, spikes, the motion of the readings before.
+// Each has its own file, which gives the false-alarm probability. Auxiliary channels pass all but the first.
 #pragma once
 
 #include <cmath>
@@ -25,7 +25,7 @@
 
 namespace dwell {
 
-// Bound to one thread; judge() and what asks for numbers is real-time safe, what makes text allocates.
+// Bound to one thread; judge() and numbers are real-time safe, functions that return text allocate.
 class ChannelIntake {
  public:
   using Reading = MotionGate::Reading;  // value: the device's own number
@@ -33,53 +33,54 @@ class ChannelIntake {
 
   explicit ChannelIntake(const Channel& channel);
 
-  // SI of the device's own number.
+  // The device's own number in SI.
   [[nodiscard]] double si(double raw) const noexcept { return numbers_.si(raw); }
 
-  // The next reading, finite and after the one before; ω of the drive, rad/s. give_back: waiting() first, then this.
-  // A new value of a held register gets the instant of its refresh.
+  // Judges the next reading: finite, and after the one before. omega: of the drive, rad/s. give_back: take waiting()
+  // first, then this reading. A new value of a held register gets the instant of its refresh.
   Says judge(Reading& reading, double omega) noexcept;
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
 
-  // Readings left out, of all time.
+  // Readings left out since construction.
   [[nodiscard]] std::uint64_t left() const noexcept { return left_.of_all_time() + motion_.foreign().of_all_time(); }
 
   void next_period() noexcept { spikes_.next_period(); }
-  // Standard deviation of what a fit of harmonics left over in the newest period, SI. What prediction by the readings
-  // before is off by holds the harmonics as well, where there are few readings a period.
+  // Standard deviation of the residuals of the harmonic fit over the newest period, SI. With few readings a period the
+  // gate's prediction errors contain the harmonics; these residuals do not.
   void see_residuals(double sigma) noexcept;
-  // The drive is steady from now on: what is counted, is counted anew.
+  // The drive is steady from now on: all counts begin anew.
   void begin_hold() noexcept;
-  // The data count from about now on: what the gate took for foreign while the transient was large is said no more.
+  // The data count from about now on. Readings that the gates left out before, while the transient was large, are no
+  // longer reported.
   void begin_to_count() noexcept;
 
   [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
-  // One and the same reading for longer than allowed.
+  // For how long the reading has been one and the same.
   [[nodiscard]] double same_for_s() const noexcept { return times_.same_for_s(); }
   // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.
   [[nodiscard]] double step() const noexcept { return numbers_.si_of_difference(rounding_.step()); }
   [[nodiscard]] bool clipped() const noexcept { return clipped_above() + clipped_below() > 0; }
-  // Relative loss of the fundamental's amplitude by clipping; 0: none. If the part p of all readings is clipped, the
+  // Loss of the fundamental's amplitude by clipping, relative; 0: none. If the part p of all readings is clipped, the
   // loss is (2/3π) (πp)³.
   [[nodiscard]] double clipping_bias() const noexcept;
-  // The register is refreshed more slowly than it is read, so that each new value is used once: half width to which the
-  // instants of the refreshes are known, mean of this hold, s; 0: it is not held.
+  // For a held register: mean half width of the refreshes' instants in this hold, s; 0: it is not held. The device
+  // refreshes such a register more slowly than it is read, and each new value is used once.
   [[nodiscard]] double refresh_half_s() const noexcept { return held() ? stamps_.half_s() : 0.0; }
   [[nodiscard]] bool held() const noexcept { return held_.held(); }
-  // The register began or ceased to be held after this hold began, so its data are of both kinds.
+  // The register began or ceased to be held after this hold began: its data are of both kinds.
   [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }
-  // Relative error of the phasor by readings that are older ones again and count: each lags by as much as it is old. 0:
-  // there are none. With few readings a period a motion of many harmonics turns as such readings do: then 0.
+  // Relative error of the phasor by repeats of older readings that count: each is late by its age. 0: none; or too few
+  // readings a period, where a motion of many harmonics looks like such repeats.
   [[nodiscard]] double repeat_bias() const noexcept;
   [[nodiscard]] std::string repeat_reason() const;
-  // One number is among the readings far too often.
+  // One number makes up far too many of the readings.
   [[nodiscard]] bool clustered() const noexcept { return cluster_.found(rounding_.step()); }
   [[nodiscard]] std::string clustered_reason() const;
-  // Part of the readings of this hold that were left out as foreign or beyond the range.
+  // Part of this hold's readings that were left out as foreign, as spikes or beyond the range.
   [[nodiscard]] double left_out() const noexcept;
 
-  // Whether what was left out says something of the device: far spikes, numbers beyond the range, or more than the gate
-  // takes of good readings.
+  // Whether the readings left out show a fault of the device: far spikes, numbers beyond the range, or more of them
+  // than the gate leaves out of good readings.
   [[nodiscard]] bool left_out_matters() const noexcept;
 
   [[nodiscard]] Condition condition() const noexcept;
@@ -94,7 +95,7 @@ class ChannelIntake {
   [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;
   [[nodiscard]] bool frozen() const noexcept;
-  // Of the drive; 0: not known.
+  // Readings in a period of the drive; 0: not known.
   [[nodiscard]] double readings_a_period() const noexcept;
   [[nodiscard]] std::int64_t clipped_above() const noexcept { return pile_up_.above(noise()); }
   [[nodiscard]] std::int64_t clipped_below() const noexcept { return pile_up_.below(noise()); }
@@ -117,10 +118,11 @@ class ChannelIntake {
   struct {
     double omega = 0.0;                   // of the drive, rad/s
     ReadingTimes::MeanInterval interval;  // of the readings
-  } sampled_;                             // as the newest reading was judged
-  double residuals2_ = INFINITY;  // of this hold: variance, the newest period an eighth of it, the device's numbers
+  } sampled_;                             // when the newest reading was judged
+  // Variance of the residuals in this hold, mean over about eight periods, the device's numbers squared.
+  double residuals2_ = INFINITY;
   bool overrange_now_ = false, held_at_begin_ = false;
-  bool stuck_ = false;  // the newest reading is identical to so many before it as no motion explains
+  bool stuck_ = false;  // the newest reading belongs to a run that no motion explains
 };
 
 }  // namespace dwell

@@ -1,5 +1,5 @@
-// What the newest sample of a channel says, for displays. Plain data; LiveChannel keeps it, and fills in counts and
-// condition where it hands it out.
+// What the newest sample of a channel shows, for displays. Plain data. LiveChannel keeps it and adds counts and
+// condition when asked.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ struct ChannelNow {
   Fault fault = Fault::silent;  // none: it delivers
   bool overrange = false;       // the newest reading is beyond its range
   Condition condition = Condition::unheard;
-  std::uint64_t used = 0;      // samples taken into account
-  std::uint64_t rejected = 0;  // samples that were not: not finite, overrange, spikes, not after the one before
-  std::uint64_t gaps = 0;      // times that samples were lost
+  std::uint64_t used = 0;      // samples used
+  std::uint64_t rejected = 0;  // samples not used: not finite, overrange, spikes, not after the one before
+  std::uint64_t gaps = 0;      // how often samples were lost
 };
 
 }  // namespace dwell

@@ -1,4 +1,4 @@
-// A channel's own numbers: what they are in SI, in the rig file's unit, and where its range ends.
+// Converts a channel's own numbers into SI and into the rig file's unit, and knows its range.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ class DeviceNumbers {
         unit_(unit_text(channel.unit)) {}
 
   [[nodiscard]] double si(double raw) const noexcept { return gain_ * raw + offset_; }
-  // SI of a difference of two numbers, without its sign; and back.
+  // The absolute difference of two numbers in SI, and back.
   [[nodiscard]] double si_of_difference(double raw) const noexcept { return std::abs(gain_) * raw; }
   [[nodiscard]] double difference_of_si(double si) const noexcept { return si / std::abs(gain_); }
   [[nodiscard]] bool beyond_range(double raw) const noexcept { return si(raw) < low_ || si(raw) > high_; }

@@ -1,5 +1,5 @@
-// Is a number the end of an integer type, or a code for "no value", as converters and gateways send them? It is where
-// nothing has been read beyond it.
+// Recognizes codes for "no value" that converters and gateways send: the ends of integer types. Such a number is a code
+// only if it lies beyond all good readings so far.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@ class EndCodes {
     if (!(raw > largest_ || raw < smallest_)) return false;
     return std::find(std::begin(kCodes), std::end(kCodes), raw) != std::end(kCodes);
   }
-  // A reading that is none.
+  // Takes in a reading that is no code.
   void see(double raw) noexcept {
     largest_ = std::max(largest_, raw);
     smallest_ = std::min(smallest_, raw);
   }
-  // The largest size of a reading that is none.
+  // The largest magnitude of the readings that are no codes.
   [[nodiscard]] double largest() const noexcept { return std::max(std::abs(largest_), std::abs(smallest_)); }
 
  private:

@@ -1,11 +1,12 @@
-// Runs of identical readings that are all about as long: a register that is refreshed three, four or five times a
-// period shows the same few numbers over and over. Its smallest jump is no rounding step, and none interrupts the
-// motion; there the runs themselves tell.
+// Recognizes a held register by runs of identical readings of nearly equal length. A register that is refreshed three,
+// four or five times a period shows the same few numbers over and over. Its smallest jump is no rounding step, and no
+// run interrupts the motion, so only the runs' lengths tell.
 //
-// kEvenRuns in a row of kLeastRun readings or more that differ by one at most, and kReversals jumps among them that go
-// back by another size than the jump before. Of a motion as coarse as its rounding steps runs may be as even, but it
-// goes back over the same step, however unequal a second rounding has made the steps. (Noise makes a run of three or
-// more one of two lengths at most one time in four: so many in a row once in 10⁵ holds of 10⁴ runs.)
+// It is held after kEvenRuns runs in a row, of kLeastRun readings or more, whose lengths differ by one at most. Among
+// them kReversals jumps must go back by another size than the jump before. A motion as coarse as its rounding steps may
+// have even runs as well. But it goes back over the same step, even where a second rounding makes steps unequal. (A run
+// of noise is three or more long, and of one of two neighbouring lengths, at most one time in four. Sixteen such runs
+// in a row occur once in 10⁵ holds of 10⁴ runs.)
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace dwell {
 // Of one channel. Bound to one thread; real-time safe.
 class EvenRuns {
  public:
-  // A run of so many identical readings lies between two jumps.
+  // The next run: so many identical readings between two jumps.
   void add(std::int64_t run, double jump_before, double jump_after) noexcept {
     if (run < kLeastRun || run > shortest_ + 1 || run < longest_ - 1) {
       even_ = reversals_ = 0;
@@ -37,9 +38,9 @@ class EvenRuns {
  private:
   static constexpr int kEvenRuns = 16, kReversals = 3;
   static constexpr std::int64_t kLeastRun = 3;
-  static constexpr double kUnlike = 1.5;     // ratio of two jumps of another size
-  std::int64_t shortest_ = 0, longest_ = 0;  // of the latest runs whose lengths differ by one at most
-  int even_ = 0, reversals_ = 0;             // how many these are, and jumps among them that go back by another size
+  static constexpr double kUnlike = 1.5;     // least ratio of two jumps that differ in size
+  std::int64_t shortest_ = 0, longest_ = 0;  // of the latest runs, whose lengths differ by one at most
+  int even_ = 0, reversals_ = 0;             // number of these runs; jumps among them that go back by another size
 };
 
 }  // namespace dwell

@@ -1,4 +1,4 @@
-// How many readings did not belong to the motion, and which number they have most often.
+// Counts the foreign readings of a channel, and knows their commonest number.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@ namespace dwell {
 // Of one channel, in any unit. One thread; real-time safe.
 class ForeignReadings {
  public:
-  // repeat: a number that was shown a moment before.
+  // repeat: the channel showed this number a moment before.
   void add(double value, bool repeat) noexcept {
     ++all_;
     ++of_all_time_;
@@ -23,11 +23,11 @@ class ForeignReadings {
       --commonest_;
     }
   }
-  // Since the restart: all, and those that repeat an older reading.
+  // Since the restart: all foreign readings, and those that repeat an older one.
   [[nodiscard]] std::uint64_t all() const noexcept { return all_; }
   [[nodiscard]] std::uint64_t repeats() const noexcept { return repeats_; }
   [[nodiscard]] std::uint64_t of_all_time() const noexcept { return of_all_time_; }
-  // Whether two or more have the number value().
+  // Whether two or more foreign readings have the number value().
   [[nodiscard]] bool cluster() const noexcept { return commonest_ >= 2; }
   [[nodiscard]] double value() const noexcept { return value_; }
   // Counts begin anew; the commonest number stays known.

@@ -1,18 +1,19 @@
-// Does the device refresh its register more slowly than it is read? Then runs of identical readings end in a jump.
+// Finds out whether the device refreshes its register more slowly than it is read (a held register). Then runs of
+// identical readings end in a jump.
 //
-// Only runs count that interrupt a motion: both the jump before and the jump after go the same way, by more than two
-// rounding steps each. Readings of a turning point, of an element that sticks, of a clipped crest turn back after the
-// run; readings of a motion slower than the rounding go on by one step.
+// Only runs that interrupt a motion count: the jumps before and after go the same way, by more than two rounding steps
+// each. At a turning point, with a sticking element or at a clipped crest the readings turn back after the run. A
+// motion slower than the rounding goes on by one step.
 //
-// How many such readings would chance bring? Differences of a smooth motion with noise have a density near 0 that no
-// rounding resolves: as many are 0 as are one step up, and as one step down. The step is taken as the third smallest
-// difference seen, which is never below the device's own, wherever its readings were rounded a second time. So half the
-// number of those within 1.5 steps is expected; on top of it, for densities that rise towards 0, kDensity of all
-// changes times the step over the mean jump (a sine 0.20, Gaussian noise 0.32, a decaying sine up to 0.5).
-// beyond_chance() then judges.
+// How many such readings does chance bring? The differences of a smooth motion with noise have a density near 0 that no
+// rounding resolves: differences of 0 are as frequent as those of one step up, and of one step down. The step is the
+// third smallest difference seen; a second rounding never makes it smaller than the device's own. So half of the
+// differences within 1.5 steps are expected. Some densities rise towards 0, so kDensity of all changes times the step
+// over the mean jump is added. (A sine has 0.20, Gaussian noise 0.32, a decaying sine up to 0.5.) beyond_chance()
+// judges.
 //
-// Where no run interrupts the motion, or few do, others tell: a beat (repeat_beat.hpp), even runs (even_runs.hpp), and
-// numbers that do not come back (recurring_numbers.hpp).
+// Where few runs or none interrupt the motion, three others judge: a beat (repeat_beat.hpp), even runs (even_runs.hpp),
+// and numbers that do not come back (recurring_numbers.hpp).
 #pragma once
 
 #include <algorithm>
@@ -30,8 +31,7 @@ namespace dwell {
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
 class HeldReadings {
  public:
-  // The next reading, and the step of its rounding (0: none; INFINITY: not known). Whether it is the same as the one
-  // before.
+  // The next reading; grid: its rounding step (0: none; INFINITY: not known). Returns whether it equals the one before.
   bool add(double reading, double grid) noexcept {
     const double jump = reading - value_;
     if (std::isnan(value_)) {
@@ -54,8 +54,7 @@ class HeldReadings {
     if (run_ > 1 && std::abs(before_) > least && size > least) {
       const bool onwards = before_ * jump > 0;
       if (onwards) interrupting_ += run_ - 1;
-      // Readings that were rounded a second time keep the first rounding's step, which the smallest differences all
-      // show.
+      // Readings rounded twice keep the coarser step of the first rounding: their smallest differences all equal it.
       const double rounding = differences_.least() > kSameStep * step() ? std::max(grid, step()) : grid;
       beat_.repeat(onwards, std::min(std::abs(before_), size), rounding, kDensity);
     }
@@ -66,15 +65,15 @@ class HeldReadings {
     return false;
   }
 
-  // Of the newest reading: how many are identical up to it.
+  // Number of identical readings up to the newest.
   [[nodiscard]] std::int64_t run() const noexcept { return run_; }
-  // Mean difference of two readings one after the other; 0: nothing is known.
+  // Mean difference of two consecutive readings; 0: not known.
   [[nodiscard]] double mean_difference() const noexcept {
     return pairs_ > 0 ? path_ / static_cast<double>(pairs_) : 0.0;
   }
-  // The third smallest difference that is not 0, at least the rounding step; INFINITY: not known.
+  // The third smallest difference above 0, at least the rounding step; INFINITY: not known.
   [[nodiscard]] double step() const noexcept { return differences_.step(); }
-  // There are such readings at all: those from here on are looked at.
+  // A run has interrupted the motion, or repeats have come with a beat: refreshes are timed from now on.
   [[nodiscard]] bool suspected() const noexcept { return interrupting_ > 0 || beat_.suspected(); }
   // The register is refreshed more slowly than it is read.
   [[nodiscard]] bool held() const noexcept { return held_; }
@@ -83,9 +82,8 @@ class HeldReadings {
     return static_cast<double>(pairs_) / std::max(1.0, static_cast<double>(changes()));
   }
 
-  // Part of all readings that are the one before again, or one of the last again, amid a motion, where that is more
-  // than chance brings and those that were left out; 0: no more. left_out: part of all readings that were left out as
-  // repeats.
+  // The part of all readings that repeat, amid a motion, the reading before (one_before) or an older one (older). 0: no
+  // more than chance and the repeats already left out explain. left_out: part of all readings left out as repeats.
   struct Again {
     double one_before = 0.0, older = 0.0;
   };
@@ -100,7 +98,7 @@ class HeldReadings {
     return again;
   }
 
-  // A new hold of the drive: counts begin anew. What was found stands until as much is seen again.
+  // A new hold of the drive: counts begin anew. held() stands until as much has been seen again.
   void restart() noexcept {
     pairs_ = same_ = interrupting_ = 0;
     runs_.restart();
@@ -112,11 +110,11 @@ class HeldReadings {
 
  private:
   static constexpr double kJump = 2.5, kDensity = 0.5, kSameStep = 0.9;
-  // What was found before a hold is dropped after so many pairs with fewer such readings.
+  // After kEnough pairs with fewer than kHardlyAny interrupting readings, held() is dropped.
   static constexpr std::int64_t kEnough = 4096, kHardlyAny = 8;
 
   [[nodiscard]] std::int64_t changes() const noexcept { return pairs_ - same_; }
-  // So many differences lie within half a step of 0, or of any other size that is small beside the mean.
+  // Differences expected within half a step of 0, or of any other size that is small against the mean.
   [[nodiscard]] double by_chance() const noexcept {
     const auto differing = static_cast<double>(changes());
     return kDensity * differing * differing * step() / path_;

@@ -1,5 +1,5 @@
-// How many readings of a hold were left out before the motion gate saw them, and whether what was left out says
-// something of the device.
+// Counts the readings of a hold that are left out before the motion gate, and tells whether those left out show a fault
+// of the device.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ class LeftOut {
     ++of_all_time_;
     ++repeats_;
   }
-  // The motion gate leaves out a reading that is far from all others.
+  // The motion gate has left out a reading that is far from all others.
   void far_spike() noexcept { far_spike_ = true; }
 
   [[nodiscard]] std::uint64_t overrange() const noexcept { return overrange_; }
@@ -32,8 +32,8 @@ class LeftOut {
   [[nodiscard]] std::uint64_t repeats() const noexcept { return repeats_; }
   [[nodiscard]] std::uint64_t of_all_time() const noexcept { return of_all_time_; }
 
-  // Far spikes, numbers beyond the range, or more than the gate takes of good readings. readings: of this hold;
-  // foreign: what the motion gate left out of them; held: repeats are refreshes that did not come.
+  // Whether to report the readings left out: far spikes, numbers beyond the range, or more than the gate leaves out of
+  // good readings. readings: of this hold; foreign: those of them left out by the gate; held: repeats are no fault.
   [[nodiscard]] bool matters(std::uint64_t readings, std::uint64_t foreign, bool held) const noexcept {
     if (overrange_ > 0 || spikes_ > before_.spikes || far_spike_) return true;
     const std::uint64_t left = foreign + (held ? 0 : repeats_);
@@ -48,16 +48,16 @@ class LeftOut {
   }
 
  private:
-  // The gate now and then leaves out good readings while a transient is large. It says nothing of up to kUnsaid √N of N
-  // readings. If all lie 8 σ off on one side, k of them move a phasor by 16 k σ/N. With u = σ √(2/N) that is 0.57 u at
-  // this limit. Chosen on 400 healthy dwells of the study: none blames a channel. Other values were not tried.
+  // The gate now and then leaves out good readings while a transient is large. Up to kUnsaid √N of N readings are not
+  // reported. If all of these k lie 8 σ off on one side, they move a phasor by 16 k σ/N: 0.57 u at the limit, with u =
+  // σ √(2/N). Chosen on 400 healthy dwells of the study: no channel is blamed. Other values were not tried.
   static constexpr double kUnsaid = 0.05;
   std::uint64_t overrange_ = 0, codes_ = 0, spikes_ = 0, repeats_ = 0;  // of this hold
   std::uint64_t of_all_time_ = 0;
   bool far_spike_ = false;
   struct {
     std::uint64_t readings = 0, spikes = 0, left = 0;
-  } before_;  // the data counted, in this hold
+  } before_;  // of this hold, when the data began to count
 };
 
 }  // namespace dwell

@@ -10,17 +10,17 @@
 namespace dwell {
 namespace {
 
-constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: a channel no longer delivers
+constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: the channel no longer delivers
 constexpr double kLost_s = 1.0;
-constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with one and the same reading: it is stuck
-constexpr double kHeldUp = 1.5;   // of the usual turnaround
+constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with the same reading: it is stuck
+constexpr double kHeldUp = 1.5;   // times the mean half width: a reading beyond was held up
 
-// Part of a phasor's standard uncertainty by which clipping or repeats may be off without a word.
+// Part of a phasor's standard uncertainty that clipping or repeats may cost without being reported.
 constexpr double kBiasMatters = 0.3;
-// The same, relative to the amplitude, while settling, where no uncertainty is known yet: a tenth of the tolerance.
+// The same while settling, where no uncertainty is known: part of the tolerance, relative to the amplitude.
 constexpr double kBiasShows = 0.1;
-// Part of the readings that may be left out. What disturbs more also passes the gate now and then: of 30 % zeros and 1
-// % noise enough pass to be 30 u, of 10 % none.
+// Part of the readings that may be left out. With more, enough bad readings also pass the gate: of 30 % zeros and 1 %
+// noise an error of 30 u passed, of 10 % zeros none.
 constexpr double kMostLeftOut = 0.15;
 
 }  // namespace
@@ -45,7 +45,7 @@ void LiveChannel::show(const Record& record) noexcept {
 }
 
 double LiveChannel::count(const Reading& reading) noexcept {
-  // What folds harmonics is the rate of the values, not of the readings.
+  // The rate of the values, not of the readings, decides which harmonics fold.
   if (intake_.held() && refreshed_ns_ != INT64_MIN) sampling_.add(to_s(reading.t_ns - refreshed_ns_));
   refreshed_ns_ = reading.t_ns;
   half_ns_sum_ += reading.half_ns;
@@ -59,7 +59,7 @@ double LiveChannel::late_s(const Reading& reading) const noexcept {
 
 void LiveChannel::begin_hold() noexcept {
   half_ns_sum_ = half_count_ = 0.0;
-  // Refreshes before it may have been passed over, or not found yet.
+  // Before the hold refreshes may have been missed, or the register not known as held.
   if (intake_.held() || intake_.holding_changed()) sampling_ = {};
   intake_.begin_hold();
 }

@@ -1,7 +1,7 @@
-// One channel as it delivers: every sample of it passes here, is counted, and is judged by the channel's intake before
-// it may count. What was found on the way says whether the channel delivers, is stuck, or is unfit for a verdict.
+// One channel as it delivers: counts every sample, lets the intake judge it before it counts, and tells whether the
+// channel delivers, is stuck, or is unfit for a verdict.
 //
-// A dwell's own figures (how late its readings were, how often its values came) begin anew with each hold.
+// The figures of a dwell (how late its readings were, how often new values came) begin anew with each hold.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,23 @@
 
 namespace dwell {
 
-// Bound to one thread; real-time safe but for the constructor and what makes text.
+// Bound to one thread; real-time safe except for the constructor and functions that return text.
 class LiveChannel {
  public:
   using Reading = ChannelIntake::Reading;
 
   explicit LiveChannel(const Channel& channel) : intake_(channel) {}
 
-  // A sample that came out of the stream's order: counted, not used.
+  // A sample that does not fit the stream's order: counted, not used.
   void refuse() noexcept { ++received_, ++out_of_order_; }
-  // The device has told that the channel does not deliver, or (Fault::none) that it does again.
+  // The device reports that the channel does not deliver, or (Fault::none) that it does again.
   void tell(Fault fault) noexcept { now_.fault = fault; }
 
-  // The next sample of the stream, before it is judged. false: not finite, or not after the one before; counted only.
+  // Takes in the next sample of the stream before it is judged. false: not finite, or not after the one before; it is
+  // counted, not used.
   [[nodiscard]] bool hear(const Record& record) noexcept;
-  // Judges the sample just heard; omega_rad_s: of the drive. What has passed now goes to take(const Reading&), oldest
-  // first: readings that had to wait for those after them, then this one.
+  // Judges the sample just heard; omega_rad_s: of the drive. take(const Reading&) gets the readings that pass now, the
+  // oldest first: those that had to wait, then this one.
   template <class Take>
   void judge(const Record& record, double omega_rad_s, Take&& take) {
     Reading reading{record.t_ns, record.value, record.t_half_ns};
@@ -41,13 +42,13 @@ class LiveChannel {
     for (const Reading& waited : intake_.waiting()) take(waited);
     take(reading);
   }
-  // A reading that has passed and counts: its value, SI.
+  // A reading that has passed and counts. Returns its value, SI.
   double count(const Reading& reading) noexcept;
-  // A reading that has passed, but the channel is stuck.
+  // A reading that has passed while the channel is stuck: not used.
   void leave_out_stuck() noexcept { ++stuck_; }
-  // A reading of this channel has counted, in this hold or before.
+  // Whether a reading of this channel has ever counted.
   [[nodiscard]] bool has_counted() const noexcept { return refreshed_ns_ != INT64_MIN; }
-  // By how much the instant of a reading that counts is less certain than is usual in this hold, s: it was held up.
+  // By how much the half width of this reading's instant exceeds 1.5 times this hold's mean, s; 0: not held up.
   [[nodiscard]] double late_s(const Reading& reading) const noexcept;
 
   // The drive is steady from now on.
@@ -57,15 +58,15 @@ class LiveChannel {
   void next_period() noexcept { intake_.next_period(); }
   void see_residuals(double sigma) noexcept { intake_.see_residuals(sigma); }
 
-  // One and the same reading for longer than a motion of this period allows.
+  // The reading has been one and the same for longer than a motion of this period allows.
   [[nodiscard]] bool stuck(double period_s) const noexcept;
-  // No fault is known of it, and its newest sample is not too old.
+  // No fault is known, and the newest sample is recent: within two periods, or 1 s.
   [[nodiscard]] bool delivers(std::int64_t now_ns, double period_s) const noexcept;
-  // Its readings are no measure of the motion: stuck, clipped, clustered or mostly left out. tolerance: Rig::tolerance.
+  // Its readings do not show the motion: stuck, clipped, clustered or mostly left out. tolerance: Rig::tolerance.
   [[nodiscard]] bool unfit(double period_s, double tolerance) const noexcept;
 
   [[nodiscard]] const ChannelIntake& intake() const noexcept { return intake_; }
-  // How regularly its values come: of the refreshes, where the register is held.
+  // How regularly its values come; for a held register, its refreshes.
   [[nodiscard]] const SamplingRegularity& sampling() const noexcept { return sampling_; }
   // The newest sample's value, SI; NaN: none yet.
   [[nodiscard]] double value() const noexcept { return now_.value; }
@@ -73,16 +74,16 @@ class LiveChannel {
   // Standard uncertainty of the instants of this hold's readings by the device's turnaround, s.
   [[nodiscard]] double turnaround_u_s() const noexcept;
 
-  // In words, with figures; empty: nothing is the matter. Allocates.
+  // The condition in words, with figures; empty: ok. Allocates.
   [[nodiscard]] std::string condition_reason(double period_s) const;
-  // Why it does not deliver, of one that does not.
+  // Why the channel does not deliver. Only for one that does not.
   [[nodiscard]] std::string silent_reason() const;
   // The fault in short: "timeout"; "silent" where none is known.
   [[nodiscard]] const char* fault_name() const noexcept;
-  // Why a phasor of its readings must not be used: amplitude and standard uncertainty of the reading, SI. measuring: a
-  // dwell is being measured.
+  // Why its phasor must not be used; empty: it may. amplitude, u: of the reading's phasor and its standard uncertainty,
+  // SI. measuring: a dwell is being measured.
   [[nodiscard]] std::string unfit_reason(double amplitude, double u, bool measuring) const;
-  // What a dwell by its readings must tell, each without the channel's name.
+  // Warnings for a dwell that uses its readings, each without the channel's name.
   [[nodiscard]] std::vector<std::string> warnings(double tolerance) const;
 
  private:
@@ -90,9 +91,9 @@ class LiveChannel {
 
   ChannelIntake intake_;
   ChannelNow now_;
-  std::uint64_t received_ = 0, out_of_order_ = 0, stuck_ = 0;  // the latter two were not used
+  std::uint64_t received_ = 0, out_of_order_ = 0, stuck_ = 0;  // the latter two: not used
   std::int64_t last_ns_ = INT64_MIN;
-  std::int64_t refreshed_ns_ = INT64_MIN;        // of the reading that counted last
+  std::int64_t refreshed_ns_ = INT64_MIN;        // of the newest reading that counted
   double half_ns_sum_ = 0.0, half_count_ = 0.0;  // of this hold
   SamplingRegularity sampling_;
 };

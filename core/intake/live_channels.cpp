@@ -46,7 +46,7 @@ bool LiveChannels::holding_changed() const noexcept {
                      [](const LiveChannel& channel) { return channel.intake().holding_changed(); });
 }
 
-// Instants that are off by so much at either end of the data turn the phase there.
+// An error of the instants at either end of the data turns the phase there; the two errors are independent.
 double LiveChannels::refresh_u_omega(double seconds, double omega_rad_s) const noexcept {
   double half_s = 0.0;
   for (int c = 0; c < count(); ++c)

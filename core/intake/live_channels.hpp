@@ -1,4 +1,4 @@
-// All channels as they deliver: which of them shows the drive, and which are read together.
+// All channels as they deliver; knows which of them shows the drive, and which are read together.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace dwell {
 
-// Bound to one thread; real-time safe but for the constructor. The rig must outlive it.
+// Bound to one thread; real-time safe except for the constructor. The rig must outlive it.
 class LiveChannels {
  public:
   explicit LiveChannels(const Rig& rig);
@@ -20,17 +20,17 @@ class LiveChannels {
   [[nodiscard]] LiveChannel& operator[](int c) noexcept { return channels_[static_cast<std::size_t>(c)]; }
   [[nodiscard]] const LiveChannel& operator[](int c) const noexcept { return channels_[static_cast<std::size_t>(c)]; }
 
-  // The channel by which the drive is known: the first on the table; else the first that sees motion; -1: none.
+  // The channel that shows the drive: the first on the table; else the first that sees motion; -1: none.
   [[nodiscard]] int drive() const noexcept { return drive_; }
-  // Takes another channel of the table as the drive's, if one delivers.
+  // Chooses the first channel on the table that delivers; none: leaves the choice as it was.
   void choose_drive(std::int64_t now_ns, double period_s) noexcept;
-  // Per channel, 1: its motion is imposed (shows_drive()) and has no transient of its own.
+  // Per channel, 1: its motion is imposed (shows_drive()), and it has no transient of its own.
   [[nodiscard]] const std::vector<char>& imposed() const noexcept { return imposed_; }
-  // The transaction that a channel is read in (Transactions::of).
+  // The transaction in which a channel is read (Transactions::of).
   [[nodiscard]] int transaction_of(int c) const noexcept { return transactions_.of(c); }
 
-  // The next sample of the stream, of a channel of this rig; omega_rad_s: of the drive. What counts now goes to
-  // take(const LiveChannel::Reading&), oldest first.
+  // The next sample of the stream, of a channel of this rig; omega_rad_s: of the drive. take(const
+  // LiveChannel::Reading&) gets the readings that count now, the oldest first.
   template <class Take>
   void sample(const Record& record, double omega_rad_s, Take&& take) {
     LiveChannel& channel = channels_[record.channel];
@@ -44,9 +44,9 @@ class LiveChannels {
   void begin_to_count() noexcept;
   void next_period() noexcept;
 
-  // A register has come to be held, or no longer is, since the hold began.
+  // The register of some channel began or ceased to be held after the hold began.
   [[nodiscard]] bool holding_changed() const noexcept;
-  // Standard uncertainty of ω, rad/s, by the instants of refreshes, in data of that length.
+  // Standard uncertainty of ω, rad/s, by the uncertain instants of refreshes, for data of that length.
   [[nodiscard]] double refresh_u_omega(double seconds, double omega_rad_s) const noexcept;
 
  private:

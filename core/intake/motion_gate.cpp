@@ -63,8 +63,8 @@ MotionGate::Says MotionGate::give_back(const Reading& newest, double relative) n
   return Says::give_back;
 }
 
-// Whether those that wait and the newest go on evenly: on a line as far as the gate's limit tells, or their differences
-// change by no more than half.
+// Whether the waiting readings and the newest go on evenly: on a line to within the gate's limit, or with differences
+// that change by no more than half.
 bool MotionGate::even(const Reading& newest, double limit) const noexcept {
   const double before = waiting_[waits_ - 1].value - waiting_[waits_ - 2].value,
                after = newest.value - waiting_[waits_ - 1].value;

@@ -28,15 +28,15 @@ MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int
 void MotionPredictor::weigh(double omega) noexcept {
   weights_.omega = omega;
   weights_.gain = 0.0;
-  // Instants, rad; h, their mean distance, scales the regressors 1, sin x / h, (1 - cos x) / h² to like sizes, however
-  // densely the motion is sampled.
+  // Instants, rad. Their mean distance h scales the regressors 1, sin x / h, (1 - cos x) / h² to like sizes, however
+  // dense the samples.
   std::array<double, kEven> x{}, s, c;
   for (std::size_t j = 0; j < kPoints; ++j) x[j] = 1e-9 * omega * static_cast<double>(weights_.ago_ns[j]);
   const double h = (x[kPoints - 1] - x[0]) / (kPoints - 1);
   if (!(h > 0) || h > kSparse || -x[kPoints - 1] > kBlind) return;
   weights_.interval = h;
-  // Half the angle's sine and cosine: accurate however small it is. A loop of its own, which the compiler takes two at
-  // a time.
+  // Sine and cosine of half the angle: accurate for the smallest angles. A loop of its own, which the compiler
+  // vectorizes.
   const double h2 = h * h;
   for (std::size_t j = 0; j < kEven; ++j) {
     double sine = 0.0, cosine = 0.0;

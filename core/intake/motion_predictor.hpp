@@ -1,6 +1,6 @@
-// What will the next reading be, by the last kPoints good ones?
+// Predicts the next reading from the last kPoints good ones.
 //
-// A mean, a sine and a cosine at the drive's frequency through them, by least squares, at their own instants. That
+// Least squares through them, at their own instants, of a mean, a sine and a cosine at the drive's frequency. This
 // follows any motion that is smooth over kPoints readings, whatever its frequency.
 #pragma once
 
@@ -14,11 +14,11 @@ namespace dwell {
 // Of one channel, in any unit. Bound to one thread; real-time safe.
 class MotionPredictor {
  public:
-  // gain: standard deviation of the prediction's error for white noise of 1; 0: nothing can be predicted. slope: per s.
+  // gain: standard deviation of the prediction's error for white noise of 1; 0: no prediction. slope: per s.
   struct Prediction {
     double value = 0.0, gain = 0.0, slope = 0.0;
   };
-  // At t_ns; before_ns: the instant of the reading before, good or not; ω in rad/s.
+  // The prediction for t_ns. before_ns: the instant of the reading before, good or not; omega: rad/s.
   [[nodiscard]] Prediction predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept;
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
@@ -31,25 +31,25 @@ class MotionPredictor {
 
  private:
   static constexpr std::size_t kPoints = 5, kEven = 6;
-  static constexpr double kSparse = 1.2;  // rad between readings: fewer than 5 a period predict nothing
+  static constexpr double kSparse = 1.2;  // rad between readings: with fewer than 5 a period there is no prediction
   static constexpr double kPause = 3.0;   // mean intervals: readings were lost
-  static constexpr double kBlind = 2.0;   // rad since the last good reading: nothing is predicted any more
+  static constexpr double kBlind = 2.0;   // rad since the last good reading: beyond, there is no prediction
   struct Point {
     std::int64_t t_ns = 0;
     double value = 0.0;
   };
-  // What the points weigh in the prediction, which their instants and ω tell.
+  // The points' weights in the prediction. Only their instants and ω determine them.
   struct Weights {
-    double omega = 0.0;                          // 0: of nothing yet
-    std::array<std::int64_t, kPoints> ago_ns{};  // before the instant that is predicted
-    std::array<double, kEven> of_point{};        // beyond kPoints: of no meaning
-    double interval = 0.0, gain = 0.0;           // mean distance of the points, rad; 0: nothing can be predicted
+    double omega = 0.0;                          // 0: not computed yet
+    std::array<std::int64_t, kPoints> ago_ns{};  // before the predicted instant
+    std::array<double, kEven> of_point{};        // those beyond kPoints are unused
+    double interval = 0.0, gain = 0.0;           // rad, mean distance of the points; 0: no prediction
   };
   void weigh(double omega) noexcept;
 
   std::array<Point, kPoints> points_{};  // the newest last
   std::size_t held_ = 0;
-  Weights weights_;  // evenly sampled, they stay as they are
+  Weights weights_;  // sampled evenly they stay the same
 };
 
 }  // namespace dwell

@@ -1,31 +1,30 @@
-// Do the readings pile up at an extreme? A clipped crest is cut off at one number; a crest that is not has, for every
-// reading of its topmost number, others of the numbers below.
+// Finds out whether a channel is clipped: then its readings pile up at an extreme. A clipped crest is cut off at one
+// number. An unclipped one has readings of the numbers below its topmost number as well.
 //
-// With noise of at least 3/4 of a rounding step the numbers thin out towards the top: the topmost has at most as many
-// readings as the commonest of the others, p = 1/2. (With less noise, more than half of the readings of one and the
-// same instant of the motion can be one number.) That so many are in the topmost one by chance, a part x of n where the
-// part p is possible, has at most the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952); below
-// 10^-6 it is no chance: 26 clipped readings and one beside show.
+// The test: of n readings the part x is at the top, where at most the part p is possible. By chance that has at most
+// the probability exp(-n [x ln(x/p) + (1-x) ln((1-x)/(1-p))]) (Chernoff, 1952). Below 10^-6 the channel is clipped.
 //
-// With much noise there are many numbers, and few readings of each. Those of the topmost d + 1 steps count then: of a
-// sine at most the part 1/√(d + 1) of them is in the topmost step, its crest just at the upper end of that. Beside one
-// reading a thousand steps away six show. A reading that is repeated at once counts once, since a register may be held;
-// fewer than four may be repeats of one reading.
+// Noise of at least 3/4 of a rounding step: numbers thin out towards the top. The topmost has at most as many readings
+// as the commonest of the others, p = 1/2. 26 clipped readings and one beside show. (With less noise more than half of
+// the readings at one instant of the motion can be one number.)
 //
-// With less noise a crest decides. The topmost number of a sine has at most 1/(√2 - 1) = 2.4 times the readings of the
-// next one, that of a crest which harmonics have flattened 1/(2^¼ - 1) = 5.3 times; and sampled at a whole fraction of
-// the period, where counts are whole numbers of readings a period, about twice that: p = 10/11. A crest cut off by less
-// than five steps stays unseen. Its error is smaller than that of rounding.
+// Much noise: there are many numbers with few readings each. Then the topmost d + 1 steps count. Of a sine at most the
+// part 1/√(d + 1) of them is in the topmost step; the worst crest lies just at its upper end. Beside one reading a
+// thousand steps away six show. Identical readings in a row count once, since a register may be held. Fewer than four
+// may be repeats of one reading.
 //
-// At few readings a period, at a whole rate, that leaves much unseen. There runs tell: a run of identical readings that
-// is longer than any crest explains is a repeated answer or a crest cut off. Repeats come at any instant of the motion,
-// so at most one time in five at the extreme; five or more runs there, and hardly any elsewhere, are no repeats (passed
-// by chance less than once in 1000, where there are such runs at all).
+// Less noise: the crest decides. The topmost number of a sine has at most 1/(√2 - 1) = 2.4 times the readings of the
+// next one. With a crest flattened by harmonics it has 1/(2^¼ - 1) = 5.3 times. Sampled at a whole fraction of the
+// period, where counts are whole numbers of readings a period, it has about twice that: p = 10/11. A crest cut off by
+// less than five steps is not found. Its error is smaller than that of rounding.
 //
-// An end once found stays where it is: later on readings that pile up there need not prove that it is no chance.
+// Few readings a period at a whole rate: runs decide. A run of identical readings longer than any crest explains is a
+// repeated answer or a crest cut off. Repeats come at any instant of the motion, so at most one time in five at the
+// extreme. Five or more runs there, and hardly any elsewhere, are no repeats (passed by chance less than once in 1000,
+// where there are such runs at all).
 //
-// A number that is far from the motion is no clipping: the reading before one that is clipped is clipped as well, or
-// near.
+// An end once found is remembered: readings that pile up there later need no proof against chance. A number far from
+// the motion is no clipping: the reading before a clipped one is clipped as well, or near.
 #pragma once
 
 #include <algorithm>
@@ -39,34 +38,33 @@ namespace dwell {
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
 class PileUp {
  public:
-  // Standard deviation of a reading, that of rounding included, and the rounding step, in the device's numbers; 0:
-  // none.
+  // sigma: standard deviation of a reading, rounding included; step: of the rounding, 0: none. The device's numbers.
   struct Noise {
     double sigma, step;
   };
-  // The next reading, the one before it, and what gives the mean difference of two readings one after the other.
+  // The next reading, the one before it, and a function that returns the mean difference of consecutive readings.
   template <class Difference>
   void add(double reading, double before, Difference&& difference) noexcept {
     ++seen_;
     top_.add(reading, before, difference);
     bottom_.add(-reading, -before, difference);
   }
-  // The newest reading makes a run of identical ones longer than a crest explains. Once a run.
+  // The newest reading makes a run of identical ones longer than a crest explains. Called once per run.
   void stuck() noexcept {
     ++stuck_;
     top_.see_stuck();
     bottom_.see_stuck();
   }
-  // How many of the readings are cut off at either end, of those seen since the restart; 0: none.
+  // How many readings since the restart are cut off at the upper and at the lower end; 0: none.
   [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept { return top_.clipped(noise, stuck_elsewhere()); }
   [[nodiscard]] std::int64_t below(const Noise& noise) const noexcept {
     return bottom_.clipped(noise, stuck_elsewhere());
   }
   [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
-  // The largest and the smallest reading seen, in the device's numbers.
+  // The largest and the smallest reading since the restart, in the device's numbers.
   [[nodiscard]] double largest() const noexcept { return top_.numbers[0].value; }
   [[nodiscard]] double smallest() const noexcept { return -bottom_.numbers[0].value; }
-  // Ends found so far are kept.
+  // Counts begin anew; ends found so far are remembered.
   void restart(const Noise& noise) noexcept {
     const std::int64_t elsewhere = stuck_elsewhere();
     for (End* end : {&top_, &bottom_}) {
@@ -81,19 +79,19 @@ class PileUp {
   static constexpr std::size_t kDepth = 12;  // topmost numbers that are counted
   static constexpr double kNoChance = 13.8;  // -ln 10⁻⁶
   static constexpr std::int64_t kFewest = 4;
-  static constexpr double kUnrounded = 1e6;  // steps: more tell no more
-  static constexpr double kNoisy = 0.8;      // steps: 3/4 of noise, and the 1/√12 of rounding
+  static constexpr double kUnrounded = 1e6;  // steps: beyond, p no longer matters
+  static constexpr double kNoisy = 0.8;      // steps: 3/4 of noise, with the 1/√12 of rounding
   static constexpr double kStuckAtExtreme = 1.0 / 5, kHardlyChance = 6.9;  // -ln 10⁻³
-  static constexpr double kNear = 4.0;  // mean differences: a sine's largest is π/2 of them, with two harmonics 3
+  static constexpr double kNear = 4.0;  // mean differences: the largest of a sine is π/2 of them, with two harmonics 3
   struct Number {
     double value = -INFINITY;
-    std::int64_t readings = 0, runs = 0;  // of equal readings
+    std::int64_t readings = 0, runs = 0;  // runs of equal ones
   };
   struct End {
     std::array<Number, kDepth> numbers;    // the largest first
-    std::int64_t from_far = 0, stuck = 0;  // of the readings of the largest; of long runs there
-    bool at_top = false;                   // the newest reading
-    double known = INFINITY;               // where the transducer was found to end
+    std::int64_t from_far = 0, stuck = 0;  // of the largest number: readings from far away; long runs
+    bool at_top = false;                   // the newest reading is the largest
+    double known = INFINITY;               // the end of the transducer's range, found before
 
     template <class Difference>
     void add(double reading, double before, Difference&& difference) noexcept {
@@ -114,7 +112,7 @@ class PileUp {
       if (at_top) ++stuck;
     }
 
-    // elsewhere: long runs at neither end.
+    // elsewhere: number of long runs at neither end.
     [[nodiscard]] std::int64_t clipped(const Noise& noise, std::int64_t elsewhere) const noexcept {
       const Number &topmost = numbers[0], &next = numbers[1];
       // A crest has readings beside it; a channel at rest has none.
@@ -136,7 +134,7 @@ class PileUp {
       return 0;
     }
   };
-  // Whether `top` of `top + others` is less probable than exp(-unlikely) where each is at the top with probability p.
+  // Whether `top` of `top + others` has a probability below exp(-unlikely), if each is at the top with probability p.
   [[nodiscard]] static bool exceeds(std::int64_t top, std::int64_t others, double p, double unlikely) noexcept {
     const auto a = static_cast<double>(top), b = static_cast<double>(others), all = a + b;
     if (!(a > p * all)) return false;

@@ -1,4 +1,4 @@
-// When the readings of a channel came: how often, and since when the device has shown one and the same number.
+// Knows how often the readings of a channel come, and for how long they have been one and the same number.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@ namespace dwell {
 // Of one channel. Bound to one thread; real-time safe.
 class ReadingTimes {
  public:
-  // The next reading; the number before it (NAN: this is the first).
+  // The next reading. Returns the number before it (NAN: this is the first).
   double add(std::int64_t t_ns, double raw) noexcept {
     const double before = number_;
     ++count_;
@@ -20,12 +20,12 @@ class ReadingTimes {
     return before;
   }
   [[nodiscard]] bool heard() const noexcept { return newest_ns_ != INT64_MIN; }
-  // Since the restart.
+  // Readings since the restart.
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
-  // Mean time between two readings: the division is left to whoever asks for seconds.
+  // Mean time between two readings. The division is made only if seconds are asked for.
   struct MeanInterval {
     std::int64_t span_ns = 0;     // 0: not known
-    std::uint64_t intervals = 0;  // in that
+    std::uint64_t intervals = 0;  // in span_ns
     [[nodiscard]] double s() const noexcept {
       return span_ns > 0 ? 1e-9 * static_cast<double>(span_ns) / static_cast<double>(intervals) : 0.0;
     }
@@ -33,9 +33,9 @@ class ReadingTimes {
   [[nodiscard]] MeanInterval mean_interval() const noexcept {
     return count_ > 1 ? MeanInterval{newest_ns_ - first_ns_, count_ - 1} : MeanInterval{};
   }
-  // The same in s; 0: not known.
+  // The mean interval, s; 0: not known.
   [[nodiscard]] double interval_s() const noexcept { return mean_interval().s(); }
-  // For so long the reading has been the same, s.
+  // For how long the reading has been the same, s.
   [[nodiscard]] double same_for_s() const noexcept {
     return changed_ns_ == INT64_MIN ? 0.0 : 1e-9 * static_cast<double>(newest_ns_ - changed_ns_);
   }

@@ -1,4 +1,4 @@
-// The last few numbers that a channel has shown.
+// Remembers the last few numbers that a channel has shown.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ class RecentNumbers {
   static constexpr std::size_t kRemembered = N;
 
   RecentNumbers() noexcept { numbers_.fill(NAN); }
-  // The oldest is forgotten.
+  // Forgets the oldest.
   void add(double number) noexcept {
     numbers_[next_] = number;
     next_ = (next_ + 1) % N;

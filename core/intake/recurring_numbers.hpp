@@ -1,15 +1,14 @@
-// Do a channel's readings return to numbers that it has just shown? Two disturbances bring that.
+// Finds out whether a channel's readings return to numbers that it has just shown. Two disturbances do that.
 //
-// A register that is refreshed every other reading or so, while there are few readings a period: a reading then equals
-// the one before far too often. Chance makes a reading equal to the one before no more often than to one of the same
-// instant of the period before, for that one differs by noise alone. So where the motion turns after four changes and
-// eight readings at most, as many identical readings are expected as there are changes to one of the last kRemembered
-// numbers. Those at an extreme are not counted: crests are flat. A third of all readings must be identical, for a
-// gateway repeats an answer only now and then; and nine changes of ten must be to a new number, for a coarsely rounded
-// motion has few numbers.
+// A register refreshed about every other reading, with few readings a period: far too often a reading equals the one
+// before. By chance that is no more frequent than a reading that equals the one a period before, which differs by noise
+// alone. So the changes to one of the last kRemembered numbers give the expected count, if the motion turns after four
+// changes and eight readings at most. Crests are flat: readings at an extreme do not count. A third of all readings
+// must be identical, since a gateway repeats an answer only now and then. Nine changes of ten must be to a new number,
+// since a coarsely rounded motion has few numbers.
 //
-// A gateway that answers with a reading two or three polls old: a number comes back that was left a moment before, and
-// the motion turns there and turns back. A crest that comes down over the same numbers turns once.
+// A gateway that answers with a reading two or three polls old: the motion turns to a number that it has just left, and
+// turns back. A crest that comes down over the same numbers turns once.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +20,8 @@
 
 namespace dwell {
 
-// Whether `seen` events are more than chance brings where `expected` are to be expected: passed once in 10^7 (Poisson;
-// expected 3: 23 or more, 1e-13; 10: 45, 1e-15).
+// Whether `seen` events are more than chance brings where `expected` are expected. Passed by chance once in 10^7
+// (Poisson; expected 3: 23 or more, 1e-13; 10: 45, 1e-15).
 [[nodiscard]] inline bool beyond_chance(std::int64_t seen, double expected) noexcept {
   return static_cast<double>(seen) > 2 * expected + 6 * std::sqrt(expected) + 6;
 }
@@ -32,7 +31,7 @@ class RecurringNumbers {
  public:
   static constexpr std::size_t kRemembered = 16;
 
-  // The number `left` was read `run` times; then came another, `reading`. turned: the motion turned at `left`.
+  // `left` was read `run` times; then came another number, `reading`. turned: the motion turned at `left`.
   void add(double left, std::int64_t run, double reading, bool turned) noexcept {
     if (turned) ++turns_;
     if (turned && back_) ++returned_;
@@ -45,8 +44,8 @@ class RecurringNumbers {
     back_ = recurring && turned && reading > low_ && reading < high_;
   }
 
-  // Of a motion of few readings a period more are identical than chance brings. pairs: of readings one after the other;
-  // changes: those of them that differ.
+  // Whether a register is held: with few readings a period, more are identical than chance brings. pairs: of
+  // consecutive readings; changes: pairs that differ.
   [[nodiscard]] bool held_by_few(std::int64_t pairs, std::int64_t changes) const noexcept {
     return 10 * recurring_ < changes && changes <= kFewChanges * turns_ && pairs <= 2 * kFewChanges * turns_ &&
            3 * same_inside_ > pairs && beyond_chance(same_inside_, static_cast<double>(recurring_));
@@ -64,13 +63,13 @@ class RecurringNumbers {
   }
 
  private:
-  static constexpr std::int64_t kFewChanges = 4;  // from turn to turn
+  static constexpr std::int64_t kFewChanges = 4;  // largest number from turn to turn
 
-  RecentNumbers<kRemembered> remembered_;  // each but the newest left again
+  RecentNumbers<kRemembered> remembered_;  // all numbers left, not the newest
   std::int64_t turns_ = 0, recurring_ = 0, returned_ = 0,
                same_inside_ = 0;  // inside: not at an extreme
   double low_ = INFINITY, high_ = -INFINITY;
-  bool back_ = false;  // the newest number is one of those before, and the motion turned before it
+  bool back_ = false;  // the newest number is one of the last, not at an extreme, and the motion turned before it
 };
 
 }  // namespace dwell

@@ -6,20 +6,20 @@
 namespace dwell {
 namespace {
 
-// Jitter of the refresh against the readings, as a part of the usual polling interval: at first (30 µs of 2 ms; what is
-// less is not told from the stamps' own), and from where on only the two readings are believed.
+// Jitter of the refreshes against the readings, as a part of the usual polling interval. The least is assumed at first:
+// 30 µs of 2 ms cannot be told from the stamps' own jitter. From the most on only the two readings are used.
 constexpr double kLeastJitter = 1.0 / 64, kMostJitter = 0.5;
-// One interval moves the usual one by this part of it at most. A gap so widens the jitter by 6 % for one refresh; a
-// usual interval learned from a gap of 50 intervals is right after 60 refreshes. Half as much doubles the latter.
+// Largest part of the usual interval by which one interval changes it. A gap then widens the jitter by 6 % for one
+// refresh; a usual interval learned from a gap of 50 intervals is right after 60 refreshes. Half as much doubles the
+// latter.
 constexpr double kOneInterval = 1.0 / 16;
-// So many refreshes that fit, and the jitter is taken for half of it again: a foreign reading had made it large.
+// Refreshes that fit before the jitter is halved again: a foreign reading may have doubled it.
 constexpr int kCalm = 65536;
-// By how much a period wanders against the computer's clock in a second, relative: a crystal of 2 ppm a minute, three
-// times over.
+// Relative wander of a period against the computer's clock in 1 s: three times that of a crystal of 2 ppm a minute.
 constexpr double kWander = 1e-7;
-constexpr double kKnown = 0.1;        // of the period, is left open of the instant: then refreshes can be counted
-constexpr int kMissed = 16;           // values missed one after the other, while they cannot
-constexpr double kLongest_ns = 1e11;  // a period, where nothing is known of it yet
+constexpr double kKnown = 0.1;        // of the period: if the instant is known better, refreshes can be counted
+constexpr int kMissed = 16;           // consecutive values that may be missed, if they cannot be counted
+constexpr double kLongest_ns = 1e11;  // of a period not known yet
 
 struct Extent {
   double low = INFINITY, high = -INFINITY;
@@ -53,8 +53,8 @@ void RefreshClock::clip(Polygon& in, double sign, double bound) noexcept {
   in = out;
 }
 
-// Leaves out edges until there is room for more: their neighbours are drawn on until they meet. What could be true
-// stays within; the edge goes that adds the least area.
+// Removes edges until there is room: the neighbours of an edge are extended until they meet. No solution is lost. The
+// edge whose removal adds the least area goes first.
 void RefreshClock::thin_out() noexcept {
   while (known_.count > kEnough) {
     const std::size_t n = known_.count;
@@ -65,7 +65,7 @@ void RefreshClock::thin_out() noexcept {
       const Vertex &a = known_.at[(i + n - 1) % n], &b = known_.at[i], &c = known_.at[(i + 1) % n],
                    &d = known_.at[(i + 2) % n];
       const Vertex in{b.t - a.t, b.T - a.T}, edge{c.t - b.t, c.T - b.T}, out{d.t - c.t, d.T - c.T};
-      // They meet at b + along·in = c - back·out.
+      // The neighbours meet at b + along·in = c - back·out.
       const double turn = in.t * out.T - in.T * out.t;
       const double along = (edge.t * out.T - edge.T * out.t) / turn, back = (in.t * edge.T - in.T * edge.t) / turn;
       const double area = along * std::abs(in.t * edge.T - in.T * edge.t);
@@ -80,7 +80,7 @@ void RefreshClock::thin_out() noexcept {
   }
 }
 
-// Its bounding box.
+// Replaces a polygon by its bounding box.
 void RefreshClock::enclose(Polygon& what) noexcept {
   Extent t, T;
   for (std::size_t i = 0; i < what.count; ++i) t.see(what.at[i].t), T.see(what.at[i].T);
@@ -91,8 +91,8 @@ void RefreshClock::enclose(Polygon& what) noexcept {
   what.count = 4;
 }
 
-// The period may have changed by ± more since: the Minkowski sum with that interval of T. The lower side, which runs
-// towards larger t, goes down and the upper side goes up; the two outermost corners become edges.
+// The period may have changed by ± more: the Minkowski sum with that interval of T. The lower side, which runs towards
+// larger t, goes down, the upper side goes up, and the two outermost corners become edges.
 void RefreshClock::wander(double elapsed_ns) noexcept {
   Extent T;
   for (std::size_t i = 0; i < known_.count; ++i) T.see(known_.at[i].T);
@@ -124,8 +124,8 @@ bool RefreshClock::advance(double refreshes, double after, double by) noexcept {
   return true;
 }
 
-// At least one whole period lies within the interval, and how many cannot be told: the newest refresh is at most one
-// period before the reading at `by_ns`, to which t is relative. What is known of the period stays.
+// The interval holds at least one whole period, but the number is unknown. So the newest refresh is at most one period
+// before the reading at `by_ns`, to which t is relative. The bounds on the period stay.
 void RefreshClock::lose_count(double interval, double jitter) noexcept {
   Extent T;
   for (std::size_t i = 0; i < known_.count; ++i) T.see(std::max(0.0, known_.at[i].T));
@@ -145,7 +145,7 @@ RefreshClock::Instant RefreshClock::refreshed(std::int64_t after_ns, std::int64_
   if (known_.count == 0) usual_ns_ = interval, jitter_ = kLeastJitter;
   usual_ns_ += std::clamp(interval - usual_ns_, -kOneInterval * usual_ns_, kOneInterval * usual_ns_);
   double jitter_ns = jitter_ * usual_ns_;
-  double after = -interval - jitter_ns, by = jitter_ns;  // the bounds, relaxed, relative to by_ns
+  double after = -interval - jitter_ns, by = jitter_ns;  // the relaxed bounds, relative to by_ns
   bool fits = known_.count == 0;
   if (fits) begin(after, by);
   if (!fits) {
@@ -153,28 +153,28 @@ RefreshClock::Instant RefreshClock::refreshed(std::int64_t after_ns, std::int64_
     for (std::size_t i = 0; i < known_.count; ++i) known_.at[i].t -= elapsed;
     Extent t, T;
     for (std::size_t i = 0; i < known_.count; ++i) t.see(known_.at[i].t), T.see(known_.at[i].T);
-    // Refreshes from the one before to the first after the reading at after_ns.
+    // Refreshes since the one before, up to the first after the reading at after_ns.
     const double first = std::max(1.0, std::ceil((after - t.high) / T.high));
     const auto counts = [&](double refreshes) {
       return t.high - t.low + refreshes * (T.high - T.low) < kKnown * T.low;
     };
     if (interval > T.high) {
-      // Several refreshes, or a gap in polling: the newest shows. Which one that is cannot be told where one may be as
-      // near to the reading as the jitter.
+      // Several refreshes, or a gap in polling; the newest value shows. If a refresh may be as near to the reading as
+      // the jitter, it is unclear which one that is.
       const double middle_t = 0.5 * (t.low + t.high), middle_T = 0.5 * (T.low + T.high);
       const double near = 0.5 * (t.high - t.low) + jitter_ns;
       const double passed = std::floor(-(middle_t + near) / middle_T);
       const bool clear = passed == std::floor(-(middle_t - near) / middle_T);
       fits = clear && counts(passed) && advance(std::max(1.0, passed), after, by);
-      // Repeats for longer than values may be missed contradict the period.
+      // Repeats during more periods than values may be missed contradict the period.
       if (!fits && first <= kMissed) lose_count(interval, jitter_ns), fits = true;
     } else if (first <= kMissed || counts(first)) {
-      // The first that fits, since values are seldom missed. More of them brought the same value while the rig stood
-      // still.
+      // The first number that fits, since values are seldom missed. Larger ones brought the same value while the rig
+      // stood still.
       const double from = first <= kMissed ? 1.0 : first;
       for (int more = 0; more < kMissed && !fits; ++more) fits = advance(from + more, after, by);
     } else {
-      begin(after, by);  // the rig stood still for too long to count: the jitter is not to blame
+      begin(after, by);  // the rig stood still too long to count; this says nothing of the jitter
       fits = true;
     }
   }

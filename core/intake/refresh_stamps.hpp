@@ -1,4 +1,4 @@
-// Gives the values of a held register the instants of their refreshes.
+// Gives each new value of a held register the instant of its refresh.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@ namespace dwell {
 // Of one channel. Bound to one thread; real-time safe.
 class RefreshStamps {
  public:
-  // A new value was read at reading.t_ns. The clock is moved on if the value counts in the end: see take(). hold: the
-  // register is held, and the reading gets the instant of its refresh.
+  // A new value was read at reading.t_ns. take() moves the clock on if the value counts. hold: the register is held,
+  // and the reading gets the instant of its refresh.
   void date(MotionGate::Reading& reading, bool hold) noexcept {
     if (old_seen_ns_ == INT64_MIN) return;
     if_taken_ = clock_;
@@ -23,26 +23,26 @@ class RefreshStamps {
     reading.t_ns = std::max(instant.t_ns, dated_ns_ + 1);
     reading.refresh_half_ns = instant.half_ns;
   }
-  // Another reading comes: what was dated and not taken is forgotten.
+  // Another reading comes: a value dated but not taken is forgotten.
   void next() noexcept { dated_ = false; }
-  // At read_ns a reading was taken, or showed again what was there.
+  // At read_ns a reading was taken, or showed the old value again.
   void see_old(std::int64_t read_ns) noexcept { old_seen_ns_ = read_ns; }
-  // A reading may count at that instant: those to come are later.
+  // A reading may count at t_ns: later ones get later instants.
   void keep_order(std::int64_t t_ns) noexcept { dated_ns_ = t_ns; }
-  // The newest value counts; half_ns: of its refresh, below 0: the register is not held.
+  // The newest value counts. half_ns: half width of its refresh; below 0: the register is not held.
   void take(double half_ns) noexcept {
     if (dated_) clock_ = if_taken_;
     if (half_ns >= 0) half_ns_ += half_ns, refreshes_ += 1;
   }
-  // Half width to which the instants are known, mean since the restart, s; 0: there are none.
+  // Mean half width of the instants since the restart, s; 0: there are none.
   [[nodiscard]] double half_s() const noexcept { return refreshes_ > 0 ? 1e-9 * half_ns_ / refreshes_ : 0.0; }
   void restart() noexcept { half_ns_ = refreshes_ = 0.0; }
 
  private:
   RefreshClock clock_, if_taken_;
-  bool dated_ = false;  // if_taken_ is the clock if the newest reading counts
+  bool dated_ = false;  // if_taken_ becomes the clock if the newest reading counts
   std::int64_t old_seen_ns_ = INT64_MIN, dated_ns_ = INT64_MIN;
-  double half_ns_ = 0.0, refreshes_ = 0.0;  // sum, number
+  double half_ns_ = 0.0, refreshes_ = 0.0;  // sum, ns; number
 };
 
 }  // namespace dwell

@@ -1,9 +1,9 @@
-// Repeats in time with a beat: a register that is refreshed nearly as often as it is read repeats a reading seldom, but
+// Recognizes a register that is refreshed nearly as often as it is read. It repeats a reading seldom, but with a beat:
 // whenever the two rates have slipped by one reading.
 //
-// Where rounding is so fine that chance brings none (fewer than kNoChance), kBeats repeats at regular distances tell
-// (false alarm: four where 0.03 are expected, 3e-8). Repeats at a turning point come in time with the motion: what
-// chance brings is counted for the smallest of the jumps beside the repeats, and one of them must interrupt the motion.
+// It is found after kBeats regular repeats, if rounding is so fine that chance brings fewer than kNoChance (false
+// alarm: four where 0.03 are expected, 3e-8). Repeats at a turning point come in time with the motion. So chance is
+// computed for the smallest jump beside the repeats, and one repeat must interrupt the motion.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ class RepeatBeat {
   void next() noexcept {
     if (++since_ > kSilent * beat_) found_ = false;
   }
-  // The newest reading ends a repeat that lies between two jumps, the smaller of them `beside`. onwards: both go the
-  // same way. step: of the rounding. density: of the differences near 0, per `beside`.
+  // The newest reading ends a repeat between two jumps; beside: the smaller of them. onwards: both go the same way.
+  // step: of the rounding. density: of the differences near 0, per `beside`.
   void repeat(bool onwards, double beside, double step, double density) noexcept {
     if (since_ < kBunch * beat_ && beat_ >= kSlowest) return;
     const double times = std::max(1.0, std::round(since_ / std::max(1.0, beat_)));
@@ -34,19 +34,19 @@ class RepeatBeat {
     if (onwards_ > 0 && regular_ >= kBeats && by_chance < kNoChance) found_ = true;
   }
   [[nodiscard]] bool found() const noexcept { return found_; }
-  // The latest repeats come in time.
+  // The latest repeats come with a beat.
   [[nodiscard]] bool suspected() const noexcept { return regular_ > 0; }
 
  private:
-  // The least distance, in readings (below, whole runs are many); how regular, relative (a gateway's random repeats are
-  // so once in eight); so many in a row, not counting the first two. Where instants jitter, a beat is a bunch of
-  // repeats.
+  // kSlowest: least beat, in readings; in a shorter one whole runs are many. kRegular: relative deviation of a beat; a
+  // gateway's random repeats keep to it once in eight. kBunch: repeats within this part of a beat are one, since
+  // instants jitter. kSilent: beats without a repeat after which nothing is found any more.
   static constexpr double kSlowest = 30.0, kRegular = 0.12, kBunch = 0.3, kSilent = 3.0;
   static constexpr double kNoChance = 0.03;
   static constexpr int kBeats = 3, kMissed = 3;
   double since_ = 0.0, beat_ = 0.0;  // readings
-  double beside_ = 0.0;              // smallest jump beside the repeats
-  int regular_ = 0, onwards_ = 0;    // repeats in a row, and those of them amid a motion
+  double beside_ = 0.0;              // smallest jump beside the latest repeats
+  int regular_ = 0, onwards_ = 0;    // regular repeats in a row; those amid a motion
   bool found_ = false;
 };
 

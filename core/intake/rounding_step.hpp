@@ -1,8 +1,8 @@
-// The rounding step of a device: what all differences of its readings are multiples of.
+// Finds the rounding step of a device: all differences of its readings are multiples of it.
 //
-// Euclid's algorithm, one step a difference, ends at it within some twenty differences; kSure of them in a row that are
-// multiples end a batch. One reading off the grid spoils its batch alone: the batches vote, and the step changes only
-// where more of them contradict it than agree.
+// Euclid's algorithm, one step per difference, reaches it within some twenty differences. kSure multiples in a row end
+// a batch. One reading off the grid spoils only its batch: the batches vote, and the step changes only if more of them
+// contradict it than agree.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace dwell {
 // Of one channel, in any unit. Bound to one thread; real-time safe; a division a difference.
 class RoundingStep {
  public:
-  // The difference of two good readings, one after the other.
+  // The difference of two consecutive good readings.
   void add(double difference) noexcept {
     difference = std::abs(difference);
     if (!(difference > 0) || !std::isfinite(difference)) return;
@@ -31,20 +31,21 @@ class RoundingStep {
   [[nodiscard]] double step() const noexcept { return std::isfinite(step_) ? step_ : batch_; }
 
  private:
-  // A grid finer than its readings by kNoGrid is none: Euclid's algorithm on arbitrary numbers ends at 0.
+  // kOnGrid: deviation from a multiple, in steps. A grid finer than the differences by kNoGrid is none: Euclid's
+  // algorithm on arbitrary numbers ends at 0.
   static constexpr double kOnGrid = 0.01, kNoGrid = 1e9;
-  // Multiples in a row. A multiple of the true step is taken for it once in 2^8 batches, arbitrary numbers for a grid
-  // once in 10^13. Twice as many: one reading in 30 off the grid spoils every batch.
+  // Multiples in a row. A batch ends at a multiple of the true step once in 2^8, arbitrary numbers at a grid once in
+  // 10^13. With twice as many, one reading in 30 off the grid would spoil every batch.
   static constexpr int kSure = 8;
-  static constexpr double kMultiple = 8.0;  // a batch's divisor of more steps contradicts the step
-  static constexpr int kMemory = 16;        // batches that have a vote: a device set to another range is followed
+  static constexpr double kMultiple = 8.0;  // steps: a batch with a larger divisor contradicts the step
+  static constexpr int kMemory = 16;        // batches that vote: a device set to another range is followed
 
   static double common(double step, double difference) noexcept {
     if (!std::isfinite(step)) return difference;
     const double times = difference / step;
     if (!(times < kNoGrid)) return 0.0;
-    if (times < 0.5) return difference;  // no multiple but zero, and the readings differ
-    const double above = times + 0.5;    // cut off it is std::round(times), without a call
+    if (times < 0.5) return difference;  // only zero is a multiple near it, and the readings differ
+    const double above = times + 0.5;    // truncated it equals std::round(times), without a call
     const double off = std::abs(difference - step * static_cast<double>(static_cast<std::int64_t>(above)));
     return off > kOnGrid * step ? off : step;
   }

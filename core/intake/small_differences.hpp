@@ -1,5 +1,5 @@
-// The step of a device's rounding as its readings show it: the third smallest difference between two of them, which is
-// never below the device's own step, wherever its readings were rounded a second time. And how many differ by one step.
+// Finds the rounding step that readings show: the third smallest difference of two of them. A second rounding never
+// makes it smaller than the device's own. Also counts the differences of one step.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace dwell {
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
 class SmallDifferences {
  public:
-  // Two readings one after the other differ by so much, above 0.
+  // The absolute difference of two consecutive readings, above 0.
   void add(double size) noexcept {
     const double before = step();
     if (size < smallest_[0]) {
@@ -21,20 +21,20 @@ class SmallDifferences {
     } else if (size < smallest_[2]) {
       smallest_[2] = size;
     }
-    if (step() < before / kOneStep) one_step_ = 2;  // the others were larger
+    if (step() < before / kOneStep) one_step_ = 2;  // the other two differences were larger
     if (size < kOneStep * step()) ++one_step_;
   }
   void restart() noexcept { *this = {}; }
 
-  // The third smallest; INFINITY: not known.
+  // The third smallest difference; INFINITY: not known.
   [[nodiscard]] double step() const noexcept { return smallest_[2]; }
-  // The smallest; INFINITY: there is none.
+  // The smallest difference; INFINITY: there is none.
   [[nodiscard]] double least() const noexcept { return smallest_[0]; }
-  // How many were one step.
+  // Number of differences of one step.
   [[nodiscard]] std::int64_t one_step() const noexcept { return one_step_; }
 
  private:
-  static constexpr double kOneStep = 1.5;  // steps: below, a difference is one
+  static constexpr double kOneStep = 1.5;  // steps: a smaller difference is one step
   std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
   std::int64_t one_step_ = 0;
 };

@@ -1,5 +1,5 @@
-// Readings that stand alone, far from all others of their channel: a spike of a load cell, a register read while it was
-// written. One such among ten thousand outweighs the noise of all, and no sum of squares forgets it.
+// Finds spikes: single readings far from all others of their channel, as of a load cell, or of a register read while it
+// was written. One among ten thousand outweighs the noise of all, and least squares never forget it.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@ namespace dwell {
 // Of one channel. One thread; a few comparisons a reading.
 class SpikeGate {
  public:
-  // Whether this reading, of any unit, lies further outside what this period and the last have shown than 1.5 times
-  // their range, as no harmonic motion does, unless the two before it did as well: what lasts is another motion.
+  // Whether this reading lies outside the range of this period and the last by more than 1.5 times that range, as no
+  // harmonic motion does. false if the two readings before did as well: then it is another motion. Any unit.
   bool spike(double value) noexcept {
     const double low = std::min(before_.low, now_.low), high = std::max(before_.high, now_.high);
     const double room = kRoom * (high - low);
@@ -25,7 +25,6 @@ class SpikeGate {
     ++now_.count;
     return false;
   }
-  // A period is over.
   void next_period() noexcept {
     before_ = now_;
     now_ = {};

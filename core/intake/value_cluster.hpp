@@ -1,9 +1,9 @@
-// Is one number among the readings far too often, wherever the motion is? Zeros of a gateway, a code for "no value".
+// Finds one number that makes up far too many readings wherever the motion is: zeros of a gateway, a "no value" code.
 //
-// The candidate is found among readings that repeat one of the last eight. It is a cluster where it makes up more than
-// kPart of the readings, while the readings before it come from all over the range, and the range is kLevels rounding
-// steps or more. A sine of that range with noise has at most 2 % of its readings at one number, those of its crest; and
-// those come from beside it, also where sampling at a whole fraction of the period repeats every number.
+// The candidate comes from readings that repeat one of the last eight. It is a cluster if it makes up more than kPart
+// of the readings and follows readings from all over the range. The range must be kLevels rounding steps or more. A
+// sine of that range with noise has at most 2 % of its readings at one number, at the crest. The readings before these
+// are near the crest, also where sampling at a whole fraction of the period repeats every number.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,7 @@ class ValueCluster {
     from_high_ = std::max(from_high_, before);
   }
   [[nodiscard]] double value() const noexcept { return value_; }
-  // Part of the readings since the candidate was chosen.
+  // Its part of the readings since it became the candidate.
   [[nodiscard]] double part() const noexcept { return static_cast<double>(count_) / static_cast<double>(seen_); }
   [[nodiscard]] bool found(double step) const noexcept {
     const double range = high_ - low_;

@@ -8,17 +8,18 @@ namespace dwell {
 namespace {
 
 constexpr std::size_t kFewest = 32;
-constexpr double kUntold = 8.0;       // periods
-constexpr double kLateClip = 3.0;     // periods: a stall must not decide on the period
-constexpr double kResolution = 0.05;  // periods: deviations below are as good as none
+constexpr double kUntold = 8.0;       // periods at the end in which a late reading cannot be told from a loss
+constexpr double kLateClip = 3.0;     // periods: limits the weight of a stall in the choice of the period
+constexpr double kResolution = 0.05;  // periods: smaller deviations earn no better cost
 constexpr double kOutlier = 5.0;      // mean absolute deviations beyond which an arrival does not enter the fit
 constexpr double kMostGaps = 0.25;
 constexpr double kLossPrice = 3.0;
 
 using Numbers = std::array<double, kLongestStretch>;
 
-// Numbers the readings for a period: a reading is taken as lost where all that follow are late by a whole period or
-// more (a single late one is just late). Returns the first number's deviation from the earliest.
+// Numbers the readings for a period. A reading counts as lost if all that follow are late by a whole period or more; a
+// single late one is only late. Returns the smallest deviation, in periods, of an arrival from the grid through the
+// first one.
 double number_readings(std::span<const double> x_ns, double period_ns, Numbers& index) noexcept {
   const std::size_t n = x_ns.size();
   double later = 1e300;
@@ -27,7 +28,7 @@ double number_readings(std::span<const double> x_ns, double period_ns, Numbers& 
     index[j] = later;
   }
   const double earliest = later;
-  // At the end late and lost cannot be told apart yet.
+  // The last readings: a loss among them looks like lateness.
   std::size_t told = n - 1;
   for (double paced = 0.0; told > 0 && paced < kUntold; --told)
     paced += std::min(1.0, (x_ns[told] - x_ns[told - 1]) / period_ns);
@@ -37,7 +38,7 @@ double number_readings(std::span<const double> x_ns, double period_ns, Numbers& 
   return earliest;
 }
 
-// Description length of the arrivals under a period: the scatter left, and the price of every loss claimed.
+// Description length of the arrivals, per reading in nats: their scatter, plus kLossPrice for each loss.
 double cost(std::span<const double> x_ns, double period_ns, Numbers& index) noexcept {
   const std::size_t n = x_ns.size();
   const double earliest = number_readings(x_ns, period_ns, index);
@@ -57,7 +58,7 @@ double cost(std::span<const double> x_ns, double period_ns, Numbers& index) noex
 double best_period(std::span<const double> x_ns, double nominal_ns, Numbers& index) noexcept {
   const auto steps = static_cast<double>(x_ns.size() - 1);
   const double mean_ns = x_ns.back() / steps;
-  // Losses make the mean interval longer than the period; jitter at the two ends shifts it either way.
+  // Losses make the mean interval longer than the period. Jitter of the first and last arrival shifts it either way.
   const double low_ns = nominal_ns > 0.0 ? (1.0 - kNominalRange) * nominal_ns : 0.8 * mean_ns;
   const double high_ns = nominal_ns > 0.0 ? (1.0 + kNominalRange) * nominal_ns : (1.0 + 2.0 / steps) * mean_ns;
   const double step_ns = std::min(0.2 * low_ns / steps, high_ns - low_ns);
@@ -77,7 +78,7 @@ struct Line {
   double period_ns, last_ns, spread;
 };
 
-// Least squares over the arrivals that are within `limit` periods of the line before.
+// Least squares over the arrivals within `limit` periods of the line `before`.
 Line fit(std::span<const double> x_ns, const Numbers& index, const Line& before, double limit) noexcept {
   const std::size_t n = x_ns.size();
   const double last = index[n - 1];
@@ -121,7 +122,7 @@ std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, 
   Numbers index{};
   const double period_ns = best_period(x_ns, nominal_ns, index);
   const double earliest = number_readings(x_ns, period_ns, index);
-  // From the lower edge, so that a stall does not tilt the first line.
+  // The first line starts from the earliest arrivals, so that a stall does not tilt it.
   Line line{period_ns, (earliest + index[n - 1]) * period_ns, 0.0};
   line = fit(x_ns, index, line, 2.0);
   for (int again = 0; again < 2; ++again) line = fit(x_ns, index, line, std::max(0.02, kOutlier * line.spread));
@@ -136,7 +137,7 @@ std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, 
     grid.shape.add(deviation);
   }
   grid.shape.learn();
-  // A short stretch must be plain to see; a long one may jitter by more than a period.
+  // periods. A short stretch locks only if the jitter is small; a long one may jitter by more than a period.
   const double most_spread = n < kLongestStretch ? 0.13 : 0.7;
   const bool sound = grid.period_ns > 0 && std::isfinite(grid.last_ns) && grid.spread < most_spread;
   if (!sound || grid.lost > kMostGaps) return std::nullopt;

@@ -1,5 +1,5 @@
-// From the raw records of devices to the one ordered stream: each sample passes the clocks of its device and then the
-// merger. Service and `identify` use this one way; only a recording whose every stamp stands needs none.
+// Assembles the one ordered stream from the raw records of the devices: a sample passes the clocks of its device, then
+// the merger. The service and `identify` both use it. Only a recording whose stamps all stand needs no assembler.
 //
 //   device 0 ─ clocks ─┐
 //   device 1 ─ clocks ─┼─ merger ─ next()
@@ -25,33 +25,34 @@ class Assembler {
  public:
   struct Source {
     Clock clock = Clock::host;
-    std::vector<std::uint16_t> channels;  // Rig::channels indices; none: the device is not heard
-    double rate_hz = 0.0;                 // what it is set to; 0: not known
-    bool leads = false;                   // its stamps may run ahead of the time
+    std::vector<std::uint16_t> channels;  // Rig::channels indices; empty: samples of this device are not taken
+    double rate_hz = 0.0;                 // the rate set in the device; 0: not known
+    bool leads = false;                   // stamps may run ahead of the time: Merger::set_leading()
   };
-  // The devices of a rig, by what the rig file states of each.
+  // The sources of a rig, one per device, as the rig file states them.
   [[nodiscard]] static std::vector<Source> sources(const Rig& rig);
 
-  // hold_back_ns: how far the slowest source is waited for; capacity: records held at most of each source.
+  // hold_back_ns: how long the merger waits for the slowest source; capacity: records held at most of each source.
   Assembler(const std::vector<Source>& devices, std::int64_t hold_back_ns, std::size_t capacity);
 
   // It is now_ns; see Merger::set_now().
   void set_now(std::int64_t now_ns) noexcept { merger_.set_now(now_ns); }
 
-  // The next sample of a device, in the order of arrival. The samples whose instants this decides go on to the merger:
-  // enter(Record&) may mark each just before, admitted(const Record&, Merger::Admission) is told what became of it.
+  // Hands in the next sample of a device, in the order of arrival. This may decide the instants of several samples,
+  // which then go on to the merger. Just before, enter(Record&) may mark each of them. Just after, admitted(const
+  // Record&, Merger::Admission) is told whether the merger took it.
   template <class Enter, class Admitted>
   void sample(std::size_t device, const Record& record, Enter enter, Admitted admitted) {
     clocks_[device].push(record);
     hand_on(device, enter, admitted);
   }
-  // It is now_ns, and all that this device has delivered has been handed in.
+  // It is now_ns, and all samples that this device has delivered have been handed in.
   template <class Enter, class Admitted>
   void wait(std::size_t device, std::int64_t now_ns, Enter enter, Admitted admitted) {
     clocks_[device].wait(now_ns);
     hand_on(device, enter, admitted);
   }
-  // The device has stopped: what its clocks hold goes on, and it is not waited for until its next record.
+  // The device has stopped: samples held go on. Its next record makes the merger wait for it again.
   template <class Enter, class Admitted>
   void stopped(std::size_t device, Enter enter, Admitted admitted) {
     clocks_[device].flush();
@@ -59,17 +60,17 @@ class Assembler {
     merger_.set_live(device, false);
   }
 
-  // Hands in a change of state of a device's channel. It is never dropped as late: where its instant lies before the
-  // newest record released, it takes that record's instant. false: the device's queue is full; hand it in again.
+  // Hands in a change of state of a device's channel. It is never late: if it is older than the newest record released,
+  // it takes that record's instant. false: the device's queue is full; hand it in again.
   bool state(std::size_t device, Record record) noexcept { return enter_now(device, record); }
-  // An action, or another record that no device stamps and that must not be late; as state().
+  // As state(), for an action or another record that no device stamps and that must not be late.
   bool action(Record record) noexcept { return enter_now(ticks(), record); }
-  // Time goes on, whether or not anything happens. Dropped as late only where a recording is played faster than real
-  // time, which needs no ticks.
+  // Time goes on, with or without other records. A tick is late only where a recording is played faster than real time,
+  // which needs no ticks.
   void tick(std::int64_t now_ns) noexcept { merger_.push(ticks(), tick_at(now_ns)); }
   // An edge of a GPIO line, at its own instant.
   Merger::Admission edge(const Record& record) noexcept { return merger_.push(edges(), record); }
-  // An edge that must not be late; as state().
+  // As state(), for an edge that must not be late.
   bool urgent_edge(Record record) noexcept { return enter_now(edges(), record); }
   // All edges up to this instant have been handed in.
   void edges_seen_to(std::int64_t t_ns) noexcept {
@@ -78,10 +79,10 @@ class Assembler {
 
   // The next record of the stream; false: none may be released yet.
   bool next(Record& out) noexcept { return released(merger_.pop(out), out); }
-  // The same without waiting, for the end of a run.
+  // As next(), without waiting: for the end of a run.
   bool flush(Record& out) noexcept { return released(merger_.flush(out), out); }
 
-  // Of the clock behind a channel of the device.
+  // Figures of the clock that stamps this channel of the device.
   [[nodiscard]] ClockFigures figures(std::size_t device, std::uint16_t channel) const noexcept {
     return clocks_[device].figures(channel);
   }

@@ -1,5 +1,5 @@
-// The stamps that a device's clock gives out: each after the one before, as wide as what is in doubt about it, and
-// marked where readings before it were lost.
+// Makes the stamps of a device's recovered clock: strictly increasing, with a half width that covers any doubt, and
+// marked where readings before them were lost.
 //
 // Bound to one thread; real-time safe.
 #pragma once
@@ -12,28 +12,29 @@ namespace dwell {
 
 class ClockStamps {
  public:
-  // The clock was found: nothing is lost or in doubt yet.
+  // The clock was found: no reading is lost or in doubt yet.
   void begin() noexcept {
     doubt_ = 0.0;
     after_loss_ = false;
   }
   // Readings were lost before the next stamp.
   void lost() noexcept { after_loss_ = true; }
-  // The numbering was just put right by so many periods: the next stamp is in doubt by these.
+  // The numbering was just corrected by so many periods: the next stamp's half width grows by them.
   void doubt(double periods) noexcept { doubt_ = periods; }
 
-  // The stamp of a reading whose arrival stands.
+  // Stamp of a reading without a recovered clock: its arrival.
   DeviceInstant arrived(std::int64_t arrival_ns) noexcept {
     last_ns_ = arrival_ns;
     return {arrival_ns, 0, false};
   }
-  // That of a reading of the recovered clock, at t_ns ± half_ns.
+  // Stamp of a reading by the recovered clock, at t_ns ± half_ns. A stamp not after the last one is moved behind it by
+  // a sixteenth of a period, and its half width grows by the move.
   DeviceInstant recovered(std::int64_t t_ns, double half_ns, double period_ns) noexcept;
 
  private:
   double doubt_ = 0.0;  // periods
   bool after_loss_ = false;
-  std::int64_t last_ns_ = 0;  // the stamp given last
+  std::int64_t last_ns_ = 0;  // the last stamp given
 };
 
 }  // namespace dwell

@@ -8,8 +8,9 @@ namespace dwell {
 namespace {
 
 constexpr double kNsPerS = 1e9;
-constexpr double kRejection = 6.0;     // mean absolute deviations beyond which an arrival does not move the clock
-constexpr double kLeastSpread = 1e-4;  // periods
+// Mean absolute deviations from the clock beyond which an arrival is a stall and does not move it.
+constexpr double kRejection = 6.0;
+constexpr double kLeastSpread = 1e-4;  // periods: keeps the rejection limit above zero where arrivals hardly jitter
 
 }  // namespace
 
@@ -53,8 +54,8 @@ double ClockTracker::follow(std::int64_t arrival_ns) noexcept {
   return late;
 }
 
-// The variance at the end of a line through `age` points, or of a fading memory; the mean absolute deviation is 0.8 to
-// 0.87 standard deviations for any shape in question.
+// √3 standard deviations (rectangular) of the instant. Its variance is that at the end of a line through `age` points,
+// or that of a fading memory. For all likely shapes the mean absolute deviation is 0.8 to 0.87 standard deviations.
 double ClockTracker::half_ns() const noexcept {
   const double sigma_ns = 1.25 * spread_ * period_ns_;
   return std::numbers::sqrt3 * sigma_ns * std::sqrt(std::max(4.0 / age_, 1.25 / memory_));

@@ -1,6 +1,7 @@
-// How arrivals scatter about the grid of a device's clock, learnt from them: a histogram of deviations in periods that
-// forgets, and its logarithm, for telling late readings from those that follow a loss. Whatever the shape of the
-// scheduler's delays (uniform, one-sided, two humps), the likelihoods are its own.
+// Learns how arrivals scatter about the grid of a device's clock, so that late readings can be told from losses.
+//
+// A forgetting histogram of the deviations, in periods, and its logarithm. It assumes no shape: the scheduler's delays
+// may be uniform, one-sided or have two humps.
 //
 // Fixed storage, no allocation. Bound to one thread.
 #pragma once
@@ -14,19 +15,19 @@ namespace dwell {
 
 class DelayShape {
  public:
-  static constexpr double kEarliest = -3.0;  // deviations beyond go into the last bins
+  static constexpr double kEarliest = -3.0;  // periods; deviations beyond count in the outermost bins
   static constexpr double kLatest = 4.0;
 
-  // Tells with the next learn(), which it calls by itself now and then.
+  // Adds a deviation in periods. It counts in log_likelihood() after the next learn(), at most kMemory / 2 later.
   void add(double deviation) noexcept {
     counts_[bin(deviation)] += 1.0;
     if (++fresh_ == kMemory / 2) learn();
   }
-  // Takes what was added into the likelihoods; older deviations then weigh half.
+  // Updates the likelihoods with the deviations added. Older deviations then weigh half.
   void learn() noexcept {
     if (fresh_ == 0) return;
     fresh_ = 0;
-    // What has never been seen: late can always happen, early cannot.
+    // Floors for deviations not seen yet: a reading may always be late; an early one is hardly possible.
     constexpr double kLate = 5e-3, kEarly = 1e-4;
     double total = 0.0;
     std::size_t top = 0;
@@ -40,7 +41,7 @@ class DelayShape {
     }
     for (double& count : counts_) count *= 0.5;
   }
-  // Logarithm of the likelihood of a deviation, apart from a constant.
+  // Logarithm of the likelihood of a deviation, up to a constant, nats.
   [[nodiscard]] double log_likelihood(double deviation) const noexcept { return logs_[bin(deviation)]; }
 
  private:

@@ -6,7 +6,7 @@ namespace dwell {
 namespace {
 
 constexpr double kNsPerS = 1e9;
-constexpr std::int64_t kSilence_ns = 1'000'000'000;  // after such a pause the device may have been restarted
+constexpr std::int64_t kSilence_ns = 1'000'000'000;  // after such a pause the device may have restarted
 constexpr double kSilentPeriods = 64.0;
 
 }  // namespace
@@ -23,7 +23,7 @@ void DeviceClock::arrive(std::int64_t arrival_ns) noexcept {
   any_ = true;
   last_arrival_ns_ = arrival_ns;
   if (held_.full()) decide_all();
-  if (Instant untaken; held_.full()) held_.take(untaken);  // the caller does not take what is decided
+  if (Instant untaken; held_.full()) held_.take(untaken);  // only if the caller does not take what is decided
   held_.add(arrival_ns);
   if (!locked_) {
     held_.decide(stamps_.arrived(arrival_ns));
@@ -94,7 +94,7 @@ void DeviceClock::lock(const ArrivalGrid& grid) noexcept {
   stamps_.begin();
 }
 
-// What is held stands as it arrived; the clock is sought anew.
+// Readings held get their arrivals as stamps; the search for the clock begins again.
 void DeviceClock::unlock() noexcept {
   while (held_.waiting() > 0) held_.decide(stamps_.arrived(held_.arrival_ns(0)));
   locked_ = false;

@@ -3,16 +3,15 @@
 //
 //   a_j = t(k_j) + d_j,   t(k + 1) = t(k) + T
 //
-// The arrival a_j jitters, for the host is scheduled; t(k) does not. What is given out is t(k_j) plus the mean delay: a
-// constant, so that phases of one stream keep, and the same constant that the arrivals themselves carry on average, so
-// that nothing jumps when the clock is found amid a dwell. Why the mean and not the earliest arrivals: it is steady
-// whatever the shape of the jitter, and it does not move when a busier host makes rare short delays rarer.
+// The arrival a_j jitters because the host schedules; t(k) does not. The clock gives out t(k_j) plus the mean delay.
+// That constant keeps the phases within one stream. The arrivals carry the same constant on average, so no stamp jumps
+// when the clock is found during a dwell. The mean is steady for every shape of jitter. The earliest arrivals are not:
+// a busier host makes short delays rarer.
 //
-// GridSearch finds the grid among the first arrivals, ClockTracker follows it, LossJudge tells which reading an arrival
-// is, and until that is decided HeldArrivals keeps it.
+// GridSearch finds the grid among the first arrivals and ClockTracker follows it. LossJudge decides which reading an
+// arrival is; until then HeldArrivals keeps it. ClockStamps makes the stamps.
 //
-// Virtual time, no clock of its own; no allocation; bound to one thread. About 60 ns per arrival, now and then 100
-// µs until a grid has been found.
+// Virtual time, no allocation; bound to one thread. About 60 ns per arrival; an attempt to find the grid takes 100 µs.
 #pragma once
 
 #include <cstddef>
@@ -29,32 +28,31 @@ namespace dwell {
 
 // What is known of a device's clock.
 struct ClockFigures {
-  bool locked = false;         // false: no grid found (yet); stamps stand as they arrived, all else is NaN
-  double rate_hz = kNaN;       // readings per second of the host's clock, those lost on the way included
+  bool locked = false;         // false: no grid found (yet); stamps are the arrivals, the rate and jitter NaN
+  double rate_hz = kNaN;       // readings per second of the host's clock, lost ones included
   double jitter_s = kNaN;      // standard deviation of the arrivals from the recovered clock, stalls included
-  std::uint64_t lost = 0;      // readings that never arrived, since the beginning
-  std::uint64_t relocked = 0;  // times that the clock was lost and sought anew
+  std::uint64_t lost = 0;      // readings that never arrived, since construction
+  std::uint64_t relocked = 0;  // how often the clock was lost and sought again
 };
 
 class DeviceClock {
  public:
-  static constexpr std::int64_t kLongestHold_ns = 100'000'000;   // a reading is decided upon after that
+  static constexpr std::int64_t kLongestHold_ns = 100'000'000;   // then a reading is decided
   static constexpr std::size_t kHeld = HeldArrivals::kCapacity;  // readings held at most
   static constexpr double kMemory_s = ClockTracker::kMemory_s;
 
-  // nominal_rate_hz: what the device is set to, within 2 %; 0: not known.
+  // nominal_rate_hz: the rate set in the device, to within kNominalRange; 0: not known. A wrong rate delays the search.
   explicit DeviceClock(double nominal_rate_hz = 0.0) noexcept;
 
-  // The next reading arrived. Take all that next() has before the next call.
+  // The next reading arrived. Take all instants that next() has before the next call.
   void arrive(std::int64_t arrival_ns) noexcept;
-  // It is now_ns, and nothing has arrived since: nothing is held longer than kLongestHold_ns.
+  // It is now_ns, and nothing has arrived since. A reading held for longer than kLongestHold_ns is decided.
   void wait(std::int64_t now_ns) noexcept;
-  // Decides on everything held, as the evidence stands.
+  // Decides all readings held, on the evidence so far.
   void decide_all() noexcept;
 
-  // The instant of the oldest reading not yet given out, in the order of arrival.
   using Instant = DeviceInstant;
-  // false: none is decided.
+  // Takes the instant of the oldest decided reading; false: none is decided.
   bool next(Instant& out) noexcept { return held_.take(out); }
 
   [[nodiscard]] ClockFigures figures() const noexcept;
@@ -67,7 +65,7 @@ class DeviceClock {
 
   HeldArrivals held_;
   GridSearch search_;
-  ClockTracker tracker_;  // these three: while locked
+  ClockTracker tracker_;  // these three: valid while locked
   LossJudge judge_;
   ClockStamps stamps_;
   std::int64_t last_arrival_ns_ = 0;

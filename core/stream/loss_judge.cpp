@@ -8,26 +8,26 @@
 namespace dwell {
 namespace {
 
-constexpr double kDoubt = 3.0;       // nats of evidence beyond what the rarity of losses asks for
-constexpr double kFarLate = 3.5;     // periods: too late for the shape to tell
+constexpr double kDoubt = 3.0;       // nats of evidence for a loss, on top of -ln(the recent rate of losses)
+constexpr double kFarLate = 3.5;     // periods: later than the histogram of delays reaches
 constexpr double kFarEarly = -2.5;   // periods: earlier than any delay explains
-constexpr double kFarPaced = 8.0;    // periods after which it is no stall
-constexpr double kMostPaced = 32.0;  // periods after which more evidence is not to be expected
+constexpr double kFarPaced = 8.0;    // paced periods after which it is no stall
+constexpr double kMostPaced = 32.0;  // paced periods after which waiting brings no more evidence
 constexpr double kMostLost = 0.3;
 constexpr double kMostTooEarly = 8.0;
 
-// A number of readings that may have been lost (or counted too many), and the cumulative sum of the evidence for it.
+// One number of readings lost (or counted too many), and the cumulative sum of the evidence for it.
 struct Case {
   int lost;
   double evidence = 0.0;    // nats
-  std::size_t against = 0;  // up to here it speaks against
-  std::size_t since = 0;    // from here on it is counted
+  std::size_t against = 0;  // the readings before this one speak against it
+  std::size_t since = 0;    // the reading from which the loss is counted
 
   // The i-th reading speaks for it by `gain`, nats. pace: its distance from the one before, in periods, at most 1.
   void add(std::size_t i, double gain, double pace) noexcept {
-    // Of those that arrive in a bunch all but the first are late for the same reason; on time is on time.
+    // All readings of a bunch but the first are late for the same reason: only pace counts. On time is always evidence.
     if (gain > 0.0) gain *= pace;
-    // In the middle of those that do not tell.
+    // The loss is dated midway through the readings that fit both explanations.
     if (gain > 0.0 && evidence == 0.0) since = (against + i + 1) / 2;
     evidence = std::max(0.0, evidence + gain);
     if (gain < 0.0 && evidence == 0.0) against = since = i + 1;
@@ -63,7 +63,7 @@ LossJudge::Verdict LossJudge::judge(const HeldArrivals& held, const ClockTracker
       if (c.evidence > best->evidence) best = &c;
     }
     if (best->evidence <= threshold) continue;
-    // Two losses in short succession: the first one first.
+    // Of two losses in short succession the first is told first.
     for (const Case& c : cases)
       if (c.evidence > kDoubt && c.lost > 0 && c.since < best->since) best = &c;
     return {best->since, best->lost};
@@ -71,7 +71,7 @@ LossJudge::Verdict LossJudge::judge(const HeldArrivals& held, const ClockTracker
   const bool last_chance = at_once || count == HeldArrivals::kCapacity;
   if (least > kFarLate) {
     if (paced < kFarPaced && !last_chance) return {};
-    if (4.0 * paced < static_cast<double>(count - 1)) return {count, 0};  // a bunch: held up, not lost
+    if (4.0 * paced < static_cast<double>(count - 1)) return {count, 0};  // a bunch: delayed, not lost
     return {0, static_cast<int>(std::min(least, 1e6))};
   }
   if (!last_chance && paced < kMostPaced) {

@@ -56,7 +56,7 @@ bool Merger::pop(Record& out) noexcept {
   std::int64_t slowest_ns = newest_ns_;
   for (const Source& source : sources_)
     if (source.live) slowest_ns = std::min(slowest_ns, source.newest_ns);
-  // Records at the watermark wait: a source may still deliver one of this very instant.
+  // Records at the watermark wait: a source may still deliver one of the same instant.
   return take_before(std::max(slowest_ns, newest_ns_ - hold_back_ns_), out);
 }
 

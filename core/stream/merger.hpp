@@ -1,9 +1,10 @@
 // Merges the sources (one per device, plus ticks and actions) into one totally ordered stream.
 //
-// Order: (t_ns, source, arrival). A record is released once no live source can still deliver an earlier one: up to the
-// watermark, the smallest newest instant over the live sources, but at most `hold_back` behind the newest of all. What
-// comes later than what was already released is late: dropped and counted. Where the caller says what time it is, no
-// stamp ahead of that shortens the wait for the others. Pure: no clock, no threads; memory is fixed at construction.
+// Order: (t_ns, source, arrival). The merger releases the records before the watermark. The watermark is the smallest
+// newest instant over the live sources: none of them delivers an earlier record. But it is at most `hold_back` behind
+// the newest of all. A record older than the newest one released is late: it is dropped and counted. If the caller sets
+// the time, stamps ahead of it do not shorten the wait for other sources. Pure: no clock, no threads; memory is fixed
+// at construction.
 #pragma once
 
 #include <cstddef>
@@ -20,31 +21,30 @@ class Merger {
  public:
   enum class Admission : std::uint8_t { queued, late, full };
 
-  // sources: number of sources, 1 …; hold_back_ns > 0; capacity: records held at most of each source.
+  // sources: their number, 1 …; hold_back_ns > 0; capacity: records held at most of each source.
   Merger(std::size_t sources, std::int64_t hold_back_ns, std::size_t capacity);
 
-  // Hands in one record of `source`. late: earlier than what has been released; full: no room (the caller counts the
-  // drop either way). O(1) in the order of instants, else one step per record it overtakes. No allocation.
+  // Hands in one record of `source`. late: older than the newest record released; full: no room. In both cases the
+  // caller counts the drop. O(1) in the order of instants, else one step per record overtaken. No allocation.
   Admission push(std::size_t source, const Record& record) noexcept;
 
-  // A source that is not live (its device is down) is not waited for. It becomes live again with its next record.
+  // The merger does not wait for a source that is not live (its device is down). The next record makes it live again.
   void set_live(std::size_t source, bool live) noexcept;
 
-  // It is now_ns: instants beyond count as now_ns for the newest of all. Without a call every stamp counts as it is.
+  // It is now_ns. Later stamps count as now_ns in the newest instant of all. Without a call no stamp is limited.
   void set_now(std::int64_t now_ns) noexcept { now_ns_ = now_ns; }
-  // The stamps of this source may run ahead of the time (a recording played fast): they count as they are.
+  // The stamps of this source may run ahead of the time (a recording played fast): set_now() does not limit them.
   void set_leading(std::size_t source) noexcept { sources_[source].leading = true; }
 
-  // Moves the next releasable record to `out`; false: nothing may be released yet. O(sources).
+  // Moves the next releasable record to `out`; false: none may be released yet. O(sources).
   bool pop(Record& out) noexcept;
-  // The same without a watermark, for the end of a run.
+  // As pop(), without waiting for the watermark: for the end of a run.
   bool flush(Record& out) noexcept;
 
-  // Records held now.
   [[nodiscard]] std::size_t size() const noexcept { return held_; }
 
  private:
-  // A ring of records in the order of their instants; equal instants in the order of arrival.
+  // A ring of records in the order of their instants, and at equal instants in the order of arrival.
   struct Source {
     std::vector<Record> ring;
     std::size_t first = 0, count = 0;

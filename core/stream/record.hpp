@@ -1,7 +1,7 @@
-// The one ordered stream: everything the pipeline ever learns is a Record.
+// Record is the element of the one ordered stream: the pipeline learns everything from records, and nothing else.
 //
-// Records are totally ordered by (t_ns, source, arrival within the source); the merger establishes that order, the
-// pipeline consumes it, a recorder can store it behind the merger. Records are the pipeline's only clock.
+// Records are totally ordered by (t_ns, source, arrival within the source). The merger establishes that order, the
+// pipeline consumes the records, a recorder can store them. They are the pipeline's only clock.
 #pragma once
 
 #include <cstdint>
@@ -9,38 +9,38 @@
 
 namespace dwell {
 
-// What a record tells. t_ns is always the instant. `channel` is an index into Rig::channels where nothing else is said.
-// The fields of Record that a kind does not name are zero.
+// What a record tells. t_ns is always its instant. `channel` is an index into Rig::channels unless the kind says
+// otherwise. A kind names the fields that it uses; all others are zero.
 enum class Kind : std::uint8_t {
   // `channel`; `value`: the device's own number, before scale and offset; `t_half_ns`; `stamped_ns`; `flags`: kGap,
   // kStampReplaced
   sample,
-  channel_state,  // `channel`; `flags`: a Fault; Fault::none says that the channel delivers again
+  channel_state,  // `channel`; `flags`: a Fault; Fault::none: the channel delivers again
   edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
   action,         // an operator's action; `flags`: an Action
   tick,           // time goes on, nothing else
-  run,            // the first record of a run and the last; `flags`: a RunEdge
+  run,            // the first and the last record of a run; `flags`: a RunEdge
   loss,   // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
           // record
   fault,  // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
 };
 
-// Whether the pipeline takes notice of records of that kind. The others are for whoever keeps the stream.
+// Whether the pipeline evaluates records of this kind. The other kinds are for recorders and readers of the stream.
 [[nodiscard]] constexpr bool concerns_pipeline(Kind kind) noexcept {
   return kind != Kind::run && kind != Kind::loss && kind != Kind::fault;
 }
 
 // Sample and edge flags.
 inline constexpr std::uint8_t kGap = 1;            // samples of this channel were lost immediately before this one
-inline constexpr std::uint8_t kStampReplaced = 2;  // the device's stamp was implausible; the instant is that of reading
+inline constexpr std::uint8_t kStampReplaced = 2;  // implausible stamp: t_ns is the host's instant
 
 // The GPIO inputs. Level 1 is the active one, whatever the voltage.
 enum class Line : std::uint16_t {
-  interlock = 0,  // 1: the shaker may run. The first edge is the level at the start; from 0 to 1: it may again
-  sync = 1,       // one edge to 1 for each period of the excitation; edges to 0 are not told
+  interlock = 0,  // 1: the shaker may run. The first edge tells the level at the start
+  sync = 1,       // an edge to 1 for each period of the excitation; edges to 0 make no record
 };
 
-// Why a channel does not deliver. The numbers are those of dwell_driver.h (DWELL_FAULT_...), and are recorded.
+// Why a channel does not deliver. The numbers equal DWELL_FAULT_... of dwell_driver.h. Recordings contain them.
 enum class Fault : std::uint8_t {
   none = 0,
   disconnected = 1,     // no connection to the device
@@ -48,20 +48,20 @@ enum class Fault : std::uint8_t {
   exception = 3,        // the device refused the request
   bad_checksum = 4,     // a frame arrived damaged
   short_frame = 5,      // a frame arrived incomplete
-  bad_frame = 6,        // a frame arrived that does not answer what was asked
+  bad_frame = 6,        // a frame arrived that does not answer the request
   late_answer = 7,      // an answer to an earlier request
-  invalid_value = 8,    // not a number, or beyond what the type can carry
-  missed_deadline = 9,  // a poll began too late and was skipped
-  end_of_data = 10,     // a finite source has been played to its end
-  silent = 11,          // nothing arrived although nothing failed
-  overflow = 12,        // lost for lack of room: on the way in (kernel, controller), or waiting to be sent
+  invalid_value = 8,    // not a number, or outside the range of the type
+  missed_deadline = 9,  // a poll would have begun too late and was skipped
+  end_of_data = 10,     // a recording, or another finite source, has ended
+  silent = 11,          // nothing arrived, and no fault is known
+  overflow = 12,        // no room: in kernel or controller on the way in, or in the queue on the way out
   bus_error = 13,       // the bus controller reports errors on the line
-  bus_off = 14,         // the bus controller has left the bus for too many of them
-  untimely = 15,        // readings come that cannot be put in order: too late, or stamped ahead of the clock
+  bus_off = 14,         // the bus controller left the bus because of too many errors
+  untimely = 15,        // readings come too late for the stream's order, or stamped ahead of the clock
 };
 inline constexpr int kFaultCount = 16;
 
-// Short name of a fault as shown to people and in JSON, for instance "timeout".
+// Short name of a fault for people and for JSON, for instance "timeout".
 [[nodiscard]] const char* to_string(Fault fault) noexcept;
 
 enum class Action : std::uint8_t {
@@ -73,7 +73,7 @@ enum class RunEdge : std::uint8_t { begins = 1, ends = 2 };
 // Why a sample is not in the stream.
 enum class Loss : std::uint8_t {
   refused = 1,   // the ring between its driver and the estimation was full
-  late = 2,      // older than what had been released
+  late = 2,      // older than the newest record released
   ahead = 3,     // stamped ahead of the clock
   overflow = 4,  // the merger was full
 };
@@ -81,9 +81,9 @@ enum class Loss : std::uint8_t {
 // One element of the stream, 32 bytes, trivially copyable.
 struct Record {
   std::int64_t t_ns = 0;        // ns, CLOCK_MONOTONIC_RAW (live) or the recording's own axis
-  std::int64_t stamped_ns = 0;  // of a sample: its driver's stamp; t_ns may be recovered from many of these
+  std::int64_t stamped_ns = 0;  // of a sample: its driver's stamp. t_ns may be a recovered instant instead
   double value = 0.0;           // see Kind
-  std::uint32_t t_half_ns = 0;  // ns, half width of what is known of the instant (rectangular)
+  std::uint32_t t_half_ns = 0;  // ns, half width of the rectangular uncertainty of t_ns
   std::uint16_t channel = 0;    // index into Rig::channels
   Kind kind = Kind::sample;
   std::uint8_t flags = 0;

@@ -1,4 +1,4 @@
-// The newest samples as they came, so that a hold can be gone over again once more is known of it.
+// Keeps the newest samples, so that all of a hold can be fitted again when more is known of it.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace dwell {
 
-// A ring: the oldest are overwritten. Bound to one thread, real-time safe but for the constructor.
+// A ring that overwrites the oldest samples. Bound to one thread; real-time safe except for the constructor.
 class SampleHistory {
  public:
   struct Sample {
@@ -19,7 +19,7 @@ class SampleHistory {
     int channel;
   };
 
-  // slices: in which it is gone over; null: in one. Must outlive this.
+  // slices: long work on the samples pauses in them (spend()); null: it never pauses. They must outlive this object.
   explicit SampleHistory(std::size_t capacity, Slices* slices = nullptr) : samples_(capacity), slices_(slices) {}
 
   void push(std::int64_t t_ns, int channel, double value) noexcept {
@@ -27,10 +27,10 @@ class SampleHistory {
     if (++next_ == samples_.size()) next_ = 0;
     ++end_;
   }
-  // Numbers of the samples held: [begin, end).
+  // The samples held have the numbers [begin, end).
   [[nodiscard]] std::uint64_t begin() const noexcept { return end_ - std::min<std::uint64_t>(end_, samples_.size()); }
   [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
-  // begin() <= number < end().
+  // The sample of that number; begin() <= number < end().
   [[nodiscard]] const Sample& operator[](std::uint64_t number) const noexcept {
     const auto ago = static_cast<std::size_t>(end_ - number);
     return samples_[ago <= next_ ? next_ - ago : next_ + samples_.size() - ago];
@@ -48,8 +48,8 @@ class SampleHistory {
     return low;
   }
 
-  // Whoever goes over it says so: as many multiplications as were made for a sample, or for a channel when all samples
-  // were gone over. May return much later; no sample is added meanwhile.
+  // A pass over the samples reports its work here, in multiplications: after each sample, or after all samples of a
+  // channel. The call may return much later. No sample is added meanwhile.
   void spend(double work) const noexcept {
     if (slices_ != nullptr) slices_->spend(work);
   }
@@ -57,7 +57,7 @@ class SampleHistory {
  private:
   std::vector<Sample> samples_;
   std::uint64_t end_ = 0;
-  std::size_t next_ = 0;  // where the next goes
+  std::size_t next_ = 0;  // where the next sample goes
   Slices* slices_;
 };
 

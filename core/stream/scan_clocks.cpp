@@ -10,7 +10,7 @@ ScanClocks::ScanClocks(Clock clock, const std::vector<std::uint16_t>& channels, 
   const auto largest = std::max_element(channels.begin(), channels.end());
   places_.resize(largest == channels.end() ? 0 : std::size_t{*largest} + 1);
   streams_.assign(channels.size(), Stream{DeviceClock(rate_hz), {}, 0, {}});
-  // As many scans as a clock holds, the one on its way in, and a last node.
+  // As many scans as a clock holds, the one coming in, and one node that keeps the list from emptying.
   nodes_.resize(kind_ == Clock::device ? channels.size() * (DeviceClock::kHeld + 1) + 1 : 2);
   for (std::size_t i = 0; i < nodes_.size(); ++i) append(free_, static_cast<int>(i));
 }
@@ -31,7 +31,8 @@ void ScanClocks::push(const Record& sample) noexcept {
   }
   place.scan = scan_;
   Stream& stream = streams_[static_cast<std::size_t>(scan_stream_)];
-  if (free_.first == free_.last) flush();  // channels that change their company: more scans than the clocks hold
+  // Channels regrouped into other scans: more scans than the clocks hold.
+  if (free_.first == free_.last) flush();
   const int node = take_first(free_);
   assert(node >= 0);
   nodes_[static_cast<std::size_t>(node)].record = sample;
@@ -51,7 +52,7 @@ void ScanClocks::push(const Record& sample) noexcept {
   settle(stream);
 }
 
-// Channels that had come apart come together: one stream from the next scan on.
+// Two streams turn out to arrive together: they are one stream from the next scan on.
 void ScanClocks::unite(int a, int b) noexcept {
   const int kept = std::min(a, b), given_up = std::max(a, b);
   for (Place& place : places_)
@@ -88,7 +89,7 @@ ClockFigures ScanClocks::figures(std::uint16_t channel) const noexcept {
   return stream < 0 ? ClockFigures{} : streams_[static_cast<std::size_t>(stream)].clock.figures();
 }
 
-// Gives out the scans whose instants the clock has decided on, the oldest first.
+// Gives out the scans whose instants the clock has decided, the oldest first.
 void ScanClocks::settle(Stream& stream) noexcept {
   DeviceClock::Instant instant;
   while (stream.clock.next(instant)) {

@@ -1,10 +1,9 @@
-// The clocks of one device, applied to its samples.
+// Applies the recovered clocks of one device to its samples.
 //
-// A device may deliver several streams, each at a rate of its own (the messages of a bus): the channels that come
-// together, at one stamp, are one stream with one clock, and keep sharing one instant. With a clock of its own the
-// samples come out at the recovered instants, a little later than they went in, since a few may have to be waited for
-// (at most DeviceClock::kLongestHold_ns). Where the host is the clock they come out at once and unchanged, and the
-// clocks only watch.
+// A device may deliver several streams (the messages of a bus), each at its own rate. Channels that arrive together, at
+// one stamp, form one stream with one clock, and keep sharing one instant. With Clock::device the samples come out with
+// their recovered instants. Some wait until theirs is decided, at most DeviceClock::kLongestHold_ns. With Clock::host
+// they come out at once and unchanged, and the clocks only measure.
 //
 // Pure, virtual time, fixed memory after construction; bound to one thread. One clock update per scan.
 #pragma once
@@ -21,27 +20,28 @@ namespace dwell {
 
 class ScanClocks {
  public:
-  // What a merger must wait for a device with a clock of its own: what the clock holds, and a stall of the host.
+  // How long a merger must wait for a device with a clock of its own: the longest hold of the clock, and 150 ms for a
+  // stall of the host.
   static constexpr std::int64_t kHoldBack_ns = DeviceClock::kLongestHold_ns + 150'000'000;
 
-  // channels: Rig::channels indices of the device; rate_hz: what it is set to, 0: not known.
+  // channels: Rig::channels indices of the device; rate_hz: the rate set in the device, 0: not known.
   ScanClocks(Clock clock, const std::vector<std::uint16_t>& channels, double rate_hz);
 
-  // The next sample of the device, of one of its channels, in the order of arrival. Take all that pop() has before the
-  // next call.
+  // The next sample of one of the device's channels, in the order of arrival. Take all samples that pop() has ready
+  // before the next call.
   void push(const Record& sample) noexcept;
-  // It is now_ns, and all that has arrived has been pushed.
+  // It is now_ns, and all samples that have arrived have been pushed.
   void wait(std::int64_t now_ns) noexcept;
-  // The device has stopped: whatever is held comes out.
+  // The device has stopped: all samples held come out.
   void flush() noexcept;
-  // false: none is ready.
+  // Moves the next ready sample to `out`; false: none is ready.
   bool pop(Record& out) noexcept;
 
-  // Of the stream that carries the channel.
+  // Figures of the clock of the stream that carries the channel.
   [[nodiscard]] ClockFigures figures(std::uint16_t channel) const noexcept;
 
  private:
-  // Samples held are nodes of one pool, each in one list: free, of a stream (undecided), or out (ready).
+  // Samples held are nodes of one pool. Each is in one list: free, of a stream (undecided), or out (ready).
   struct Node {
     Record record;
     std::uint64_t scan = 0;
@@ -58,7 +58,7 @@ class ScanClocks {
   };
   struct Place {
     int stream = -1;
-    std::uint64_t scan = 0;  // the newest that held a sample of the channel
+    std::uint64_t scan = 0;  // the newest scan with a sample of the channel
   };
   int take_first(List& list) noexcept;
   void append(List& list, int node) noexcept;
@@ -72,7 +72,7 @@ class ScanClocks {
   std::size_t streams_used_ = 0;
   std::vector<Node> nodes_;
   List free_, out_;
-  std::uint64_t scan_ = 0;  // the newest, its stream and its stamp
+  std::uint64_t scan_ = 0;  // the newest scan, its stream and its stamp
   int scan_stream_ = -1;
   std::int64_t scan_ns_ = 0;
 };

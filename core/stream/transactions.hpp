@@ -1,14 +1,13 @@
-// Which channels are read together, and so share what is not known of their instant.
+// Finds out which channels are read in one transaction, and so share the uncertainty of their instants.
 //
-// A device answers one request with several readings: one transaction, one instant, one stamp. Two requests, be they to
-// two stations of a line or to two blocks of registers, are two transactions: each has a turnaround of its own, which
-// nothing ties to the other's. The stream itself tells: samples of one device that follow each other at one and the
-// same stamp, with one half width, three times in a row, are of one transaction. Two transactions of a device do not
-// begin at one instant; their stamps may meet by chance, to the nanosecond once in some million. A stamp that the
-// driver had to replace tells nothing.
+// A device answers one request with several readings: one transaction, one instant, one stamp. Two requests are two
+// transactions, be they to two stations of a line or to two blocks of registers. Their turnarounds are independent. The
+// stream itself shows the transactions: consecutive samples of one device with the same stamp and half width, three
+// times in a row, belong to one. Two transactions of a device never begin at one instant. Their stamps agree to the
+// nanosecond by chance only, once in some million. Samples whose stamp the driver replaced are not used.
 //
-// Pure, fixed memory after construction, bound to one thread. A sample costs a comparison; the first that two channels
-// share O(channels).
+// Pure, fixed memory after construction, bound to one thread. A sample costs a comparison; joining two channels for the
+// first time costs O(channels).
 #pragma once
 
 #include <algorithm>
@@ -43,7 +42,7 @@ class Transactions {
     heard_ = true;
   }
 
-  // The transaction of a channel: the lowest index of the channels that have been read with it.
+  // The transaction of a channel, named by the lowest index of the channels that are read in it.
   [[nodiscard]] int of(int channel) const noexcept { return first_[static_cast<std::size_t>(channel)]; }
 
  private:
@@ -56,7 +55,7 @@ class Transactions {
   }
 
   static constexpr int kTimes = 3;
-  // The last channel with the same stamp, and how many times in a row.
+  // The last channel with the same stamp, and how many times in a row it had it.
   struct Met {
     std::uint16_t with = 0;
     int times = 0;
