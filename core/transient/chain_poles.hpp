@@ -9,13 +9,11 @@
 
 namespace dwell {
 
-// Poles in rad/s, slowest first. A conjugate pair is given by its pole with Im > 0. A span is valid until the next call
-// of seen_by().
+// Poles in rad/s, slowest first; of a conjugate pair the one with Im > 0. Spans are valid until the next seen_by().
 class ChainPoles {
  public:
   virtual ~ChainPoles() = default;
-  // Poles of the chain identified from the steady phasors of `fit`. Empty: the phasors do not determine a chain. No
-  // allocation.
+  // Poles of the chain identified from the steady phasors of `fit`; empty: these do not determine it. No allocation.
   [[nodiscard]] virtual std::span<const std::complex<double>> seen_by(const ModalFit& fit) noexcept = 0;
   // Poles of the chain that was identified last; empty: none has been.
   [[nodiscard]] virtual std::span<const std::complex<double>> last() const noexcept = 0;

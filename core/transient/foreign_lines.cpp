@@ -16,12 +16,14 @@ constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;
 constexpr double kSureOfLine = 9.0;  // noise alone exceeds it by exp(-9): once in 8000 searches
 constexpr double kOfLine = 6.0;      // multiplications of a line at a sample
 constexpr double kFewest = 16.0;     // readings of a channel, at least
-constexpr double kMainsFirst = 1.2;  // times its power counts for a mains line
-constexpr double kBeside = 2.0;      // half cycles over the search: a line nearer to a harmonic is taken for it
+// The power of a mains line counts this many times that of a line of the grid.
+constexpr double kMainsFirst = 1.2;
+constexpr double kBeside = 2.0;  // half cycles over the search: a line nearer to a harmonic is taken for it
 // Away from the mains and the harmonics a line is steady after kLongSeen periods if its decay rate + 3 u, times the
 // time seen, is below kHardlyDecayed. kMainsWander: relative, of the mains' frequency.
 constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;
-constexpr double kSpeaksAgainst = 6.0;    // gain in N ln σ², a χ²(1), that speaks against steady
+// A line is taken as steady unless decaying lowers N ln σ², a χ²(1), by more than this.
+constexpr double kSpeaksAgainst = 6.0;
 constexpr double kHarmonicOff = 1e-4;     // a line is at a harmonic of the drive within this relative distance …
 constexpr double kHarmonicUnsure = 0.02;  // … where its frequency is known to this part of the drive's
 
@@ -30,7 +32,7 @@ double mains(std::size_t k) {
   return kTwoPi * kMainsFundamentals_hz[k / (kMains / 2)] * static_cast<double>(k % (kMains / 2) + 1);
 }
 
-// Sums r exp(jkθ), k = 1, 2 …, over samples. It takes several samples at once: none waits for the turn of another.
+// Sums r exp(jkθ), k = 1, 2 …, over samples; four samples at once, so that none waits for the turn of another.
 class LineSums {
  public:
   // θ = grid · u; grid in rad/s.
@@ -168,8 +170,7 @@ void ForeignLines::judge(const HoldNow& now) {
   }
 }
 
-// Tries pole i beside the chain as a steady line where it decays, or as a mode that decays where it is steady. The data
-// decide.
+// Tries pole i beside the chain as a steady line if it decays, else as a mode that decays. The data decide.
 void ForeignLines::try_other_kind(std::size_t i, double seen_s, const HoldNow& now) {
   std::vector<Complex>& best = search_.best();
   before_ = best;

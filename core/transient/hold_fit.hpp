@@ -39,12 +39,12 @@ class HoldFit {
   // Adds to the fit the samples of watched channels that it has not seen.
   void feed(std::span<const FittedChannel> channels) noexcept;
   void solve(std::span<const FittedChannel> channels) noexcept;
-  // Fits anew from from_ns() on; omega: ω at from_ns(), rad/s; poles: rad/s. Returns the misfit. O(samples), and one of
-  // the fits allowed.
+  // Fits anew from from_ns() on. omega: ω at from_ns(), poles: both in rad/s. Returns the misfit. Takes O(samples) and
+  // one of the fits allowed.
   double anew(double omega, std::span<const std::complex<double>> poles,
               std::span<const FittedChannel> channels) noexcept;
-  // Fits anew likewise, but believes the new fit only where its misfit is below `misfit`, which it then replaces.
-  // Returns whether the new fit is believed.
+  // As anew(), but believes the new fit only where its misfit is below `misfit`, which it then replaces. Returns
+  // whether the new fit is believed.
   bool attempt(double omega, std::span<const std::complex<double>> poles, std::span<const FittedChannel> channels,
                double& misfit) noexcept;
 
@@ -52,8 +52,7 @@ class HoldFit {
   void allow(int fits) noexcept { fits_left_ = fits; }
   void allow_at_least(int fits) noexcept { fits_left_ = std::max(fits_left_, fits); }
   [[nodiscard]] bool may_fit() const noexcept { return fits_left_ > 0; }
-  // How many fits with so many poles one refit may make: fewer the longer the hold is. Poles that it leaves untried are
-  // tried in the next refit.
+  // How many fits with so many poles one refit may make: fewer in a long hold. The next refit tries what is left.
   [[nodiscard]] int affordable(std::size_t poles) const noexcept;
 
   // Whether every channel has clearly more readings than regressors. Fewer readings are explained by any poles.

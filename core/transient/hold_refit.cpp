@@ -38,8 +38,7 @@ bool HoldRefit::make(const SeenFrequency& seen, const HoldNow& now) {
   PoleSet& poles = search.poles();
   place_begin(now);
   fit.measure_ranges(now.channels);
-  // Where the hold was fitted before, starts from the ω of that fit, of all channels; else from that of the table
-  // alone.
+  // Starts from the ω of the hold's last fit, of all channels, unless ω is given or drifts; else from the table's own.
   const bool fitted = fit.fit().usable(now.drive_channel) && fit.fit().t0_ns() >= now.steady_ns;
   const bool drifts = seen.rate != 0 || fit.fit().rate() != 0;
   const double w = seen.at(fit.from_ns());

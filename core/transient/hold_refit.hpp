@@ -2,8 +2,7 @@
 //
 // Four sources of poles are tried in turn until one explains the data: the poles believed so far; the chain as now
 // identified; the same chain without the poles found beside it; the chain identified from the latest third of the hold.
-// After a knock the motion since the knock is fitted by itself. Where nothing explains the data, the next fit begins
-// later.
+// After a knock the motion since is fitted by itself. Where nothing explains the data, the next fit begins later.
 #pragma once
 
 #include <cmath>

@@ -97,8 +97,7 @@ class ModalFit {
   // Covariance of (Re, Im) of a pole at the last step, (rad/s)², without the damping: large where the data tell little.
   [[nodiscard]] Eigen::Matrix2d pole_covariance(std::size_t m) const noexcept;
   // χ² of the channel that disagrees most with the common pole, at the last step; two degrees of freedom at most. A
-  // natural oscillation has one pole in all channels. A bracket that rings beside it draws the pole of its own channel
-  // alone.
+  // natural oscillation has one pole in all channels. A bracket that rings beside it draws that of its own channel.
   [[nodiscard]] double disagreement(std::size_t m) const noexcept { return step_.disagreement(m); }
   // The largest move of a pole or of ω in the last step, in its standard deviations.
   [[nodiscard]] double converged() const noexcept { return step_.length(); }
@@ -148,8 +147,8 @@ class ModalFit {
   [[nodiscard]] double residual(int channel, std::int64_t t_ns, double value) noexcept;
   // The transient and the steady lines at t, in the channel's unit; 0: the channel is not solved.
   [[nodiscard]] double disturbance(int channel, std::int64_t t_ns) noexcept;
-  // B += (sin ωu, cos ωu)' x at t, x the modal_regressors(): those of the modes, then their derivatives by the poles. B
-  // turns errors of the amplitudes and of the poles into errors of the steady phasor.
+  // B += (sin ωu, cos ωu)' x at t, x the regressors of the modes, then their derivatives by the poles. B turns errors
+  // of the amplitudes and of the poles into errors of the steady phasor. B is 2 × modal_regressors().
   void overlap_at(std::int64_t t_ns, Eigen::Matrix<double, 2, Eigen::Dynamic>& B) noexcept;
   // Covariance of (Σ sin ωu e, Σ cos ωu e) = B Cov B', e the error of disturbance() at a reading, B from overlap_at().
   [[nodiscard]] Eigen::Matrix2d spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept;

@@ -1,7 +1,6 @@
 // The nonlinear parameters of the modal fit: frequency and drift of the drive, and the poles.
 //
-// A pole is in rad/s with Im >= 0 (0: a real pole). Re < 0: a mode that decays. Re = 0: a steady line (mains hum),
-// which is no transient.
+// Poles: rad/s, Im >= 0 (0: a real pole). Re < 0: a mode that decays. Re = 0: a steady line (mains hum), no transient.
 #pragma once
 
 #include <algorithm>

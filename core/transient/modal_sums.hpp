@@ -1,5 +1,4 @@
-// The sums over one channel's samples that the modal fit needs: products of regressors x and readings. A view of
-// SharedSums.
+// The sums over a channel's samples that the modal fit needs: products of regressors x and readings. Views SharedSums.
 #pragma once
 
 #include <Eigen/Core>

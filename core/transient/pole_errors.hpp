@@ -34,9 +34,8 @@ class PoleErrors {
   // Adds a solved channel, directly after linear.eliminate() for it. shows: per mode, whether it shows in any channel.
   void add(const ModalLayout& layout, const ModalMotion& motion, const ModalSolution& solution, LinearPart& linear,
            std::span<const bool> shows, Effect& effect) noexcept;
-  // Computes the covariance of η from the channels added and a prior of width max(1/T, |Re λ|) on each pole, T = seen_s
-  // the time seen. omega_information: further information about the relative error of ω. false: the information is
-  // singular.
+  // Computes the covariance of η from the channels added and a prior of width max(1/T, |Re λ|) on each pole, with T =
+  // seen_s. omega_information: more of it about the relative error of ω. false: the information is singular.
   bool solve(const ModalLayout& layout, const ModalMotion& motion, double seen_s, double omega_information) noexcept;
   // After solve(), for a channel that was added: fills effect.whole.
   void propagate(const ModalLayout& layout, const ModalSolution& solution, Effect& effect) noexcept;

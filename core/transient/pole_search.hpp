@@ -56,8 +56,7 @@ class PoleSearch {
 
   // Fits anew with best(); omega: ω at the fit's begin, rad/s. Returns the misfit.
   double fit_best(double omega, const HoldNow& now) { return fit_.anew(omega, best_, now.channels); }
-  // Fits with trial() and this ω. Where the misfit falls below `misfit`, trial() becomes best(). Returns the misfit of
-  // best().
+  // Fits with trial() and this ω. A misfit below `misfit` makes trial() best(). Returns the misfit of best().
   double try_trial(double omega, double misfit, const HoldNow& now);
   // Makes up to `steps` steps from best(), whose misfit is given, while they lower it. Then compares the halves of the
   // residuals (ResidualNoise). Returns the misfit of best().

@@ -27,8 +27,8 @@ class PoleStep {
   void add(const ModalLayout& layout, const ModalMotion& motion, const ModalSums& sums, const ModalSolution& solution,
            const Eigen::Block<const Eigen::MatrixXd>& S) noexcept;
   // Makes the step with Levenberg's damping: a Gaussian of width `trust` on the relative change of each pole, and of
-  // `trust_omega` on that of ω (0: ω is known). No pole moves by more than 2 trust |λ|, ω by no more than trust_omega
-  // ω. stated: prior of ω. Where the information is singular, nothing moves.
+  // `trust_omega` on that of ω (0: ω is known). A pole moves by 2 trust |λ| at most, ω by trust_omega ω at most.
+  // stated: prior of ω. Where the information is singular, nothing moves.
   void take(const ModalLayout& layout, const ModalMotion& motion, const FrequencyPrior& stated, double trust,
             double trust_omega) noexcept;
 

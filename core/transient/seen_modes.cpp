@@ -15,9 +15,8 @@ using Eigen::Index;
 // longer normal. Doubled, poles of weak modes take part whose errors exceed their uncertainty; halved, faults go unseen
 // that the data do resolve.
 constexpr double kResolved = 0.2;
-// Where the last step moved a pole by less than kSettledPole standard deviations, the pole's variance grows by the
-// square of that step. Otherwise the fit is not at its optimum, and the variance grows by the square of kUnsettled
-// steps.
+// Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by the square of
+// the step. Otherwise the fit is not at its optimum: the variance grows by the square of kUnsettled steps.
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
 // Probability that the channels disagree as much by chance. Below it the pole is not that of a mode of the whole rig
 // alone. At a tenth of this, brackets that ring beside a mode are taken for the chain. At ten times as much a sound
@@ -27,8 +26,7 @@ constexpr double kOneChannel = 1e-3;
 // and the fit is far from linear. A pole that is not resolved is left out, and so are poles nearer to it than the sum
 // of both decay rates, since it disturbs them.
 constexpr double kApart = 5.0;
-// A channel has a say in a pole from so many standard deviations of its amplitude. Below, its residuals tell of other
-// modes.
+// From so many standard deviations of its amplitude a channel has a say in a pole; below, it tells of other modes.
 constexpr double kStandsOut = 3.0;
 constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
 // Poles of two fits within so many standard deviations are of one mode.

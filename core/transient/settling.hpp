@@ -27,8 +27,8 @@ namespace dwell {
 
 class SettlingDetector {
  public:
-  // channels: those that are watched; tolerance: the transient allowed, relative to a channel's steady amplitude.
-  // All memory is allocated here.
+  // channels: number watched. tolerance: transient allowed, relative to a steady amplitude. All memory is allocated
+  // here.
   SettlingDetector(int channels, double tolerance);
 
   // One channel in one window, in any unit of its own.

@@ -21,8 +21,7 @@ class ShownModes {
   ShownModes(ChainPoles& chain, int channels, int harmonics, int modes, const FrequencyPrior& stated);
 
   void begin_hold() noexcept { seen_.clear(); }
-  // Keeps the modes that the fit now shows. free_since_ns: when the natural oscillations began. Costs up to 0.3 s of a
-  // processor (WholeHold).
+  // Keeps the modes that the fit shows. free_since_ns: when they began. Costs up to 0.3 s of a processor (WholeHold).
   void remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t free_since_ns, const HoldNow& now) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return seen_.modes(); }
 

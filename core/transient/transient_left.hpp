@@ -1,5 +1,4 @@
-// Compares what may be left of the transient in each channel with what is allowed. A verdict rests on this; so does
-// taking one back.
+// Compares what may be left of the transient in each channel with what is allowed: for verdicts, and to take one back.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +21,8 @@ class TransientLeft {
   TransientLeft(double tolerance, const HoldFit& fit, const ResidualNoise& noise)
       : tolerance_(tolerance), fit_(fit), noise_(noise) {}
 
-  // The channel in which most may be left at t. It counts what the fit shows, three standard deviations of that, and
-  // the residuals beyond the noise. left is infinity where a channel is not fitted; channel is -1 where nothing is left
-  // in any.
+  // The channel in which most may be left at t: what the fit shows, three standard deviations, or the residuals beyond
+  // the noise. left is infinity where a channel is not fitted; channel is -1 where nothing is left in any.
   struct Worst {
     double left = 0.0;
     int channel = -1;
@@ -44,8 +42,7 @@ class TransientLeft {
     int channel;  // in which most was left
     double left;  // what was left there, as fitted, relative to what is allowed
   };
-  // The channel in which more than allowed was left at the verdict by kSure standard deviations, of several the worst;
-  // empty: none.
+  // The worst channel with more left at the verdict than allowed, by kSure standard deviations; empty: there is none.
   [[nodiscard]] std::optional<Premature> premature(std::int64_t verdict_ns, const HoldNow& now) const noexcept;
 
  private:

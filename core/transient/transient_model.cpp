@@ -62,8 +62,7 @@ bool TransientModel::wants_refit(std::int64_t end_ns, const HoldNow& now) {
     fit_.feed(now.channels);
     fit_.solve(now.channels);
     propagate_poles(now);
-    // The poles' uncertainty counts all data, but the last refit had fewer. Before a verdict the poles are refined on
-    // all.
+    // The last refit had fewer data than the poles' uncertainty now counts: before a verdict refine on all data.
     const std::int64_t made_ns = *schedule_.made_ns();
     const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(made_ns - knocks_.free_since_ns()));
     const bool knocked = !knocks_.alarm_ns() && explained(now) &&

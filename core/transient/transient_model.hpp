@@ -85,8 +85,7 @@ class TransientModel {
   void end_refits() noexcept { schedule_.plan_no_more(); }
   // Whether the fit takes back the verdict given at verdict_ns.
   [[nodiscard]] bool takes_back(std::int64_t verdict_ns, const HoldNow& now) noexcept;
-  // After takes_back(): writes what is left into the verdict. Returns from where the data count; empty: the rig has not
-  // settled.
+  // After takes_back(): writes what is left into the verdict. From where the data count; empty: not settled.
   [[nodiscard]] std::optional<std::int64_t> mend(std::int64_t end_ns, const HoldNow& now,
                                                  SettlingDetector::Verdict& verdict) const noexcept;
   // Settles again, in the same hold and by the same fit.

@@ -26,11 +26,9 @@ class TransientRemoval {
   // Whether the readings that count are cleaned: begin() was called since stop().
   [[nodiscard]] bool active() const noexcept { return until_ns_.has_value(); }
 
-  // A reading less the transient and the steady lines. Call once for each reading that counts since begin(). Real-time
-  // safe.
+  // A reading less the transient and the steady lines. Once for each reading that counts since begin(). Real-time safe.
   [[nodiscard]] double clean(int channel, std::int64_t t_ns, double value) noexcept;
-  // Covariance of (p_1, q_1) over so many readings, from the uncertainty of what was subtracted. Zero of time is the
-  // fit's t_0.
+  // Covariance of (p_1, q_1) over so many readings, by the error of what was subtracted. Zero of time: the fit's t_0.
   [[nodiscard]] Eigen::Matrix2d covariance(int channel, double samples) const noexcept;
   // (Σ sin ωu e, Σ cos ωu e), e what was subtracted from a reading.
   [[nodiscard]] Eigen::Vector2d taken_out(int channel) const noexcept;

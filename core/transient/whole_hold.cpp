@@ -26,9 +26,8 @@ constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // damping of one step: wid
 constexpr double kConverged = 0.1;     // a shorter step ends the refinement, in standard deviations of a pole
 constexpr double kSamePole = 0.1;      // relative distance of two poles that match
 constexpr double kPerParameter = 4.0;  // samples of a channel per linear parameter, at least
-// The χ² of the residuals may be as improbable as so many standard deviations of a normal number. Chance passes 4 once
-// in 30 000 stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end
-// early.
+// The χ² of the residuals may be as improbable as so many standard deviations. Chance passes 4 once in 30 000
+// stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end early.
 constexpr double kSure = 4.0;
 // A further pole is searched in so many periods of the beginning, up to this multiple of the drive's ω. The lines are a
 // quarter of a cycle over that stretch apart. At most so many lines and samples are used.
@@ -220,11 +219,11 @@ bool WholeHold::explains(const Given& given) noexcept {
   }
 }
 
-// Compares χ² of the residuals, in each channel and in all together, with as many degrees of freedom as there are
-// samples. Those that poles and amplitudes took are not subtracted: the fit rests on the whole hold, of which this
-// stretch is a part. So χ² comes out too small. Where most samples are left out, four early ones a parameter remain. χ²
-// of C channels with p parameters each is then low by up to √(Cp/8) standard deviations: five for 8 channels of 25.
-// There the 4 of kSure are about 9.
+// Compares χ² of the residuals, per channel and in all together, with as many degrees of freedom as there are samples.
+// Those of poles and amplitudes are not subtracted: the fit rests on the whole hold, of which this stretch is a part.
+// So χ² comes out too small. Where most samples are left out, four early ones a parameter remain. χ² of C channels with
+// p parameters each is then low by up to √(Cp/8) standard deviations: five for 8 channels of 25. There the 4 of kSure
+// are about 9.
 bool WholeHold::within_noise(const Given& given) const noexcept {
   double chi2 = 0.0, freedom = 0.0, samples = INFINITY;
   for (std::size_t c = 0; c < channels_.size(); ++c) {

@@ -38,8 +38,7 @@ class WholeHold {
   // Fits from an earlier begin. false: there are no earlier data, the fit does not explain them, or the work allowed
   // since begin() is spent: 0.3 s of a processor for 32 channels and 10 modes. No allocation.
   bool earlier(const Given& given) noexcept;
-  // The fit, after an earlier() that returned true and until the next: its last step made, its poles' errors
-  // propagated.
+  // The fit of an earlier() that returned true, until the next call: last step made, errors of the poles propagated.
   [[nodiscard]] const ModalFit& modes() const noexcept { return fit_; }
 
  private:
