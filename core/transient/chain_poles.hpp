@@ -1,5 +1,5 @@
-// Who knows the natural oscillations that the chain itself has. The model of the transient asks it for poles to begin
-// with; what identifies the chain stands in a room above, which implements this (core/chain/provisional_chain.hpp).
+// Gives the poles of the chain itself, from which the fit of the transient starts. This is an interface because the
+// identification of the chain stands in a room above and implements it (core/chain/provisional_chain.hpp).
 #pragma once
 
 #include <complex>
@@ -9,13 +9,13 @@
 
 namespace dwell {
 
-// Poles in rad/s, slowest first, of conjugate pairs the one with Im > 0; valid until the next call of seen_by().
+// Poles in rad/s, slowest first; of a conjugate pair the one with Im > 0. Spans are valid until the next seen_by().
 class ChainPoles {
  public:
   virtual ~ChainPoles() = default;
-  // Of the chain that the steady motion in `fit` tells of; empty: it does not determine a chain. No allocation.
+  // Poles of the chain identified from the steady phasors of `fit`; empty: these do not determine it. No allocation.
   [[nodiscard]] virtual std::span<const std::complex<double>> seen_by(const ModalFit& fit) noexcept = 0;
-  // Of the chain that was identified last; empty: none has been.
+  // Poles of the chain that was identified last; empty: none has been.
   [[nodiscard]] virtual std::span<const std::complex<double>> last() const noexcept = 0;
 
  protected:

@@ -10,37 +10,42 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kMains = 8, kLines = 400;                   // lines of hum, of 50 and 60 Hz; of the search
-constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;  // where a pole beside the chain's is looked for
-constexpr double kSureOfLine = 9.0;                               // exp(-9): once in 8000 searches noise alone
-constexpr double kOfLine = 6.0;                                   // multiplications, of a line at a sample
-constexpr double kFewest = 16.0;                                  // readings of a channel
-constexpr double kMainsFirst = 1.2;                               // of the power of any other line
-constexpr double kBeside = 2.0;                                   // half cycles over the search
-constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;  // relative, of the mains' frequency
-constexpr double kSpeaksAgainst = 6.0;                                          // in N ln σ², of χ²(1)
-constexpr double kHarmonicOff = 1e-4;     // relative, of a line to a harmonic of the drive …
-constexpr double kHarmonicUnsure = 0.02;  // … known to so much of the drive's frequency
+constexpr std::size_t kMains = 8, kLines = 400;  // lines searched: of hum at 50 and 60 Hz; of the grid, at most
+// Searched: so many periods from the begin of the fit, up to this multiple of the drive's ω.
+constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;
+constexpr double kSureOfLine = 9.0;  // noise alone exceeds it by exp(-9): once in 8000 searches
+constexpr double kOfLine = 6.0;      // multiplications of a line at a sample
+constexpr double kFewest = 16.0;     // readings of a channel, at least
+// The power of a mains line counts this many times that of a line of the grid.
+constexpr double kMainsFirst = 1.2;
+constexpr double kBeside = 2.0;  // half cycles over the search: a line nearer to a harmonic is taken for it
+// Away from the mains and the harmonics a line is steady after kLongSeen periods if its decay rate + 3 u, times the
+// time seen, is below kHardlyDecayed. kMainsWander: relative, of the mains' frequency.
+constexpr double kLongSeen = 60.0, kHardlyDecayed = 0.3, kMainsWander = 0.004;
+// A line is taken as steady unless decaying lowers N ln σ², a χ²(1), by more than this.
+constexpr double kSpeaksAgainst = 6.0;
+constexpr double kHarmonicOff = 1e-4;     // a line is at a harmonic of the drive within this relative distance …
+constexpr double kHarmonicUnsure = 0.02;  // … where its frequency is known to this part of the drive's
 
-// Angular frequencies of mains hum and its first harmonics, of either kind.
+// ω of line k of mains hum, rad/s: the fundamental and first harmonics of either kind.
 double mains(std::size_t k) {
   return kTwoPi * kMainsFundamentals_hz[k / (kMains / 2)] * static_cast<double>(k % (kMains / 2) + 1);
 }
 
-// Adds r exp(jkθ), k = 1, 2 …, of samples to their sums. Several samples at once: none waits for the turn of another.
+// Sums r exp(jkθ), k = 1, 2 …, over samples; four samples at once, so that none waits for the turn of another.
 class LineSums {
  public:
-  // grid: θ by time, rad/s.
+  // θ = grid · u; grid in rad/s.
   LineSums(double grid, std::span<Complex> sums) : grid_(grid), sums_(sums) {}
 
-  // r at u, s.
+  // Adds the residual r at u, s.
   void add(double r, double u) noexcept {
     const Complex step = std::polar(1.0, grid_ * u);
     step_re_[count_] = step.real(), step_im_[count_] = step.imag();
     re_[count_] = r * step.real(), im_[count_] = r * step.imag();
     if (++count_ == kTogether) complete();
   }
-  // To be called before the sums are read.
+  // Call before the sums are read.
   void complete() noexcept {
     for (; count_ < kTogether; ++count_) step_re_[count_] = step_im_[count_] = re_[count_] = im_[count_] = 0.0;
     for (Complex& sum : sums_) {
@@ -88,7 +93,7 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
   const SampleHistory& history = fit_.history();
   const std::int64_t until_ns = fit.t0_ns() + to_ns(stretch_s);
   const double grid = std::numbers::pi / stretch_s, seen_s = std::max(1e-9, to_s(now.now_ns - fit.t0_ns()));
-  // As it is sampled, a line of the mains may be no other than the mean.
+  // As the channel is sampled, a mains line may alias to the mean.
   const auto is_mean = [&](int c, double line) {
     const double apart_hz = kBeside / (2 * seen_s);
     return now.channel(c).sampling.distance_hz(line / kTwoPi, 0.0) < apart_hz;
@@ -117,13 +122,13 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
     }
     for (LineSums& each : sums) each.complete();
     if (count < kFewest || !(squares > 0)) continue;
-    // Of white noise each is distributed as exp(-P).
+    // For white noise, P exceeds x with probability exp(-x).
     const double sure = std::log(static_cast<double>(lines) + 1) + kSureOfLine;
     for (std::size_t k = 0; k < (now.channel(c).imposed ? kMains : kMains + lines); ++k) {
       // A mains line and its alias tie in the periodogram: prefer the mains.
       const double P = std::norm(spectrum_[k]) / squares * (k < kMains ? kMainsFirst : 1.0);
       if (P - sure <= strongest) continue;
-      // Beside a harmonic it would be the drive's own frequency that is a little off.
+      // A line beside a fitted harmonic tells that the drive's own frequency is a little off.
       const double line = k < kMains ? mains(k) : grid * static_cast<double>(k - kMains + 1);
       if (std::abs(std::remainder(line, now.omega)) < kBeside * grid && line < (fit_.harmonics() + 0.5) * now.omega)
         continue;
@@ -141,7 +146,7 @@ bool ForeignLines::near_mains(Complex pole, double u) const noexcept {
   return false;
 }
 
-// Of the drive, above the harmonics that are fitted.
+// Whether the pole is at a harmonic of the drive above those that are fitted. u: of the pole, rad/s.
 bool ForeignLines::near_harmonic(Complex pole, double u) const noexcept {
   const double w = fit_.fit().omega();
   const double times = std::round(pole.imag() / w), wide = 3 * u;
@@ -153,7 +158,7 @@ void ForeignLines::judge(const HoldNow& now) {
   std::vector<Complex>& beside = search_.poles().beside;
   const double seen_s = to_s(now.now_ns - fit_.fit().t0_ns());
   for (std::size_t i = 0; i < beside.size(); ++i) {
-    static_cast<void>(fit_.fit().refined(PoleSearch::kTrust, 0.0));  // for the poles' uncertainties, of this fit
+    static_cast<void>(fit_.fit().refined(PoleSearch::kTrust, 0.0));  // updates the poles' uncertainties
     const Complex pole = beside[i];
     const double u = fit_.fit().u_pole(i);
     const bool may_be_steady = near_mains(pole, u) || near_harmonic(pole, u);
@@ -165,7 +170,7 @@ void ForeignLines::judge(const HoldNow& now) {
   }
 }
 
-// Pole i beside the chain as a steady line where it decays, or as one that decays where it is steady: the data decide.
+// Tries pole i beside the chain as a steady line if it decays, else as a mode that decays. The data decide.
 void ForeignLines::try_other_kind(std::size_t i, double seen_s, const HoldNow& now) {
   std::vector<Complex>& best = search_.best();
   before_ = best;

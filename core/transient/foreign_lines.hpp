@@ -1,5 +1,5 @@
-// What swings beside the drive and the chain: a bracket that rings, mains hum, a harmonic of the drive above those that
-// are fitted. Such a line is looked for in what the fit leaves over, and then judged: does it decay, or is it steady?
+// Finds and judges lines that neither the drive nor the chain explains: a bracket that rings, mains hum, a harmonic of
+// the drive above those that are fitted. A line is found in the residuals of the fit, then judged: decaying or steady.
 #pragma once
 
 #include <complex>
@@ -17,19 +17,19 @@ class ForeignLines {
  public:
   static constexpr std::size_t kMost = 2;  // poles beside the chain's
 
-  // masses: of the chain. The others must outlive this.
+  // masses: number of the chain's. The others must outlive this.
   ForeignLines(PoleSearch& search, HoldFit& fit, ResidualNoise& noise, std::size_t masses);
 
-  // Adds a pole to those beside the chain: the strongest line of the residuals at the beginning of the fit, where it is
-  // strongest, on top of what noise shows now and then. false: there is none, or there are as many poles as there may
-  // be. O(samples · lines).
+  // Adds to the poles beside the chain the strongest line in the residuals of the fit's beginning, where it is
+  // strongest. It must exceed what noise shows now and then. false: no such line, or no room. O(samples · lines).
   bool find(const HoldNow& now);
-  // Whether each of them is steady. An oscillation that does not decay is no transient. At the mains' frequencies that
-  // is believed unless the data speak against it; at others after a long time. Fits anew where it must ask the data.
+  // Decides for each pole beside the chain whether it is steady; a steady line is no transient. At the mains'
+  // frequencies and the drive's harmonics a line is steady unless the data speak against it. Elsewhere it is steady
+  // only after a long time without decay. Fits anew where the data must decide.
   void judge(const HoldNow& now);
 
  private:
-  // ω of the strongest line in the first stretch_s of the fit, rad/s; 0: none stands out.
+  // ω of the strongest line in the first stretch_s of the fit, rad/s; 0: no line stands out.
   [[nodiscard]] double strongest_line(double stretch_s, const HoldNow& now) noexcept;
   [[nodiscard]] bool near_mains(std::complex<double> pole, double u) const noexcept;
   [[nodiscard]] bool near_harmonic(std::complex<double> pole, double u) const noexcept;
@@ -38,7 +38,7 @@ class ForeignLines {
   PoleSearch& search_;
   HoldFit& fit_;
   ResidualNoise& noise_;
-  std::vector<std::complex<double>> spectrum_;  // of one channel's residuals
+  std::vector<std::complex<double>> spectrum_;  // Fourier sums of one channel's residuals
   std::vector<std::complex<double>> before_;    // the poles before another kind was tried
 };
 

@@ -7,9 +7,10 @@
 namespace dwell {
 namespace {
 
-constexpr double kMostWork = 2e8, kFewestFits = 4;  // multiplications: a tenth of a second; fits of the whole hold
-constexpr double kPerParameter = 4.0;               // readings
-constexpr double kOfRange = 2.0;                    // multiplications' worth, to look at a sample
+// One refit may cost so many multiplications, a tenth of a second, but always so many fits of the whole hold.
+constexpr double kMostWork = 2e8, kFewestFits = 4;
+constexpr double kPerParameter = 4.0;  // readings of a channel per linear parameter, at least
+constexpr double kOfRange = 2.0;       // multiplications charged for a look at a sample
 
 }  // namespace
 

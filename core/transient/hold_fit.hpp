@@ -1,5 +1,5 @@
-// The fit of natural oscillations (ModalFit) on the samples of one hold: which of the samples it has seen, from where
-// on, and a second fit beside it in which other poles are tried.
+// Feeds the samples of one hold to the fit of natural oscillations (ModalFit), and tries other poles in a second fit
+// beside it. Keeps where the fit begins and which samples it has seen.
 #pragma once
 
 #include <complex>
@@ -16,7 +16,7 @@ namespace dwell {
 // Bound to one thread. No allocation but in the constructor.
 class HoldFit {
  public:
-  // modes: at most so many poles. stated: of the drive's frequency. history must outlive this.
+  // modes: capacity in poles. stated: prior of the drive's frequency. history must outlive this.
   HoldFit(const SampleHistory& history, int channels, int harmonics, int modes, const FrequencyPrior& stated);
 
   // The fit that is believed.
@@ -26,41 +26,41 @@ class HoldFit {
   [[nodiscard]] int channels() const noexcept { return static_cast<int>(ranges_.size()); }
   [[nodiscard]] int harmonics() const noexcept { return harmonics_; }
 
-  // From where on the samples are fitted the next time.
+  // Where the next fit begins.
   void begin_at(std::int64_t from_ns) noexcept { from_ns_ = from_ns; }
   [[nodiscard]] std::int64_t from_ns() const noexcept { return from_ns_; }
-  // By which the drive's frequency drifts in the next fit, rad/s².
+  // Drift of the drive's frequency in the next fit, rad/s².
   void set_rate(double rate) noexcept { rate_ = rate; }
   [[nodiscard]] double rate() const noexcept { return rate_; }
-  // How far each channel's readings go from its reference, from from_ns() on: the width of the amplitudes' prior.
-  // O(samples).
+  // Measures how far each channel's readings since from_ns() go from its reference. This is the width of its
+  // amplitudes' prior. O(samples).
   void measure_ranges(std::span<const FittedChannel> channels) noexcept;
 
-  // Shows the fit the samples of watched channels that it has not seen.
+  // Adds to the fit the samples of watched channels that it has not seen.
   void feed(std::span<const FittedChannel> channels) noexcept;
   void solve(std::span<const FittedChannel> channels) noexcept;
-  // The fit anew, with these poles (rad/s) and that ω at from_ns(); its misfit. O(samples), costs one of the fits
-  // allowed.
+  // Fits anew from from_ns() on. omega: ω at from_ns(), poles: both in rad/s. Returns the misfit. Takes O(samples) and
+  // one of the fits allowed.
   double anew(double omega, std::span<const std::complex<double>> poles,
               std::span<const FittedChannel> channels) noexcept;
-  // The same, believed only where its misfit is below `misfit`, which it then replaces. Whether it is believed.
+  // As anew(), but believes the new fit only where its misfit is below `misfit`, which it then replaces. Returns
+  // whether the new fit is believed.
   bool attempt(double omega, std::span<const std::complex<double>> poles, std::span<const FittedChannel> channels,
                double& misfit) noexcept;
 
-  // How many fits may still be made: what bounds the work of one refit.
+  // Sets how many fits may still be made. This bounds the work of one refit.
   void allow(int fits) noexcept { fits_left_ = fits; }
   void allow_at_least(int fits) noexcept { fits_left_ = std::max(fits_left_, fits); }
   [[nodiscard]] bool may_fit() const noexcept { return fits_left_ > 0; }
-  // How many fits with so many poles a refit may make. However long the hold, going over it again has its limit: what
-  // was not tried is tried next time.
+  // How many fits with so many poles one refit may make: fewer in a long hold. The next refit tries what is left.
   [[nodiscard]] int affordable(std::size_t poles) const noexcept;
 
-  // Whether every channel has clearly more readings than regressors: few are explained by any poles.
+  // Whether every channel has clearly more readings than regressors. Fewer readings are explained by any poles.
   [[nodiscard]] bool determined() const noexcept;
   // Decay rate of the slowest mode that is fitted, 1/s; infinity: none.
   [[nodiscard]] double slowest_rate() const noexcept;
 
-  // Calls f(channel, t_ns, residual) for the samples that the fit has seen, from from_ns on.
+  // Calls f(channel, t_ns, residual) for the samples of solved channels that the fit has seen, from from_ns on.
   template <class F>
   void each_residual(std::int64_t from_ns, F&& f) noexcept {
     for (auto i = history_.first_at(from_ns); i < next_; ++i) {

@@ -1,5 +1,5 @@
-// What the model of the transient is told of a hold at one moment. A hold is the time since the drive has been steady.
-// The pipeline fills this in before each call: the model keeps no pointer to the pipeline.
+// Tells the model of the transient the state of a hold at one moment; plain data. A hold is the time since the drive
+// has been steady. The pipeline fills HoldNow in before each call, so that the model keeps no pointer to the pipeline.
 #pragma once
 
 #include <cmath>
@@ -14,23 +14,23 @@
 
 namespace dwell {
 
-// Periods at the beginning of a hold that are left out: they may hold the end of what was before.
+// Periods left out at the beginning of a hold: they may hold the end of the motion before.
 inline constexpr double kUnsure = 1.0;
-// Of data that a dwell must keep.
+// Quarters of a period that a dwell must keep.
 inline constexpr int kFewestQuarters = 6;
-// Steps squared: the variance of readings with less noise than half a step, rounding included.
+// Variance, in rounding steps squared, of readings with noise of half a step: 1/4 of noise, 1/12 of rounding.
 inline constexpr double kRounded = 0.25 + 1.0 / 12;
 
-// One channel as the fit must know it.
+// One channel, as the fit must know it.
 struct FittedChannel {
   bool watched = false;         // it delivers, and its readings may be fitted
-  bool imposed = false;         // it shows the table: its motion is imposed and has no transient
+  bool imposed = false;         // it shows the table, whose motion is imposed and has no transient
   double reference = 0.0;       // a value near its mean, SI
   double refresh_half_s = 0.0;  // the instants of its readings are known to ± this
-  double step = std::numeric_limits<double>::quiet_NaN();  // of its rounding, SI; not finite: not known
+  double step = std::numeric_limits<double>::quiet_NaN();  // rounding step of the readings, SI; not finite: not known
   SamplingRegularity sampling;
 
-  // Whether rounding hides noise of that variance.
+  // Whether residuals of that variance show less noise than half a step.
   [[nodiscard]] bool hides(double variance) const noexcept {
     return std::isfinite(step) && variance < step * step * kRounded;
   }
@@ -40,7 +40,7 @@ struct HoldNow {
   std::int64_t now_ns = 0;     // instant of the newest record
   std::int64_t steady_ns = 0;  // where the hold begins
   double omega = 1.0;          // of the drive as best known, rad/s
-  bool omega_given = false;    // the samples do not refine it: it is stated, or pulses tell it
+  bool omega_given = false;    // ω is stated or measured by pulses; the samples do not refine it
   int drive_channel = 0;
   std::span<const FittedChannel> channels;
 
@@ -48,11 +48,11 @@ struct HoldNow {
   [[nodiscard]] const FittedChannel& channel(int c) const noexcept { return channels[static_cast<std::size_t>(c)]; }
 };
 
-// The drive's frequency as seen apart from the fit of the natural oscillations.
+// The drive's frequency as estimated apart from the fit of the natural oscillations.
 struct SeenFrequency {
   double omega = 1.0;         // at about_ns, rad/s
-  double rate = 0.0;          // by which it drifts, rad/s²
-  std::int64_t about_ns = 0;  // in the middle of the data that tell it
+  double rate = 0.0;          // drift of omega, rad/s²
+  std::int64_t about_ns = 0;  // the middle of the data used
   double u = INFINITY;        // standard uncertainty of omega, rad/s
 
   // ω at t, rad/s.

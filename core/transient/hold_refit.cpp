@@ -8,13 +8,13 @@ namespace dwell {
 namespace {
 
 // Parts of the hold that are skipped at its beginning: modes that have decayed by then need not be fitted. Each fit
-// that does not explain the data skips so much more, up to the most.
+// that does not explain the data skips kSkippedMore further, up to kSkippedMost.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr int kRefinements = 2;      // steps each time, at most
-constexpr double kPenalty = 50.0;    // of the misfit, for each pole beside the chain's
-constexpr double kNear = 0.1;        // relative, of a chain's pole to one that the data show: it is that one
-constexpr double kFewPeriods = 2.0;  // of undisturbed motion, from which poles that are known may be believed
-constexpr int kStepsSinceKnock = 2;  // of refinement, at each begin that is tried
+constexpr int kRefinements = 2;      // refinement steps for the poles believed so far, at most
+constexpr double kPenalty = 50.0;    // added to the misfit for each pole beside the chain's
+constexpr double kNear = 0.1;        // relative distance below which two poles are the same
+constexpr double kFewPeriods = 2.0;  // periods of undisturbed motion that a fit after a knock needs at least
+constexpr int kStepsSinceKnock = 2;  // refinement steps at each begin that is tried
 
 bool any_near(std::span<const Complex> poles, Complex pole) {
   return std::any_of(poles.begin(), poles.end(),
@@ -38,13 +38,13 @@ bool HoldRefit::make(const SeenFrequency& seen, const HoldNow& now) {
   PoleSet& poles = search.poles();
   place_begin(now);
   fit.measure_ranges(now.channels);
-  // At first by the table alone, then by all channels.
+  // Starts from the ω of the hold's last fit, of all channels, unless ω is given or drifts; else from the table's own.
   const bool fitted = fit.fit().usable(now.drive_channel) && fit.fit().t0_ns() >= now.steady_ns;
   const bool drifts = seen.rate != 0 || fit.fit().rate() != 0;
   const double w = seen.at(fit.from_ns());
   const double first_w = fitted && !now.omega_given && !drifts ? fit.fit().omega() : w;
   fit.set_rate(seen.rate);
-  // From the windows' mean, the first time.
+  // The first time, the chain last identified is that of the windows' mean.
   if (poles.chain.empty()) poles.chain.assign(chain.last().begin(), chain.last().end());
   beside_before_ = poles.beside;
   kept_.misfit = INFINITY;
@@ -57,7 +57,7 @@ bool HoldRefit::make(const SeenFrequency& seen, const HoldNow& now) {
     const double misfit =
         search.refine(search.fit_best(first ? first_w : w, now), first ? kRefinements : PoleSearch::kManySteps, now);
     if (keep_if_better(misfit) && explained(now)) break;
-    // From before a knock no poles explain what comes after.
+    // No poles explain the motion on both sides of a knock.
     if (first && (knocks.any() || skipped_ >= kSkippedMost) && !explained(now) && explain_since_knock(w, now)) {
       search.take_best();
       skipped_ = 0.0;
@@ -72,7 +72,7 @@ bool HoldRefit::make(const SeenFrequency& seen, const HoldNow& now) {
 void HoldRefit::place_begin(const HoldNow& now) noexcept {
   const SampleHistory& history = parts_.fit.history();
   const std::int64_t free_ns = parts_.knocks.free_since_ns();
-  // The first period may hold the end of what was before.
+  // The first period may hold the end of the motion before.
   const std::int64_t skipped_ns = std::max(
       to_ns(kUnsure * now.period_s()), static_cast<std::int64_t>(skipped_ * static_cast<double>(now.now_ns - free_ns)));
   parts_.fit.begin_at(std::max(free_ns + skipped_ns, history[history.begin()].t_ns));
@@ -109,7 +109,7 @@ bool HoldRefit::keep_if_better(double misfit) {
   return true;
 }
 
-// A pole that shows in no channel is known from the chain alone: from what is known of it now.
+// Replaces the poles that show in no channel by those of the chain as now identified: only the chain tells them.
 void HoldRefit::renew_silent_poles() {
   auto& [chain, fit, noise, knocks, search, lines] = parts_;
   std::vector<Complex>&believed = search.poles().chain, &renewed = search.trial();
@@ -134,14 +134,14 @@ bool HoldRefit::explain_since_knock(double omega, const HoldNow& now) {
       knocks.alarmed_since(from_ns) ? *knocks.alarm_ns() : from_ns + (now.now_ns - from_ns) / 2;
   if (fit_since_knock(omega, first_ns, now)) return true;
   if (beside.empty()) return false;
-  // A knock within the fit looks like lines beside the chain.
+  // A knock within the fit looks like decaying lines beside the chain: tries without these.
   std::erase_if(beside, [](Complex pole) { return pole.real() < 0; });
   if (fit_since_knock(omega, first_ns, now)) return true;
   beside = beside_before_;
   return false;
 }
 
-// The free motion since the last knock is fitted by itself, by poles that are known: of ever later begins the earliest
+// Fits the free motion since the last knock by itself, with the poles known. Of ever later begins it takes the earliest
 // from which on they explain the data. false: there is none yet.
 bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldNow& now) {
   auto& [chain, fit, noise, knocks, search, lines] = parts_;
@@ -164,7 +164,7 @@ bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldN
   return false;
 }
 
-// The best of all, with a line beside the chain where one is left over.
+// Restores the best fit. Adds a line beside the chain where the residuals show one.
 void HoldRefit::finish(const HoldNow& now) {
   auto& [chain, fit, noise, knocks, search, lines] = parts_;
   std::vector<Complex>&best = search.best(), &beside = search.poles().beside;
@@ -181,7 +181,7 @@ void HoldRefit::finish(const HoldNow& now) {
   }
   search.take_best();
   lines.judge(now);
-  // What cannot be explained is shed: the next fit begins later, where less of it is left.
+  // Where the data are not explained the next fit begins later: less of the unexplained motion is left there.
   skipped_ = explained(now) ? kSkipped : std::min(skipped_ + kSkippedMore, kSkippedMost);
 }
 

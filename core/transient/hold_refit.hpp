@@ -1,8 +1,8 @@
-// A hold fitted anew: where its data may begin, by which poles, and what these leave over.
+// Fits a hold anew: chooses where the fit begins and which poles explain the data.
 //
-// Poles may come from several sources, tried in turn until some explain the data: those believed so far, the chain as
-// now identified, the same without what was found beside it, the chain that the latest third of the hold tells of.
-// After a knock the motion since is fitted by itself. What cannot be explained is shed: the next fit begins later.
+// Four sources of poles are tried in turn until one explains the data: the poles believed so far; the chain as now
+// identified; the same chain without the poles found beside it; the chain identified from the latest third of the hold.
+// After a knock the motion since is fitted by itself. Where nothing explains the data, the next fit begins later.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@ namespace dwell {
 // Bound to one thread. No allocation but in the constructor.
 class HoldRefit {
  public:
-  // What it works on: all must outlive it.
+  // The parts that it works on; all must outlive it.
   struct Parts {
     ChainPoles& chain;
     HoldFit& fit;
@@ -36,15 +36,15 @@ class HoldRefit {
   HoldRefit(const Parts& parts, std::size_t masses);
 
   void begin_hold() noexcept { skipped_ = 0.0; }
-  // Whether any poles are known to begin with.
+  // Whether there are poles to start from.
   [[nodiscard]] bool possible() const noexcept;
-  // The fit anew; the poles believed are those of it afterwards. seen: the drive's frequency apart from the fit. false:
+  // Fits anew; the poles believed are then those of the new fit. seen: the drive's frequency apart from the fit. false:
   // no poles could be fitted. At most fit.affordable() times O(samples).
   bool make(const SeenFrequency& seen, const HoldNow& now);
 
  private:
   enum class Source { believed, chain, chain_alone, latest_third };
-  // The best poles of those that were tried.
+  // The best poles tried so far.
   struct Kept {
     std::vector<std::complex<double>> poles, beside;
     double omega = 0.0;        // of the drive, rad/s
@@ -54,9 +54,9 @@ class HoldRefit {
     return parts_.noise.explained(parts_.fit.fit(), now);
   }
   void place_begin(const HoldNow& now) noexcept;
-  // Poles of that source into search.best(); false: it has none.
+  // Puts the poles of that source into search.best(); false: it has none.
   bool set_up(Source source, bool fitted, double omega, const HoldNow& now);
-  // Whether that is better than all before.
+  // Keeps the present fit if it is better than all before. Returns whether it is.
   bool keep_if_better(double misfit);
   void renew_silent_poles();
   bool explain_since_knock(double omega, const HoldNow& now);
@@ -66,7 +66,7 @@ class HoldRefit {
   Parts parts_;
   Kept kept_;
   std::vector<std::complex<double>> beside_before_;  // poles beside the chain, before this refit
-  std::vector<std::complex<double>> known_;          // after a knock
+  std::vector<std::complex<double>> known_;          // poles known, for a fit after a knock
   double skipped_ = 0.0;                             // part of the hold that the next fit leaves out
 };
 

@@ -6,9 +6,9 @@
 namespace dwell {
 namespace {
 
-// Standard deviations of the newest quarter's residual power beyond the noise: by noise alone once in 10⁷ quarters of a
-// channel, some 30 hours of one at 25 Hz. A false alarm costs a refit, no data. Half of it asks for many; twice sees
-// knocks of a few standard deviations of a reading one refit later.
+// An alarm: the residual power of the newest quarter exceeds the noise by so many standard deviations. Noise alone does
+// so once in 10⁷ quarters of a channel, some 30 hours of one at 25 Hz. A false alarm costs a refit, no data. Half of
+// this asks for many refits; with twice it knocks of a few standard deviations of a reading are seen one refit later.
 constexpr double kSureOfKnock = 6.0;
 
 }  // namespace
@@ -32,7 +32,7 @@ bool KnockWatch::sees_knock(HoldFit& fit, const ResidualNoise& noise, const Hold
     const Newest& of = newest_[i];
     if (now.channels[i].imposed || !(of.count > 0) || !noise.known(c)) continue;
     const double variance = std::max(noise.variance(c), fit.fit().variance(c));
-    // Of χ² of few readings the tail is longer than the normal one.
+    // The second term: χ² of few readings has a longer tail than a normal number.
     const double beyond =
         kSureOfKnock * std::sqrt(2 / of.count + 2 / noise.freedom(c)) + kSureOfKnock * kSureOfKnock / of.count;
     if (of.squares > variance * of.count * (1 + beyond)) return true;

@@ -1,5 +1,5 @@
-// A knock while the rig settles begins its natural oscillations anew; the drive and the poles stay as they are. This
-// watches each quarter of a period for one, and keeps since when the rig has swung freely.
+// Watches each quarter of a period for a knock while the rig settles, and keeps since when the rig has swung freely. A
+// knock begins the natural oscillations anew; the drive and the poles stay as they are.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,13 @@ class KnockWatch {
 
   void begin_hold(std::int64_t steady_ns) noexcept;
 
-  // Whether the samples from from_ns on, the newest quarter of a period, hold more than noise beside a fit that
-  // explained all before. O(samples since).
+  // Whether the residuals since from_ns, the newest quarter of a period, exceed the noise. The fit must have explained
+  // all samples before. O(samples since).
   [[nodiscard]] bool sees_knock(HoldFit& fit, const ResidualNoise& noise, const HoldNow& now,
                                 std::int64_t from_ns) noexcept;
-  // A knock was seen in the quarter that ends at end_ns: the next refit looks at it.
+  // Notes a knock in the quarter that ends at end_ns; the next refit looks at it.
   void alarm(std::int64_t end_ns) noexcept;
-  // The fit explains all: there was no knock, or it is behind.
+  // The fit explains all: there was no knock, or the fit begins after it.
   void clear_alarm() noexcept { alarm_ns_.reset(); }
   // The newest alarm that has not been cleared.
   [[nodiscard]] const std::optional<std::int64_t>& alarm_ns() const noexcept { return alarm_ns_; }
@@ -34,7 +34,7 @@ class KnockWatch {
   // Whether there was an alarm in this hold.
   [[nodiscard]] bool any() const noexcept { return any_; }
 
-  // Since when the natural oscillations go on undisturbed: since the hold's beginning, or the last knock found.
+  // Since when the natural oscillations have gone on undisturbed: the hold's beginning, or the last knock found.
   [[nodiscard]] std::int64_t free_since_ns() const noexcept { return free_since_ns_; }
   void set_free_since(std::int64_t t_ns) noexcept { free_since_ns_ = t_ns; }
 

@@ -34,9 +34,9 @@ bool LinearPart::solve(const ModalLayout& layout, const ModalMotion& motion, con
   of.usable = false;
   if (!(sums.samples() > static_cast<double>(P + 4))) return false;
   const double width2 = std::max(line_range * line_range, 1e-300);
-  const double tighter = width2 / std::max(range * range, 1e-300);  // of what decays
+  const double tighter = width2 / std::max(range * range, 1e-300);  // the line prior's variance over the other's
   double sigma2 = of.sigma2 > 0 ? std::min(of.sigma2, width2) : width2;
-  // The weight of the prior against the data depends on the noise, and the noise on the fit: twice is enough.
+  // The prior's weight depends on the noise, and the noise on the fit: two passes are enough.
   for (int pass = 0; pass < 2; ++pass) {
     of.line_prior = std::max(sigma2 / width2, 1e-12 * sums.samples());
     of.prior = std::max(sigma2 / width2 * tighter, 1e-12 * sums.samples());
@@ -45,7 +45,7 @@ bool LinearPart::solve(const ModalLayout& layout, const ModalMotion& motion, con
     if (llt.info() != Eigen::Success) return false;
     of.theta.head(P) = sums.moments().head(P);
     llt.solveInPlace(of.theta.head(P));
-    // Of the residuals, the prior left aside.
+    // Squares of the residuals, without the prior's part.
     product_.head(P).noalias() = sums.normal().topLeftCorner(P, P).selfadjointView<Eigen::Lower>() * of.theta.head(P);
     const double squares = sums.squares() + of.theta.head(P).dot(product_.head(P) - 2 * sums.moments().head(P));
     sigma2 = std::max(squares, 1e-15 * sums.squares()) / (sums.samples() - static_cast<double>(P));

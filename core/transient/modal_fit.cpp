@@ -14,12 +14,13 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kStandsOut = 2.5;  // standard deviations of either component from which an amplitude is believed
-// Probability that noise is fitted by such amplitudes at one given pole. Where the pole is chosen among some hundred
-// lines and refined on them, at ten begins of a hold, that is once in 10⁶ holds. At 1e-6 one of 2000 healthy dwells of
-// the study was doubted for a mode that was noise.
+constexpr double kStandsOut = 2.5;  // an amplitude is believed from so many standard deviations of either component
+// Probability that noise at one given pole gives such amplitudes. Where the pole is chosen among some hundred lines and
+// refined on them, at ten begins of a hold, this is once in 10⁶ holds. At 1e-6 one of 2000 healthy dwells of the study
+// was doubted for a mode that was noise.
 constexpr double kOfNoise = 1e-9;
-constexpr double kNothingOpen = 1e-6, kSurely = 1e3;  // of the variance that the data leave; χ²
+// kNothingOpen: below this part of σ²/N the prior fixes the amplitude. kSurely: a channel adds no more to χ².
+constexpr double kNothingOpen = 1e-6, kSurely = 1e3;
 
 }  // namespace
 
@@ -65,7 +66,7 @@ double ModalFit::misfit() const noexcept {
 std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noexcept {
   const ModalMotion& motion = regressors_.motion();
   step_.begin(layout());
-  std::optional<std::size_t> eliminated;  // of this group the linear parameters
+  std::optional<std::size_t> eliminated;  // the group whose linear parameters are eliminated
   for (int c = 0; c < channels(); ++c) {
     if (!usable(c) || !(variance(c) > 0)) continue;
     const double ridge = 1e-9 * samples(c);
@@ -141,7 +142,7 @@ bool ModalFit::shows(std::size_t mode) const noexcept {
   return false;
 }
 
-// χ² of the amplitudes, two degrees of freedom a channel, against exp(-x/2) Σ_{i<C} (x/2)^i / i!.
+// The χ² of the amplitudes has two degrees of freedom a channel. Chance exceeds x by exp(-x/2) Σ_{i<C} (x/2)^i / i!.
 bool ModalFit::certain(std::size_t mode) const noexcept {
   const auto m = static_cast<Index>(mode);
   double half = 0.0;
@@ -150,7 +151,7 @@ bool ModalFit::certain(std::size_t mode) const noexcept {
     const ModalSolution& of = at(c).solution;
     if (!of.usable) continue;
     const Eigen::Vector2d a = of.amplitude(layout(), m);
-    // What is imposed has no transient, by a prior that leaves nothing open.
+    // An imposed motion has no transient: its prior, of width 0, leaves nothing open.
     if (!(of.covariance(2 * m, 2 * m) > kNothingOpen * of.sigma2 / samples(c))) continue;
     half += 0.5 * std::min(kSurely, a.dot(of.amplitude_covariance(m).inverse() * a));
     ++shown;
@@ -176,7 +177,7 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
     if (a.norm() > kStandsOut * u_amplitude(channel, m)) left.envelope += std::exp(pole.real() * u) * a.norm();
     sum += Complex{a(0), a(1)} * std::exp(pole * u);
   }
-  // The uncertainty at its largest over half a cycle of the drive.
+  // Swing and uncertainty are the largest over half a cycle of the drive.
   for (int angle = 0; angle < 8; ++angle) {
     const auto [swing, variance] = swing_at(of, u + angle * std::numbers::pi / 8 / omega());
     left.swing = std::max(left.swing, std::abs(swing));

@@ -1,11 +1,11 @@
-// Where the regressors of the modal fit stand in their vector.
+// The order of the regressors in the vector x of the modal fit.
 //
-//   1, sin hωu, cos hωu (h = 1 … H)                          harmonic(): 2H+1
-//   of each mode those of (Re, Im) of its amplitude           modal(): two a mode, from amplitude(m) on
-//   their derivatives by the pole's relative change (Re, Im)  two a mode, from by_pole(m) on
-//   those of the fundamental by the relative change of ω      two, from by_omega() on
+//   1, sin hωu, cos hωu (h = 1 … H)                            harmonic(): 2H+1
+//   each mode: Re and Im of its amplitude                      modal(): two a mode, from amplitude(m) on
+//   each mode: derivatives by its pole's relative change       two a mode (Re, Im), from by_pole(m) on
+//   the fundamental: derivatives by the relative change of ω   two, from by_omega() on
 //
-// The first two kinds are linear parameters of the fit; the derivatives are there to improve poles and ω.
+// The first two rows belong to the linear parameters of the fit. The derivatives serve to improve the poles and ω.
 #pragma once
 
 #include <Eigen/Core>

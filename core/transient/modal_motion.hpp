@@ -1,6 +1,6 @@
-// The motion that the modal fit assumes, apart from its amplitudes: the drive's frequency and drift, and the poles.
+// The nonlinear parameters of the modal fit: frequency and drift of the drive, and the poles.
 //
-// Poles: rad/s, Im >= 0 (0: a real pole), Re < 0, or Re = 0 for a steady line (mains hum) that is no transient.
+// Poles: rad/s, Im >= 0 (0: a real pole). Re < 0: a mode that decays. Re = 0: a steady line (mains hum), no transient.
 #pragma once
 
 #include <algorithm>
@@ -14,16 +14,16 @@ namespace dwell {
 
 class ModalMotion {
  public:
-  static constexpr int kMaxModes = 10;  // the slowest; what decays faster is gone before it matters
-  // Relative standard uncertainty of a pole, or of ω, of which the data tell nothing; of a frequency that is given.
+  static constexpr int kMaxModes = 10;  // the slowest are kept: faster modes decay before they matter
+  // Relative standard uncertainty: of a pole or ω where the data tell nothing; of a frequency that is given.
   static constexpr double kOpen = 1.0, kGiven = 1e-12;
 
-  // At most so many poles, and kMaxModes of them. All memory is allocated here.
+  // modes: capacity in poles, at most kMaxModes. All memory is allocated here.
   explicit ModalMotion(int modes)
       : poles_(static_cast<std::size_t>(std::min(modes, kMaxModes))), sizes_(poles_.size()) {}
 
-  // omega: of the drive at t0, rad/s; rate: by which it drifts, rad/s². Poles beyond the capacity are left out; they
-  // may be those of poles().
+  // omega: of the drive at t0, rad/s. rate: its drift, rad/s². Poles beyond the capacity are left out. `poles` may be
+  // the span of poles().
   void restart(double omega, double rate, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept {
     omega_ = omega;
     rate_ = rate;
@@ -36,15 +36,15 @@ class ModalMotion {
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), count_}; }
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
   [[nodiscard]] std::size_t capacity() const noexcept { return poles_.size(); }
-  // |λ| of a pole, rad/s.
+  // |λ| of pole m, rad/s.
   [[nodiscard]] double size(std::size_t m) const noexcept { return sizes_[m]; }
-  // It is of a transient, not of a steady line.
+  // Whether pole m belongs to the transient and is no steady line.
   [[nodiscard]] bool decays(std::size_t m) const noexcept { return poles_[m].real() < 0; }
 
   [[nodiscard]] double omega() const noexcept { return omega_; }
   [[nodiscard]] double rate() const noexcept { return rate_; }
   [[nodiscard]] std::int64_t t0_ns() const noexcept { return t0_ns_; }
-  // u = t - t0, s, and the drive's angle at t, rad.
+  // u = t - t0, s; the drive's angle ωu + rate u²/2 at t, rad.
   [[nodiscard]] double seconds(std::int64_t t_ns) const noexcept { return 1e-9 * static_cast<double>(t_ns - t0_ns_); }
   [[nodiscard]] double angle(std::int64_t t_ns) const noexcept {
     const double u = seconds(t_ns);

@@ -45,7 +45,7 @@ const Eigen::VectorXd& ModalRegressors::at(std::int64_t t_ns) noexcept {
     x_(d) = slope * x_(i);
     x_(d + 1) = slope * x_(i + 1);
   }
-  // Of the fundamental alone, which tells most of ω.
+  // Derivatives by ω: only of the fundamental, which tells most of ω.
   const Eigen::Index w = layout_.by_omega();
   x_(w) = motion_.omega() * u * x_(layout_.sine(1));
   x_(w + 1) = motion_.omega() * u * x_(layout_.cosine(1));

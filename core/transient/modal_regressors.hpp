@@ -1,4 +1,4 @@
-// The regressors of the modal fit at an instant, as ModalLayout orders them. A mode that has faded costs no more.
+// Computes the regressors of the modal fit at an instant, in the order of ModalLayout. Faded modes are skipped.
 //
 // All memory is allocated by the constructor. Bound to one thread; real-time safe.
 #pragma once
@@ -19,19 +19,19 @@ class ModalRegressors {
  public:
   ModalRegressors(int harmonics, int modes);
 
-  // Of another motion from now on, see ModalMotion::restart; none of its modes has faded.
+  // Changes the motion, see ModalMotion::restart. None of the new modes has faded.
   void restart(double omega, double rate, std::int64_t t0_ns, std::span<const std::complex<double>> poles) noexcept;
   [[nodiscard]] const ModalMotion& motion() const noexcept { return motion_; }
   [[nodiscard]] const ModalLayout& layout() const noexcept { return layout_; }
 
-  // Those at t: the first layout().all() count. O(H + modes).
+  // The regressors at t, until the next call: the first layout().all() elements count. O(H + modes).
   [[nodiscard]] const Eigen::VectorXd& at(std::int64_t t_ns) noexcept;
-  // How often they were computed: as long as it stays, at() gives the same numbers, bit for bit.
+  // How often at() computed anew. While the count stays, at() gives the same numbers, bit for bit.
   [[nodiscard]] std::uint64_t computed() const noexcept { return computed_; }
 
-  // From t on a mode's regressors are zero, until the next restart.
+  // Sets the regressors of mode m to zero from t on, until the next restart.
   void fade(std::size_t m, std::int64_t t_ns) noexcept { faded_ns_[m] = t_ns; }
-  // Since when they are; INT64_MAX: they are not.
+  // The instant given to fade(); INT64_MAX: the mode has not faded.
   [[nodiscard]] std::int64_t faded_ns(std::size_t m) const noexcept { return faded_ns_[m]; }
 
  private:

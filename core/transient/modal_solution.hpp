@@ -1,4 +1,4 @@
-// The modal fit of one channel, solved: its steady motion, the amplitudes of its modes and its noise.
+// The solved modal fit of one channel: its steady motion, the amplitudes of its modes and its noise.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,18 @@
 namespace dwell {
 
 struct ModalSolution {
-  // most: as many modes at most. All memory is allocated here.
+  // most: capacity in modes. All memory is allocated here.
   ModalSolution(int harmonics, Eigen::Index most)
       : theta(ModalLayout{harmonics, most}.linear()), covariance(2 * most, 2 * most) {}
 
-  Eigen::VectorXd theta;                 // the linear parameters, as ModalLayout orders them
-  Eigen::MatrixXd covariance;            // of the modal amplitudes, the poles given
-  double prior = 0.0, line_prior = 0.0;  // information of the amplitudes' prior, of what decays and of lines, times σ²
-  double sigma2 = 0.0;                   // variance of the noise, the channel's unit squared
+  Eigen::VectorXd theta;       // the linear parameters, as ModalLayout orders them
+  Eigen::MatrixXd covariance;  // of the modal amplitudes; poles and ω taken as exact
+  // Information of the amplitudes' priors, times σ²: of modes that decay, of steady lines.
+  double prior = 0.0, line_prior = 0.0;
+  double sigma2 = 0.0;  // variance of the noise, the channel's unit squared
   bool usable = false;
 
-  // (Re, Im) of a mode's amplitude at t0, the covariance of these, and the mean variance of either.
+  // (Re, Im) of the amplitude of mode m at t0; their covariance; the mean of their variances.
   [[nodiscard]] Eigen::Vector2d amplitude(const ModalLayout& layout, Eigen::Index m) const noexcept {
     return theta.segment<2>(layout.amplitude(m));
   }
@@ -31,17 +32,17 @@ struct ModalSolution {
     return 0.5 * (covariance(2 * m, 2 * m) + covariance(2 * m + 1, 2 * m + 1));
   }
 
-  // b = J ρ: coefficients of the two derivatives of mode m, by its pole's relative change ρ (Re, Im). b_m = a_m ρ_m.
+  // J in b = J ρ. A relative change ρ (Re, Im) of pole m adds the mode's derivatives with coefficients b = a_m ρ.
   [[nodiscard]] Eigen::Matrix2d by_pole(const ModalLayout& layout, const ModalMotion& motion,
                                         Eigen::Index m) const noexcept {
     const Eigen::Vector2d a = amplitude(layout, m);
-    // Of a steady line the frequency alone is open.
+    // A steady line can change in frequency only.
     const double decays = motion.decays(static_cast<std::size_t>(m)) ? 1.0 : 0.0;
     Eigen::Matrix2d slope;
     slope << decays * a(0), -a(1), decays * a(1), a(0);
     return slope;
   }
-  // Likewise of the derivatives by the relative change of ω: of p sin ωu + q cos ωu it is ωu (p cos ωu - q sin ωu).
+  // The same for a relative change of ω. The derivative of p sin ωu + q cos ωu is ωu (p cos ωu - q sin ωu).
   [[nodiscard]] Eigen::Vector2d by_omega(const ModalLayout& layout) const noexcept {
     return {-theta(layout.cosine(1)), theta(layout.sine(1))};
   }

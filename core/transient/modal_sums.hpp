@@ -1,16 +1,15 @@
-// What the modal fit needs to know of one channel's samples: the sums of the products of their regressors x and
-// readings. A view of SharedSums.
+// The sums over a channel's samples that the modal fit needs: products of regressors x and readings. Views SharedSums.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace dwell {
 
-// What is left of a channel's sums where the normal matrix is kept elsewhere. s = value - reference.
+// A channel's sums without the normal matrix, which channels may share. s = value - reference.
 struct ReadingSums {
   Eigen::VectorXd moments;              // Σ x s
   double squares = 0.0, samples = 0.0;  // Σ s², number
-  // The first value: what readings are taken relative to, so that a large mean costs no digits.
+  // The channel's first value; subtracting it keeps the digits where the mean is large.
   double reference = 0.0;
 };
 

@@ -9,8 +9,8 @@ namespace dwell {
 namespace {
 
 constexpr double kSecondPerNs = 1e-9;
-constexpr double kFaded = 1e-13;   // of an amplitude: as good as nothing
-constexpr int kTurnsInARow = 256;  // from turn to turn: their rounding stays below 1e-13
+constexpr double kFaded = 1e-13;   // an envelope below this counts as 0
+constexpr int kTurnsInARow = 256;  // steps until a direct computation: rounding stays below 1e-13
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void ModalTurns::turn_by(const ModalMotion& motion, std::int64_t dt_ns) noexcept
       step->modes[m] = std::polar(std::exp(pole.real() * dt_s), pole.imag() * dt_s);
     }
   }
-  // By hand: std::complex multiplies with care for infinities.
+  // Written out: the product of std::complex checks for infinities, which costs time.
   const auto times = [](Complex a, Complex b) {
     return Complex{a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
   };

@@ -1,7 +1,7 @@
-// exp(jωu) of the drive and exp(λu) of the modes, from instant to instant.
+// Computes exp(jωu) of the drive and exp(λu) of the modes from one sample's instant to the next.
 //
-// Most samples follow in a few distances: what these turn by is kept, so that a step costs a multiplication for each
-// mode and no sine.
+// Most distances between samples repeat. The factors of four distances are kept, so that a step costs one
+// multiplication per mode and no sine.
 //
 // Fixed storage, no allocation. Bound to one thread; real-time safe.
 #pragma once
@@ -17,12 +17,12 @@ namespace dwell {
 
 class ModalTurns {
  public:
-  // Of another motion from now on.
+  // Call after the motion has changed: forgets the kept factors.
   void restart() noexcept;
-  // Goes to t. Instants that grow are cheapest.
+  // Computes drive() and mode() at t. Increasing instants are cheapest.
   void go(const ModalMotion& motion, std::int64_t t_ns) noexcept;
 
-  // Where it is; INT64_MIN: nowhere yet.
+  // The instant of drive() and mode(); INT64_MIN: none since restart().
   [[nodiscard]] std::int64_t at_ns() const noexcept { return at_ns_; }
   [[nodiscard]] std::complex<double> drive() const noexcept { return drive_; }
   [[nodiscard]] std::complex<double> mode(std::size_t m) const noexcept { return modes_[m]; }
@@ -30,7 +30,7 @@ class ModalTurns {
  private:
   using Modes = std::array<std::complex<double>, ModalMotion::kMaxModes>;
   struct Step {
-    std::int64_t dt_ns = 0;  // 0: none
+    std::int64_t dt_ns = 0;  // 0: unused
     std::complex<double> drive;
     Modes modes;
   };
@@ -42,7 +42,7 @@ class ModalTurns {
   Modes modes_{};
   std::array<Step, 4> steps_;
   std::size_t next_step_ = 0;
-  int taken_ = 0;  // steps since the turns were computed anew
+  int taken_ = 0;  // steps since drive_ and modes_ were computed directly
 };
 
 }  // namespace dwell

@@ -17,7 +17,7 @@ void NormalMatrix::add(const Eigen::VectorXd& x, Index all) noexcept {
   pending_.col(pending_count_++).head(all) = x.head(all);
 }
 
-// The products of several samples at once: it is the going through the matrix that costs.
+// Adds four samples in one pass: the pass over the matrix is what costs.
 void NormalMatrix::complete(Index all) noexcept {
   static_assert(kTogether == 4);
   if (pending_count_ == 0) return;

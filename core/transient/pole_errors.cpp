@@ -25,14 +25,14 @@ void PoleErrors::add(const ModalLayout& layout, const ModalMotion& motion, const
   auto by_poles = effect.by_poles.topLeftCorner(2 * modal, all);
   auto onto = by_poles.topRows(modal), slope = by_poles.bottomRows(modal);
   slope.setZero();
-  // J has two entries in each column.
+  // J is block diagonal: a block for each mode, and one for ω.
   const Eigen::Vector2d turned = solution.by_omega(layout);
   const auto apply = [&](Index m, const auto& J, auto&& of, auto&& to) {
     to.noalias() = of.template middleCols<2>(2 * m).lazyProduct(J);
   };
   auto SJ = products_.topLeftCorner(layout.slopes(), all);
   for (Index m = 0; m < layout.modes; ++m) {
-    // A mode that shows in no channel is taken as absent, whatever its pole.
+    // A mode that shows in no channel counts as absent, whatever its pole.
     if (!shows[static_cast<std::size_t>(m)]) {
       onto.middleCols<2>(2 * m).setZero();
       SJ.middleCols<2>(2 * m).setZero();

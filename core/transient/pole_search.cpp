@@ -8,12 +8,12 @@
 namespace dwell {
 namespace {
 
-constexpr double kGone = 1e-6;        // of an amplitude where the fit begins
-constexpr double kLeastDecay = 1e-3;  // of a pole's magnitude
-constexpr double kSame = 0.3;         // rad over the fit, by which two poles must differ
-constexpr double kShorter = 0.3;      // a step that made things worse is tried again by this part …
-constexpr int kShortened = 2;         // … so many times: to a tenth, beyond which it is another optimum
-constexpr double kConverged = 0.1;    // of the uncertainty of a pole
+constexpr double kGone = 1e-6;        // part of its amplitude below which a mode has decayed where the fit begins
+constexpr double kLeastDecay = 1e-3;  // least decay rate of a chain's pole, as part of |λ|
+constexpr double kSame = 0.3;         // poles that turn apart by less over the fit are one, rad
+constexpr double kShorter = 0.3;      // a step that raised the misfit is tried again at this part …
+constexpr int kShortened = 2;         // … so many times; where a tenth does not help, it leads to another optimum
+constexpr double kConverged = 0.1;    // length of a step that ends the search, in standard deviations
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void PoleSearch::still_there(std::span<const Complex> chain, std::int64_t free_s
   for (Complex pole : chain) {
     pole.real(std::min(pole.real(), -kLeastDecay * std::abs(pole)));
     if (std::exp(pole.real() * skipped_s) < kGone) continue;
-    // Two that the data cannot tell apart are one.
+    // Poles that the data cannot tell apart count once.
     if (std::none_of(out.begin(), out.end(), [&](Complex other) { return std::abs(pole - other) * seen_s < kSame; }))
       out.push_back(pole);
   }
@@ -56,7 +56,7 @@ double PoleSearch::refine(double misfit, int steps, const HoldNow& now) {
                  by = (now.omega_given ? w : within_search(rig_, fit_.fit().refined_omega())) - w;
     trial_.assign(moved.begin(), moved.end());
     double better = try_trial(w + by, best, now);
-    // A drive beside a pole is far from linear in both: a step that goes too far is shortened.
+    // With the drive beside a pole the fit is far from linear in both: a step may go too far.
     double part = kShorter;
     for (int shorter = 0; shorter < kShortened && !(better < best) && fit_.may_fit(); ++shorter, part *= kShorter) {
       const auto poles = fit_.fit().poles(), whole = fit_.fit().moved_poles();

@@ -1,5 +1,5 @@
-// The poles of a hold: those now believed, and the search for better ones. A step of the fit (Gauss-Newton on the
-// poles and on ω) is taken where it explains the data better; one that goes too far is shortened.
+// Keeps the poles now believed of a hold and searches for better ones. A Gauss-Newton step on the poles and ω is kept
+// where it lowers the misfit. A step that goes too far is shortened.
 #pragma once
 
 #include <algorithm>
@@ -15,10 +15,10 @@
 
 namespace dwell {
 
-// In every fit those beside the chain come first. rad/s; Re = 0: a steady line, as mains hum.
+// Poles in rad/s; Re = 0: a steady line such as mains hum. In every fit the poles of `beside` come first.
 struct PoleSet {
-  std::vector<std::complex<double>> chain;   // of the chain
-  std::vector<std::complex<double>> beside;  // of what swings beside it: a bracket that rings, hum
+  std::vector<std::complex<double>> chain;   // natural oscillations of the chain
+  std::vector<std::complex<double>> beside;  // other oscillations: a bracket that rings, hum
 
   void clear() noexcept {
     chain.clear();
@@ -33,9 +33,9 @@ struct PoleSet {
 // Bound to one thread. No allocation but in the constructor.
 class PoleSearch {
  public:
-  static constexpr double kTrust = 0.05;  // relative change of a pole in one step, as far as the data leave it open
-  static constexpr double kTrustOmega = 0.005;  // of the drive's frequency likewise
-  static constexpr int kManySteps = 8;          // of refinement, for poles that are far off
+  static constexpr double kTrust = 0.05;        // damping of one step: width of a pole's relative change
+  static constexpr double kTrustOmega = 0.005;  // the same of the drive's frequency
+  static constexpr int kManySteps = 8;          // refinement steps for poles that may be far off
 
   // rig, fit and noise must outlive this.
   PoleSearch(const Rig& rig, HoldFit& fit, ResidualNoise& noise);
@@ -43,24 +43,23 @@ class PoleSearch {
   // The poles now believed.
   [[nodiscard]] PoleSet& poles() noexcept { return poles_; }
   [[nodiscard]] const PoleSet& poles() const noexcept { return poles_; }
-  // Those of the believed fit, which become poles() by take_best(): as many beside the chain as poles().beside has,
-  // then the chain's.
+  // The poles of the believed fit: as many as poles().beside has, then the chain's. take_best() makes them poles().
   [[nodiscard]] std::vector<std::complex<double>>& best() noexcept { return best_; }
   void take_best();
-  // Others that are to be tried.
+  // Poles to be tried by try_trial().
   [[nodiscard]] std::vector<std::complex<double>>& trial() noexcept { return trial_; }
 
-  // Into `out`: the poles beside the chain, then those of `chain` that are still there where the fit begins, each once.
-  // free_since_ns: where all oscillations began.
+  // Writes to `out` the poles beside the chain, then those of `chain` whose modes have not decayed where the fit
+  // begins. Poles that the data cannot tell apart are entered once. free_since_ns: when all oscillations began.
   void still_there(std::span<const std::complex<double>> chain, std::int64_t free_since_ns, const HoldNow& now,
                    std::vector<std::complex<double>>& out) const;
 
-  // The fit anew by best() and ω at its begin; its misfit.
+  // Fits anew with best(); omega: ω at the fit's begin, rad/s. Returns the misfit.
   double fit_best(double omega, const HoldNow& now) { return fit_.anew(omega, best_, now.channels); }
-  // The fit by trial() and ω, which becomes best() where it explains the data better than `misfit`. The misfit of
-  // best().
+  // Fits with trial() and this ω. A misfit below `misfit` makes trial() best(). Returns the misfit of best().
   double try_trial(double omega, double misfit, const HoldNow& now);
-  // So many steps from best(), of that misfit, while they help; then looks at the residuals. The misfit of best().
+  // Makes up to `steps` steps from best(), whose misfit is given, while they lower it. Then compares the halves of the
+  // residuals (ResidualNoise). Returns the misfit of best().
   double refine(double misfit, int steps, const HoldNow& now);
 
  private:

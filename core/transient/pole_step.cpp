@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 
 constexpr double kOpen = ModalMotion::kOpen, kGiven = ModalMotion::kGiven;
-constexpr double kLeastDamping = 1e-5;  // of critical: what decays less is steady, as far as anyone sees
+constexpr double kLeastDamping = 1e-5;  // damping ratio that a mode keeps at least: less looks like a steady line
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void PoleStep::add(const ModalLayout& layout, const ModalMotion& motion, const M
   H(modal, modal) += turned.dot(S.block<2, 2>(modal, modal) * turned) / solution.sigma2;
 }
 
-// At the common optimum the score of a channel is its information times the distance to its own optimum.
+// At the common optimum, a channel's score is its information times the distance to its own optimum.
 void PoleStep::note_disagreement(Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept {
   information.diagonal().array() += 1 / (kOpen * kOpen);
   double& most = disagreement_[static_cast<std::size_t>(m)];
@@ -74,7 +74,7 @@ void PoleStep::take(const ModalLayout& layout, const ModalMotion& motion, const 
   auto g = gradient_.head(modal + 1);
   H.row(modal).head(modal) = H.col(modal).head(modal).transpose();
   H(modal, modal) += 1 / std::max(trust_omega * trust_omega, kGiven * kGiven);
-  // The derivative is by a relative change of ω.
+  // Derivatives by the relative change of ω: hence the factors ω.
   g(modal) += omega * stated.score(omega);
   H(modal, modal) += omega * omega * stated.information();
   invert_information(layout);
@@ -99,7 +99,7 @@ void PoleStep::take(const ModalLayout& layout, const ModalMotion& motion, const 
   }
 }
 
-// By a relative change rho, whose parts have these variances.
+// Moves pole m by the relative change rho, whose real and imaginary part have these variances.
 void PoleStep::move(const ModalMotion& motion, std::size_t m, Complex rho, const Eigen::Vector2d& variances,
                     double trust) noexcept {
   const bool steady = !motion.decays(m);
@@ -108,7 +108,7 @@ void PoleStep::move(const ModalMotion& motion, std::size_t m, Complex rho, const
   const Complex pole = motion.poles()[m];
   const double size = std::abs(pole);
   Complex moved = pole + size * rho;
-  // A transient decays, however slowly; a pole that oscillates goes on doing so.
+  // A mode keeps decaying and an oscillating pole keeps oscillating: each part keeps at least 0.3 of itself.
   moved.real(steady ? 0.0 : std::min({moved.real(), 0.3 * pole.real(), -kLeastDamping * size}));
   moved.imag(pole.imag() > 0 ? std::max(moved.imag(), 0.3 * pole.imag()) : 0.0);
   if (std::isfinite(moved.real()) && std::isfinite(moved.imag())) poles_[m] = moved;
@@ -117,7 +117,7 @@ void PoleStep::move(const ModalMotion& motion, std::size_t m, Complex rho, const
   length_ = std::max(length_, std::abs(rho) / std::sqrt(variance));
 }
 
-// What the data alone tell of the poles, before any trust is added.
+// Covariance by the data, before the damping of the poles is added.
 void PoleStep::invert_information(const ModalLayout& layout) noexcept {
   const Index modal = layout.modal(), all = modal + 1;
   auto factor = inverse_.topLeftCorner(all, all);

@@ -1,7 +1,8 @@
-// One Gauss-Newton step on the poles of the modal fit and on ω, from all its channels, with all linear parameters
+// Makes one Gauss-Newton step on the poles of the modal fit and on ω, from all its channels. The linear parameters are
 // eliminated (variable projection as simplified by Kaufman).
 //
-// begin(), add() each channel, take(). All memory is allocated by the constructor. Bound to one thread; real-time safe.
+// Call begin(), add() for each channel, take(). All memory is allocated by the constructor. Bound to one thread;
+// real-time safe.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,25 +19,27 @@ namespace dwell {
 
 class PoleStep {
  public:
-  // most: as many poles at most.
+  // most: capacity in poles.
   explicit PoleStep(Eigen::Index most);
 
   void begin(const ModalLayout& layout) noexcept;
-  // A solved channel. S: what the derivatives explain beyond the linear parameters, LinearPart::beyond().
+  // Adds a solved channel. S: LinearPart::beyond() of that channel.
   void add(const ModalLayout& layout, const ModalMotion& motion, const ModalSums& sums, const ModalSolution& solution,
            const Eigen::Block<const Eigen::MatrixXd>& S) noexcept;
-  // Steps within `trust` of each pole's magnitude and `trust_omega` of ω (0: it is known). stated: of ω.
+  // Makes the step with Levenberg's damping: a Gaussian of width `trust` on the relative change of each pole, and of
+  // `trust_omega` on that of ω (0: ω is known). A pole moves by 2 trust |λ| at most, ω by trust_omega ω at most.
+  // stated: prior of ω. Where the information is singular, nothing moves.
   void take(const ModalLayout& layout, const ModalMotion& motion, const FrequencyPrior& stated, double trust,
             double trust_omega) noexcept;
 
-  // Where the step leads: the poles, and ω, rad/s.
+  // Poles and ω after the step, rad/s.
   [[nodiscard]] const std::vector<std::complex<double>>& poles() const noexcept { return poles_; }
   [[nodiscard]] double omega() const noexcept { return omega_; }
-  // How far it went, in standard deviations of the poles and of ω.
+  // The largest move of a pole or of ω in the step, in its standard deviations.
   [[nodiscard]] double length() const noexcept { return length_; }
-  // Standard uncertainty of a pole, rad/s, either component.
+  // Standard uncertainty of a pole, rad/s, either component, the damping included: trust |λ| at most.
   [[nodiscard]] double u_pole(std::size_t m) const noexcept { return u_poles_[m]; }
-  // Covariance of (Re, Im) of the relative change of a pole, from the data alone.
+  // Covariance of (Re, Im) of the relative change of a pole without the damping; ModalMotion::kOpen bounds it.
   [[nodiscard]] Eigen::Matrix2d covariance(Eigen::Index m) const noexcept {
     return covariance_.block<2, 2>(2 * m, 2 * m);
   }
@@ -49,8 +52,8 @@ class PoleStep {
   void move(const ModalMotion& motion, std::size_t m, std::complex<double> rho, const Eigen::Vector2d& variances,
             double trust) noexcept;
 
-  // Of the relative changes of the poles (two each), then of that of ω: score and information; a scratch of their size
-  // (an even number of rows keeps its columns aligned); their covariance.
+  // For the relative changes of the poles (two each), then that of ω: score, information and covariance. inverse_ is
+  // scratch; its even number of rows keeps its columns aligned.
   Eigen::VectorXd gradient_;
   Eigen::MatrixXd hessian_, inverse_, covariance_;
   std::vector<std::complex<double>> poles_;

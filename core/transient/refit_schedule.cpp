@@ -7,8 +7,9 @@
 namespace dwell {
 namespace {
 
-constexpr double kSudden = 1.2;                       // times what is allowed, a moment ago
-constexpr double kAgain = 0.05, kAgainPeriods = 2.0;  // of the hold, periods: later, that is asked again
+constexpr double kSudden = 1.2;  // a claim is sudden where the one before was above this, times what is allowed
+// A sudden claim is asked again after this part of the hold, or after so many periods if that is later.
+constexpr double kAgain = 0.05, kAgainPeriods = 2.0;
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// When the natural oscillations of a hold are fitted anew: at once, at an instant, or never again in this hold. Also
-// when the last refit was made, and whether a verdict waits for a second one.
+// Decides when the natural oscillations of a hold are fitted anew: at once, at an instant, or never again in this hold.
+// Keeps when the last refit was made, and whether a verdict waits for a second one.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +15,32 @@ class RefitSchedule {
 
   [[nodiscard]] bool due(std::int64_t now_ns) const noexcept;
   void plan(std::int64_t at_ns) noexcept;
-  // When the data since free_since_ns have grown by that factor.
+  // Plans a refit for when the data since free_since_ns have grown by that factor.
   void plan_growth(double growth, std::int64_t free_since_ns, std::int64_t now_ns) noexcept;
-  // At that instant unless the next refit is due before.
+  // Plans a refit for that instant unless one is due before.
   void plan_no_later_than(std::int64_t at_ns) noexcept;
   void plan_no_more() noexcept { next_ = Next::never; }
-  // When the next refit is due. Only while one is planned.
+  // When the next refit is due. Valid while one is planned for an instant.
   [[nodiscard]] std::int64_t planned_ns() const noexcept { return at_ns_; }
 
-  // The poles have been refined on all data until now.
+  // Notes a refit: the poles have been refined on all data until now.
   void made(std::int64_t now_ns) noexcept { made_ns_ = now_ns; }
-  // The hold could not be fitted.
+  // Notes that the hold could not be fitted.
   void failed() noexcept { made_ns_.reset(); }
   // When the last refit of this hold was made; empty: there is no fit.
   [[nodiscard]] const std::optional<std::int64_t>& made_ns() const noexcept { return made_ns_; }
 
-  // What a refit says is left of the transient, relative to what is allowed.
+  // What a fit says is left of the transient, relative to what is allowed.
   struct Claim {
     double left;
-    double left_before;  // by the refit before
+    double left_before;  // by the judgement before
     bool rounded;        // rounding hides the noise of a channel
   };
-  // Whether to believe that at most what is allowed is left. Rounding is no noise: it may lead a fit astray, and
-  // another fit with some more data again elsewhere. A sudden claim of rounded readings is therefore believed only when
-  // it holds a little later; the refit for that is planned here.
+  // Whether to believe that at most what is allowed is left. Rounding is no noise: it may lead one fit astray, and a
+  // fit with more data elsewhere. A sudden claim of rounded readings is therefore believed only if it still holds a
+  // little later. The refit for that is planned here.
   bool believes(const Claim& claim, double period_s, std::int64_t free_since_ns, std::int64_t now_ns) noexcept;
-  // When a claim will be believed if it still holds; empty: none waits.
+  // When a waiting claim will be believed if it still holds; empty: none waits.
   [[nodiscard]] const std::optional<std::int64_t>& asks_again_ns() const noexcept { return asks_again_ns_; }
 
  private:

@@ -34,7 +34,7 @@ void ResidualNoise::compare_halves(HoldFit& fit, std::int64_t now_ns) noexcept {
     (t_ns < middle_ns ? of.earlier : of.later) += r * r;
     (t_ns < middle_ns ? of.in_earlier : of.in_later) += 1.0;
   });
-  // Each half has half of the fit's parameters.
+  // Each half accounts for half of the fit's parameters.
   const double half = 0.5 * static_cast<double>(fit.fit().parameters());
   for (PerChannel& of : channels_) {
     of.earlier /= std::max(1.0, of.in_earlier - half);
@@ -44,7 +44,7 @@ void ResidualNoise::compare_halves(HoldFit& fit, std::int64_t now_ns) noexcept {
 
 double ResidualNoise::unexplained(int channel, const ModalFit& fit, const HoldNow& now) const noexcept {
   const PerChannel& of = at(channel);
-  // Instants of refreshes that are known to ± so much make residuals of their own.
+  // Instants known to ± h add residuals of variance (ω |Y|)²/2 · h²/3.
   const double by_refresh = std::norm(now.omega * now.channel(channel).refresh_half_s * fit.phasor(channel, 1)) / 6;
   const double by_noise =
       fit.variance(channel) - by_refresh - of.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, of.freedom)));

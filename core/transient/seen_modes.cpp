@@ -12,24 +12,24 @@ namespace {
 using Eigen::Index;
 
 // Largest standard deviation of a pole, relative to the larger of 1/T and its decay rate. Above it the error is no
-// longer normal. Doubled, poles of weak modes take part that are off by more than their uncertainty says; halved,
-// faults go unseen that the data do resolve.
+// longer normal. Doubled, poles of weak modes take part whose errors exceed their uncertainty; halved, faults go unseen
+// that the data do resolve.
 constexpr double kResolved = 0.2;
-// Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by that step
-// squared; otherwise by kUnsettled times the step, squared: the fit is not at its optimum.
+// Where the last step moved a pole by less than kSettledPole standard deviations, its variance grows by the square of
+// the step. Otherwise the fit is not at its optimum: the variance grows by the square of kUnsettled steps.
 constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
-// Probability of as much disagreement by chance. Below it the pole is not that of a mode of the whole rig alone. At a
-// tenth of this, brackets that ring beside a mode are taken for the chain; at ten times as much a sound mode goes
-// unused now and then, which the next fit mends.
+// Probability that the channels disagree as much by chance. Below it the pole is not that of a mode of the whole rig
+// alone. At a tenth of this, brackets that ring beside a mode are taken for the chain. At ten times as much a sound
+// mode goes unused now and then, which the next fit mends.
 constexpr double kOneChannel = 1e-3;
-// Standard deviations of their difference by which two poles must be apart: nearer, they could as well be exchanged,
-// and the fit is far from linear. A pole that is not resolved is left out, with those within the sum of both decay
-// rates: it disturbs them.
+// Two poles must be apart by so many standard deviations of their difference. Nearer ones could as well be exchanged,
+// and the fit is far from linear. A pole that is not resolved is left out, and so are poles nearer to it than the sum
+// of both decay rates, since it disturbs them.
 constexpr double kApart = 5.0;
-// Standard deviations of an amplitude from which a channel has a say in a pole: below, its residuals tell of others.
+// From so many standard deviations of its amplitude a channel has a say in a pole; below, it tells of other modes.
 constexpr double kStandsOut = 3.0;
 constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
-// Standard deviations: two fits' poles that near are of one mode.
+// Poles of two fits within so many standard deviations are of one mode.
 constexpr double kSameMode = 5.0;
 
 }  // namespace
@@ -44,7 +44,7 @@ SeenModes::SeenModes(int channels) {
   prepare(now_);
 }
 
-// extra: variance of either component of the pole, beside what the fit says of it.
+// extra: variance to add to either component of the pole.
 void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
                          SeenMode& mode) noexcept {
   const auto channels = mode.amplitude.size(), pole = 2 * channels;
@@ -83,10 +83,10 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const dou
   }
 }
 
-// Variance of either component of mode m's pole beside what the fit says of it.
+// Variance to add to either component of the pole of mode m, beyond what the fit says.
 double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
                                       std::span<const double> left_over) noexcept {
-  double moved = 0.0;  // at most, by what the fit leaves over, relative to the scale; squared
+  double moved = 0.0;  // relative error of the pole that the residuals allow, at most; squared
   for (std::size_t c = 0; c < left_over.size(); ++c) {
     const int channel = static_cast<int>(c);
     if (!fit.usable(channel) || !(left_over[c] > 0)) continue;

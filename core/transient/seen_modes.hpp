@@ -1,6 +1,6 @@
-// The natural oscillations of one hold as the samples show them: poles and amplitudes refined on the data themselves.
-// Poles depend on instants alone, not on masses, scales or delays; amplitudes tell the shape. What the identified chain
-// is held against (core/chain/mode_check.hpp).
+// Collects the natural oscillations of one hold as the samples show them, to hold the identified chain against them
+// (core/chain/mode_check.hpp). Poles and amplitudes are refined on the data. Poles depend on instants alone, not on
+// masses, scales or delays; amplitudes tell the shape.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ namespace dwell {
 
 struct SeenMode {
   std::complex<double> pole;  // rad/s, Im > 0
-  // Per channel, of its reading, at one and the same instant; 0 where the channel has no part in the fit.
+  // Per channel, amplitude in its reading, all at the same instant; 0 where the channel has no part in the fit.
   Eigen::VectorXcd amplitude;
-  // Of (Re a_1, Im a_1, Re a_2, …, Re λ, Im λ).
+  // Covariance of (Re a_1, Im a_1, Re a_2, …, Re λ, Im λ).
   Eigen::MatrixXd covariance;
   std::vector<bool> fitted;  // per channel: it has a part in the fit
 
@@ -34,11 +34,11 @@ class SeenModes {
   // All memory is allocated here: 8·(2·channels + 2)² bytes a mode.
   explicit SeenModes(int channels);
   void clear() noexcept { count_ = 0; }
-  // Those that stand out of the noise and whose poles the data resolve. fit: refined, its poles' errors propagated.
-  // until_ns: the newest sample in the fit. left_over: per channel, variance of the residuals beyond the noise, in its
-  // unit squared. Such a residual of rms ρ may belong to a mode: it adds an error of up to √2 ρ to an amplitude a, and
-  // of √2 ρ/|a| of its decay rate to the pole. A mode that was seen better since clear() stays as it was. No
-  // allocation.
+  // Takes the modes that stand out of the noise and whose poles the data resolve. fit: its last step made, its poles'
+  // errors propagated. until_ns: the newest sample in the fit. left_over: per channel, variance of the residuals beyond
+  // the noise, in its unit squared. Such residuals of rms ρ may belong to a mode. They add an error of up to √2 ρ to an
+  // amplitude a, and to the pole √2 ρ/|a| of the larger of its decay rate and 1/T, T the time seen. A mode that was
+  // seen better since clear() stays as it was. No allocation.
   void take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 

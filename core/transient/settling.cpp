@@ -8,7 +8,7 @@
 namespace dwell {
 namespace {
 
-// How far two windows of a channel lie apart, in whichever of its mean and phasors that is furthest.
+// Distance between two windows of a channel: the largest of those between their means and between their phasors.
 double distance(const SettlingDetector::Reading& a, const SettlingDetector::Reading& b) noexcept {
   double squared = std::norm(a.relative - b.relative);
   for (std::size_t i = 0; i < a.others.size(); ++i) squared = std::max(squared, std::norm(a.others[i] - b.others[i]));
@@ -52,7 +52,7 @@ std::complex<double> SettlingDetector::later_mean(int channel) const noexcept {
   return count > 0 ? sum / count : 0.0;
 }
 
-// Keeps every stride-th window, so that any time since restart is covered by a bounded number of them.
+// Keeps every stride-th window: a bounded number then covers any time since restart.
 void SettlingDetector::remember(const Window& window, std::span<const Reading> readings) noexcept {
   if (++skipped_ < stride_) return;
   skipped_ = 0;
@@ -69,16 +69,16 @@ void SettlingDetector::remember(const Window& window, std::span<const Reading> r
     reading(static_cast<int>(windows_.size()) - 1, c) = readings[static_cast<std::size_t>(c)];
 }
 
-// tolerance × steady amplitude; a channel that hardly moves is held to what ten periods of its noise resolve.
+// Transient allowed: tolerance × steady amplitude, at least what ten periods of the channel's noise resolve.
 double SettlingDetector::allowed(const Reading& now) const noexcept {
   const double noise = kSure * std::sqrt(now.noise * 2 / (10 * std::max(1.0, now.samples)));
   return std::max(tolerance_ * std::abs(now.relative), noise);
 }
 
-// Whether an earlier window tells the same as the newest: what may be counted after the fact.
+// Whether an earlier window agrees with the newest, so that it may count after the fact.
 bool SettlingDetector::agrees(int window, const Window& now, std::span<const Reading> readings) noexcept {
   const Window& then = windows_[static_cast<std::size_t>(window)];
-  // The drive must agree more closely than the channels: a ramp is no transient that decays.
+  // The drive must agree more closely than the channels: a ramp of the drive is no transient that decays.
   const double u_table = std::hypot(then.table_u, now.table_u);
   if (std::abs(then.table_amplitude - now.table_amplitude) >
       std::max(0.1 * tolerance_ * now.table_amplitude, kSure * u_table))
@@ -87,7 +87,7 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
     const Reading& a = reading(window, c);
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!a.usable || !b.usable) continue;
-    // The noise is that of the newest window: an earlier one's may hold a transient.
+    // The noise is that of the newest window: the residuals of an earlier one may hold a transient.
     if (distance(a, b) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * 2 * b.u)) return false;
     if (a.variance >
         b.variance * (1 + kSure * 2 / std::sqrt(std::max(1.0, b.samples))) + std::norm(0.5 * tolerance_ * b.relative))
@@ -107,9 +107,9 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
   verdict.settles_in_s = kNotKnown;
   const int count = static_cast<int>(windows_.size());
   const double seen_s = windows_.empty() ? 0.0 : t_s - windows_.front().t_s;
-  // Coefficients from a hold that still has much of a transient are off, and so is the T they give: the longest T of
-  // the last quarter of the hold is believed. A chain that would not decay gives none; then the time watched is
-  // divided: a transient of a sixth of it is gone, and a longer one shows as a difference between any two windows.
+  // While much of the transient is left, the coefficients are off, and so is the T that they give: take the longest T
+  // of the last quarter of the hold. A chain that would not decay gives none: T is then a sixth of the time watched. A
+  // transient of that T is gone, and a longer one shows as a difference between any two windows.
   double T = 0.0;
   bool known = std::isfinite(time_constant_s);
   for (int i = count; i-- > 0 && windows_[static_cast<std::size_t>(i)].t_s > t_s - 0.25 * seen_s;) {
@@ -127,7 +127,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
     for (int i = 0; i < count; ++i) {
       const double apart = t_s - windows_[static_cast<std::size_t>(i)].t_s;
       const double q = T > 0 ? std::exp(-apart / T) : 0.0;
-      // Several modes can cancel in one window, hardly in each of a period's.
+      // Several modes can cancel in one window, but hardly in all windows of a period.
       double difference = 0.0, power = 0.0;
       for (int j = std::max(0, i - kGroup + 1); j <= i; ++j) {
         const Reading& a = reading(j, c);
@@ -137,7 +137,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
         power = std::max(power, a.variance - b.variance +
                                     kSure * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
       }
-      // The last ones overlap the newest: what they show counts as it is, beyond the noise.
+      // The last windows overlap the newest: their difference beyond the noise counts as it is.
       if (apart <= as_it_is_s) {
         const Reading& a = reading(i, c);
         latest = std::max(latest, distance(a, b) - kSure * std::numbers::sqrt2 * std::hypot(a.u, b.u));
@@ -151,7 +151,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
     if (ratio > 1 && std::isfinite(ratio)) longest = std::max(longest, T * std::log(ratio));
   }
 
-  // How far back the windows agree with this one.
+  // Finds how far back the windows agree with this one.
   int agreeing = static_cast<int>(windows_.size());
   while (agreeing > 0 && agrees(agreeing - 1, now, readings)) --agreeing;
   const double agreed_s = agreeing < static_cast<int>(windows_.size())
@@ -162,7 +162,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
     verdict.settled = true;
     verdict.settles_in_s = 0.0;
     const Window& from = windows_[static_cast<std::size_t>(agreeing)];
-    // The window before did not agree, and this one may hold the end of what it saw: a quarter is left out.
+    // The window before did not agree, and the first that does may hold the end of what it saw: skip a quarter.
     for (int c = 0; c < channels_; ++c) {
       double sum = 0.0, compared = 0.0;
       for (int i = agreeing; i < static_cast<int>(windows_.size()); ++i) {

@@ -1,18 +1,18 @@
-// The settling detector: holds until what is left of the transient is small, and says from where the data count.
+// Decides by comparing windows whether a rig has settled, and from where its data count (docs/method.md, Settling). It
+// serves rigs without masses, and others until the poles of their natural oscillations are known.
 //
-// It looks at windows of one period that end at each quarter of a period. From a window come, per channel, the mean and
-// the phasors relative to the table's (so that a frequency slightly off turns nothing) and the residual variance, the
-// places where a transient shows: a mode close to the drive or a harmonic in the phasors, any other in the residuals.
-// Both are compared with those of all earlier windows since the drive has been steady. A transient that decays with
-// time constant T and that differs by D between two windows a time Δ apart has at most
+// A window is one period long and ends at a quarter of a period. It gives, per channel, the mean, the phasors relative
+// to the table's, and the variance of the residuals. Relative phasors do not turn where the frequency is slightly off.
+// A transient close to the drive or a harmonic shows in the phasors, any other in the residuals. Each window is
+// compared with all earlier ones since the drive has been steady. A transient with time constant T that differs by D
+// between two windows a time Δ apart has at most
 //
 //   left = D q / (1 - q),   q = exp(-Δ/T)
 //
-// left at the later one. D is taken with three standard deviations of its noise on top, so that what cannot be told yet
-// is not believed to be gone: a mode that looks constant over one window (Δ « T) holds until Δ is long enough to tell,
-// and so does noise. Of all earlier windows the one with the lowest bound decides. T is the slowest of the identified
-// chain's eigenvalues (docs/method.md, Settling); where there is none, a sixth of the time that the detector has been
-// looking, and all windows within the rest of it must agree.
+// left at the later one. D includes three standard deviations of its noise. So a mode that looks constant over one
+// window (Δ « T) prevents a verdict until Δ is long enough to tell, and so does noise. Of all earlier windows the one
+// with the lowest bound decides. T is that of the slowest of the identified chain's eigenvalues. Where there is none, T
+// is a sixth of the time that the detector has been looking, and all windows within the rest of that time must agree.
 #pragma once
 
 #include <array>
@@ -27,24 +27,24 @@ namespace dwell {
 
 class SettlingDetector {
  public:
-  // channels: those that are watched; tolerance: the transient allowed, relative to a channel's steady amplitude.
-  // All memory is allocated here.
+  // channels: number watched. tolerance: transient allowed, relative to a steady amplitude. All memory is allocated
+  // here.
   SettlingDetector(int channels, double tolerance);
 
   // One channel in one window, in any unit of its own.
   struct Reading {
-    std::complex<double> relative;  // phasor over the table's phase
-    // Mean, and phasors of the higher harmonics over as many times the table's phase: a mode near one of them hides
-    // there from both the fundamental and the residuals.
+    std::complex<double> relative;  // phasor of the fundamental relative to the table's phase
+    // Mean, and phasors of the higher harmonics relative to as many times the table's phase. A mode near one of them
+    // shows in neither the fundamental nor the residuals.
     std::array<std::complex<double>, kMaxHarmonics> others{};
-    double u = 0.0;         // standard deviation of either component of it, by the noise alone
+    double u = 0.0;         // standard deviation of either component of `relative`, by the noise alone
     double variance = 0.0;  // of the residuals of the harmonic fit: noise, transient, higher harmonics
     double noise = 0.0;     // variance of the noise alone
     double samples = 0.0;   // in the window
-    bool usable = false;    // no: the channel is left out
+    bool usable = false;    // false: the channel is left out
   };
 
-  // Forgets everything; the drive is steady from now on as far as known.
+  // Forgets everything. Call where a steady drive begins.
   void restart() noexcept;
 
   struct Verdict {
@@ -55,24 +55,24 @@ class SettlingDetector {
     double worst_left = 0.0;       // its transient relative to what is allowed
   };
 
-  // Takes the window that covers quarter blocks [first, last] and ends at t_s. table_amplitude, table_u: of the drive,
-  // and its standard deviation. time_constant_s: T, NaN if not known. O(history · channels), no allocation.
+  // Adds the window of quarter blocks [first, last], which ends at t_s, and judges. table_amplitude, table_u: of the
+  // drive, and its standard deviation. time_constant_s: T, NaN if not known. O(history · channels), no allocation.
   Verdict update(std::int64_t first, std::int64_t last, double t_s, double table_amplitude, double table_u,
                  std::span<const Reading> readings, double period_s, double time_constant_s) noexcept;
 
-  // Mean over the windows of the later half of the hold, what a provisional identification should rest on: less of the
-  // transient and of the noise than the newest window has. Not usable channels: 0.
+  // Mean of `relative` over the windows of the later half of the hold, for a provisional identification. It has less of
+  // the transient and of the noise than the newest window. 0: the channel is not usable.
   [[nodiscard]] std::complex<double> later_mean(int channel) const noexcept;
 
-  // After a settled verdict: how far, in the rms, a channel's windows in the first time constant that counts lie from
-  // the newest one: transient and noise together, in the channel's own unit.
+  // After a settled verdict: rms distance of a channel's windows in the first time constant that counts from the newest
+  // one. It holds transient and noise, in the channel's own unit.
   [[nodiscard]] double left(int channel) const noexcept { return left_[static_cast<std::size_t>(channel)]; }
 
  private:
   static constexpr int kHistory = 192;     // windows remembered; beyond, every second one is dropped
   static constexpr double kSure = 3.0;     // standard deviations within which a difference is noise
-  static constexpr int kGroup = 4;         // windows of a period
-  static constexpr double kPeriods = 2.0;  // that must agree before anything is said
+  static constexpr int kGroup = 4;         // windows that end within one period
+  static constexpr double kPeriods = 2.0;  // periods that must agree before anything is said
 
   struct Window {
     std::int64_t first, last;

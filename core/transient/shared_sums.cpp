@@ -33,7 +33,7 @@ double SharedSums::add(int channel, std::uint64_t scan, const Eigen::VectorXd& x
   double work = products;
   if (groups_[own.group].scan != scan) {
     part(own.group, all);
-    Group& group = groups_[own.group];  // it may have left its group
+    Group& group = groups_[own.group];  // part() may have moved the channel
     group.normal.add(x, all);
     group.scan = scan;
     group.seen = 0;
@@ -56,7 +56,7 @@ void SharedSums::complete(int channel, Index all) noexcept {
   groups_[own.group].normal.complete(all);
 }
 
-// Whoever of a group has missed its newest scan leaves it.
+// Moves the channels that missed the group's newest scan into a new group.
 void SharedSums::part(std::size_t group, Index all) noexcept {
   Group& from = groups_[group];
   if (from.seen == from.members) return;

@@ -1,10 +1,9 @@
-// The sums of the modal fit in all channels. Channels that are read at the same instants have the same regressors, and
-// so one normal matrix.
+// Keeps the sums of the modal fit in all channels. Channels that are read at the same instants have the same regressors
+// and share one normal matrix.
 //
-// All channels begin as one group. A group keeps one matrix as long as every scan brings a sample of each of its
-// channels. Those that miss a scan leave it: they take the matrix as it was before that scan, and are a group of their
-// own. So the sums are those of each channel by itself, bit for bit. Channels with instants of their own soon have a
-// matrix each.
+// All channels begin as one group. A group shares one matrix while every scan brings a sample of each of its channels.
+// Channels that miss a scan form a new group, with the matrix as it was before that scan. The sums are therefore those
+// of each channel by itself, bit for bit. Channels with instants of their own soon have a matrix each.
 //
 // All memory is allocated by the constructor. Bound to one thread; real-time safe.
 #pragma once
@@ -20,15 +19,15 @@ namespace dwell {
 
 class SharedSums {
  public:
-  // most: regressors at most.
+  // most: capacity in regressors.
   SharedSums(int channels, Eigen::Index most);
 
   void clear() noexcept;
-  // A sample: its first `all` regressors, as many for each until clear(). scan: above 0; samples that follow one
-  // another with the same number have the same regressors, and a channel has one of them. O(all²) for the first sample
-  // of a scan in each group, else O(all): the multiplications are returned.
+  // Adds a sample by the first `all` elements of x; `all` stays the same until clear(). scan: above 0. Consecutive
+  // samples of one scan have the same regressors; a channel has one sample in each. Returns the number of
+  // multiplications: O(all²) for the first sample of a scan in each group, else O(all).
   double add(int channel, std::uint64_t scan, const Eigen::VectorXd& x, Eigen::Index all, double value) noexcept;
-  // To be called before the normal matrix of a channel is read.
+  // Call before the normal matrix of a channel is read.
   void complete(int channel, Eigen::Index all) noexcept;
 
   [[nodiscard]] ModalSums of(int channel) const noexcept {
@@ -49,8 +48,8 @@ class SharedSums {
   struct Group {
     NormalMatrix normal;
     int members = 0;
-    int seen = 0;            // of them, with a sample of the newest scan
-    std::uint64_t scan = 0;  // the newest; 0: there is none
+    int seen = 0;            // members with a sample in the newest scan
+    std::uint64_t scan = 0;  // the newest; 0: none yet
   };
   [[nodiscard]] const PerChannel& at(int channel) const noexcept {
     return channels_[static_cast<std::size_t>(channel)];
@@ -59,7 +58,7 @@ class SharedSums {
 
   std::vector<PerChannel> channels_;
   std::vector<Group> groups_;
-  std::size_t used_ = 1;  // groups
+  std::size_t used_ = 1;  // number of groups in use
 };
 
 }  // namespace dwell

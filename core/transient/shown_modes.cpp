@@ -30,7 +30,7 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
       fit.history(), modes,          chain_.seen_by(modes), imposed_, std::max(free_since_ns, oldest_ns),
       now.now_ns,    now.period_s(), now.omega_given};
   std::fill(left_over_.begin(), left_over_.end(), 0.0);
-  // A fit that explains more of the hold takes the place of all before: a mode that only these show was none.
+  // A fit that explains more of the hold replaces all before. A mode that only the replaced fits show was none.
   for (whole_.begin(given); whole_.earlier(given);) {
     seen_.clear();
     seen_.take(whole_.modes(), now.now_ns, left_over_);

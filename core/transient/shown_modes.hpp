@@ -1,5 +1,5 @@
-// The natural oscillations that a hold has shown, for the cross-check of the model: of the fit that judges the
-// transient, and of the whole hold where that can be explained.
+// Keeps the natural oscillations that a hold has shown, for the cross-check of the model. They come from the fit that
+// judges the transient, and from a fit of the whole hold where that explains the data.
 #pragma once
 
 #include <span>
@@ -17,12 +17,11 @@ namespace dwell {
 // Bound to one thread. No allocation but in the constructor.
 class ShownModes {
  public:
-  // modes: as many poles at most. stated: of the drive's frequency. chain must outlive this.
+  // modes: capacity in poles. stated: prior of the drive's frequency. chain must outlive this.
   ShownModes(ChainPoles& chain, int channels, int harmonics, int modes, const FrequencyPrior& stated);
 
   void begin_hold() noexcept { seen_.clear(); }
-  // Keeps what the fit now shows. free_since_ns: where the natural oscillations began. Costs up to 0.3 s of a processor
-  // (WholeHold).
+  // Keeps the modes that the fit shows. free_since_ns: when they began. Costs up to 0.3 s of a processor (WholeHold).
   void remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t free_since_ns, const HoldNow& now) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return seen_.modes(); }
 
@@ -30,7 +29,7 @@ class ShownModes {
   ChainPoles& chain_;
   SeenModes seen_;
   WholeHold whole_;
-  std::vector<char> imposed_;      // per channel: its motion is that of the table
+  std::vector<char> imposed_;      // per channel: it shows the table
   std::vector<double> left_over_;  // per channel, variance of its residuals beyond the noise
 };
 

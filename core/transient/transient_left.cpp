@@ -6,13 +6,13 @@
 namespace dwell {
 namespace {
 
-// Of what is allowed, which is itself an estimate. No derivation; set on the study. White noise: at 0.8, 0.85, 0.9 the
-// median lateness is 0.50, 0.38, 0.27, and at the latter two none of 600 verdicts comes too early. No uncertainty holds
-// what rounding does to the fit: of channels rounded more coarsely than their noise 11 of 2000 come too early at 0.85
-// and at 0.82, 8 at 0.80.
+// A verdict asks for this part of what is allowed, which is itself an estimate. No derivation; set on the study. White
+// noise: at 0.8, 0.85, 0.9 the median lateness is 0.50, 0.38, 0.27, and at the latter two none of 600 verdicts comes
+// too early. Rounding: no uncertainty holds what it does to the fit. Of channels rounded more coarsely than their noise
+// 11 of 2000 come too early at 0.85 and at 0.82, 8 at 0.80.
 constexpr double kSafety = 0.85, kSafetyRounded = 0.80;
-constexpr double kMostTakenOut = 8.0;  // of what may be left, where data begin to count
-constexpr double kLeast = 1e-300;      // so that a channel at rest is divided by something
+constexpr double kMostTakenOut = 8.0;  // times what is allowed, where data begin to count
+constexpr double kLeast = 1e-300;      // keeps the divisor above 0 for a channel at rest
 
 }  // namespace
 
@@ -45,7 +45,7 @@ TransientLeft::Worst TransientLeft::at(std::int64_t t_ns, const HoldNow& now) co
     const ModalFit::Left left = fit.left(c, t_ns);
     double ratio =
         (left.envelope + kSure * left.u) / ((hidden_by_rounding(c, now) ? kSafetyRounded : kSafety) * may_be);
-    // What the fit leaves over beyond the noise is not known to be no transient.
+    // Residuals beyond the noise may be transient.
     if (const double power = noise_.unexplained(c, fit, now); power > 0)
       ratio = std::max(ratio, std::sqrt(2 * power) / may_be);
     if (ratio > worst.left) worst = {ratio, c};
@@ -60,7 +60,7 @@ void TransientLeft::tell(std::int64_t t_ns, const HoldNow& now, SettlingDetector
 }
 
 // The data count from the earliest instant at which a verdict would have been right. The last two periods before the
-// verdict count as well, unless more than kMostTakenOut times what may be left of the transient was taken out there.
+// verdict count as well, as far back as what may be left there stays within kMostTakenOut times what is allowed.
 std::optional<std::int64_t> TransientLeft::counts_from(std::int64_t end_ns, const HoldNow& now) const noexcept {
   const auto quarter_ns = to_ns(now.period_s() / kQuarters);
   const std::int64_t all = (end_ns - fit_.fit().t0_ns()) / quarter_ns;

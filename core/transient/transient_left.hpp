@@ -1,5 +1,4 @@
-// How much of the transient is left in each channel, against how much may be left: what a verdict rests on, and what
-// takes one back.
+// Compares what may be left of the transient in each channel with what is allowed: for verdicts, and to take one back.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +11,27 @@
 
 namespace dwell {
 
-// Bound to one thread, real-time safe. What is left is relative to what is allowed: at most 1 is settled.
+// Bound to one thread, real-time safe. `left` is relative to what is allowed: settled at 1 or less.
 class TransientLeft {
  public:
-  // Standard deviations of what may be left of the transient.
+  // Standard deviations of what the fit shows as left: added for a verdict, subtracted for taking one back.
   static constexpr double kSure = 3.0;
 
   // tolerance: the transient allowed, relative to a channel's steady amplitude. fit and noise must outlive this.
   TransientLeft(double tolerance, const HoldFit& fit, const ResidualNoise& noise)
       : tolerance_(tolerance), fit_(fit), noise_(noise) {}
 
-  // The channel in which most may be left at t, by what the fit shows, what is not known of it, and what it does not
-  // explain. Infinity: a channel is not fitted. channel: -1 if nothing is left in any.
+  // The channel in which most may be left at t: what the fit shows, three standard deviations, or the residuals beyond
+  // the noise. left is infinity where a channel is not fitted; channel is -1 where nothing is left in any.
   struct Worst {
     double left = 0.0;
     int channel = -1;
   };
   [[nodiscard]] Worst at(std::int64_t t_ns, const HoldNow& now) const noexcept;
-  // Writes that into a verdict. The channel stays where nothing is left in any.
+  // Writes at() into a verdict. The verdict's channel stays where nothing is left in any.
   void tell(std::int64_t t_ns, const HoldNow& now, SettlingDetector::Verdict& verdict) const noexcept;
 
-  // From where the data count after a verdict at end_ns; empty: too few would.
+  // From where the data count after a verdict at end_ns; empty: too few data would.
   [[nodiscard]] std::optional<std::int64_t> counts_from(std::int64_t end_ns, const HoldNow& now) const noexcept;
   // Whether rounding hides the noise of any channel.
   [[nodiscard]] bool rounded(const HoldNow& now) const noexcept;
@@ -41,13 +40,13 @@ class TransientLeft {
   struct Premature {
     std::int64_t verdict_ns;
     int channel;  // in which most was left
-    double left;  // there at that time, as fitted
+    double left;  // what was left there, as fitted, relative to what is allowed
   };
-  // Whether the fit says that at the verdict more than allowed was left, by kSure standard deviations.
+  // The worst channel with more left at the verdict than allowed, by kSure standard deviations; empty: there is none.
   [[nodiscard]] std::optional<Premature> premature(std::int64_t verdict_ns, const HoldNow& now) const noexcept;
 
  private:
-  // What may be left in a channel, its unit: the tolerance of its amplitude, or what ten periods' noise hides.
+  // What may be left in a channel, its unit: the tolerance of its amplitude, at least what ten periods' noise hides.
   [[nodiscard]] double allowed(int channel, const HoldNow& now) const noexcept;
   [[nodiscard]] bool hidden_by_rounding(int channel, const HoldNow& now) const noexcept;
 

@@ -9,18 +9,18 @@
 namespace dwell {
 namespace {
 
-constexpr double kHoldGrowth = 1.25;              // of the hold, before its poles are refined again
-constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most, and part of the time expected to be left
+constexpr double kHoldGrowth = 1.25;              // growth of the hold, at least, before its poles are refined again
+constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most; part of the expected time left to wait
 constexpr double kGrowthMeasuring = 2.0;          // the same after the verdict
-constexpr double kStale = 0.05;                   // … from which a verdict wants them refined first
-constexpr int kFitsMeasuring = 12;                // of the whole hold, at each refit after the verdict
-constexpr double kSeenThrough = 3.0;              // decay times, after which no mode can still hide
-constexpr double kOwnOmega = 2.5;                 // standard deviations
-constexpr double kTurned = 0.1;                   // standard deviations
-constexpr double kAfterKnock = 2.5;               // periods, after which the hold is fitted anew
-// Of the time since a knock, and at least a period: before its data are tried again.
+constexpr double kStale = 0.05;       // growth since the last refit from which a verdict needs another first
+constexpr int kFitsMeasuring = 12;    // fits of the whole hold at each refit after the verdict, at most
+constexpr double kSeenThrough = 3.0;  // decay times of the slowest mode, after which no mode can still hide
+constexpr double kOwnOmega = 2.5;  // standard deviations: the fit keeps its ω where the data that count differ by less
+constexpr double kTurned = 0.1;    // standard deviations: the fit keeps its ω where the other turns no phasor by more
+constexpr double kAfterKnock = 2.5;  // periods from an alarm to the refit
+// After a knock that is not explained the hold is fitted again after this part of the time since, at least a period.
 constexpr double kLookAgain = 0.25;
-constexpr double kShortest = 2.0;  // and kUnsure, periods, before anything is said
+constexpr double kShortest = 2.0;  // periods before anything is said, kUnsure aside
 
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
@@ -62,7 +62,7 @@ bool TransientModel::wants_refit(std::int64_t end_ns, const HoldNow& now) {
     fit_.feed(now.channels);
     fit_.solve(now.channels);
     propagate_poles(now);
-    // The last refit had fewer data than their uncertainty now counts. Before a verdict the poles are refined on all.
+    // The last refit had fewer data than the poles' uncertainty now counts: before a verdict refine on all data.
     const std::int64_t made_ns = *schedule_.made_ns();
     const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(made_ns - knocks_.free_since_ns()));
     const bool knocked = !knocks_.alarm_ns() && explained(now) &&
@@ -86,7 +86,7 @@ bool TransientModel::refit(const SeenFrequency& seen, std::int64_t end_ns, const
   schedule_.made(now.now_ns);
   if (explained(now)) knocks_.clear_alarm();
   propagate_poles(now);
-  // Far from settled there is time.
+  // The more is left, the longer the next refit can wait.
   const double left = left_.at(end_ns, now).left;
   const double ahead_s =
       left > 1 && std::isfinite(left) && explained(now) ? kAhead * std::log(left) / fit_.slowest_rate() : 0.0;
@@ -108,7 +108,7 @@ TransientModel::Judgement TransientModel::judge(double left_before, std::int64_t
   if (verdict.worst_left <= 1) {
     noise_.compare_halves(fit_, now.now_ns);
     left_.tell(end_ns, now, verdict);
-    // Not before a period has gone by.
+    // The next refit comes a period later at the latest.
     if (!explained(now)) schedule_.plan_no_later_than(now.now_ns + to_ns(now.period_s()));
   }
   const bool believes = schedule_.believes({verdict.worst_left, left_before, left_.rounded(now)}, now.period_s(),
@@ -122,7 +122,7 @@ TransientModel::Judgement TransientModel::judge(double left_before, std::int64_t
   return judged;
 }
 
-// Asks for a refit once enough has been seen since.
+// Raises the alarm, and plans a refit for when enough has been seen since.
 void TransientModel::heed_knock(std::int64_t end_ns, const HoldNow& now) noexcept {
   knocks_.alarm(end_ns);
   schedule_.plan(end_ns + to_ns(kAfterKnock * now.period_s()));
@@ -135,13 +135,13 @@ void TransientModel::refit_after_knock(const HoldNow& now) noexcept {
 }
 
 void TransientModel::begin_measuring(const HoldNow& now) noexcept {
-  // A line is extrapolated by its phase: it wants to be fitted anew more often.
+  // A steady line is extrapolated by its phase: it must be fitted anew more often.
   plan_growth(poles().hums() ? kHoldGrowth : kGrowthMeasuring, now);
 }
 
 void TransientModel::take_out(std::int64_t from_ns, std::int64_t end_ns, const HoldNow& now) noexcept {
   propagate_poles(now);
-  // What hums is followed as long as it is fitted anew.
+  // Steady lines are subtracted until two periods after the next refit is due.
   const std::int64_t followed_ns = schedule_.planned_ns() + to_ns(2 * now.period_s());
   removal_.begin(from_ns, poles().hums() ? std::max(end_ns, followed_ns) : end_ns);
 }
@@ -157,8 +157,8 @@ bool TransientModel::follow_drive(const SeenFrequency& counted, const HoldNow& n
   return search_.try_trial(counted.at(fit_.from_ns()), before, now) < before;
 }
 
-// Whether the frequency of the fit still is that of the drive: the difference turns no phasor by what shows, or is no
-// more than the data that count leave open; the fit has seen more than these.
+// Whether the fit and the data that count have the same frequency. The difference may turn no phasor by what shows, or
+// be no more than the data that count leave open: the fit has seen more than these.
 bool TransientModel::same_drive(const SeenFrequency& counted, const HoldNow& now) const noexcept {
   const double off = std::abs(counted.at(fit().t0_ns()) - fit().omega()), seen_s = to_s(now.now_ns - fit().t0_ns());
   const double faster = std::abs(counted.rate - fit().rate());
@@ -173,7 +173,7 @@ bool TransientModel::same_drive(const SeenFrequency& counted, const HoldNow& now
 
 bool TransientModel::wants_refit_measuring(const HoldNow& now) noexcept {
   if (!removal_.active() || !schedule_.due(now.now_ns)) return false;
-  // Only while all samples of the fit are there.
+  // Refits need all samples since the begin of the fit.
   const SampleHistory& history = fit_.history();
   if (history[history.begin()].t_ns <= fit().t0_ns()) return true;
   schedule_.plan_no_more();
@@ -181,7 +181,7 @@ bool TransientModel::wants_refit_measuring(const HoldNow& now) noexcept {
 }
 
 bool TransientModel::refit_measuring(const SeenFrequency& counted, bool matters, const HoldNow& now) {
-  // What grows apart from the steady motion as slowly as it decays shows while it decays.
+  // A slow mode separates from the steady motion only as it decays: after kSeenThrough decay times none can hide.
   double slowest = fit_.slowest_rate();
   const auto of_chain = chain_.seen_by(fit());
   for (const Complex& pole : of_chain) slowest = std::min(slowest, -pole.real());
@@ -194,7 +194,7 @@ bool TransientModel::refit_measuring(const SeenFrequency& counted, bool matters,
   fit_.solve(now.channels);
   static_cast<void>(follow_drive(counted, now));
   const double refined = search_.refine(fit().misfit(), 1, now);
-  // A verdict by too few data may have had poles far from the chain's as it shows by now.
+  // The verdict may have had too few data for good poles: tries those of the chain as now identified.
   search_.still_there(of_chain, knocks_.free_since_ns(), now, search_.trial());
   if (fit_.may_fit() && !search_.trial().empty())
     if (const double other = search_.try_trial(fit().omega(), refined, now); other < refined)

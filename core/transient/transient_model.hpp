@@ -1,9 +1,10 @@
-// The transient of one hold: the natural oscillations of the rig beside its steady motion (docs/method.md, Settling).
+// Models the transient of one hold: the natural oscillations of the rig beside its steady motion (docs/method.md,
+// Settling).
 //
 // While the rig settles the model follows the hold, fits it anew when that is due, and says how much of the transient
-// is left. After the verdict it takes the transient out of the readings that count, fits the hold anew as the data
-// grow, and takes a verdict back that was premature. Its parts each own their state; this holds them together and knows
-// the order of their work. The pipeline decides what a verdict does to the dwell.
+// is left. After the verdict it subtracts the transient from the readings that count, fits the hold anew as the data
+// grow, and takes back a premature verdict. Each part owns its state; this class holds the parts and knows the order of
+// their work. The pipeline decides what a verdict does to the dwell.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,76 +30,75 @@
 
 namespace dwell {
 
-// Bound to one thread. No allocation but in the constructor. Instants in ns. end_ns: of the newest block.
+// Bound to one thread. No allocation but in the constructor. Instants in ns. end_ns: the end of the newest block.
 class TransientModel {
  public:
-  // All must outlive this. history: of the samples that are fitted. chain: to begin with.
+  // All must outlive this. history: the samples to be fitted. chain: gives the poles to start from.
   TransientModel(const Rig& rig, const FrequencyPrior& stated, const SampleHistory& history, ChainPoles& chain);
   TransientModel(const TransientModel&) = delete;
   TransientModel& operator=(const TransientModel&) = delete;
 
-  // The drive is steady from now on: all begins anew.
+  // Begins a hold: the drive is steady from steady_ns on.
   void begin_hold(std::int64_t steady_ns) noexcept;
-  // What windows tell of the noise.
+  // The noise of the channels. The pipeline tells it what windows show.
   [[nodiscard]] ResidualNoise& noise() noexcept { return noise_; }
-  // Whether poles are believed: then the fit tells more than windows do.
+  // Whether poles are believed. Then the fit tells more than windows do.
   [[nodiscard]] bool has_poles() const noexcept { return !search_.poles().chain.empty(); }
 
-  // Whether less has been seen of the hold than any verdict needs.
+  // Whether less has been seen, since the hold's beginning or the last knock, than any verdict needs.
   [[nodiscard]] bool too_early(std::int64_t end_ns, const HoldNow& now) const noexcept;
-  // Takes in what has come since, and watches it for knocks. Whether the hold is to be fitted anew.
+  // Adds the new samples to the fit and watches them for knocks. Whether the hold is to be fitted anew.
   [[nodiscard]] bool wants_refit(std::int64_t end_ns, const HoldNow& now);
-  // Fits it anew. false: it cannot be fitted.
+  // Fits the hold anew. false: it cannot be fitted.
   bool refit(const SeenFrequency& seen, std::int64_t end_ns, const HoldNow& now);
   // Whether there is a fit of this hold.
   [[nodiscard]] bool fitted() const noexcept { return schedule_.made_ns().has_value(); }
   struct Judgement {
-    SettlingDetector::Verdict verdict;  // without `settled`
+    SettlingDetector::Verdict verdict;  // `settled` stays false
     // From where the data may count; empty: the rig has not settled, or not long enough ago.
     std::optional<std::int64_t> counts_from_ns;
   };
-  // By the fit as it is. left_before: by the judgement before.
+  // Judges by the fit as it is what is left of the transient. left_before: worst_left of the judgement before.
   [[nodiscard]] Judgement judge(double left_before, std::int64_t end_ns, const HoldNow& now);
   // Whether a sudden claim of rounded readings waits for a second fit.
   [[nodiscard]] bool asks_again() const noexcept { return schedule_.asks_again_ns().has_value(); }
 
-  // A verdict was given: refits are made as a measurement needs them.
+  // Call after a verdict: refits are then made as a measurement needs them.
   void begin_measuring(const HoldNow& now) noexcept;
-  // From now on clean() takes the transient out of readings from from_ns on. All that count are to be cleaned anew.
+  // From now on clean() subtracts the transient from readings from from_ns on. All that count are to be cleaned anew.
   void take_out(std::int64_t from_ns, std::int64_t end_ns, const HoldNow& now) noexcept;
   [[nodiscard]] double clean(int channel, std::int64_t t_ns, double value) noexcept {
     return removal_.clean(channel, t_ns, value);
   }
-  // How often at most the fit follows the drive's frequency after one verdict.
+  // How often the fit may follow the drive's frequency after one verdict.
   static constexpr int kMostFollowed = 4;
-  // Where the frequency of the data that count is another than that of the fit: tries it in the fit. Whether it
-  // explains the hold better; the transient is then to be taken out anew.
+  // Where the data that count have another frequency than the fit, tries it in the fit. Whether it explains the hold
+  // better: the transient is then to be subtracted anew.
   bool follow_drive(const SeenFrequency& counted, const HoldNow& now);
   void allow_following() noexcept { fit_.allow_at_least(kMostFollowed); }
 
-  // More data tell better what the transient was. Whether a refit is due while measuring.
+  // Whether a refit is due while measuring: more data tell better what the transient was.
   [[nodiscard]] bool wants_refit_measuring(const HoldNow& now) noexcept;
-  // Refines the fit on all data. matters: what is not known of the transient is a part of the uncertainty that matters.
-  // Whether this was the last of the hold: end_refits() once it is made use of.
+  // Refines the fit on all data. matters: whether the uncertainty of the transient matters in that of the phasors.
+  // Whether this was the last refit of the hold: then end_refits() once its result is used.
   bool refit_measuring(const SeenFrequency& counted, bool matters, const HoldNow& now);
   void end_refits() noexcept { schedule_.plan_no_more(); }
-  // Whether the fit takes back the verdict of that instant.
+  // Whether the fit takes back the verdict given at verdict_ns.
   [[nodiscard]] bool takes_back(std::int64_t verdict_ns, const HoldNow& now) noexcept;
-  // By the fit that took it back: writes what is left into the verdict. From where the data count; empty: the rig has
-  // not settled.
+  // After takes_back(): writes what is left into the verdict. From where the data count; empty: not settled.
   [[nodiscard]] std::optional<std::int64_t> mend(std::int64_t end_ns, const HoldNow& now,
                                                  SettlingDetector::Verdict& verdict) const noexcept;
-  // The rig settles again, in the same hold and by the same fit.
+  // Settles again, in the same hold and by the same fit.
   void settle_again(const HoldNow& now) noexcept;
-  // Keeps what the fit shows of the natural oscillations for the check of the model.
+  // Keeps the natural oscillations that the fit shows, for the check of the model.
   void remember_modes(const HoldNow& now) noexcept;
 
-  // What is reported of it.
+  // For the report.
   [[nodiscard]] const ModalFit& fit() const noexcept { return fit_.fit(); }
   [[nodiscard]] const PoleSet& poles() const noexcept { return search_.poles(); }
   [[nodiscard]] const TransientRemoval& removal() const noexcept { return removal_; }
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return shown_.modes(); }
-  // The verdict of this hold that was taken back last.
+  // The verdict of this hold that was taken back last; empty: none.
   [[nodiscard]] const std::optional<TransientLeft::Premature>& taken_back() const noexcept { return taken_back_; }
 
  private:
@@ -111,7 +111,7 @@ class TransientModel {
   void heed_knock(std::int64_t end_ns, const HoldNow& now) noexcept;
   void refit_after_knock(const HoldNow& now) noexcept;
 
-  ChainPoles& chain_;  // of the pipeline
+  ChainPoles& chain_;  // owned by the pipeline
   HoldFit fit_;
   ResidualNoise noise_;
   KnockWatch knocks_;

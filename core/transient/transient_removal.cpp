@@ -8,8 +8,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kNegligible = 1e-3;        // of the tolerance: nothing is subtracted any more …
-constexpr double kNegligibleOfNoise = 0.2;  // … or of the uncertainty of the phasor
+constexpr double kNegligible = 1e-3;        // a mode is negligible below this part of the tolerance …
+constexpr double kNegligibleOfNoise = 0.2;  // … or of the phasor's uncertainty, whichever is larger
 
 }  // namespace
 
@@ -24,7 +24,7 @@ double TransientRemoval::negligible(int channel) const noexcept {
                   kNegligibleOfNoise * std::sqrt(fit.variance(channel) * 2 / fit.samples(channel)));
 }
 
-// What has become negligible in every channel is evaluated no more.
+// A mode that has become negligible in every channel is evaluated no more.
 void TransientRemoval::fade_modes(std::int64_t from_ns) noexcept {
   ModalFit& fit = fit_.fit();
   for (std::size_t m = 0; m < fit.poles().size(); ++m) {

@@ -8,47 +8,48 @@
 namespace dwell {
 namespace {
 
-// From one begin() to the next: passes over the hold, and multiplications in them, some 0.3 s. Samples beyond what
-// these allow are left out at random, in each channel for itself, but not below twice what a channel needs. Half of the
-// room is for samples from before the latest fit.
+// Allowed from one begin() to the next: passes over the hold, and multiplications in them, some 0.3 s. Samples beyond
+// that are left out at random, in each channel by itself; twice what a channel needs is always kept. Half of the room
+// is for samples before the begin of the latest fit.
 constexpr int kMostPasses = 60;
 constexpr double kMostWork = 4e8;
 
-// Each begin lies at this part of the time from the hold's beginning to the one before. Not derived; no other was
-// tried.
+// Each begin lies at this part of the time from the hold's beginning to the begin before. Not derived; no other value
+// was tried.
 constexpr double kEarlier = 0.6;
-constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;  // periods
-constexpr int kSteps = 8;                                   // of refinement at one begin
-constexpr int kShortened = 2;     // a step that made the misfit worse is tried again so many times …
-constexpr double kShorter = 0.3;  // … each time this part as long
-constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // relative change of a pole and of ω in one step
-constexpr double kConverged = 0.1;                   // standard deviations of a pole
-constexpr double kSamePole = 0.1;                    // relative
-constexpr double kPerParameter = 4.0;                // samples of a channel, at least
-// χ² of what is left over may be as improbable as so many standard deviations of a normal number. Chance passes 4 once
-// in 30 000 stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end
-// early.
+// Periods: from the hold's beginning to the earliest begin; the first stretch of residuals that is compared.
+constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;
+constexpr int kSteps = 8;                            // refinement steps at one begin
+constexpr int kShortened = 2;                        // a step that raised the misfit is tried again so many times …
+constexpr double kShorter = 0.3;                     // … each time this part as long
+constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // damping of one step: width of a relative change of a pole, of ω
+constexpr double kConverged = 0.1;     // a shorter step ends the refinement, in standard deviations of a pole
+constexpr double kSamePole = 0.1;      // relative distance of two poles that match
+constexpr double kPerParameter = 4.0;  // samples of a channel per linear parameter, at least
+// The χ² of the residuals may be as improbable as so many standard deviations. Chance passes 4 once in 30 000
+// stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end early.
 constexpr double kSure = 4.0;
-// Where a further pole is looked for: so many periods of the beginning, up to this harmonic of the drive, by steps of a
-// quarter of a cycle in that stretch; in so many samples at most.
+// A further pole is searched in so many periods of the beginning, up to this multiple of the drive's ω. The lines are a
+// quarter of a cycle over that stretch apart. At most so many lines and samples are used.
 constexpr double kSearched = 4.0, kHighest = 12.0;
 constexpr std::size_t kMostLines = 200;
 constexpr double kMostSearched = 2e4;
-constexpr double kOfChance = 5.0, kOfLine = 6.0;  // multiplications: whether a sample is left out; a line at a sample
+// Multiplications: to decide whether a sample is left out; of a line at a sample.
+constexpr double kOfChance = 5.0, kOfLine = 6.0;
 
 double to_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 std::int64_t to_ns(double s) { return static_cast<std::int64_t>(1e9 * s); }
 
-// A number in [0, 1) without a pattern: equal steps would fold what is sampled (an integer hash).
+// A number in [0, 1) without a pattern, by an integer hash. Leaving samples out at equal steps would fold frequencies.
 double chance(std::uint64_t number) {
   number = (number ^ (number >> 31)) * 0x7fb5d329728ea185U;
   number = (number ^ (number >> 27)) * 0x81dadef4bc2dd44dU;
   return static_cast<double>((number ^ (number >> 33)) >> 11) * 0x1p-53;
 }
 
-// As improbable as so many standard deviations of a normal number (Wilson and Hilferty, 1931). χ² is relative to a
-// variance that was itself found from `samples`.
+// The standard deviations of a normal number that are as improbable as χ² (Wilson and Hilferty, 1931). samples: those
+// from which the variance under χ² was found.
 double deviations(double chi2, double freedom, double samples) {
   const double spread = 2 / (9 * freedom);
   return (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread * (1 + freedom / samples));
@@ -92,8 +93,8 @@ bool WholeHold::earlier(const Given& given) noexcept {
   return true;
 }
 
-// Steady lines and what a fit shows beyond doubt, then each pole of the chain that none of these matches; one matches
-// one at most.
+// Takes the steady lines of a fit and the poles that it shows beyond doubt. Adds each pole of the chain that none of
+// these matches; each matches one at most.
 void WholeHold::take_poles(const Given& given, const ModalFit& fit) noexcept {
   poles_.clear();
   for (std::size_t m = 0; m < fit.poles().size() && poles_.size() < most_poles_; ++m)
@@ -109,7 +110,7 @@ void WholeHold::take_poles(const Given& given, const ModalFit& fit) noexcept {
   }
 }
 
-// The fit with these poles; its misfit.
+// Fits with these poles and ω. Returns the misfit.
 double WholeHold::run(const Given& given, double omega, std::span<const Complex> poles) noexcept {
   --passes_left_;
   fit_.restart(omega, given.latest.rate(), from_ns_, poles);
@@ -150,7 +151,7 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   return fit_.misfit();
 }
 
-// Moves the poles that show beyond doubt, and ω with them.
+// Refines ω, steady lines and the poles that show beyond doubt.
 void WholeHold::refine(const Given& given) noexcept {
   double best = run(given, omega_, poles_);
   for (int step = 0; step < kSteps && passes_left_ > 0; ++step) {
@@ -181,7 +182,7 @@ void WholeHold::refine(const Given& given) noexcept {
   }
 }
 
-// Every channel of the latest fit, by readings enough.
+// Whether each channel of the latest fit is solved, by readings enough.
 bool WholeHold::solved(const Given& given) const noexcept {
   bool any = false;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
@@ -195,7 +196,7 @@ bool WholeHold::solved(const Given& given) const noexcept {
   return any;
 }
 
-// Over ever longer stretches the residuals are no more than the noise.
+// Whether the residuals are no more than the noise, over ever longer stretches of the beginning.
 bool WholeHold::explains(const Given& given) noexcept {
   if (!solved(given)) return false;
   const std::int64_t until_ns = given.latest.t0_ns();
@@ -206,7 +207,7 @@ bool WholeHold::explains(const Given& given) noexcept {
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];
       PerChannel& channel = channels_[static_cast<std::size_t>(s.channel)];
-      // Those that were fitted: of others the errors of the fit make the residuals larger than the noise.
+      // Only samples that were fitted: the residuals of others hold the errors of the fit beside the noise.
       if (!fit_.usable(s.channel) || chance(i) >= channel.early_part) continue;
       given.history.spend(fit_.work_of_residual());
       const double r = fit_.residual(s.channel, s.t_ns, s.value);
@@ -218,11 +219,11 @@ bool WholeHold::explains(const Given& given) noexcept {
   }
 }
 
-// χ² of the residuals, in each channel and in all together, against as many degrees of freedom as there are samples.
-// The freedom that poles and amplitudes took is not taken off: they are fitted to the whole hold, of which this stretch
-// is a part. So χ² comes out too small. Where most samples are left out, four early ones a parameter remain, and χ² of
-// C channels with p parameters each is low by up to √(Cp/8) standard deviations: five for 8 channels of 25. There the 4
-// of kSure are about 9.
+// Compares χ² of the residuals, per channel and in all together, with as many degrees of freedom as there are samples.
+// Those of poles and amplitudes are not subtracted: the fit rests on the whole hold, of which this stretch is a part.
+// So χ² comes out too small. Where most samples are left out, four early ones a parameter remain. χ² of C channels with
+// p parameters each is then low by up to √(Cp/8) standard deviations: five for 8 channels of 25. There the 4 of kSure
+// are about 9.
 bool WholeHold::within_noise(const Given& given) const noexcept {
   double chi2 = 0.0, freedom = 0.0, samples = INFINITY;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
@@ -237,8 +238,8 @@ bool WholeHold::within_noise(const Given& given) const noexcept {
   return !(freedom > 0) || deviations(chi2, freedom, samples) <= kSure;
 }
 
-// A pole where the residuals of the beginning show the strongest line, in the place of the first that does not show,
-// else beside the others. false: there is no room, or nothing is left over.
+// Adds a pole at the strongest line in the residuals of the beginning. It replaces the first pole that does not show,
+// if there is one. false: there is no room, or no residual.
 bool WholeHold::add_pole(const Given& given) noexcept {
   std::size_t at = 0;
   while (at < poles_.size() && (poles_[at].real() == 0 || fit_.certain(at))) ++at;

@@ -1,11 +1,11 @@
-// The natural oscillations over the whole of a hold, for the check of the model (docs/method.md, Cross-check).
+// Fits the natural oscillations over the whole of a hold, for the check of the model (docs/method.md, Cross-check).
 //
-// The fit that judges when a transient has decayed leaves out the beginning of the hold: the part in which modes that
-// decay fast are visible. Once the steady motion and the noise are known, the same fit is made from ever earlier on.
-// Each begin starts with the poles of the one before; a mode that is hidden in noise keeps the pole that the identified
-// chain has, as fitting it would follow the noise. What a fit leaves over of the beginning is compared with the noise:
-// where there is more, a pole is added at its strongest line (a bracket that rings; a mode that is far from where the
-// chain has it), and where that does not help either, the fits end.
+// The fit that judges the transient leaves out the beginning of the hold, where modes that decay fast are visible. Once
+// the steady motion and the noise are known, the same fit is made from ever earlier begins. Each begin starts from the
+// poles of the one before. A mode that is hidden in noise keeps the pole of the identified chain: fitting it would
+// follow the noise. The residuals of the beginning are compared with the noise. Where they exceed it, a pole is added
+// at their strongest line (a bracket that rings; a mode far from where the chain has it). Where that does not help
+// either, the fits end.
 #pragma once
 
 #include <cmath>
@@ -21,24 +21,24 @@ namespace dwell {
 
 class WholeHold {
  public:
-  // modes: as many poles at most. stated: of ω. All memory is allocated here: that of a ModalFit, and 3 kB a channel.
+  // modes: capacity in poles. stated: prior of ω. All memory is allocated here: that of a ModalFit, and 3 kB a channel.
   WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated);
 
   struct Given {
     const SampleHistory& history;
-    const ModalFit& latest;                       // its residuals are noise
+    const ModalFit& latest;                       // the fit that judges the transient; its residuals are noise
     std::span<const std::complex<double>> chain;  // eigenvalues of the identified chain, rad/s
     std::span<const char> imposed;                // per channel: it shows the table, which has no transient
     std::int64_t begin_ns, until_ns;              // of the hold; history goes back to begin_ns
     double period_s;
     bool omega_known;
   };
-  // Begins where `latest` does.
+  // Starts at the begin of `latest`, with its poles; allows the work of earlier() anew.
   void begin(const Given& given) noexcept;
-  // The fit from earlier on; false: there are no earlier data, it does not explain them, or enough has been spent since
-  // begin(): 0.3 s of a processor for 32 channels and 10 modes. No allocation.
+  // Fits from an earlier begin. false: there are no earlier data, the fit does not explain them, or the work allowed
+  // since begin() is spent: 0.3 s of a processor for 32 channels and 10 modes. No allocation.
   bool earlier(const Given& given) noexcept;
-  // Of the last earlier() that returned true: refined, its poles' errors propagated.
+  // The fit of an earlier() that returned true, until the next call: last step made, errors of the poles propagated.
   [[nodiscard]] const ModalFit& modes() const noexcept { return fit_; }
 
  private:
@@ -53,7 +53,7 @@ class WholeHold {
   struct PerChannel {
     double low = INFINITY, high = -INFINITY;  // of the readings
     double squares = 0.0, count = 0.0;        // of the residuals
-    // Of the samples before and after the latest fit's begin, those that are fitted.
+    // Parts of the samples that are fitted: before and after the begin of the latest fit.
     double early_part = 1.0, late_part = 1.0;
     std::vector<std::complex<double>> lines;  // Fourier sums of the residuals
   };
