@@ -30,7 +30,7 @@ struct Evidence {
   double refresh_u_s = 0.0;                             // of the instants, by a slowly refreshed register
   double folded_u = 0.0;                                // of X_1, by harmonics that sampling folds onto it
   double turnaround_u_s = 0.0;                          // of the instants, by the turnaround of the transaction
-  int transaction = -1;  // the channels that share turnaround_u_s (Transactions::of); -1: this channel alone
+  int transaction = -1;  // lowest channel of those that share turnaround_u_s (Transactions::of); -1: no other does
 };
 
 struct Frequency {

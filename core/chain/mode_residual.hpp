@@ -54,6 +54,7 @@ class ModeResidual {
   [[nodiscard]] double product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     return a.dot(factor_.solve(b));
   }
+  // (Re R_k, Im R_k) of each element that takes part, divided by the size of its terms, |f_k| + |Z_k d_k|.
   [[nodiscard]] const Eigen::VectorXd& force() const noexcept { return force_; }
 
  private:

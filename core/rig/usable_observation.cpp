@@ -6,8 +6,7 @@ namespace dwell {
 namespace {
 
 // Ridge on the diagonal of G'G, relative to its largest entry, so that the Cholesky factor exists. An unknown that no
-// channel shows rests on this ridge alone. Entries of G are 0 and ±1; determined directions have eigenvalues above
-// 1/(4n²).
+// channel shows rests on it alone. Entries of G are 0 and ±1, so determined directions have eigenvalues above 1/(4n²).
 constexpr double kRidge = 1e-12;
 constexpr double kDetermined = 1e-6;  // largest part of an unknown that may rest on the ridge
 

@@ -19,8 +19,7 @@ class UsableObservation {
   // Marks channel c as not delivering, or as observing o (displacement or force on the ground).
   void leave_out(int c) noexcept;
   void observe(int c, std::complex<double> o) noexcept;
-  // Writes (Y_0, d_1 … d_n, F) into x. false: the channels that deliver do not determine x, whose content is then
-  // undefined. O(channels · n² + n³).
+  // Writes (Y_0, d_1 … d_n, F) into x. false: the channels do not determine x, do not use it. O(channels · n² + n³).
   [[nodiscard]] bool solve(Eigen::Ref<Eigen::VectorXcd> x) noexcept;
 
  private:
