@@ -1,4 +1,4 @@
-// The complex number of phasors, dynamic stiffnesses and poles.
+// The one complex type for phasors, dynamic stiffnesses and poles.
 #pragma once
 
 #include <complex>

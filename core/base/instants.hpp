@@ -1,5 +1,5 @@
-// Instants and durations: integers of nanoseconds where they are kept and compared, seconds where they are calculated
-// with.
+// Conversion of instants and durations. Stored and compared values are whole nanoseconds (int64); arithmetic uses
+// seconds (double).
 #pragma once
 
 #include <cmath>

@@ -10,11 +10,11 @@
 namespace dwell {
 namespace {
 
-// Bytes, a page below them guarded; what is not used costs nothing. The deepest work, the end of a dwell of 64 masses,
-// uses less than a tenth.
+// Stack size, bytes. A guard page lies below the stack; unused pages cost no memory. The deepest work, the end of a
+// dwell of 64 masses, uses less than a tenth.
 constexpr std::size_t kStack = std::size_t{1} << 22;
 
-// The thread sanitizer does not follow a change of stacks: under it work is done in one slice.
+// The thread sanitizer does not follow a change of stacks. Under this sanitizer the work runs in one slice.
 #if defined(__SANITIZE_THREAD__)
 constexpr bool kOwnStack = false;
 #elif defined(__has_feature)

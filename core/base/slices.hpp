@@ -1,11 +1,11 @@
-// Long work done in slices, so that it never holds up whoever asked for it.
+// Runs long work in slices, so that the caller is never blocked for long.
 //
-// The work runs on a stack of its own. It says now and then how much of it is done, and pauses where that exceeds what
-// it has been allowed; whoever owns the slices lets it go on later. Work is counted in multiplications, not in seconds:
-// the same work pauses at the same places on every machine.
+// The work runs on a stack of its own and reports its progress by spend(). It pauses as soon as it has spent more than
+// the owner allowed; the owner resumes the work later. Work is counted in multiplications, not in seconds: the same
+// work pauses at the same places on every machine.
 //
-//   slices.allow(most);                       in the work:  for (…) { …; slices.spend(products); }
-//   done = slices.begin();  …  slices.go_on();
+//   slices.allow(work, most);                 in the work:  for (…) { …; slices.spend(products); }
+//   done = slices.begin();  …  done = slices.go_on();
 #pragma once
 
 #include <functional>
@@ -13,34 +13,34 @@
 
 namespace dwell {
 
-// Bound to one thread. All memory is allocated by the constructor: 4 MB of stack. begin(), go_on() and spend() are
-// real-time safe.
+// Bound to one thread. The constructor allocates a stack of 4 MB. begin(), go_on() and spend() are real-time safe.
 class Slices {
  public:
-  // work: what each begin() does; must not throw.
+  // work: runs once for each begin(); must not throw.
   explicit Slices(std::function<void()> work);
-  // Work that is not done is done now.
+  // Finishes work in progress first, without limit.
   ~Slices();
   Slices(const Slices&) = delete;
   Slices& operator=(const Slices&) = delete;
 
-  // So much more work may be done, but never more than `most` at once.
+  // Adds `work` to the allowance, multiplications, and caps the sum at `most`.
   void allow(double work, double most) noexcept;
-  // Without limit from now on.
+  // Removes the limit, until the next allow().
   void allow_all() noexcept;
-  // Whether there is any left to do it with.
+  // Whether any allowance is left.
   [[nodiscard]] bool may_work() const noexcept { return left_ > 0; }
 
-  // By how much more than allowed the work did before it paused: its largest piece bounds it.
+  // Multiplications done beyond the allowance; 0 while some is left. At most the largest amount given to spend().
   [[nodiscard]] double overdrawn() const noexcept { return left_ < 0 ? -left_ : 0.0; }
 
-  // Begins the work, or goes on with it; whether it is done. begin() only where it is.
+  // begin() starts the work, only while not busy(); go_on() resumes it, only while busy(). true: the work is done.
   bool begin() noexcept;
   bool go_on() noexcept;
-  // Whether it has begun and is not done.
+  // Whether work has begun and is not done.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
 
-  // In the work: so much of it is done. May return much later. Outside it does nothing.
+  // Called by the work: reports `work` multiplications as done. Pauses when the allowance is used up, so it may return
+  // much later. Does nothing when called from outside the work.
   void spend(double work) noexcept {
     if (!inside_) return;
     left_ -= work;

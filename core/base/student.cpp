@@ -12,7 +12,7 @@ double density(double t, double nu) noexcept {
          std::sqrt(nu * std::numbers::pi);
 }
 
-// P(|T| <= t): integral of the density by Simpson's rule in the angle t = √ν tan φ, where it is ∝ cos^{ν-1} φ, smooth.
+// P(|T| <= t), by Simpson's rule over the angle φ with t = √ν tan φ. There the integrand cos^{ν-1} φ is smooth.
 double within(double t, double nu) noexcept {
   constexpr int kSteps = 400;
   const double end = std::atan(t / std::sqrt(nu));
@@ -29,7 +29,7 @@ double within(double t, double nu) noexcept {
 
 double student_t95(double dof) noexcept {
   if (!(dof < 60)) {
-    // Cornish-Fisher (Abramowitz and Stegun 26.7.5); the next term is below 1e-9 of the result.
+    // Cornish-Fisher expansion (Abramowitz and Stegun 26.7.5). The first neglected term is below 1e-9 of the result.
     if (!std::isfinite(dof)) return kNormal95;
     const double z = kNormal95, z2 = z * z, i = 1 / dof;
     const double g1 = z * (z2 + 1) / 4;
@@ -39,7 +39,7 @@ double student_t95(double dof) noexcept {
     return z + i * (g1 + i * (g2 + i * (g3 + i * g4)));
   }
   const double nu = dof < 1 ? 1 : dof;
-  // The probability is concave in t, so Newton's steps from below the root never pass it.
+  // The probability is concave in t. Newton's method from below therefore never passes the root.
   double t = kNormal95;
   for (int i = 0; i < 100; ++i) {
     const double step = (0.95 - within(t, nu)) / (2 * density(t, nu));

@@ -3,11 +3,11 @@
 
 namespace dwell {
 
-// Standard deviations that hold 95 % of a normal distribution, two-sided.
+// Half width of the two-sided 95 % interval of a normal distribution, in standard deviations.
 inline constexpr double kNormal95 = 1.959963984540054;
 
-// The factor t for which a fraction 0.95 of Student's distribution with `dof` >= 1 (not necessarily whole) degrees of
-// freedom lies within ±t; infinity gives 1.95996. dof below 1 is taken as 1. Relative error below 1e-9. Thread-safe.
+// The t for which 95 % of Student's distribution lies within ±t. dof: degrees of freedom, not necessarily whole; a dof
+// below 1 counts as 1, infinity gives kNormal95. Relative error below 1e-9. Thread-safe.
 [[nodiscard]] double student_t95(double dof) noexcept;
 
 }  // namespace dwell

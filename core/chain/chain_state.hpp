@@ -1,5 +1,5 @@
-// The chain at one harmonic of the drive: each element's force and deformation as a linear function of
-// x = (Y_0, d_1 … d_n, F), the unknowns of core/rig/observation.hpp. Internal to core. Allocates.
+// Force f and deformation d of every element at one harmonic of the drive, as linear functions of the unknowns
+// x = (Y_0, d_1 … d_n, F) of core/rig/observation.hpp. Internal to core. Allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,15 +9,15 @@
 
 namespace dwell {
 
-// Row a with a·x = the force, N, that element k (1 …) transmits towards the ground, where the chain moves as exp(st).
-// inertia: -s², so ω² of a steady motion.
+// Row a with a·x = f_k, N: the force of element k (1 …) on mass k-1; for k = n+1 the force on the ground. inertia: -s²
+// for a motion exp(st), so ω² in steady motion.
 template <class Scalar>
 [[nodiscard]] Eigen::VectorXcd force_row(const Rig& rig, int k, Scalar inertia) {
   const int n = rig.mass_count();
   Eigen::VectorXcd row = Eigen::VectorXcd::Zero(n + 2);
   if (rig.boundary == Boundary::clamped) row(n + 1) = k == n + 1 ? 1.0 : -1.0;
   if (k == n + 1) return row;
-  double beyond = 0.0;  // mass of all that moves with d_l: Σ_{i >= max(k, l)} m_i
+  double beyond = 0.0;  // total mass that moves with d_l: Σ_{i >= max(k, l)} m_i
   for (int l = n; l >= 1; --l) {
     if (l >= k) beyond += rig.masses[static_cast<std::size_t>(l - 1)];
     row(l) = inertia * beyond;
@@ -26,7 +26,7 @@ template <class Scalar>
   return row;
 }
 
-// Row a with a·x = the deformation of element k, m.
+// Row a with a·x = d_k, the deformation of element k, m.
 [[nodiscard]] inline Eigen::VectorXcd deformation_row(int n, int k) {
   Eigen::VectorXcd row = Eigen::VectorXcd::Zero(n + 2);
   if (k <= n)
@@ -47,7 +47,7 @@ struct ChainState {
   [[nodiscard]] Eigen::VectorXcd deformation_row(int k) const { return dwell::deformation_row(n, k); }
 };
 
-// Every element of a chain in that state: f = force_rows·x, d = deformation_rows·x, Z = f/d.
+// All elements of a chain in this state: f = force_rows·x, d = deformation_rows·x, Z = f/d.
 struct ElementStates {
   explicit ElementStates(const ChainState& chain)
       : force_rows(chain.rig.element_count(), chain.n + 2),

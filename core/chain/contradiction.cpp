@@ -16,15 +16,16 @@ namespace {
 
 using Eigen::Index;
 
-// Standard deviations. One source may be all of it (a scale), so the normal law counts: 3 would doubt one healthy dwell
-// in 370 per redundant transducer, 5 one in two million. Six would hide a fifth more of a wrong scale.
+// In standard deviations. One source (a scale) may be the whole difference, so the normal law holds: one false doubt in
+// two million dwells per redundant transducer. With 3 it is one in 370; with 6 a wrong scale a fifth larger stays
+// unseen.
 constexpr double kSureOfContradiction = 5.0;
-constexpr double kRoundingOfSums = 1e-9;  // of the largest reading: a thousand roundings are no contradiction
+constexpr double kRoundingOfSums = 1e-9;  // relative to the largest reading: a smaller difference is rounding
 
 struct Observed {
   Eigen::VectorXcd o;                    // displacement or force on the ground
-  Eigen::VectorXd own;                   // variance by what each channel has of its own, both components
-  std::map<int, Eigen::VectorXcd> late;  // what one standard deviation of an instant shared by some does to o
+  Eigen::VectorXd own;                   // variance by the errors of each channel alone, sum of both components
+  std::map<int, Eigen::VectorXcd> late;  // change of o by one standard deviation of an instant that channels share
 };
 
 Observed observed(const Rig& rig, const std::vector<Evidence>& evidence, double omega) {
@@ -39,7 +40,7 @@ Observed observed(const Rig& rig, const std::vector<Evidence>& evidence, double 
     const Device device = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)] : Device{};
     const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, omega, 1);
     const LogSlopes slopes = response_slopes(channel, device.delay_s, omega / kTwoPi);
-    const double few = std::pow(student_t95(of.dof) / kNormal95, 2);  // the noise is itself uncertain
+    const double few = std::pow(student_t95(of.dof) / kNormal95, 2);  // the noise estimate is itself uncertain
     out.o(c) = of.X[0] * per_reading;
     out.own(c) = std::norm(per_reading) * (few * few * (of.widened * of.covariance.trace() + of.transient.trace()) +
                                            2 * (of.quantization_u * of.quantization_u + of.folded_u * of.folded_u)) +
@@ -47,7 +48,7 @@ Observed observed(const Rig& rig, const std::vector<Evidence>& evidence, double 
                                         std::pow(omega * std::hypot(channel.delay_u_s, of.refresh_u_s), 2) +
                                         std::norm(slopes.lowpass_corner * channel.lowpass.hz_u) +
                                         std::norm(slopes.highpass_corner * channel.highpass.hz_u));
-    // Delays of a device as -1 - device, turnarounds of a transaction as they are: neither is a channel's own.
+    // Keys of `late`: -1 - device for the delay of a device, the transaction for its turnaround.
     const Complex delayed = Complex{0.0, omega} * out.o(c);
     if (device.delay_u_s > 0)
       out.late.try_emplace(-1 - channel.device, nothing).first->second(c) = delayed * device.delay_u_s;
@@ -84,7 +85,7 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
     if (!evidence[i].usable || channel.measures == Quantity::auxiliary) continue;
     double variance = rest.row(c).cwiseAbs2().dot(seen.own);
     for (const auto& [shared, on_o] : seen.late) variance += std::norm((rest.row(c) * on_o)(0));
-    // Of one quantity: a force's rounding is none of a displacement's.
+    // Largest reading of the same quantity: the rounding of a force does not reach a displacement.
     double largest = 0.0;
     for (Index other = 0; other < count; ++other)
       if (rest(c, other) != 0) largest = std::max(largest, std::abs(seen.o(other)));

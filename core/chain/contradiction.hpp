@@ -1,4 +1,4 @@
-// Redundant transducers: whether what each reads agrees with what all of that motion say together.
+// Finds redundant transducers that contradict each other, by the residuals o - G x of the least-squares solution x.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,8 @@
 
 namespace dwell {
 
-// At most one doubt: of the elements computed from the channels that differ from the weighted mean of all by more than
-// five standard deviations of noise, scales, delays and filters explain. G: observation_matrix(rig). Allocates.
+// At most one doubt. It names the channels with a residual above five standard deviations (noise, scales, delays,
+// filters) and the elements computed from these. G: observation_matrix(rig); omega: rad/s. Allocates.
 [[nodiscard]] std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, const Gain& gain,
                                                 const std::vector<Evidence>& evidence, double omega);
 

@@ -21,9 +21,9 @@ namespace {
 using Eigen::VectorXcd;
 using Index = Eigen::Index;
 
-constexpr double kTypeB = std::numeric_limits<double>::infinity();  // degrees of freedom
+constexpr double kTypeB = std::numeric_limits<double>::infinity();  // degrees of freedom of a type B source
 
-// The device, and which of its channels where it has several transactions: "line (y0, y1, y2 …)".
+// Name of the device. If the device has several transactions, the channels of this one too: "line (y0, y1, y2 …)".
 std::string name_of_transaction(const Rig& rig, const std::vector<Evidence>& evidence, int transaction) {
   constexpr int kNamed = 3;
   const int device = rig.channels[static_cast<std::size_t>(transaction)].device;
@@ -52,7 +52,7 @@ class Collection {
 
   void add_noise(Index c);
   void add_stated(Index c);
-  // Instants that channels of a device or of a transaction share.
+  // Delays that the channels of a device share, and turnarounds that the channels of a transaction share.
   void add_shared_instants();
   void add_masses();
   void add_absorbed();
@@ -63,7 +63,7 @@ class Collection {
   std::vector<ErrorSource>& sources() { return out_; }
 
  private:
-  // An error of instants that several channels share.
+  // Error of an instant that several channels share.
   struct Shared {
     VectorXcd on_x, bends_x;
     std::vector<ReadingError> readings;
@@ -107,13 +107,13 @@ class Collection {
   std::vector<ErrorSource> out_;
 };
 
-// What is of the readings themselves, independent in each channel.
+// Adds the errors that are independent between channels: noise, remaining transient, quantization, folded harmonics.
 void Collection::add_noise(Index c) {
   const Evidence& seen = this->seen(c);
   const Complex per_reading = as_observed(chain_.rig, static_cast<int>(c), 1.0, chain_.omega, 1);
   Eigen::Matrix2d turn;
   turn << per_reading.real(), -per_reading.imag(), per_reading.imag(), per_reading.real();
-  // Two independent errors with each covariance: along the principal axes.
+  // Each 2 × 2 covariance gives two independent errors, along its principal axes.
   const double rounding = std::norm(per_reading) * seen.quantization_u * seen.quantization_u;
   for (const auto& [name, covariance, dof] :
        {std::tuple<const char*, Eigen::Matrix2d, double>{"noise of ", turn * seen.covariance * turn.transpose(),
@@ -135,7 +135,7 @@ void Collection::add_noise(Index c) {
   }
 }
 
-// What the rig file states of this channel alone.
+// Adds the systematic errors of this channel alone: scale, refresh of its register, delay, filters.
 void Collection::add_stated(Index c) {
   const Channel& channel = this->channel(c);
   const LogSlopes slopes = response_slopes(channel, device_delay_s(chain_.rig, channel), chain_.omega / (kTwoPi));
@@ -188,7 +188,7 @@ void Collection::add_masses() {
   }
 }
 
-// The part of the phasors that answers a change of the drive and may have been taken for a transient.
+// Adds the response to a change of the drive while settling. The fit may have taken it for a transient.
 void Collection::add_absorbed() {
   VectorXcd absorbed = no_x();
   for (Index c = 0; c < o_.size(); ++c)
@@ -198,13 +198,13 @@ void Collection::add_absorbed() {
     out_.push_back({.name = "drive's change while settling", .dof = kTypeB, .on_x = absorbed, .on_Z = no_Z()});
 }
 
-// The motion is no steady harmonic where its phasors have a slope: with y = Im(Y(t) exp(jωt)) the equations hold at any
-// instant, and to first order in Ẏ the inertia has -2jω Σ m_i Ẏ_i beside ω² Σ m_i Y_i, the damper r_k ḋ_k. So what is
-// taken for Z_k is too large by
+// Adds the error of Z_k by phasors that change within the dwell, by a transient, a drive that hunts or a knock.
+// With y = Im(Y(t) exp(jωt)) the equations of motion hold at every instant. To first order in the slope Ẏ, the inertia
+// has the additional term -2jω Σ m_i Ẏ_i, the damper the term r_k ḋ_k. The computed Z_k is therefore too large by
 //
-//   (2jω Σ_{i>=k} m_i Ẏ_i + r_k ḋ_k) / d_k ,   element n+1: r_{n+1} Ẏ_n / Y_n
+//   (2jω Σ_{i>=k} m_i Ẏ_i + r_k ḋ_k) / d_k ,   element n+1: r_{n+1} Ẏ_n / Y_n .
 //
-// whatever changes the phasors: a transient, a drive that hunts, a knock. None where no channel has a slope that shows.
+// It adds nothing if no channel has a significant slope.
 void Collection::add_change_within() {
   const int n = chain_.n;
   const VectorXcd &Z = elements_.Z, &d = elements_.d;
@@ -214,7 +214,7 @@ void Collection::add_change_within() {
     if (!counts(c)) continue;
     shows = shows || seen(c).slope.shows();
     slopes(c) = as_observed(chain_.rig, static_cast<int>(c), seen(c).slope.value, chain_.omega, 1);
-    // A transducer of velocity reads jωY + Ẏ.
+    // A velocity transducer reads jωY + Ẏ, so the displacement is read too large by Ẏ/(jω); acceleration: twice that.
     read_off(c) = slopes(c) * static_cast<double>(derivative_order(channel(c).measures)) / Complex{0.0, chain_.omega};
   }
   if (!shows) return;

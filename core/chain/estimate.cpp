@@ -18,7 +18,7 @@ using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Index = Eigen::Index;
 
-// Per element: whether each channel has a part in its force or deformation.
+// Per element and channel: whether the element's force or deformation depends on the channel.
 std::vector<std::vector<bool>> channels_used(const Gain& gain, const ElementStates& elements) {
   std::vector<std::vector<bool>> used(static_cast<std::size_t>(elements.Z.size()));
   for (Index e = 0; e < elements.Z.size(); ++e)

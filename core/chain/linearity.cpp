@@ -17,21 +17,21 @@ namespace {
 using Eigen::VectorXcd;
 using Index = Eigen::Index;
 
-// In standard deviations, noise and the stated uncertainties together. One component beyond 5 by chance: 6e-7; a dwell
-// of 30 elements and 7 harmonics tells of it once in 4000. Four would be once in 40, six hides a fifth more of
-// friction.
+// In standard deviations of noise and stated uncertainties together. Chance takes one component beyond 5 with
+// probability 6e-7: one false warning in 4000 dwells of 30 elements and 7 harmonics. With 4 it would be one in 40; with
+// 6 a fifth more friction would stay unseen.
 constexpr double kSureOfHarmonic = 5.0;
 
-// Any harmonic above this part of the element's force makes it far from linear, whatever it does to c and r: it is then
-// no small correction to the harmonic linearization that c and r rest on.
+// An element is far from linear if a harmonic exceeds this part of its force, whatever the change of c and r: the
+// harmonic linearization assumes small harmonics.
 constexpr double kFarFromLinear = 0.1;
 
-// A channel's own harmonic must explain an element's to this part: a distortion that is not small has more than a third
-// harmonic. Halved, a transducer that saturates at twice its amplitude, tanh(½)/½, is not named; at this, no single
-// element that rubs or hardens blames a channel in the tests.
+// Part of an element's third harmonic that a channel's distortion may leave unexplained: a distortion that is not small
+// has higher harmonics too. With half of it a transducer that saturates at twice its amplitude, tanh(½)/½, is not
+// named. As it is, no single element with friction or hardening blames a channel in the tests.
 constexpr double kSameDistortion = 0.4;
 
-// The chain at harmonic h, and what each channel sees of it.
+// The chain at harmonic h, and what each channel observes there.
 struct Harmonic {
   int h;
   ChainState chain;
@@ -48,7 +48,7 @@ Harmonic harmonic_of(const Rig& rig, const Gain& gain, const std::vector<Evidenc
   return {h, {rig, rig.mass_count(), h * omega, std::move(x)}, std::move(seen)};
 }
 
-// Relative variance of a channel's phasor at ω, from the uncertainties that the rig file states.
+// Relative variance of a channel's phasor at ω by systematic errors: scale, instants, filters.
 double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double omega) {
   const Channel& channel = rig.channels[c];
   const Device device = channel.device >= 0 ? rig.devices[static_cast<std::size_t>(channel.device)] : Device{};
@@ -59,16 +59,16 @@ double stated_variance(const Rig& rig, std::size_t c, const Evidence& of, double
          std::norm(slopes.highpass_corner) * channel.highpass.hz_u * channel.highpass.hz_u;
 }
 
-// What c and r leave of a harmonic of the element's force, N.
+// Residual e_h of an element's force at one harmonic, after subtracting (c + jhωr) d_h; N.
 struct Excess {
-  Complex force;  // relative to the phase of the deformation
-  double sure;    // a component beyond this is no noise
-  // Per channel, what its distortion y - βy³ would add, per ρ = βa²/4: a third harmonic of its own in phase with its
-  // fundamental, and by the loss of 3ρ of that other c and r.
+  Complex force;  // e_h, relative to the phase of the deformation
+  double sure;    // limit per component: more than this is not noise
+  // Change of `force` by the distortion y - βy³ of each channel, per ρ = βa²/4: by the third harmonic that it adds in
+  // phase with the fundamental, and by the error of c and r, since the fundamental loses 3ρ.
   VectorXcd by_channel;
 };
 
-// What that loss makes of c + jhωr.
+// Error of c + jhωr, per ρ, if channel c loses 3ρ of its fundamental X.
 Complex lost_by(const Rig& rig, const Gain& gain, const Harmonic& first, const ElementEstimate& element, Index c,
                 Complex X, int h) {
   const double omega = first.chain.omega;
@@ -97,7 +97,7 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
     if (!of.usable || !gain.uses(row, c)) continue;
     const Complex per_reading = as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, at.h);
     const Complex part = row.cwiseProduct(gain.gain.col(c)).sum();
-    // The fundamental's own scatter (of.widened) says nothing of this harmonic.
+    // The scatter of the fundamental (of.widened) does not apply to this harmonic.
     const double noise = 0.5 * (of.covariance + of.transient).trace() + of.quantization_u * of.quantization_u;
     const Complex lost = lost_by(rig, gain, first, element, c, of.X[0], at.h) * times_x(deformation);
     by_channel(c) = -lost * std::polar(1.0, -at.h * phase_rad);
@@ -110,13 +110,13 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
     variance += std::norm(omega * omega * rig.mass_u[i] * at.chain.Y(static_cast<int>(i) + 1));
   const double clock = 2 * std::hypot(frequency.u / frequency.omega, frequency.clock_u);
   variance += std::norm(times_x(at.chain.force_row(element.k))) * clock * clock;
-  // From few degrees of freedom the noise is itself uncertain.
+  // With few degrees of freedom the noise estimate is itself uncertain.
   const double few = std::pow(student_t95(least_dof) / kNormal95, 2);
   return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSureOfHarmonic * few * std::sqrt(variance),
           std::move(by_channel)};
 }
 
-// The channels whose own third harmonic would explain that of all elements; empty: none would.
+// Names the channels whose distortion alone would explain the third harmonics of all elements; empty: none.
 std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const std::vector<int>& told) {
   std::string text;
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
@@ -141,10 +141,10 @@ std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const 
   return text.empty() ? text : text + ": look at its range and its amplifier";
 }
 
-// What of c and r harmonic 3 stands for.
+// Parts of c and r that come from the nonlinearity seen in harmonic 3.
 struct Parts {
-  double in_c = 0.0, in_r = 0.0;  // N/m, N·s/m
-  bool tells_c = false, tells_r = false;
+  double in_c = 0.0, in_r = 0.0;          // N/m, N·s/m
+  bool tells_c = false, tells_r = false;  // the part is significant and exceeds the coefficient's U95
 };
 
 Parts explained_by(const Excess& third, const ElementEstimate& element, double omega) {
@@ -224,7 +224,7 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
                          brief(100 * worst, 2) +
                          " % of the fundamental; c and r are equivalent stiffness and damping at this amplitude");
   }
-  // What one element shows is its own or a channel's: that cannot be told.
+  // With one element, its own nonlinearity and a channel's distortion cannot be told apart.
   if (told.size() > 1)
     if (std::string channels = distorting(rig, thirds, told); !channels.empty()) warnings.push_back(channels);
   return warnings;

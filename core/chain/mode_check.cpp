@@ -19,26 +19,26 @@ namespace {
 
 using Eigen::Index;
 
-constexpr int kMostMasses = 24;  // beyond, the eigenvectors ten times a second cost more than 5 ms
-// Of one evaluation, all modes together. A dwell is evaluated some ten times with new data: once in 10⁵ dwells, if all
-// errors were normal. Seen: six of 8000 healthy dwells of the study.
+constexpr int kMostMasses = 24;  // larger chains are not checked: eigenvectors cost over 5 ms, ten times a second
+// False-alarm rate of one evaluation, all modes together. A dwell is evaluated some ten times with new data, so normal
+// errors would raise one false doubt in 10⁵ dwells. The study doubts six of 8000 healthy dwells.
 constexpr double kFalseAlarm = 1e-6;
-constexpr double kSameMode = 0.2;       // relative: a pole farther from every eigenvalue is none of the chain's
-constexpr double kPlain = 8.0;          // standard deviations: an amplitude that cannot be overlooked …
-constexpr double kMissing = 1.0 / 3;    // … and the part of it below which it is not there
-constexpr double kExplains = 0.3;       // of the contradiction, that a single fault may leave over
-constexpr double kLargestError = 0.5;   // relative, of a mass or a reading that may be named as the cause
-constexpr std::size_t kMostCauses = 3;  // that are named
+constexpr double kSameMode = 0.2;       // relative distance: a pole farther from every eigenvalue is not the chain's
+constexpr double kPlain = 8.0;          // standard deviations from which an amplitude is plain
+constexpr double kMissing = 1.0 / 3;    // a mode is missing in a channel below this part of its expected amplitude
+constexpr double kExplains = 0.3;       // part of the contradiction (√χ²) that a single fault may leave unexplained
+constexpr double kLargestError = 0.5;   // largest relative error of a mass or reading that is named as a cause
+constexpr std::size_t kMostCauses = 3;  // largest number of causes named
 
-// One mode of the data, the eigenvalue that it belongs to, and how far the chain's equations hold for it.
+// One mode of the data, the chain's mode that belongs to it, and the residual of the chain's equations.
 struct Pair {
   const SeenMode* seen;
   const NaturalMode* natural;  // nullptr: the chain does not oscillate
   ModeResidual residual;
-  double by_chance = 1.0;
+  double by_chance = 1.0;  // probability of such a residual by chance
 };
 
-// How much a channel shows of a natural oscillation, up to a common factor; the transducer's own filter left aside.
+// Amplitude of a mode in a channel's reading, up to a factor that all channels share; transducers' filters ignored.
 double shown(const Rig& rig, const ElementsResult& identified, double omega, const NaturalMode& mode, Index c) {
   const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
   const auto place = [&](int at) { return at > 0 ? mode.shape(at - 1) : Complex{}; };
@@ -51,7 +51,7 @@ double shown(const Rig& rig, const ElementsResult& identified, double omega, con
   return std::abs(moves * std::pow(mode.pole, derivative_order(channel.measures)));
 }
 
-// What one channel shows and another that ought to show it does not, is that channel's own: its bracket rings.
+// Whether another channel should show the mode plainly but does not: then the bracket of one transducer rings.
 bool of_one_channel(const Rig& rig, const ElementsResult& identified, double omega, const SeenMode& seen,
                     const NaturalMode& mode) {
   Index most = 0;
@@ -72,8 +72,8 @@ bool of_one_channel(const Rig& rig, const ElementsResult& identified, double ome
 // One statement of the rig file that may be wrong.
 struct Cause {
   enum class Kind { mass, scale, delay, spring, damper } kind;
-  Index at;          // of mass or channel, from 0; of a connection its first place, 0 the table
-  int to = kGround;  // of a connection its second place
+  Index at;          // index of mass or channel, from 0; for a connection its first place, 0 the table
+  int to = kGround;  // for a connection: its second place
 };
 
 Eigen::VectorXd force_by(const Cause& cause, const ModeResidual& residual) {
@@ -114,7 +114,7 @@ std::string told(const Cause& cause, double size, const Rig& rig) {
   }
 }
 
-// All single faults that are tried.
+// All single faults that are tried as an explanation.
 std::vector<Cause> faults(const Rig& rig) {
   std::vector<Cause> all;
   const int n = rig.mass_count();
@@ -131,7 +131,7 @@ std::vector<Cause> faults(const Rig& rig) {
   return all;
 }
 
-// What single fault would explain all modes, likeliest first.
+// Names the single faults that would explain all modes, likeliest first. Each fault's size is its least-squares fit.
 std::string causes(const std::vector<Pair>& pairs, const Rig& rig) {
   struct Found {
     Cause cause;
@@ -163,7 +163,7 @@ std::string causes(const std::vector<Pair>& pairs, const Rig& rig) {
   return text;
 }
 
-// By how much the element that contradicts most differs; empty: none does by itself, the pole alone contradicts.
+// Says by how much the worst element differs between oscillation and drive; empty: no single element contradicts.
 std::string worst_element(const Pair& pair, const Rig& rig, double omega) {
   double chi2 = 0.0;
   const Index worst = pair.residual.worst(&chi2);
@@ -199,8 +199,8 @@ std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig&
                          : "this would be explained by " + single + ", or by an element that is not linear");
 }
 
-// How many channels show a mode plainly, of those that can show one of the chain: all but the table's, which is
-// imposed.
+// Lists the channels that show a mode plainly. count: their number; able: the number of channels that could. Those on
+// the table cannot, since its motion is imposed.
 std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, std::size_t& able) {
   std::vector<std::string> names;
   able = 0;
@@ -215,8 +215,8 @@ std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, s
   return listed(names);
 }
 
-// An oscillation that the identified chain does not have at all, and that several channels show plainly (or the only
-// one that can): a bracket of one transducer that rings is told from it by that.
+// Adds a doubt for an oscillation that the identified chain does not have. Two channels must show it plainly, or the
+// only one that can: the ringing bracket of a transducer shows in one channel alone.
 void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural, const SeenMode& mode, Dwell& dwell) {
   std::size_t count = 0, able = 0;
   const std::string names = shown_by(rig, mode, count, able);
@@ -250,7 +250,7 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
   if (!chain.fault().empty()) return;
   const std::vector<NaturalMode> natural = natural_modes(chain);
   std::vector<Pair> pairs;
-  const SeenMode* foreign = nullptr;  // none of the chain's
+  const SeenMode* foreign = nullptr;  // a mode that the chain does not have
   for (const SeenMode& mode : seen) {
     const auto nearer = [&](const auto& a, const auto& b) {
       return std::abs(a.pole - mode.pole) < std::abs(b.pole - mode.pole);
@@ -258,14 +258,14 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
     const auto own = std::min_element(natural.begin(), natural.end(), nearer);
     const bool none = own == natural.end();
     const bool far = none || std::abs(own->pole - mode.pole) > kSameMode * std::abs(own->pole);
-    // Of two poles near one eigenvalue the nearer one is the chain's.
+    // Of several poles near one eigenvalue only the nearest belongs to the chain.
     if (!far && std::any_of(seen.begin(), seen.end(), [&](const SeenMode& other) {
           return std::abs(other.pole - own->pole) < std::abs(mode.pole - own->pole);
         }))
       continue;
     if (!far && of_one_channel(rig, identified, omega, mode, *own)) continue;
     Pair pair{&mode, none ? nullptr : &*own, ModeResidual(rig, identified, omega, mode)};
-    // Two tests: of poles and shapes, and of the pole alone.
+    // The factor 2 is for two tests: of pole and shape together, and of the pole alone.
     pair.by_chance = 2 * std::min(pair.residual.by_chance(), none ? 1.0 : pair.residual.pole_by_chance(own->shape));
     if (!far)
       pairs.push_back(std::move(pair));

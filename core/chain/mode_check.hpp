@@ -1,9 +1,9 @@
-// A first cross-check of the model: the natural oscillations that the transient shows against the chain that the steady
-// motion identifies (docs/method.md, Cross-check).
+// Cross-check of the model: compares the natural oscillations in the transient with the chain identified from the
+// steady motion (docs/method.md, Cross-check).
 //
-// The coefficients of one frequency reproduce that frequency whatever the masses are. The natural oscillations are
-// independent evidence: the same equations must hold with their poles and amplitudes (core/chain/mode_residual.hpp).
-// Where masses, units, delays or connections are other than the rig file says, they do not.
+// Coefficients from one frequency reproduce that frequency, even with wrong masses. The natural oscillations are
+// independent evidence: their poles and amplitudes must satisfy the same equations (core/chain/mode_residual.hpp). The
+// equations fail if masses, units, delays or connections differ from the rig file.
 #pragma once
 
 #include <span>
@@ -14,8 +14,8 @@
 
 namespace dwell {
 
-// Adds a doubt for the mode that contradicts most, with figures, and what single fault would explain all modes. omega:
-// rad/s, of the drive. Allocates; O(n³ + channels² · n) a mode; where there is a doubt O(n⁴), as n² faults are tried.
+// Adds at most one doubt, for the mode that contradicts most, with figures and the single faults that would explain all
+// modes. omega: of the drive, rad/s. Allocates. O(n³ + channels² · n) per mode; with a doubt O(n⁴), for n² faults.
 void check_modes(const Rig& rig, const ElementsResult& identified, double omega, std::span<const SeenMode> seen,
                  Dwell& dwell);
 

@@ -16,10 +16,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 1e-5;     // relative, of a pole: for a derivative
-constexpr double kNothing = 1e-9;  // of a row: what rounding leaves of a zero in it
+constexpr double kStep = 1e-5;     // relative step of a pole for a central difference
+constexpr double kNothing = 1e-9;  // relative to the norm of a row: a smaller entry is rounding of a zero
 
-// Multiplication by z of (Re, Im).
+// The matrix that multiplies (Re, Im) by z.
 Matrix2d turn(std::complex<double> z) {
   Matrix2d by;
   by << z.real(), -z.imag(), z.imag(), z.real();
@@ -114,7 +114,7 @@ MatrixXd ModeResidual::covariance_of_effects() const {
   return covariance;
 }
 
-// Σ |δd|² of element elements()[i] by the errors of amplitudes and readings.
+// E|δd|², m², of element elements()[i] by the errors of amplitudes and readings.
 double ModeResidual::deformation_variance(Index i) const {
   const Index channels = identified_.gain.cols();
   const auto k = static_cast<int>(elements_[static_cast<std::size_t>(i)]) + 1;
@@ -135,8 +135,8 @@ double ModeResidual::deformation_variance(Index i) const {
   return sum;
 }
 
-// The product of the errors of Z and d, and the second-order error of Z = f/d. Factor 3: of normal errors that go
-// together E[x⁴] = 3 E[x²]².
+// Second-order variance of R, N²: the product of the errors of Z and d, and the second-order error of Z = f/d. Factor
+// 3: fully correlated normal errors have E[x⁴] = 3 E[x²]².
 double ModeResidual::second_order(Index i) const {
   const auto e = static_cast<std::size_t>(elements_[static_cast<std::size_t>(i)]);
   const ElementEstimate& element = identified_.elements[e];
@@ -187,7 +187,7 @@ Index ModeResidual::worst(double* chi2) const noexcept {
   return worst;
 }
 
-// δc + λ δr = R/d: two real equations for two unknowns, as λ is not real.
+// Solves δc + λ δr = R/d: two real equations for two unknowns, since λ is not real.
 Eigen::Vector2d ModeResidual::change(Index i) const noexcept {
   const Complex dZ = Complex{force_(2 * i), force_(2 * i + 1)} * scale_(i) / deformation_(i);
   const double r = dZ.imag() / seen_.pole.imag();
@@ -235,7 +235,7 @@ VectorXd ModeResidual::by_delay(Index channel) const {
                   at_pole(identified_.by_channel.col(channel) * Complex{0.0, omega_}));
 }
 
-// Beside elements from+1 … to (to the ground: 1 … from, which then carry the less).
+// The connection bridges elements from+1 … to; one to the ground bridges elements 1 … from. These carry less then.
 VectorXd ModeResidual::by_connection(int from, int to, bool damps) const {
   const bool grounded = to == kGround;
   const int first = grounded ? 1 : from + 1, last = grounded ? from : to;

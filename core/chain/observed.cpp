@@ -12,7 +12,7 @@ namespace {
 using Eigen::VectorXd;
 using Index = Eigen::Index;
 
-// reading X = T · (displacement or force on the ground)
+// T of X = T(s)·o.
 Complex transfer(const Rig& rig, const Channel& channel, Complex s) {
   return std::pow(s, derivative_order(channel.measures)) * response(channel, device_delay_s(rig, channel), s) *
          (channel.force_on_mass ? -1.0 : 1.0);
@@ -32,7 +32,7 @@ Complex as_observed(const Rig& rig, int channel, Complex a, Complex s) {
 }
 
 Complex observed_too_small(const Rig& rig, const ReadingError& error, Complex s) {
-  constexpr double kStep = 1e-4;  // relative, of a corner
+  constexpr double kStep = 1e-4;  // relative step of a corner for a central difference
   const Channel& channel = rig.channels[static_cast<std::size_t>(error.channel)];
   const auto by_corner = [&](Filter filter, bool high, double change_hz) {
     if (change_hz == 0) return Complex{};
@@ -48,13 +48,13 @@ Complex observed_too_small(const Rig& rig, const ReadingError& error, Complex s)
 
 VectorXd observation_weights(const Rig& rig, const std::vector<Evidence>& evidence, double omega) {
   VectorXd weights = VectorXd::Zero(static_cast<Index>(rig.channels.size()));
-  // Displacement and force are weighed each among their own; a common factor for either changes nothing.
+  // The largest weight of the displacements and of the forces each becomes 1. A common factor changes nothing.
   for (std::size_t c = 0; c < rig.channels.size(); ++c) {
     if (!evidence[c].usable || rig.channels[c].measures == Quantity::auxiliary) continue;
     const Complex T = transfer(rig, rig.channels[c], omega);
     const double noise = std::sqrt(0.5 * evidence[c].widened * evidence[c].covariance.trace());
     const double size = std::abs(evidence[c].X[0]);
-    // 1e-12: a reading without noise must not outweigh the others without bound.
+    // 1e-12 bounds the weight of a reading without noise.
     weights(static_cast<Index>(c)) =
         std::abs(T) / std::hypot(noise, rig.channels[c].scale_u * size, 1e-12 * size + 1e-300);
   }

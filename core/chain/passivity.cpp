@@ -8,10 +8,10 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kNamed = 4;  // coefficients, channels named in one message: a long chain need not fill a screen
+constexpr std::size_t kNamed = 4;  // most coefficients or channels named in one message
 
 bool negative(const Coefficient& coefficient) { return coefficient.value < -coefficient.U95; }
-// By 3.9 standard uncertainties: a coefficient that is zero comes out so once in 20 000 times.
+// Below by 3.9 standard uncertainties: a coefficient of zero comes out so once in 20 000 times.
 bool beyond_chance(const Coefficient& coefficient) { return coefficient.value < -2 * coefficient.U95; }
 
 std::string first_of(std::vector<std::string> names, const char* what) {
@@ -64,7 +64,7 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   Doubt doubt;
   for (std::size_t c = 0; c < suspects.size(); ++c)
     if (suspects[c]) names.push_back(rig.channels[c].name);
-  std::vector<int> beside;  // that show a number and rest on the same channels
+  std::vector<int> beside;  // reported elements that are computed from the same channels
   for (std::size_t e = 0; e < elements.size(); ++e) {
     bool shares = false;
     for (std::size_t c = 0; c < suspects.size(); ++c) shares = shares || (suspects[c] && used[e][c]);

@@ -48,14 +48,14 @@ void Propagation::add(const ErrorSource& source) {
     v(2 * e) = dZ.real();
     v(2 * e + 1) = dZ.imag() / omega - damping(elements_.Z(e), omega) * source.on_omega / omega;
     v.segment<2>(2 * e) *= std::sqrt(widens);
-    // per component, which is what |d| against its noise is about
+    // Per component, as deformation_u() is compared with |d|.
     const Complex relative = relative_deformation_rows_.row(e).transpose().cwiseProduct(source.on_x).sum();
     deformation_variance_(e) += 0.5 * widens * std::norm(relative * elements_.d(e));
     const Complex bent =
         source.bends_x.size() > 0 ? through_x_.row(e).transpose().cwiseProduct(source.bends_x).sum() : 0.0;
     second_[static_cast<std::size_t>(e)].add(std::sqrt(widens) * dZ, std::sqrt(widens) * relative, bent);
   }
-  v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined are left out later
+  v = v.unaryExpr([](double a) { return std::isfinite(a) ? a : 0.0; });  // elements not determined: left out later
   const double mass_u = source.mass > 0 ? chain_.rig.mass_u[static_cast<std::size_t>(source.mass - 1)] : 0.0;
   Contribution& of_name =
       add_effect(source.name, source.dof, {v, source.mass, mass_u, source.clock_u, source.readings});
@@ -68,7 +68,7 @@ void Propagation::add_second_order() {
   const Index count = through_x_.rows();
   for (Index e = 0; e < count; ++e) {
     const Eigen::Matrix2d product = second_[static_cast<std::size_t>(e)].mean_product();
-    if (!product.allFinite()) continue;  // of an element that is not determined
+    if (!product.allFinite()) continue;  // element not determined
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(product);
     for (Index axis = 0; axis < 2; ++axis) {
       VectorXd v = VectorXd::Zero(2 * count);

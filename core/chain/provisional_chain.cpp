@@ -9,8 +9,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // stiffness and loss, of |Z|
-constexpr double kOfEigenvalues = 10.0;  // multiplications, times the cube of the order (Golub and Van Loan, 7.5.6)
+constexpr double kSoftest = 0.05, kLeastLoss = 0.005;  // smallest Re Z and Im Z assumed, relative to |Z|
+constexpr double kOfEigenvalues = 10.0;  // multiplications per cube of the order (Golub and Van Loan, 7.5.6)
 
 }  // namespace
 
@@ -42,7 +42,7 @@ std::span<const Complex> ProvisionalChain::seen_by(const ModalFit& fit) noexcept
   return decay_.poles();
 }
 
-// From the chain's state in x_.
+// Identifies the elements from the state x_, then the time constant and the poles.
 void ProvisionalChain::identify_chain(double omega) noexcept {
   const int n = rig_.mass_count();
   Y_[0] = x_(0);
@@ -52,7 +52,7 @@ void ProvisionalChain::identify_chain(double omega) noexcept {
   }
   identify(rig_.boundary, rig_.masses, omega, Y_, d_, x_(n + 1), Z_);
   time_constant_s_ = solve_decay(omega);
-  // A real chain is passive; where noise or a transient make it look otherwise, it is taken as lightly damped.
+  // A real chain is passive. If noise or a transient make this one look active, a lightly damped one gives the poles.
   bool passive = true;
   for (Complex& z : Z_) {
     const Complex nearest{std::max(z.real(), kSoftest * std::abs(z)), std::max(z.imag(), kLeastLoss * std::abs(z))};

@@ -1,5 +1,5 @@
-// The chain as it can be identified so far, while the rig settles: for its natural oscillations and for how long it
-// remembers. Coefficients that are reported come from core/chain/estimate.hpp instead.
+// Identifies the chain provisionally while the rig settles, for its natural oscillations and their slowest decay.
+// Reported coefficients come from core/chain/estimate.hpp instead.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,26 +16,25 @@
 
 namespace dwell {
 
-// Bound to one thread. No allocation but in the constructor.
+// Bound to one thread. Only the constructor allocates.
 class ProvisionalChain final : public ChainPoles {
  public:
-  // G: observation_matrix(rig). slices: in which it works; null: in one. rig and slices must outlive this.
+  // G: observation_matrix(rig). slices: counts the work done; may be null. rig and slices must outlive this object.
   ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G, Slices* slices = nullptr);
 
-  // The phasor X of channel c's reading at omega, rad/s; or that the channel does not deliver. All channels are to be
-  // told before solve().
+  // observe() gives the phasor X of channel c's reading at omega, rad/s; leave_out() marks a channel that does not
+  // deliver. Call one of both for each channel before solve().
   void observe(int c, std::complex<double> X, double omega) noexcept;
   void leave_out(int c) noexcept { observation_.leave_out(c); }
-  // Identifies the chain from these. false: they do not determine it, and all stays as it was. O(n³).
+  // Identifies the chain from these channels. false: they do not determine the chain, and the last one stays. O(n³).
   bool solve(double omega) noexcept;
 
-  // Time constant of the slowest natural oscillation of the chain solved last, s. NaN: none is known, or the chain
-  // would not decay.
+  // Time constant of the slowest mode of the chain solved last, s; 0: no masses. NaN: not known, or it does not decay.
   [[nodiscard]] double time_constant_s() const noexcept { return time_constant_s_; }
   void forget_time_constant() noexcept { time_constant_s_ = std::numeric_limits<double>::quiet_NaN(); }
 
   [[nodiscard]] std::span<const std::complex<double>> seen_by(const ModalFit& fit) noexcept override;
-  // Where noise or a transient make the chain look active, of the nearest lightly damped one.
+  // If noise or a transient make the chain look active: poles of the nearest lightly damped chain.
   [[nodiscard]] std::span<const std::complex<double>> last() const noexcept override { return decay_.poles(); }
 
  private:
@@ -47,7 +46,7 @@ class ProvisionalChain final : public ChainPoles {
   UsableObservation observation_;
   DecayRate decay_;
   Eigen::VectorXcd x_;                           // (Y_0, d_1 … d_n, F)
-  std::vector<std::complex<double>> Y_, d_, Z_;  // of core/chain/identify.hpp
+  std::vector<std::complex<double>> Y_, d_, Z_;  // as in core/chain/identify.hpp
   double time_constant_s_ = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -1,12 +1,12 @@
-// What the errors of a dwell do to one element to second order.
+// Computes the second-order effect of all error sources of a dwell on one element.
 //
-// An element's dynamic stiffness is Z = f/d. Errors t_i ~ N(0, 1), one for each source, change it by
+// An element's dynamic stiffness is Z = f/d. Errors t_i ~ N(0, 1), one for each source, change Z by
 //
 //   δZ = Σ_i A_i t_i + Σ_ij q_ij t_i t_j ,   q_ij = -(A_i B_j + A_j B_i)/2 + (i = j: D_i)
 //
-// with A_i = ∂Z/∂t_i, B_i = (∂d/∂t_i)/d, and D_i = -φ²/2 of the phasors that an error turns by φ, carried to Z. The
-// first sum is the law of propagation (core/chain/propagation.hpp). This class gives the second: the mean products of
-// its real and imaginary part, p and q,
+// with A_i = ∂Z/∂t_i and B_i = (∂d/∂t_i)/d. D_i is the change of Z by -φ²/2 of the phasors that error i turns by φ. The
+// first sum is the law of propagation (core/chain/propagation.hpp). This class gives the mean products of the second
+// sum. With p and q each its real or imaginary part,
 //
 //   E[p q] = 2 Σ_ij q_ij,p q_ij,q + (Σ_i q_ii,p)(Σ_i q_ii,q) .
 //
@@ -19,8 +19,8 @@
 
 namespace dwell {
 
-// The sums need no pairs: with v_i = (Re A_i, Im A_i, Re B_i, Im B_i), M = Σ_i v_i v_i' and constant matrices K_p,
-// q_ij,p = v_i' K_p v_j where D_i = 0, so the sums are traces of products of M and K_p.
+// No loop over pairs is needed. With v_i = (Re A_i, Im A_i, Re B_i, Im B_i), M = Σ_i v_i v_i' and constant matrices
+// K_p, q_ij,p = v_i' K_p v_j if D_i = 0, so both sums are traces of products of M and K_p.
 class SecondOrder {
  public:
   // One source: A in N/m, B relative, D in N/m. O(1); real-time safe.
@@ -47,8 +47,8 @@ class SecondOrder {
 
  private:
   Eigen::Matrix4d M_ = Eigen::Matrix4d::Zero();
-  Eigen::Matrix2d beside_ = Eigen::Matrix2d::Zero();  // what the D_i add to Σ_ij q_ij,p q_ij,q
-  Eigen::Vector2d mean_ = Eigen::Vector2d::Zero();    // what they add to Σ_i q_ii
+  Eigen::Matrix2d beside_ = Eigen::Matrix2d::Zero();  // contribution of the D_i to Σ_ij q_ij,p q_ij,q
+  Eigen::Vector2d mean_ = Eigen::Vector2d::Zero();    // contribution of the D_i to Σ_i q_ii
 };
 
 }  // namespace dwell

@@ -4,15 +4,15 @@
 
 namespace dwell {
 
-// What a channel's readings look like, beside whether they come at all; the worst that applies.
+// Quality of a channel's readings; the worst condition that applies. It does not tell whether readings still arrive.
 enum class Condition : std::uint8_t {
   unheard,    // no reading yet
-  ok,         // nothing is wrong with them
-  gated,      // some are left out: far from the motion of the others
-  overrange,  // the newest is beyond the channel's range, or an end code of its integer type
-  held,       // the device refreshes them more slowly than they are read
-  clipped,    // they pile up at an extreme
-  stuck,      // one and the same for longer than the drive's motion allows
+  ok,         // no fault found
+  gated,      // foreign readings: some were left out, or some that count bias the fit
+  overrange,  // the newest reading is beyond the channel's range, or an end code of its integer type
+  held,       // the device refreshes the register more slowly than it is read
+  clipped,    // readings pile up at an extreme
+  stuck,      // one and the same reading for longer than the drive's motion allows
 };
 [[nodiscard]] const char* to_string(Condition condition) noexcept;  // "ok", "stuck", …
 

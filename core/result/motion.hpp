@@ -1,5 +1,5 @@
-// What the method of any motion reports (docs/method.md, Any motion): coefficients from a stretch of readings, steady
-// or not, and how well the chain explains these readings. Plain data; the object `motion` of the public interface.
+// Report of the method of any motion (docs/method.md, Any motion): coefficients from a stretch of readings, steady or
+// not, and how well the chain explains these readings. Plain data; the object `motion` of the public interface.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,20 @@ namespace dwell {
 struct MotionChannel {
   int channel = 0;            // index into Rig::channels
   double u_noise = kNaN;      // standard deviation of a reading's noise, SI, as estimated
-  double chi2 = kNaN;         // mean of e²/S of the innovations: 1 where the noise is what it seems
-  double whiteness_p = kNaN;  // Ljung-Box over 10 lags: small where the innovations are not white
-  double unexplained =
-      kNaN;  // part of the channel's own rms that is neither the model's nor noise from reading to reading
+  double chi2 = kNaN;         // reduced χ² of the innovations, mean of e²/S; 1 if u_noise is right
+  double whiteness_p = kNaN;  // p-value of the Ljung-Box test over 10 lags; small if the innovations are not white
+  double unexplained = kNaN;  // rms explained neither by the model nor by noise between readings; part of channel's rms
 };
 
 struct MotionEstimate {
-  std::string reason;  // why there are no elements; empty: there are
+  std::string reason;  // why there are no elements; empty: there are elements
   double start_s = kNaN, end_s = kNaN;
   std::vector<ElementEstimate> elements;
-  std::vector<double> covariance;  // row-major, of [c, r] of the identifiable elements
-  std::vector<double> u_of_noise;  // standard uncertainties of [c, r] of all elements by noise alone
+  std::vector<double> covariance;  // of (c, r) of each identifiable element; row-major
+  std::vector<double> u_of_noise;  // standard uncertainties of (c, r) of each element by noise alone
   std::vector<MotionChannel> channels;
-  std::size_t readings = 0;  // that count
-  int passes = 0;            // of the filter
+  std::size_t readings = 0;  // number of readings that count
+  int passes = 0;            // of the Kalman filter over the readings
   std::vector<std::string> warnings;
 };
 

@@ -1,5 +1,5 @@
-// What is reported of a model's verification (docs/method.md, Verification). Plain data; the JSON object of the public
-// interface is this struct, field by field.
+// Report of a model's verification (docs/method.md, Verification). Plain data; the JSON object of the public interface
+// is this struct, field by field.
 #pragma once
 
 #include <cstdint>
@@ -15,50 +15,50 @@ enum class Verdict : std::uint8_t { adequate, not_adequate, not_verified };
 
 [[nodiscard]] const char* to_string(Verdict verdict) noexcept;  // "adequate", "not adequate", "not verified yet"
 
-// M and P of Sprague and Geers, C = √(M² + P²).
+// M, P and C = √(M² + P²) of Sprague and Geers (core/motion/comparison.hpp).
 struct SpragueGeers {
   double magnitude = kNaN, phase = kNaN, combined = kNaN;
 };
 
-// Predicted against measured in one channel, over the evidence. Parts are of the channel's rms over the same readings.
+// Predicted against measured in one channel, over the evidence. error, U, noise and beyond_steady are parts of `rms`.
 struct ChannelComparison {
-  int channel = -1;  // of Rig::channels
+  int channel = -1;  // index into Rig::channels
   Verdict verdict = Verdict::not_verified;
-  std::string reason;  // why not verified; empty otherwise
+  std::string reason;  // why not verified; else empty
   std::size_t samples = 0;
-  double rms = kNaN;            // of what was measured, SI
-  double error = kNaN;          // rms of predicted minus measured, as a part
+  double rms = kNaN;            // of the measured readings, SI
+  double error = kNaN;          // rms of predicted minus measured
   double U = kNaN;              // its expanded uncertainty (k = 2): coefficients, type B, initial state, table's noise
-  double noise = kNaN;          // of what was measured, rms, as a part
-  double beyond_steady = kNaN;  // how much of the prediction the steady phasors alone do not give, as a part
-  double e_n = kNaN;
+  double noise = kNaN;          // rms of the measured readings' noise
+  double beyond_steady = kNaN;  // rms of the prediction minus the part that the steady phasors alone give
+  double e_n = kNaN;            // normalized error, satisfactory up to 1
   double fit_percent = kNaN;
-  double frac = kNaN;  // NaN: one frequency only
+  double frac = kNaN;  // frequency response assurance criterion; NaN: one frequency only
   SpragueGeers sprague_geers;
 };
 
-// A physical term that would explain what the model leaves.
+// A physical term missing from the model that would explain the residual.
 struct MissingTerm {
   std::string what;     // one of the phrases of docs/method.md
-  double value = kNaN;  // NaN: it has none
+  double value = kNaN;  // size of the term; NaN: none
   double u = kNaN;
   std::string unit;
-  double gain = kNaN;  // by which it lowers half the weighted sum of squares
+  double gain = kNaN;  // decrease of half the weighted sum of squares
 };
 
 struct Verification {
   Verdict verdict = Verdict::not_verified;
-  std::optional<bool> consistent;    // none: it could not be asked
+  std::optional<bool> consistent;    // noise and stated uncertainties explain the error; none: not tested
   std::vector<std::string> reasons;  // of the verdict, in words with figures
   double e_n = kNaN;                 // the largest of the channels
-  double chi2 = kNaN;                // reduced: weighted squares over what noise alone gives
-  double p = kNaN;                   // probability of as much by chance
-  double accuracy = kNaN;            // asked for
-  double seen = kNaN, U = kNaN;      // of the channel that decides
+  double chi2 = kNaN;                // reduced χ²; the expectation comes from draws of all noise and error sources
+  double p = kNaN;                   // probability that χ² and correlation are as large by chance
+  double accuracy = kNaN;            // largest acceptable error as requested, part of rms
+  double seen = kNaN, U = kNaN;      // error and its U of the channel that decides
   std::vector<ChannelComparison> channels;
   std::vector<MissingTerm> missing;            // likeliest first
   std::vector<std::string> evidence;           // "transient from 0.00 s to 6.42 s"
-  std::vector<std::string> cannot_be_checked;  // what no data of this rig can tell
+  std::vector<std::string> cannot_be_checked;  // properties that no data of this rig can show
 };
 
 }  // namespace dwell

@@ -6,11 +6,11 @@
 namespace dwell {
 namespace {
 
-// What rounding leaves of a zero among the entries of `unresolved` and `gain`, which are 0 or of order 1; and of a sum
-// that is zero, relative to its terms. A redundant transducer 1e9 times worse than the others would be lost beside it.
+// A number up to this is rounding of a zero: an entry of `unresolved` or `gain` (0 or of order 1), or a sum relative to
+// its terms. A redundant transducer with 1e9 times the variance of the others therefore counts as unused.
 constexpr double kRounding = 1e-9;
 
-// Whether function·column is zero but for rounding. Each sum is held against its own terms.
+// Whether function·column is zero apart from rounding, relative to the sum of the absolute terms.
 bool vanishes(const Eigen::Ref<const Eigen::VectorXcd>& function, const Eigen::Ref<const Eigen::VectorXd>& column) {
   std::complex<double> sum = 0.0;
   double terms = 0.0;

@@ -1,12 +1,11 @@
-// What the transducers say of the chain: readings are linear in the table's motion, the deformations and the force.
+// Observation model: gives the state x of the chain from the readings of all channels, by weighted least squares.
 //
 //   o = G x,   x = (Y_0, d_1 … d_n, F),   Y_k = Y_0 + Σ_{l<=k} d_l
 //
-// o_c is channel c's phasor as displacement (transducer divided out, integrated) or as force on the ground. An absolute
-// transducer at k has ones at Y_0, d_1 … d_k; one measuring y_at - y_relative_to has ones at the deformations between;
-// a load cell has a one at F. Taking the deformations as the unknowns keeps every digit of a transducer mounted across
-// an element. With as many channels as unknowns G is square and nothing is fitted; with more, weighted least squares
-// gives the best x from all (docs/method.md, Identification).
+// o_c is channel c's phasor as displacement (transducer divided out, integrated) or as force on the ground. The row of
+// an absolute transducer at k has ones at Y_0, d_1 … d_k. The row of a transducer that measures y_at - y_relative_to
+// has ±1 at the deformations between both places. The row of a load cell has a one at F. The deformations are the
+// unknowns, so a transducer mounted across an element keeps all its digits (docs/method.md, Identification).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,22 +15,22 @@
 
 namespace dwell {
 
-// x = gain · o, from the channels that were available.
+// Solution of o = G x for the channels that were available: x = gain · o.
 struct Gain {
   Eigen::MatrixXd gain;        // (n + 2) × channels; zero columns for channels not available
-  Eigen::MatrixXd unresolved;  // (n + 2)²: I - gain·G; a linear function a·x is determined where a·unresolved = 0
-  // Whether the channels determine function·x. Each sum is held against its own terms, so neither the units of x nor
-  // the sizes of the function's entries decide: inertia of 1e12 N/m makes no missing force small. O(n²).
+  Eigen::MatrixXd unresolved;  // (n + 2)²: I - gain·G; a linear function a·x is determined if a·unresolved = 0
+  // Whether the channels determine function·x. Each sum is compared with its own terms. Units and sizes therefore do
+  // not matter: a missing force is still noticed beside an inertia of 1e12 N/m. O(n²).
   [[nodiscard]] bool determines(const Eigen::Ref<const Eigen::VectorXcd>& function) const;
-  // Whether that channel's reading has a part in function·x. O(n).
+  // Whether function·x depends on that channel's reading. O(n).
   [[nodiscard]] bool uses(const Eigen::Ref<const Eigen::VectorXcd>& function, Eigen::Index channel) const;
 };
 
-// G of a rig: channels × (n + 2); the column of F and the rows of auxiliary channels are zero where they mean nothing.
+// G of a rig, channels × (n + 2). Rows of auxiliary channels are zero; so is the column of F without a load cell.
 [[nodiscard]] Eigen::MatrixXd observation_matrix(const Rig& rig);
 
-// Weighted least squares by a complete orthogonal decomposition. weights: 1/u of each channel (any common factor), 0
-// for one not available. Allocates.
+// Weighted least squares by a complete orthogonal decomposition. weights: 1/u of each channel, up to a common factor; 0
+// for a channel that is not available. Allocates.
 [[nodiscard]] Gain solve_observation(const Eigen::MatrixXd& G, const Eigen::VectorXd& weights);
 
 }  // namespace dwell

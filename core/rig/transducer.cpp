@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Product over the poles of a Butterworth low-pass with corner 1 rad/s.
+// H(s) of a Butterworth low-pass with corner 1 rad/s, as a product over its poles.
 Complex butterworth(int order, Complex s) noexcept {
   Complex product = 1.0;
   for (int k = 0; k < order; ++k) {
@@ -21,8 +21,8 @@ Complex butterworth(int order, Complex s) noexcept {
   return product;
 }
 
-// θ_n(0) / θ_n(s) with the reverse Bessel polynomial θ_n by its recurrence θ_n = (2n-1) θ_{n-1} + s² θ_{n-2}: unit
-// delay.
+// H(s) = θ_n(0) / θ_n(s) of a Bessel low-pass with unit delay. Recurrence of the reverse Bessel polynomials:
+// θ_n = (2n-1) θ_{n-1} + s² θ_{n-2}.
 Complex bessel_unit_delay(int order, Complex s) noexcept {
   Complex before = 1.0, now = s + 1.0;
   double now_0 = 1.0;  // θ_n(0)
@@ -35,7 +35,7 @@ Complex bessel_unit_delay(int order, Complex s) noexcept {
   return now_0 / now;
 }
 
-// Angular frequency at which the unit-delay Bessel low-pass has fallen to 1/√2, by bisection (it falls monotonically).
+// Angular frequency at which the unit-delay Bessel low-pass has magnitude 1/√2, by bisection (it falls monotonically).
 double bessel_corner(int order) noexcept {
   double low = 0.0, high = 10.0;
   for (int i = 0; i < 60; ++i) {
@@ -92,8 +92,8 @@ Complex response(const Channel& channel, double device_delay_s, Complex s) noexc
 }
 
 LogSlopes response_slopes(const Channel& channel, double device_delay_s, double f_hz) noexcept {
-  // The filters depend on f / corner alone, so one central difference in ln f gives both slopes; 1e-4 leaves a
-  // truncation error of 1e-8 and a rounding error of 1e-12, far below what an uncertainty needs.
+  // A filter depends on f / corner alone. One central difference in ln f therefore gives the slopes by f and by corner.
+  // The step 1e-4 leaves a truncation error of 1e-8 and a rounding error of 1e-12.
   constexpr double kStep = 1e-4;
   const auto log_slope = [f_hz](const Filter& filter, bool high) {
     if (filter.kind == FilterKind::none) return Complex{};

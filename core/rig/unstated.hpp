@@ -1,4 +1,4 @@
-// Which uncertainties a rig file leaves out: they count as 0, so that no ± covers them.
+// Lists the uncertainties that a rig file leaves out. They count as 0, so no reported ± covers them.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace dwell {
 
-// At most one entry of each kind: "mass 1" or "masses 1 and 3", "scale of y1" or "scales of y0 and y1" or "scales of
-// all channels", "delay of …", "low-pass of …", "high-pass of …". A delay is stated by its channel or by its device.
-// Auxiliary channels are none. Allocates, thread-safe.
+// At most one entry of each kind: "mass 1" or "masses 1 … 3", "scale of y1" or "scales of y0 and y1" or "scales of all
+// channels", "delay of …", "low-pass of …", "high-pass of …". A delay counts as stated if the channel or its device
+// states it. Auxiliary channels are left out. Allocates, thread-safe.
 [[nodiscard]] std::vector<std::string> unstated_uncertainties(const Rig& rig);
 
 }  // namespace dwell

@@ -5,11 +5,10 @@
 namespace dwell {
 namespace {
 
-// Added to the diagonal of G'G, as a part of its largest entry, so that the factorization exists. An unknown that no
-// channel tells of is then given by this ridge alone. Entries of G are 0 and 1, so directions that are determined have
-// eigenvalues above 1/(4n²).
+// Ridge on the diagonal of G'G, relative to its largest entry, so that the Cholesky factor exists. An unknown that no
+// channel shows rests on it alone. Entries of G are 0 and ±1, so determined directions have eigenvalues above 1/(4n²).
 constexpr double kRidge = 1e-12;
-constexpr double kDetermined = 1e-6;  // part of an unknown that may rest on the ridge
+constexpr double kDetermined = 1e-6;  // largest part of an unknown that may rest on the ridge
 
 }  // namespace
 
