@@ -3,7 +3,7 @@
 // Older runs are longer, so a fixed number of runs holds any train. The line t_k = t_0 + k T gives T. Its uncertainty
 // comes from the residuals of single pulses, or from those of the means of runs if these are larger than independent
 // jitter explains.
-// Bound to one thread; real-time safe but for the constructor.
+// Bound to one thread; real-time safe except for the constructor.
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@ constexpr double kInDoubt = 3.0;   // standard deviations; plus …
 constexpr double kUnsureBy = 0.1;  // … tolerances: beyond the sum the drive is in doubt
 constexpr double kClip = 4.0;      // limit of a residual, in standard deviations of a reading; or, if larger, …
 constexpr double kClipPart = 0.5;  // … this part of what a change by one tolerance sums to over the shortest stretch
-constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // quarters
+constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look
 
 }  // namespace
 

@@ -22,7 +22,7 @@
 
 namespace dwell {
 
-// Bound to one thread, real-time safe but for the constructor.
+// Bound to one thread; real-time safe except for the constructor.
 class StepWatch {
  public:
   static constexpr int kLongest = ResidualBlocks::kLongest;  // quarter periods that the test goes back

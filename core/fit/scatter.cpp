@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kStretchesCompared = 12;
 constexpr int kQuartersOfPeriod = 4;  // quarters
-constexpr double kSureOfRatio = 2.0;  // standard deviations of the ratio
+constexpr double kSureOfRatio = 2.0;  // standard deviations of the ratio beyond which it is no chance
 
 // Deviation of the fundamental in one stretch: least squares on the residuals of the whole fit.
 PhasorStretch stretch_of(const ChannelMoments& sums, int harmonics, const HarmonicFit& fit, double reference) noexcept {
