@@ -1,7 +1,6 @@
-// By how much more than its noise does the amplitude of an unchanged drive wander from period to period? As much is
-// tolerated before it is another drive.
+// Estimates by how much more than its noise the amplitude of an unchanged drive wanders, and how much to tolerate.
 //
-// Bound to one thread; real-time safe.
+// The excess is an exponential mean of squared deviation less noise variance. Bound to one thread; real-time safe.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +12,9 @@ class AmplitudeExcess {
  public:
   void restart() noexcept { *this = {}; }
 
-  // A quarter later, one period's amplitude: relative deviation and its variance by noise. tolerance: relative change
-  // that is another drive; u_rounding: relative, by rounding that repeats with the motion.
+  // Takes the newest period's amplitude, once a quarter period: its relative deviation from the reference, and the
+  // variance of that by noise. tolerance: relative change that makes another drive. u_rounding: relative standard
+  // uncertainty by rounding that repeats with the motion.
   void take(double deviation, double variance, double tolerance, double u_rounding) noexcept {
     constexpr int kQuartersAPeriod = 4;
     excess_ += kForget / kQuartersAPeriod *
@@ -22,14 +22,14 @@ class AmplitudeExcess {
     const double shown = std::clamp(excess_ - kExcess * variance, 0.0, tolerance * tolerance / 2);
     tolerated_ = kBeyond * std::sqrt(shown) + kSureOfRounding * u_rounding;
   }
-  // What it adds to a deviation that is tolerated, relative.
+  // Relative deviation to tolerate, beside what noise and tolerance allow.
   [[nodiscard]] double tolerated() const noexcept { return tolerated_; }
 
  private:
-  static constexpr double kForget = 1.0 / 64;     // of the excess, per period
-  static constexpr double kExcess = 0.6;          // of the variance by noise, from which an excess shows
-  static constexpr double kBeyond = 1.5;          // standard deviations of the excess
-  static constexpr double kSureOfRounding = 3.0;  // standard deviations of the mean square that rounding adds
+  static constexpr double kForget = 1.0 / 64;     // weight of a period in the mean
+  static constexpr double kExcess = 0.6;          // part of the noise variance below which no excess shows
+  static constexpr double kBeyond = 1.5;          // tolerated multiple of √excess
+  static constexpr double kSureOfRounding = 3.0;  // tolerated multiple of u_rounding
   double excess_ = 0.0, tolerated_ = 0.0;
 };
 

@@ -18,7 +18,7 @@ void DriveMonitor::restart() noexcept {
 void DriveMonitor::refer(double amplitude, double omega) noexcept {
   amplitude_ = amplitude;
   omega_ = omega;
-  seen_ = std::max(seen_, kReference + seen_ % kLag);  // the lag's windows stay where they are
+  seen_ = std::max(seen_, kReference + seen_ % kLag);  // leaves seen_ % kLag, the place in last_, as it is
   frequencies_ = std::max(frequencies_, 1L);
 }
 

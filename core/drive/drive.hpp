@@ -1,4 +1,5 @@
-// Is the drive steady? Watches the table's motion alone, which is imposed and has no transient of its own.
+// Detects a change of the drive from windows of the table's motion, which is imposed and has no transient of its own.
+// A window's amplitude, and its frequency by the phase's advance over a period, are compared with the hold's reference.
 #pragma once
 
 #include <array>
@@ -8,31 +9,31 @@ namespace dwell {
 
 class DriveMonitor {
  public:
-  // tolerance: relative change of amplitude or frequency that ends a dwell (beyond noise).
+  // tolerance: relative change of amplitude, beyond noise, that makes another drive; of frequency, 1.5 times as much.
   explicit DriveMonitor(double tolerance) noexcept : tolerance_(tolerance) {}
 
-  // A new hold begins: its first windows are its reference …
+  // Begins a new hold. The mean of its first windows is the reference until refer().
   void restart() noexcept;
-  // … until the dwell's own fit is: amplitude (m, rad) and omega (rad/s).
+  // Makes the dwell's own fit the reference: amplitude (m, rad) and omega (rad/s).
   void refer(double amplitude, double omega) noexcept;
-  // Of the reference so far, m (rad); 0 before the first window.
+  // Amplitude of the reference, m (rad); 0 before the first window.
   [[nodiscard]] double amplitude() const noexcept { return amplitude_; }
 
-  // One window a quarter of a period after the last: its centre, the table's phasor at that centre (m, rad), the
-  // standard deviation of its components, and the omega (rad/s) it was fitted with. True: the drive is another than at
-  // the reference, in two windows one after the other (a lone disturbed window is none). Real-time safe.
+  // Takes one window, a quarter of a period after the last: its centre, the table's phasor Y about that centre (m,
+  // rad), the standard deviation u of either component, and the omega (rad/s) of its fit. True: this window and the one
+  // before differ from the reference; one disturbed window alone is not enough. Real-time safe.
   bool update(double centre_s, std::complex<double> Y, double u, double omega) noexcept;
 
-  // Angular frequency of the hold so far, from the phase's advance; NaN before a period has gone by.
+  // Angular frequency of the reference, rad/s, from the phase's advance; NaN before a period has passed.
   [[nodiscard]] double omega() const noexcept;
-  // How many windows ago the drive was last beyond doubt as in the hold; what came after it does not count when the
-  // dwell is ended by a change.
+  // Windows since the last that agreed with the reference beyond doubt; 0: the newest does. When a change ends the
+  // dwell, the data of these windows do not count.
   [[nodiscard]] int windows_since_good() const noexcept { return since_good_; }
 
  private:
   static constexpr int kLag = 4;          // windows in a period
-  static constexpr long kReference = 64;  // windows of a hold that make its reference
-  static constexpr double kSure = 4.0;    // standard deviations
+  static constexpr long kReference = 64;  // windows of a hold in the mean that is its reference
+  static constexpr double kSure = 4.0;    // standard deviations that noise explains
   struct Window {
     double centre_s;
     std::complex<double> Y;

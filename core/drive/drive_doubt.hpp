@@ -1,8 +1,8 @@
-// For how long has it been in doubt that the drive is as its reference says?
+// Counts for how long it has been in doubt whether the drive still agrees with its reference.
 //
-// Every quarter of a period a look is taken at the change over the last quarters; what lies far back is looked at only
-// in a far look, now and then, and stands until the next. Another frequency is seen within two periods; a phase that
-// slips for longer is a drive that drifts, and no doubt.
+// StepWatch takes a look every quarter of a period: it tests the newest quarters. A far look, once a period, tests
+// older quarters too; its doubts about these stand until the next far look. Another frequency is seen within two
+// periods. A phase that slips for longer is a drift of the drive and no doubt.
 //
 // Bound to one thread; real-time safe.
 #pragma once
@@ -15,30 +15,30 @@ class DriveDoubt {
  public:
   void restart() noexcept { *this = {}; }
 
-  // A look begins.
+  // Begins a look. far: it tests old quarters too.
   void begin(bool far) noexcept {
     now_ = {};
     far_look_ = far;
     if (far) far_ = {};
   }
-  // What it sees: amplitude or phase are in doubt, by quarters that lie far back or by the newest.
+  // Takes one result of the look: whether amplitude and phase are in doubt. far_back: by a change at an old quarter.
   void see(bool amplitude, bool phase, bool far_back) noexcept {
     now_.add({amplitude, phase});
     if (far_back) far_.add({amplitude, phase});
   }
-  // It ends.
+  // Ends the look.
   void end() noexcept {
     if (!far_look_) now_.add(far_);
     amplitude_ = now_.amplitude ? amplitude_ + 1 : 0;
     phase_ = now_.phase ? phase_ + 1 : 0;
   }
 
-  // Looks, up to the last, at which the amplitude was in doubt; at which either was.
+  // Consecutive looks, up to the newest, with doubt about the amplitude; about amplitude or phase.
   [[nodiscard]] int amplitude() const noexcept { return amplitude_; }
   [[nodiscard]] int quarters() const noexcept { return std::max(amplitude_, phase_ <= kSlips ? phase_ : 0); }
 
  private:
-  static constexpr int kSlips = 8;  // quarters of a period
+  static constexpr int kSlips = 8;  // quarter periods: a phase in doubt for longer is a drift
   struct Seen {
     bool amplitude = false, phase = false;
     void add(const Seen& other) noexcept {
@@ -46,7 +46,7 @@ class DriveDoubt {
       phase = phase || other.phase;
     }
   };
-  Seen now_, far_;  // now_: of the present look; far_: of the last look at quarters that lie far back
+  Seen now_, far_;  // doubts of the present look; doubts about old quarters, of the last far look
   bool far_look_ = false;
   int amplitude_ = 0, phase_ = 0;
 };

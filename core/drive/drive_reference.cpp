@@ -11,12 +11,12 @@
 namespace dwell {
 namespace {
 
-// The table and the pulses contradict each other where their frequencies differ by more tolerances than this.
+// Table and pulses contradict each other if their frequencies differ by more than this many tolerances.
 constexpr double kContradicts = 2.0;
-// In the data that count they are off where they differ by so many standard deviations and by so many tolerances.
+// In the data that count they agree within the sum of so many standard deviations and so many tolerances.
 constexpr double kSureOfOff = 4.0;
 constexpr double kOffMatters = 0.1;
-constexpr double kCovered = 0.5;  // part of the data that the pulses must span to tell their frequency
+constexpr double kCovered = 0.5;  // part of the data's length that the pulses must span to give the frequency
 
 std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
 std::string in_hz(double omega) { return brief(omega / kTwoPi, 7); }
@@ -65,7 +65,7 @@ std::string DriveReference::contradiction_of_statement(double omega) const {
 Refined DriveReference::refine(const Totals& data, std::int64_t from_ns, std::int64_t to_ns, std::int64_t hold_ns,
                                int drive_channel, Totals& out) const noexcept {
   if (!synced()) return dwell::refine(rig_, data, drive_channel, out);
-  // Where the data are short, the rest of the hold had the same frequency.
+  // Short data may hold too few pulses. The whole hold has the same frequency, so its pulses serve as well.
   for (const std::int64_t since_ns : {from_ns, std::min(from_ns, hold_ns)}) {
     const auto pulses = sync_.over(since_ns, to_ns);
     if (pulses && pulses->span_s >= kCovered * to_s(to_ns - from_ns))

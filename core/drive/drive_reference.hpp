@@ -1,5 +1,5 @@
-// What the drive's frequency is known from, beside the motion: what the rig file states of it, and the pulses of the
-// sync input. Says whether a dwell may begin by these, and whether the data contradict them.
+// Keeps the sources of the drive's frequency other than the motion: the rig file's statement and the sync pulses. Tells
+// whether they allow a dwell to begin, and whether the data contradict them.
 //
 // Reference::fixed: the statement is a prior. Reference::sync: the pulses give the frequency, nothing is fitted.
 // Reference::tracked: there is neither.
@@ -17,46 +17,47 @@
 
 namespace dwell {
 
-// Bound to one thread; real-time safe but for the constructor and what makes text. The rig must outlive it. Angular
-// frequencies in rad/s. Texts are empty where nothing is wrong.
+// Bound to one thread; real-time safe except for the constructor and functions that return text. The rig must outlive
+// it. Angular frequencies in rad/s. A text is empty if nothing is wrong.
 class DriveReference {
  public:
   explicit DriveReference(const Rig& rig);
 
   [[nodiscard]] const FrequencyPrior& stated() const noexcept { return stated_; }
   [[nodiscard]] bool synced() const noexcept { return rig_.excitation.reference == Reference::sync; }
-  // While settling the motion itself shows the frequency, though pulses may give it in the end.
+  // Whether the motion shows the frequency while settling, with sync too. False: the rig file states it exactly.
   [[nodiscard]] bool tracked() const noexcept { return !stated_.exact(); }
-  // Whether only the motion tells the frequency, beside what is stated of it.
+  // Whether the final frequency comes from the motion (and the prior).
   [[nodiscard]] bool from_motion() const noexcept { return tracked() && !synced(); }
 
-  // The next pulse of the sync input.
+  // Takes the next pulse of the sync input.
   void pulse(std::int64_t t_ns) noexcept;
-  // A hold begins: missed() counts from now on.
+  // Begins a hold: missed() counts from now on.
   void begin_hold() noexcept { before_ = sync_.counts(); }
 
-  // Pulses are needed and do not come.
+  // Whether pulses are the reference and do not come.
   [[nodiscard]] bool lost(std::int64_t now_ns) const noexcept { return synced() && !sync_.present(now_ns); }
-  // A dwell may begin: with pulses as the reference only while they come, within the range that is searched.
+  // Whether a dwell may begin. With pulses as the reference: only while they come, at a frequency in the search range.
   [[nodiscard]] bool usable(std::int64_t now_ns) const noexcept;
-  // Why not.
+  // Why usable() is false.
   [[nodiscard]] std::string unusable_reason(std::int64_t now_ns) const;
 
-  // Whether the pulses have another frequency than the table, which moves at `omega` (rad/s); and the reason in words.
+  // Whether the pulses have another frequency than the table, which moves at `omega`; and the message that says so.
   [[nodiscard]] bool pulses_contradict(double omega) const noexcept;
   [[nodiscard]] std::string contradiction_of_pulses(double omega) const;
-  // The reason in words, where the table moves at `omega` (rad/s) and the rig file states another frequency.
+  // The message for a table that moves at `omega` while the rig file states another frequency. It does not test that.
   [[nodiscard]] std::string contradiction_of_statement(double omega) const;
 
-  // Data over [from, to], at an ω near the solution, at the best one for them: leaves them in `out`, as refine() of
-  // core/drive/refine.hpp. The frequency has been the same since hold_ns.
+  // Refines ω of the data over [from, to] and leaves the data at that ω in `out`, as core/drive/refine.hpp. `data`: at
+  // an ω near the solution. The frequency has been the same since hold_ns. Too few pulses: u is NaN.
   [[nodiscard]] Refined refine(const Totals& data, std::int64_t from_ns, std::int64_t to_ns, std::int64_t hold_ns,
                                int drive_channel, Totals& out) const noexcept;
-  // Why data refined so cannot give coefficients: `table`, the drive's channel in them, moves at another ω than the
-  // pulses'; u: of that. by_refresh: standard uncertainty of the data's ω by instants that are not known.
+  // Why data refined so cannot give coefficients: the pulses or the statement contradict them. `table`: their fit of
+  // the drive's channel. omega, u: refined ω and its standard uncertainty. by_refresh: standard uncertainty of the
+  // data's ω by refreshes whose instants are not known.
   [[nodiscard]] std::string unfit_reason(const Refined& refined, const HarmonicFit& table, double omega, double u,
                                          double by_refresh) const;
-  // What pulses went amiss in this hold.
+  // The message on missed and extra pulses in this hold.
   [[nodiscard]] std::string missed() const;
 
  private:
@@ -65,7 +66,7 @@ class DriveReference {
   const Rig& rig_;
   FrequencyPrior stated_;
   SyncReference sync_;
-  SyncReference::Counts before_;  // this hold
+  SyncReference::Counts before_;  // counts when this hold began
 };
 
 }  // namespace dwell

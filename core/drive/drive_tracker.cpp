@@ -10,12 +10,12 @@
 namespace dwell {
 namespace {
 
-constexpr double kBeats = 0.5;  // of the drive's frequency: what is farther from it averages out
-constexpr double kInPhase_rad = 0.02;
-constexpr double kSlip_rad = 0.1;   // of the table's phase against the dwell's, beyond noise: another frequency
-constexpr double kStopped = 0.25;   // of the amplitude so far
-constexpr double kUncertain = 3.0;  // standard deviations: a window of less shows no drive
-// Noise alone must not begin a dwell: five standard deviations are passed once in 300 000 windows.
+constexpr double kBeats = 0.5;         // part of the drive's frequency: hum farther from the drive averages out
+constexpr double kInPhase_rad = 0.02;  // table against dwell, beyond noise: up to here in phase
+constexpr double kSlip_rad = 0.1;      // table against dwell, beyond noise: from here on another frequency
+constexpr double kStopped = 0.25;      // part of the reference's amplitude: an uncertain window below it shows no drive
+constexpr double kUncertain = 3.0;     // standard deviations: a window with a smaller amplitude is uncertain
+// Standard deviations. Noise alone must not begin a dwell; it exceeds five in one of 300 000 windows.
 constexpr double kSurelyMoves = 5.0;
 
 }  // namespace
@@ -23,23 +23,23 @@ constexpr double kSurelyMoves = 5.0;
 DriveTracker::DriveTracker(const Rig& rig, const DriveReference& reference)
     : rig_(rig), reference_(reference), monitor_(rig.tolerance), watch_(rig.tolerance) {}
 
-// Standard deviation of either component of the window's Y.
+// Standard deviation of either component of the window's Y, m (rad).
 double DriveTracker::u_of(const Window& window, const During& during) const noexcept {
   const HarmonicFit& fit = window.fit;
   const double per_reading = std::abs(window.Y) / std::max(std::abs(fit.X[0]), 1e-300);
-  // From few degrees of freedom the noise is itself uncertain.
+  // With few degrees of freedom the noise is itself uncertain.
   const double few = 1 + 4 / std::max(1.0, fit.samples - (2 * rig_.excitation.harmonics + 1));
-  // While measuring it is known from the dwell; a window may have more.
+  // While measuring, the noise of the whole dwell is the lower bound.
   const double more_noise = during.counting ? std::max(1.0, hold_.sigma2 / fit.sigma2) : 1.0;
   return few * std::sqrt(0.5 * more_noise * fit.covariance.trace()) * per_reading;
 }
 
 DriveTracker::Sight DriveTracker::see(const Window& window, double acquired_omega, const During& during) noexcept {
   const double amplitude = std::abs(window.Y), u = u_of(window, during);
-  // Where no phase has told the frequency yet, the window's own.
+  // Before the phase tells the frequency, the window's own is used.
   const double seen_omega = std::isfinite(omega()) ? omega() : acquired_omega;
   seen_.take(amplitude, seen_omega / kTwoPi, during.dwell);
-  // One bad reading makes a window uncertain, but no drive small.
+  // While measuring the amplitude must be small as well: one bad reading makes a window uncertain too.
   const bool uncertain =
       amplitude < kUncertain * u && (!during.measuring || amplitude < kStopped * monitor_.amplitude());
   if (amplitude < rig_.excitation.minimum || uncertain) return ++low_windows_ >= 2 ? Sight::rests : Sight::low;
@@ -54,11 +54,11 @@ bool DriveTracker::changed(const Window& window, double since_s, double bend_rad
   return stepped || (other && !watch_.watches()) || slipped(window, during);
 }
 
-// Two windows one after the other.
+// Whether this window and the one before are out of phase with the data that count.
 bool DriveTracker::slipped(const Window& window, const During& during) noexcept {
   if (!during.counting) return false;
   const HarmonicFit& fit = window.fit;
-  const double since_s = to_s(window.centre_ns - hold_.t_ref_ns);  // a known drift is out of the window's phase
+  const double since_s = to_s(window.centre_ns - hold_.t_ref_ns);  // the window's phase is already free of known drift
   const double off = std::remainder(std::arg(fit.X[0]) - hold_.phase_rad - hold_.omega * since_s, kTwoPi);
   // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
   const double more_noise = std::max(1.0, hold_.sigma2 / fit.sigma2);
@@ -88,7 +88,7 @@ void DriveTracker::refer(const Known& known, const SamplingRegularity& sampling)
   monitor_.refer(known.amplitude, w);
   if (!fit.usable) return;
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
-  // What the table alone tells of its frequency: the others' motion may hold a little of their transient.
+  // The frequency by the table alone: the other channels may still hold a little of their transient.
   const FrequencyPrior& stated = reference_.stated();
   const bool told = reference_.tracked() && fit.information > 0;
   const double information = fit.information + stated.information();
@@ -111,9 +111,8 @@ int DriveTracker::doubtful_quarters() const noexcept {
   return watch_.watches() ? watch_.since_good() : std::min(monitor_.windows_since_good(), 2 * kQuarters);
 }
 
-// A change may have begun a quarter before the first doubtful window. Doubts by amplitude reach back two periods at
-// most; doubts by phase reach back to where the phase began to slip. A ramp is doubted only some time after it has
-// begun.
+// A change may have begun a quarter before the first doubtful window, and a ramp is doubted only some time after it has
+// begun. Doubts by amplitude reach back two periods at most; doubts by phase reach back to the beginning of the slip.
 int DriveTracker::quarters_of_change() const noexcept { return std::max(doubtful_quarters() + 2, since_in_phase_ + 1); }
 
 }  // namespace dwell

@@ -1,10 +1,10 @@
 // The tracker of the drive answers three questions. Does the table move? At which frequency? Is it still the steady
 // motion with which the hold began?
 //
-// Each quarter of a period brings a window of the drive's channel. Three watch it: DriveMonitor compares windows with
-// each other, which is all there is while a dwell settles; once the data count, StepWatch compares each reading with
-// what they predict, and the window's phase is held against theirs: a frequency a little off shows in time, wherever
-// amplitude and the window's own frequency show nothing. SeenDrive remembers what to tell people.
+// Each quarter of a period brings a window of the drive's channel. While a dwell settles, DriveMonitor compares windows
+// with each other. Once data count, StepWatch compares each reading with the fit of these data. The window's phase is
+// compared with that fit too: in time it shows a small error of frequency that amplitude and the window's own frequency
+// do not show. SeenDrive keeps what messages tell.
 #pragma once
 
 #include <complex>
@@ -21,45 +21,46 @@
 
 namespace dwell {
 
-// Bound to one thread; real-time safe but for the constructor and what makes text. What it is given must outlive it.
-// Angular frequencies in rad/s.
+// Bound to one thread; real-time safe except for the constructor and functions that return text. Rig and reference must
+// outlive it. Angular frequencies in rad/s.
 class DriveTracker {
  public:
   DriveTracker(const Rig& rig, const DriveReference& reference);
 
-  // What goes on while a window is looked at. counting: there are sums over all data that count.
+  // The state at a window. dwell: one is on. measuring: its data count. counting: there are sums over all of these
+  // data.
   struct During {
     bool dwell = false, measuring = false, counting = false;
   };
-  // One window: its centre, the fit of the drive's channel about it, and the motion that this reads, m (rad).
+  // One window: its centre, the fit of the drive's channel about that centre, and the phasor of the motion, m (rad).
   struct Window {
     std::int64_t centre_ns;
     const HarmonicFit& fit;
     std::complex<double> Y;
   };
   enum class Sight : std::uint8_t {
-    rests,  // no drive, in two windows one after the other
-    low,    // no drive, in this window alone
-    faint,  // a drive, but noise might be taken for it: not enough to begin a dwell
+    rests,  // no drive in this window and the one before
+    low,    // no drive in this window alone
+    faint,  // a drive or noise: not enough to begin a dwell
     moves,
   };
-  // What a window of the table shows. acquired_omega: ω by the window itself; NaN: not known.
+  // Tells whether a window shows a drive. acquired_omega: ω from the window itself; NaN: not known.
   Sight see(const Window& window, double acquired_omega, const During& during) noexcept;
-  // Whether the drive is another than in this hold; after see(), of the same window. since_s: from the hold's
-  // beginning. bend_rad: by what a known drift has turned the drive at the window. omega: that the window was fitted
-  // at.
+  // Whether the drive differs from that of this hold. Call it after see() with the same window. since_s: the window's
+  // centre, from the hold's beginning. bend_rad: phase by which a known drift has turned the drive there. omega: ω of
+  // the window's fit.
   [[nodiscard]] bool changed(const Window& window, double since_s, double bend_rad, double omega,
                              const During& during) noexcept;
-  // A reading of the drive's channel that counts, the known transient taken out; late_s: as StepWatch::add.
+  // Takes a reading of the drive's channel that counts, without the known transient. late_s: as in StepWatch::add().
   void add(std::int64_t t_ns, double value, double late_s) noexcept { watch_.add(t_ns, value, late_s); }
 
-  // A drive begins to be looked at.
+  // Begins to record what a new drive does, for unsteady_reason().
   void arm() noexcept { seen_.arm(); }
-  // The drive is taken as steady from now on.
+  // Begins a hold: the drive is taken as steady from now on.
   void begin_hold() noexcept;
-  // The data that it was held against count no more.
+  // Drops the reference of StepWatch, since its data count no more.
   void stop_counting() noexcept;
-  // What the data that count say of it: their fit of the drive's channel, about t_ref_ns at omega.
+  // What the data that count tell of the drive: their fit of its channel, about t_ref_ns at omega.
   struct Known {
     std::int64_t t_ref_ns;
     const HarmonicFit& fit;
@@ -68,21 +69,21 @@ class DriveTracker {
     double drift;           // rad/s²
     double rounding_u;      // standard uncertainty of the reading's phasor by the device's rounding
   };
-  // sampling: of the drive's channel.
+  // Takes a new reference. sampling: of the drive's channel.
   void refer(const Known& known, const SamplingRegularity& sampling) noexcept;
 
-  // By the advance of its phase in this hold; NaN: not known yet.
+  // ω from the phase's advance in this hold; NaN: not known yet.
   [[nodiscard]] double omega() const noexcept { return monitor_.omega(); }
-  // Standard uncertainty of ω by the data that count, when they were last counted anew.
+  // Standard uncertainty of ω by the data that count, as of the last refer().
   [[nodiscard]] double u_omega() const noexcept { return hold_.u_omega; }
-  // Its frequency is beyond the range that is searched.
+  // Whether the frequency is known and outside the search range. False if the rig file states a frequency.
   [[nodiscard]] bool out_of_search() const noexcept;
-  // Of the newest quarters of a period, those that may hold another drive.
+  // How many of the newest quarter periods may hold another drive.
   [[nodiscard]] int doubtful_quarters() const noexcept;
-  // The same of a drive that has changed: how many go back to where it was beyond doubt.
+  // The same once the drive has changed: how many there are since it was beyond doubt.
   [[nodiscard]] int quarters_of_change() const noexcept;
 
-  // In words, of a table that does not count as moving; of one that has moved for so long without being steady.
+  // Messages: the table does not count as moving; it has moved for `seconds` without being steady.
   [[nodiscard]] std::string at_rest_reason() const { return seen_.at_rest(rig_); }
   [[nodiscard]] std::string unsteady_reason(double seconds) const { return seen_.unsteady(rig_, seconds); }
 
@@ -99,7 +100,7 @@ class DriveTracker {
     std::int64_t t_ref_ns = 0;
     double phase_rad = 0.0, omega = 0.0, u_omega = 0.0;
     double sigma2 = 0.0;  // of the table's residuals
-  } hold_;                // the table's phasor in this dwell, as last counted anew
+  } hold_;                // the table's phasor in this dwell, as of the last refer()
   int low_windows_ = 0, slips_ = 0, since_in_phase_ = 0;
 };
 

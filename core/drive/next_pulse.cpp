@@ -6,8 +6,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kLeast = 0.02, kMost = 0.2;  // of a period, that a pulse may be off at all events, and at most
-constexpr double kSureOfAPulse = 8.0;         // standard deviations within these
+constexpr double kLeast = 0.02, kMost = 0.2;  // bounds of allowed(), in periods
+constexpr double kSureOfAPulse = 8.0;         // standard deviations allowed between these bounds
 
 double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -28,7 +28,7 @@ void NextPulse::take(std::int64_t t_ns, std::int64_t k) noexcept {
 double NextPulse::periods_to(std::int64_t t_ns) const noexcept { return (to_s(t_ns - newest_ns_) - due_s_) / T_s_; }
 
 double NextPulse::allowed() const noexcept {
-  // Few pulses foretell badly.
+  // Too few pulses tell little of their jitter.
   return count_ < kRecent ? kJitter : std::clamp(kSureOfAPulse * spread_s_ / T_s_, kLeast, kMost);
 }
 

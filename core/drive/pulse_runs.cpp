@@ -73,7 +73,7 @@ std::optional<PulseLine> PulseRuns::over(std::int64_t from_ns, std::int64_t to_n
     ++means;
   });
   if (means > 4) variance = std::max(variance, of_means / (means - 2));
-  // Few residuals tell little of how far the next may be off: the variance of Student's t.
+  // Few residuals give an uncertain variance: u is the standard deviation of Student's t.
   const double T_s = all.train.T_s + slope, u_T_s = std::sqrt(variance / all.kk * dof / (dof - 2));
   const double k = std::round(all.k);
   const double pulse_s = k * all.train.T_s + all.x + (k - all.k) * slope;

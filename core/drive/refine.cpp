@@ -11,8 +11,8 @@
 namespace dwell {
 namespace {
 constexpr int kSteps = 7;
-constexpr double kNegligibleStep = 1e-2;  // part of the uncertainty that changes nothing anyone could see
-constexpr double kFurthest = 5e-3;  // rad at the ends of the data; its cube over six, 2e-8, is the error of turning
+constexpr double kNegligibleStep = 1e-2;  // part of u: a smaller step ends the iteration
+constexpr double kFurthest = 5e-3;  // most turning at the ends of the data, rad; its error is the cube over six, 2e-8
 }  // namespace
 
 Refined refine(const PulseLine& pulses, const Totals& sums, int reference_channel, Totals& out) noexcept {
@@ -60,7 +60,7 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
     const double next = within_search(rig, result.omega + delta);
     if (next == result.omega) break;
     result.omega = next;
-    // √3 times the rms of u is half the stretch.
+    // √3 times the rms of the moments' u is half the length of the data.
     if (std::abs(next - sums.omega()) * std::sqrt(3 * longest) > kFurthest) {
       result.reached = false;
       break;

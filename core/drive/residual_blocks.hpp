@@ -1,7 +1,7 @@
-// The residuals of the table's channel against what its reference predicts, summed by quarters of a period.
+// Sums the residuals of the table's channel, against the prediction by its reference, over quarters of a period.
 //
-// With m the predicted fundamental, q its quadrature and r the residual of a reading, a quarter's sums of r m, m², r q
-// and q² say by how much amplitude and phase differ from the reference; sums over several quarters say since when.
+// With m the predicted fundamental, q its quadrature and r a reading's residual, a quarter's sums of r m, m², r q and
+// q² tell by how much amplitude and phase differ from the reference. Sums over several quarters tell since when.
 //
 // All memory is allocated by the constructor. Bound to one thread; real-time safe.
 #pragma once
@@ -15,12 +15,12 @@
 namespace dwell {
 
 struct ResidualBlock {
-  double t_s = 0.0;  // centre, of the reference's instant
+  double t_s = 0.0;  // mean instant of its readings, from the reference's
   double rm = 0.0, mm = 0.0, rq = 0.0, qq = 0.0;
-  double late2 = 0.0, n = 0.0;  // sum of squares of how late, s²; readings
+  double late2 = 0.0, n = 0.0;  // sum of late_s², s²; number of readings
 };
 
-// Sums over the blocks since an instant, the moments of time about now so that they serve every instant.
+// Sums over the blocks since an instant. Moments of time are about now: an older block extends the sums to its begin.
 struct ResidualsSince {
   double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0;
   void take(const ResidualBlock& block, double ago_s) noexcept {
@@ -34,14 +34,14 @@ struct ResidualsSince {
     q1 += block.qq * ago_s;
     q2 += block.qq * ago_s * ago_s;
   }
-  // Σ r q τ and Σ q² τ², τ the time since the instant, which was since_s ago.
+  // Σ r q τ and Σ q² τ²; τ is the time since the instant, which was since_s ago.
   [[nodiscard]] double score(double since_s) const noexcept { return since_s * r0 - r1; }
   [[nodiscard]] double weight(double since_s) const noexcept { return since_s * since_s * q0 - 2 * since_s * q1 + q2; }
 };
 
 class ResidualBlocks {
  public:
-  static constexpr int kLongest = 512;  // blocks that are kept
+  static constexpr int kLongest = 512;  // blocks kept
 
   ResidualBlocks() : blocks_(kLongest) {}
 
@@ -50,7 +50,7 @@ class ResidualBlocks {
     in_quarter_ = 0.0;
     drop_open();
   }
-  // A reading at t_s: its residual, the predicted m (imaginary part) and q (real part), and by how much it was late.
+  // Takes a reading at t_s: residual r, predicted m (imaginary part) and q (real part); late_s: as in StepWatch::add().
   void add(double t_s, double r, std::complex<double> predicted, double late_s) noexcept {
     open_.rm += r * predicted.imag();
     open_.mm += predicted.imag() * predicted.imag();
@@ -60,7 +60,7 @@ class ResidualBlocks {
     open_.n += 1.0;
     open_t_ += t_s;
   }
-  // Ends a quarter; false: it is empty and none.
+  // Ends a quarter and keeps it as a block. False: it has no readings and makes no block.
   bool close() noexcept {
     if (open_.n == 0) return false;
     open_.t_s = open_t_ / open_.n;
@@ -70,13 +70,13 @@ class ResidualBlocks {
     drop_open();
     return true;
   }
-  // What was read since the last close() is no more.
+  // Forgets the readings since the last close().
   void drop_open() noexcept {
     open_ = {};
     open_t_ = 0.0;
   }
 
-  // Blocks so far, those that are kept of them, the k-th before the newest, and readings of a usual one.
+  // Blocks so far; blocks kept; the k-th block before the newest; readings in a usual block.
   [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
   [[nodiscard]] int kept() const noexcept { return static_cast<int>(std::min<std::int64_t>(seen_, kLongest)); }
   [[nodiscard]] const ResidualBlock& back(int k) const noexcept {

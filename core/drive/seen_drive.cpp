@@ -17,7 +17,7 @@ std::string range(double low, double high, int digits) {
 }  // namespace
 
 std::string SeenDrive::at_rest(const Rig& rig) const {
-  // Its data ended while it moved.
+  // The data ended while the table moved.
   if (newest_ > rig.excitation.minimum)
     return "no drive is recognized; when last heard, the table moved by " + length(rig, newest_) +
            " at the drive's frequency";

@@ -1,5 +1,5 @@
-// What the table was seen to do, for people: when no dwell comes of it, they are told what it did instead.
-// Windows of a period, one each quarter. Bound to one thread; real-time safe but for the text.
+// Remembers what the table did, for the messages that say why there is no dwell. It sees windows of a period, one each
+// quarter period. Bound to one thread; real-time safe except for functions that return text.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@ namespace dwell {
 
 class SeenDrive {
  public:
-  // A drive begins to be looked at.
+  // Resets the ranges that unsteady() tells.
   void arm() noexcept { least_ = INFINITY, most_ = slowest_ = fastest_ = 0.0, windows_ = 0; }
-  // One window: the table's amplitude, m (rad), and its frequency so far, Hz; NaN: not known yet. moves: whether it is
-  // taken for a drive at all.
+  // Takes one window: the table's amplitude, m (rad), and the frequency so far, Hz (NaN: not known yet). moves: whether
+  // the motion is taken for a drive.
   void take(double amplitude, double frequency_hz, bool moves) noexcept {
     newest_ = amplitude;
     largest_ = std::max(largest_, amplitude);
-    // The first period may hold the beginning.
+    // The first period may hold the drive's beginning.
     if (!moves || ++windows_ <= kFirst) return;
     least_ = std::min(least_, amplitude);
     most_ = std::max(most_, amplitude);
@@ -28,14 +28,14 @@ class SeenDrive {
     fastest_ = std::max(fastest_, frequency_hz);
   }
 
-  // Of a table that does not count as moving.
+  // The message for a table that does not count as moving.
   [[nodiscard]] std::string at_rest(const Rig& rig) const;
-  // Of one that has moved for so long without being steady for long enough.
+  // The message for a table that has moved for `seconds` without being steady for long enough.
   [[nodiscard]] std::string unsteady(const Rig& rig, double seconds) const;
 
  private:
-  static constexpr int kFirst = 4;       // windows of a period
-  double newest_ = 0.0, largest_ = 0.0;  // of all that was ever seen
+  static constexpr int kFirst = 4;       // windows that may hold the drive's beginning: one period of quarters
+  double newest_ = 0.0, largest_ = 0.0;  // amplitudes of all windows ever
   double least_ = INFINITY, most_ = 0.0, slowest_ = 0.0, fastest_ = 0.0;
   int windows_ = 0;
 };

@@ -8,13 +8,14 @@
 namespace dwell {
 namespace {
 
-constexpr double kSureOfStep = 5.6;  // standard deviations: once in 5e7, and tested some times a second for days
-constexpr double kBeyond = 1.5;      // tolerances
-constexpr double kInDoubt = 3.0;     // standard deviations …
-constexpr double kUnsureBy = 0.1;    // … and tolerances
-constexpr double kClip = 4.0;        // standard deviations of a reading …
-constexpr double kClipPart = 0.5;    // … or what makes it half of the shortest window's say: no outlier says more
-constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // quarters
+constexpr double kSureOfStep =
+    5.6;  // standard deviations: chance 1 in 5e7 a test, some tests a second (study: docs/method.md, 5)
+constexpr double kBeyond = 1.5;    // tolerances that a step must exceed too
+constexpr double kInDoubt = 3.0;   // standard deviations; plus …
+constexpr double kUnsureBy = 0.1;  // … tolerances: beyond the sum the drive is in doubt
+constexpr double kClip = 4.0;      // limit of a residual, in standard deviations of a reading; or, if larger, …
+constexpr double kClipPart = 0.5;  // … this part of what a change by one tolerance sums to over the shortest stretch
+constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look
 
 }  // namespace
 
@@ -68,12 +69,12 @@ void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
   blocks_.add(t_s, r, now, late_s);
 }
 
-// Inline, as the next: a look takes both for every length.
+// Inline, like weigh(): a look calls both for every length.
 inline StepWatch::Change StepWatch::change_since(const ResidualsSince& sums, double since_s,
                                                  double now_s) const noexcept {
   const double sigma2 = now_.sigma * now_.sigma, weight = sums.weight(since_s);
   const double late2 = now_.omega * now_.omega * sums.late2 / sums.n;
-  // The reference's phase at t_j is as uncertain as it is; a constant offset looks like a slope of 3/2 of it.
+  // A constant phase error of the reference looks like 3/2 of it as a slope: variance 2.25 u2_phase / since_s².
   const double u_then = now_.u_omega * (now_s - since_s),
                u2_phase = now_.u_phase * now_.u_phase + u_then * u_then + late2;
   return {.since_s = since_s,
@@ -84,10 +85,10 @@ inline StepWatch::Change StepWatch::change_since(const ResidualsSince& sums, dou
           .late2 = late2};
 }
 
-// Notes whether the drive is in doubt, and returns how far it is beyond what is no step: above 1, it has stepped.
+// Notes whether the drive is in doubt. Returns the change in units of its limit: above 1 the drive has stepped.
 inline double StepWatch::weigh(const Change& change, bool far_back) noexcept {
   const double alpha = std::abs(change.alpha), drift = std::abs(change.drift);
-  // Most often neither is in doubt, let alone beyond.
+  // The usual case: neither is in doubt, so neither is beyond its limit.
   if (!(alpha * alpha > kInDoubt * kInDoubt * change.u2_alpha || drift * drift > kInDoubt * kInDoubt * change.u2_drift))
     return 0.0;
   const double u_alpha = std::sqrt(change.u2_alpha), u_drift = std::sqrt(change.u2_drift);
@@ -106,14 +107,14 @@ bool StepWatch::close() noexcept {
   const double quarter_s = kTwoPi / now_.omega / kQuartersAPeriod, now_s = blocks_.back(0).t_s + quarter_s / 2;
   ResidualsSince sums;
   double worst = 0;
-  // What takes long to show may be looked for once a period.
+  // Changes that take long to show are looked for once a period.
   const bool far = blocks_.seen() % kQuartersAPeriod == 0;
   doubt_.begin(far);
   for (int k = 0; k < (far ? most : std::min(most, kNearQuarters)); ++k) {
     const double ago = now_s - blocks_.back(k).t_s;
     sums.take(blocks_.back(k), ago);
     if (k + 1 == kQuartersAPeriod) late_s_ = std::sqrt(sums.late2 / sums.n);
-    // Beyond some periods not every length is needed: those of like length see the same.
+    // Beyond kNearQuarters not every length is tested: similar lengths show the same.
     if (k + 1 < kQuartersAPeriod || (k > kNearQuarters && (k & (k >> 5 > 1 ? 7 : 3)) != 3) ||
         !(sums.mm > 0 && sums.q0 > 0))
       continue;
@@ -128,7 +129,7 @@ bool StepWatch::close() noexcept {
   return worst > 1;
 }
 
-// How many quarter periods ago the drive changed: where a change explains most.
+// How many quarter periods ago the drive changed: the instant at which a change explains most of the residuals.
 int StepWatch::changed() const noexcept {
   const int most = blocks_.kept();
   const double quarter_s = kTwoPi / now_.omega / kQuartersAPeriod, now_s = blocks_.back(0).t_s + quarter_s / 2;
@@ -139,12 +140,12 @@ int StepWatch::changed() const noexcept {
     const double ago = now_s - blocks_.back(k).t_s, since = ago + quarter_s / 2;
     sums.take(blocks_.back(k), ago);
     const double score = sums.score(since);
-    const double explains = sums.rm * sums.rm / sums.mm + score * score / sums.weight(since);  // NaN: there is nothing
+    const double explains = sums.rm * sums.rm / sums.mm + score * score / sums.weight(since);  // NaN: no data
     if (!(explains > most_explained)) continue;
     most_explained = explains;
     changed = k + 1;
   }
-  // A ramp explains most a little after it has begun.
+  // A ramp is dated a little late: quarters before that deviate by themselves belong to it.
   const auto alone = [&](double r, double p) {
     return p > 0 &&
            std::abs(r / p) > kInDoubt * now_.sigma / std::sqrt(p) + kUnsureBy * tolerance_ + excess_.tolerated();

@@ -13,11 +13,11 @@ bool SyncReference::present(std::int64_t t_ns) const noexcept {
 }
 
 void SyncReference::pulse(std::int64_t t_ns) noexcept {
-  if (train_.number != 0 && !present(t_ns)) train_ = {};  // over so long a silence periods cannot be counted
+  if (train_.number != 0 && !present(t_ns)) train_ = {};  // periods cannot be counted over so long a silence
   if (train_.number != 0) {
     const double periods = next_.periods_to(t_ns), allowed = next_.allowed();
     const double step = std::round(periods);
-    if (step < 1 && std::abs(periods) <= allowed) {  // the pulse that has been, once more
+    if (step < 1 && std::abs(periods) <= allowed) {  // the newest pulse again
       ++counts_.extra;
       return;
     }

@@ -1,11 +1,10 @@
-// The drive's frequency and phase from the sync input: one pulse for each of its periods, at phase zero.
+// Finds the drive's frequency and phase from the sync input: one pulse per period of the drive, at phase zero.
 //
-// Pulse k comes at t_k = t_0 + k T. Which k a pulse has is decided as it comes: it must lie near a whole number of
-// periods after those before it, so a pulse that failed to come leaves a hole in k, and one that comes twice, or stray,
-// has none. NextPulse says where a pulse of the train may lie. Pulses that no longer fit to those before but to each
-// other begin a new train (TrainBegin), whose k have nothing to do with the former's. PulseRuns keeps the pulses and
-// gives the line through those of a stretch.
-// Bound to one thread; real-time safe but for the constructor.
+// Pulse k comes at t_k = t_0 + k T. A pulse gets its k on arrival: it must lie near a whole number of periods after the
+// pulses before. A missed pulse leaves a gap in k; a double or stray pulse gets no k. NextPulse predicts where a pulse
+// of the train may lie. Pulses that fit each other but not the train begin a new one (TrainBegin), with a numbering
+// of its own. PulseRuns keeps the pulses and fits the line through a stretch. Bound to one thread; real-time safe
+// except for the constructor.
 #pragma once
 
 #include <cstdint>
@@ -23,24 +22,23 @@ class SyncReference {
  public:
   struct Counts {
     std::uint64_t pulses = 0;  // that have a k
-    std::uint64_t missed = 0;  // that should have come between those
-    std::uint64_t extra = 0;   // that have none: double or stray
+    std::uint64_t missed = 0;  // whose k is missing between those
+    std::uint64_t extra = 0;   // that have no k: double or stray
   };
 
-  // low_hz, high_hz: between which the drive is looked for.
+  // low_hz, high_hz: the range in which the drive is searched.
   SyncReference(double low_hz, double high_hz);
 
-  // The next pulse; instants do not decrease.
+  // Takes the next pulse; instants must not decrease.
   void pulse(std::int64_t t_ns) noexcept;
 
   // Angular frequency by the newest pulses, rad/s; NaN: no train.
   [[nodiscard]] double omega() const noexcept {
     return train_.number != 0 ? kTwoPi / next_.T_s() : std::numeric_limits<double>::quiet_NaN();
   }
-  // A train goes on at t: its newest pulse is less than kLostPeriods old (and kLost_s).
+  // Whether a train goes on at t: its newest pulse is no older than kLost_s or kLostPeriods, whichever is longer.
   [[nodiscard]] bool present(std::int64_t t_ns) const noexcept;
-  // The line through the pulses of [from, to], by the train that has most of them there; none with fewer than
-  // kFewest. O(runs).
+  // The line through the pulses of [from, to], see PulseRuns::over(). None with fewer than kFewest. O(runs).
   [[nodiscard]] std::optional<PulseLine> over(std::int64_t from_ns, std::int64_t to_ns) const noexcept {
     return runs_.over(from_ns, to_ns);
   }
@@ -53,7 +51,7 @@ class SyncReference {
   static constexpr int kFewest = PulseRuns::kFewest;
 
  private:
-  static constexpr double kFarthest = 16.0;  // periods that may be missing within a train: more are not counted surely
+  static constexpr double kFarthest = 16.0;  // periods between pulses of a train: more cannot be counted with certainty
 
   void begin_train(double period_s) noexcept;
   void accept(std::int64_t t_ns, std::int64_t k) noexcept;

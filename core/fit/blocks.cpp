@@ -5,7 +5,7 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kSlots = Blocks::kCapacity + 2;  // and the open one, and one for joining
+constexpr std::size_t kSlots = Blocks::kCapacity + 2;  // plus the open block, plus one for joining
 
 double seconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-9; }
 
@@ -54,7 +54,7 @@ void Blocks::compact() noexcept {
     const bool oldest_of_length = i == 0 || blocks_[order_[i - 1]].quarters != quarters;
     if (++of_this_length > (quarters == 1 ? kFine : kPerLength) && oldest_of_length) join(i);
   }
-  // What counts in running sums must not go: beyond all lengths the oldest two are one.
+  // No data may be lost, since running sums contain them: beyond the capacity the oldest two are joined.
   if (order_.size() > kCapacity) join(0);
 }
 

@@ -1,9 +1,10 @@
-// The samples of one dwell, condensed: a bounded sequence of blocks, each the moments of all channels over a stretch.
+// Condenses the samples of one dwell into a bounded sequence of blocks. A block holds the moments of all channels over
+// a stretch of time.
 //
-// New blocks are a quarter of a period long. The newest stay as they are; of older ones neighbours are joined, so that
-// the lengths grow with age and a fixed number of blocks holds any dwell (as an exponential histogram does).
-// Forgetting, refining ω, admitting data after the fact and taking data back all act on blocks, not on samples.
-// MomentSets holds their moments, OpenBlock fills the newest.
+// A new block is a quarter of a period long. The newest blocks stay as they are. Older neighbours are joined: lengths
+// grow with age, and a fixed number of blocks holds any dwell (an exponential histogram). Forgetting, refining ω,
+// admitting data after the fact and taking data back all act on blocks, not on samples. MomentSets holds the moments,
+// OpenBlock fills the newest block.
 #pragma once
 
 #include <cstdint>
@@ -20,54 +21,53 @@ inline constexpr int kQuarters = 4;  // blocks of a period
 
 class Blocks {
  public:
-  // channels, harmonics: 1 … 65535, 1 … kMaxHarmonics. All memory is allocated here: about
-  // 48·(3H+2)·kCapacity·channels bytes.
+  // channels: 1 … 65535; harmonics: 1 … kMaxHarmonics. Allocates all memory: about 32·(3H+4)·kCapacity·channels bytes.
   Blocks(int channels, int harmonics);
 
-  static constexpr int kFine = 64;       // newest blocks that are never joined
-  static constexpr int kPerLength = 12;  // blocks of one length kept before two of them are joined
-  // Lengths of 2 … 2^26 quarters: 8e8 of them, twice the longest memory of a rig file (1e8 periods).
+  static constexpr int kFine = 64;       // newest blocks, never joined
+  static constexpr int kPerLength = 12;  // blocks of one length; beyond it the oldest two are joined
+  // Lengths of 2 … 2^26 quarters. The longest alone hold 8e8, twice the longest memory of a rig file (1e8 periods).
   static constexpr int kLengths = 26;
   static constexpr int kCapacity = kFine + 1 + kLengths * kPerLength;
 
   struct Block {
     std::int64_t begin_ns, end_ns;  // [begin, end)
     std::int64_t centre_ns;
-    double omega;               // rad/s, at which its moments were taken
-    std::int64_t first_serial;  // serial number of the first of the quarter blocks joined in it
-    int quarters;               // how many quarter blocks
+    double omega;               // ω of its moments, rad/s
+    std::int64_t first_serial;  // serial number of its first quarter block
+    int quarters;               // quarter blocks joined in it
   };
 
-  // Empties everything; channel c's readings are taken relative to reference[c] from now on.
+  // Drops all blocks; serial numbers begin at 0 again.
   void clear() noexcept;
-  // Empties everything, but serial numbers and references go on.
+  // Drops all blocks; serial numbers go on.
   void restart() noexcept;
-  // The value subtracted from a channel's readings, so that a large mean does not cost digits; fixed until clear().
+  // Value subtracted from a channel's readings, so that a large mean costs no digits. Change it only after clear().
   void set_reference(int channel, double value) noexcept { newest_.set_reference(channel, value); }
   [[nodiscard]] double reference(int channel) const noexcept { return newest_.reference(channel); }
 
-  // Opens a block [begin, end) at omega; none may be open.
+  // Opens a block [begin, end) at omega (rad/s). No block may be open.
   void open(std::int64_t begin_ns, std::int64_t end_ns, double omega) noexcept;
-  // Adds one sample to the open block. t after the channel's previous sample; within the block, or a few readings
-  // before it: a reading may wait until those after it have come. Cost: 8 (2H+1) multiply-adds per distinct instant,
-  // then 4 (H+1). Real-time safe.
+  // Adds one sample to the open block. t lies after the channel's previous sample and before the block's end. It may
+  // lie a few readings before the block's begin, as a reading may wait for later ones. Cost: 8 (2H+1) multiply-adds per
+  // distinct instant, 4 (H+1) per sample. Real-time safe.
   void add(int channel, std::int64_t t_ns, double value) noexcept { newest_.add(channel, t_ns, value); }
-  // Closes the open block and joins old ones where there are too many; none is ever dropped. O(channels).
+  // Closes the open block. Joins old blocks if there are too many; drops none. O(channels · (H + sets of instants)).
   void close() noexcept;
   [[nodiscard]] bool is_open() const noexcept { return newest_.is_open(); }
   [[nodiscard]] std::int64_t open_end_ns() const noexcept { return blocks_[newest_.slot()].end_ns; }
 
   [[nodiscard]] int count() const noexcept { return static_cast<int>(order_.size()); }
   [[nodiscard]] const Block& block(int i) const noexcept { return blocks_[order_[static_cast<std::size_t>(i)]]; }
-  // Serial number that the next closed quarter block gets; they count from 0 since clear().
+  // Serial number that the next closed quarter block gets, counted from 0 since clear().
   [[nodiscard]] std::int64_t serials() const noexcept { return serials_; }
-  // Index of the first block that begins with or after the quarter block `serial`.
+  // Index of the first block that begins with or after the quarter block `serial`; count() if there is none.
   [[nodiscard]] int index_of(std::int64_t serial) const noexcept;
-  // Drops the oldest blocks that end at or before t; whether there were any.
+  // Drops the oldest blocks that end at or before t. True: there were any.
   bool forget_before(std::int64_t t_ns) noexcept;
 
-  // A drive whose frequency drifts: all sums from now on are of the phase ω (t - t_ref) + rate (t - about)² / 2,
-  // rate in rad/s². Within a block the drift is left alone: its ends are off by rate·length²/8.
+  // Drift of the drive's frequency. All later sums use the phase ω (t - t_ref) + rate (t - about)² / 2, rate in rad/s².
+  // Drift within a block is ignored: the phase at its ends is off by rate·length²/8.
   struct Drift {
     double rate = 0.0;
     std::int64_t about_ns = 0;
@@ -77,11 +77,11 @@ class Blocks {
 
   // Adds block i to `out`, at out's (ω, t_ref). O(channels · H), no allocation.
   void add_block(int i, Totals& out) const noexcept;
-  // Adds what the open block holds so far; nothing if none is open.
+  // Adds the open block's samples so far; nothing if no block is open.
   void add_open(Totals& out) const noexcept;
   // Restarts `out` at (omega, t_ref) and adds blocks [from, to).
   void sum(int from, int to, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
-  // The same for one channel alone; the others of `out` are left as they are.
+  // The same for one channel; the other channels of `out` keep their sums.
   void sum_channel(int channel, int from, int to, double omega, std::int64_t t_ref_ns, Totals& out) const noexcept;
   // Samples of a channel in block i.
   [[nodiscard]] double samples(int i, int channel) const noexcept;

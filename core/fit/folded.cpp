@@ -11,21 +11,21 @@
 namespace dwell {
 namespace {
 
-// Harmonic m of a drive is taken as at most 0.3/m of its fundamental: a third of a square wave's, 3 % for the ninth.
-// Halved, 3 % of the ninth would lie beyond 3 u; doubled, every dwell sampled at 10 f has twice the ±.
+// Assumed limit of harmonic m: 0.3/m of the fundamental, a third of a square wave's (3 % for the ninth). Halved: 3 % of
+// the ninth lie beyond 3 u. Doubled: every dwell sampled at 10 f has twice the ±.
 constexpr double kLargest = 0.3;
 
-// The highest order allowed for: gears, poles and slots of a motor make harmonics of such orders. Beyond, the inertia
-// of the table leaves little: a twentieth of its acceleration is 1e-4 of its displacement at order 20. Doubled, every
-// recording at up to 40 f is made uncertain by what hardly any drive has.
+// Highest order considered: gears, poles and slots of a motor make such orders. Above it the table's inertia leaves
+// little: 1/20 of its acceleration is 1e-4 of its displacement at order 20. Doubled: every recording sampled at up to
+// 40 f becomes uncertain by harmonics that hardly any drive has.
 constexpr int kHighest = 20;
 
-// Turns of the alias against the fundamental within the dwell. From half a turn on its scatter over the dwell covers it
-// (core/fit/scatter.hpp). Below a fiftieth nothing shows, and the rate is said to be a whole multiple; a tenth would
-// say so of one healthy dwell in 400 sampled at any rate up to 20 f.
+// Turns of the alias against the fundamental within the dwell. From kScatters on, the scatter over the dwell covers the
+// alias (core/fit/scatter.hpp). Below kExactly the data do not show it, and the dwell warns. A kExactly of 0.1 would
+// warn of one healthy dwell in 400, at sampling rates up to 20 f.
 constexpr double kScatters = 0.5, kExactly = 0.02;
 
-// Below this part of it, what irregular instants leave of an alias does not count.
+// An alias is ignored if irregular instants leave less than this part of its amplitude.
 constexpr double kSpread = 0.05;
 
 }  // namespace

@@ -6,9 +6,9 @@
 namespace dwell {
 namespace {
 
-// Shifts tried on either side: of 1e-4 of the rate each, finer than a drive's frequency is known.
+// Shifts tried on either side, 1e-4 of the rate apart: finer than a drive's frequency is known.
 constexpr int kRatesTried = 100;
-// Distances that differ by less than this part of f are equally good.
+// Distances that differ by less than this part of f count as equal.
 constexpr double kSameRate = 1e-9;
 
 }  // namespace
@@ -18,7 +18,7 @@ Folding worst_folding(double rate_hz, double drive_hz, int fitted) noexcept {
   Folding worst;
   for (int m = fitted + 1; m <= kFoldedOrder; ++m) {
     const double turns = std::round(m / ratio);
-    if (turns < 1) continue;  // not folded: read as itself
+    if (turns < 1) continue;  // not folded
     const double read_as = std::abs(m - turns * ratio);
     const int onto = static_cast<int>(std::min(std::round(read_as), static_cast<double>(fitted)));
     const double apart_hz = std::abs(read_as - onto) * drive_hz;
@@ -34,7 +34,7 @@ double rate_beside_foldings(double rate_hz, double drive_hz, int fitted) noexcep
   const double slowest_hz = 2.0 * (fitted + 1) * drive_hz;
   if (farthest_hz >= clear_hz || rate_hz < slowest_hz) return rate_hz;
   for (int step = 1; step <= kRatesTried; ++step) {
-    for (const int sign : {-1, 1}) {  // the slower one first: the line has less to carry
+    for (const int sign : {-1, 1}) {  // the slower rate first: it loads the line less
       const double tried_hz = rate_hz * (1.0 + sign * step * kRateShift / kRatesTried);
       if (tried_hz < slowest_hz) continue;
       const double far_hz = worst_folding(tried_hz, drive_hz, fitted).distance_hz();

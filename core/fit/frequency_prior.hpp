@@ -1,11 +1,11 @@
-// The frequency that the rig file states, as a Gaussian prior of the estimate.
+// The frequency stated in the rig file, as a Gaussian prior of the estimate.
 //
-// The data show ω on the axis of the samples' stamps, whose rate is off by clock_u. A frequency that is `fixed` is
-// therefore known there with
+// The data show ω by the clock of the stamps, whose rate has the standard uncertainty clock_u. By that clock a `fixed`
+// frequency has the standard uncertainty u,
 //
-//   u² = (2π frequency_u)² + (ω clock_u)²
+//   u² = (2π frequency_u)² + (ω_0 clock_u)² .
 //
-// and the estimate adds the prior's score (ω_0 - ω)/u² and information 1/u² to those of the data: `fixed` is `tracked`
+// The estimate adds the prior's score (ω_0 - ω)/u² and information 1/u² to those of the data. So `fixed` is `tracked`
 // with a prior. Pure, thread-safe, real-time safe.
 #pragma once
 
@@ -22,19 +22,19 @@ struct FrequencyPrior {
   double omega = 0.0;                                  // ω_0, rad/s
   double u = std::numeric_limits<double>::infinity();  // rad/s; 0: exact; infinity: nothing is stated
 
-  // Standard deviations beyond which data and statement contradict each other: once in 16 000 dwells by chance. Half of
-  // it would cry wolf in every twentieth dwell; twice would leave a clock off by 400 ppm unsaid.
+  // Standard deviations beyond which data and statement contradict each other: by chance in 1 of 16 000 dwells. Halved:
+  // a false alarm in every twentieth dwell. Doubled: a clock that is off by 400 ppm goes unsaid.
   static constexpr double kContradicts = 4.0;
 
   [[nodiscard]] bool stated() const noexcept { return std::isfinite(u); }
   [[nodiscard]] bool exact() const noexcept { return u == 0; }
   [[nodiscard]] double score(double w) const noexcept { return stated() && !exact() ? (omega - w) / (u * u) : 0.0; }
   [[nodiscard]] double information() const noexcept { return stated() && !exact() ? 1 / (u * u) : 0.0; }
-  // ω no further from the statement than where it would contradict it.
+  // ω, limited to the range that does not contradict the statement.
   [[nodiscard]] double within(double w) const noexcept {
     return stated() ? std::clamp(w, omega - kContradicts * u, omega + kContradicts * u) : w;
   }
-  // Whether data that alone say ω, with standard uncertainty u_data, contradict the statement.
+  // Whether ω by the data alone, with standard uncertainty u_data, contradicts the statement.
   [[nodiscard]] bool contradicted(double w, double u_data) const noexcept {
     return stated() && std::abs(w - omega) > kContradicts * std::hypot(u, u_data);
   }

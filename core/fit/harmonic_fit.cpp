@@ -23,13 +23,13 @@ struct Instants {
     const double value = set[moments::sine(count, j, std::abs(k))];
     return k < 0 ? -value : value;
   }
-  // Σ u^j times products of two of the regressors, by the sums and differences of their angles.
+  // Σ u^j times the product of two regressors, from the sum and the difference of their angles.
   [[nodiscard]] double sin_sin(int j, int h, int l) const noexcept { return 0.5 * (c(j, h - l) - c(j, h + l)); }
   [[nodiscard]] double cos_cos(int j, int h, int l) const noexcept { return 0.5 * (c(j, h - l) + c(j, h + l)); }
   [[nodiscard]] double sin_cos(int j, int h, int l) const noexcept { return 0.5 * (s(j, h + l) + s(j, h - l)); }
 };
 
-// R of the harmonic fit, its lower triangle; order of the parameters: b, p_1 … p_H, q_1 … q_H.
+// Information matrix R of the harmonic fit, lower triangle. Order of the parameters: b, p_1 … p_H, q_1 … q_H.
 void assemble(const Instants& M, int H, Matrix& R) noexcept {
   R(0, 0) = M.c(0, 0);
   for (int h = 1; h <= H; ++h) {
@@ -65,12 +65,12 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
     z(H + h) = Z[moments::cosine(in_set, 0, h)];
   }
   const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
-  // A pivot is the part of a regressor's energy that those before it do not explain; what is left of one in a
-  // thousandth of its energy cannot be told from the others.
+  // A pivot is the energy of a regressor that the regressors before it do not explain. Below a thousandth, the
+  // regressor cannot be told from the others.
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-3 * fit.samples)) return fit;
   const Vector theta = factor.solve(z);
 
-  // Below the second term the difference is rounding.
+  // A difference below 1e-15 of the sum is rounding.
   const double squares = std::max(sum_squares - theta.dot(z), 1e-15 * sum_squares);
   fit.sigma2 = squares / (fit.samples - parameters);
   Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> unit(parameters, 2);
@@ -84,8 +84,8 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   fit.usable = theta.allFinite() && fit.covariance.allFinite();
   if (!fit.usable) return fit;
 
-  // ∂s/∂ω = g = u Σ_h h (p_h cos hθ - q_h sin hθ). gX = Xᵀg, gs = gᵀs; of gᵀg the part that does not oscillate,
-  // ½ Σ h²|X_h|² Σu², which leaves out one part in the number of periods squared.
+  // ∂s/∂ω = g = u Σ_h h (p_h cos hθ - q_h sin hθ), gX = Xᵀg, gs = gᵀs. gg = ½ Σ h²|X_h|² Σu² is the part of gᵀg that
+  // does not oscillate; its relative error is 1 / (number of periods)².
   Vector gX = Vector::Zero(parameters);
   double gg = 0.0, gs = 0.0;
   for (int h = 1; h <= H; ++h) {
@@ -123,7 +123,7 @@ PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const Ha
     theta(h) = fit.X[static_cast<std::size_t>(h - 1)].real();
     theta(H + h) = fit.X[static_cast<std::size_t>(h - 1)].imag();
   }
-  // The regressors u sin θ and u cos θ: their products with those of the fit, and with the readings.
+  // G: products of the regressors u sin θ and u cos θ with those of the fit.
   Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> G(parameters, 2);
   G.row(0) << M.s(1, 1), M.c(1, 1);
   for (int l = 1; l <= H; ++l) {
@@ -137,7 +137,7 @@ PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const Ha
       Eigen::Vector2d(sums.readings[moments::sine(in_set, 1, 1)], sums.readings[moments::cosine(in_set, 1, 1)]) -
       G.transpose() * theta;
   const double determinant = S.determinant();
-  // Of less than a tenth of Σu²/2 the rest is no slope.
+  // If the fit leaves less than about a tenth of Σu²/2 unexplained, no slope can be told.
   if (!(determinant > 0.01 * square * square)) return slope;
   const Eigen::Matrix2d inverse = S.inverse();
   const Eigen::Vector2d value = inverse * score;

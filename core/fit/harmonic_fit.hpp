@@ -1,9 +1,9 @@
-// The harmonic fit: from moments to phasors, with their covariance.
+// Fits the harmonics of one channel: from moments to phasors with their covariance.
 //
 //   s_i = b + Σ_{h=1..H} [ p_h sin(hω(t_i - t_ref)) + q_h cos(hω(t_i - t_ref)) ] + e_i ,     X_h = p_h + j q_h
 //
-// Ordinary least squares on each sample's own instant (docs/method.md, From samples to moments). White residuals of
-// variance σ² give Cov(θ) = σ² R⁻¹, the Cramér-Rao bound for Gaussian noise.
+// Ordinary least squares at each sample's own instant (docs/method.md, From samples to moments). With white residuals
+// of variance σ², Cov(θ) = σ² R⁻¹, the Cramér-Rao bound for Gaussian noise. R: information matrix of unit variance.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,35 +16,34 @@
 
 namespace dwell {
 
-// The fit of one channel, of the reading as it is (transducer not divided out). Not usable: all NaN.
+// The fit of one channel's reading; the transducer is not divided out. If not usable, only `samples` is valid.
 struct HarmonicFit {
-  bool usable = false;  // enough samples, spread enough, result finite
+  bool usable = false;  // enough samples, spread well enough, result finite
   double samples = 0.0;
-  double mean = kNaN;                                   // b, the reference added back
+  double mean = kNaN;                                   // b, with the reference added back
   std::array<std::complex<double>, kMaxHarmonics> X{};  // X_1 … X_H at [0] …
   double sigma2 = kNaN;                                 // residual variance, sum of squares over samples - (2H+1)
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Constant(kNaN);  // of (p_1, q_1), white residuals
-  // For refining ω: the residuals' slope and curvature by ω in this channel, each already divided by σ².
-  double score = 0.0, information = 0.0;  // s (rad/s)⁻¹ … : δω = Σ score / Σ information
+  // For refining ω: δω = Σ score / Σ information over channels. Each is already divided by this channel's σ².
+  double score = 0.0, information = 0.0;  // (rad/s)⁻¹, (rad/s)⁻²
 };
 
-// Fits one channel over the totals with `harmonics` <= totals.harmonics(). `reference` is what the readings were taken
-// relative to. O(H³). Real-time safe, thread-safe.
+// Fits one channel of the totals with `harmonics` <= totals.harmonics(). `reference`: the value subtracted from its
+// readings. O(H³). Real-time safe, thread-safe.
 [[nodiscard]] HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept;
 
-// How the fundamental changes within the data: dX_1/dt by least squares on the fit's residuals, s⁻¹ of the reading's
-// unit. A transient, a drive that hunts and a knock all show in it.
+// Change of the fundamental within the data: dX_1/dt by least squares on the fit's residuals, in the reading's unit
+// per s. A transient, a drive that hunts and a knock all show in it.
 struct PhasorSlope {
   std::complex<double> value;
-  double variance = 0.0;  // of both components together, white residuals; 0: there is no slope to tell
-  // Of |value|² over its variance: passed by chance once in a hundred channels (χ² of two degrees of freedom
-  // above 9.2). Twice that would leave changes of three standard deviations of a phasor unsaid, half of it speak in
-  // each tenth.
+  double variance = 0.0;  // sum over both components, for white residuals; 0: no slope can be told
+  // Limit of |value|² over its variance: by chance exceeded in 1 of 100 channels (χ² of two degrees of freedom above
+  // 9.2). Doubled: changes of three standard deviations of a phasor go unsaid. Halved: a false alarm in 1 of 10.
   static constexpr double kShows = 4.6;
   [[nodiscard]] bool shows() const noexcept { return variance > 0 && std::norm(value) > kShows * variance; }
 };
-// `fit`: of these totals with `harmonics`. Of Σu² the part that does not oscillate: at less than two periods the slope
-// is good to a third. O(H³). Real-time safe, thread-safe.
+// `fit`: of these totals with `harmonics`. Only the part of Σu² that does not oscillate is used: below two periods of
+// data the slope is good to a third. O(H³). Real-time safe, thread-safe.
 [[nodiscard]] PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const HarmonicFit& fit,
                                     double reference) noexcept;
 

@@ -1,4 +1,4 @@
-// Mains hum and sampling: where 50 or 60 Hz comes to lie in what a channel delivers.
+// Tells at which frequency mains hum, or another line, appears in a channel's readings.
 #pragma once
 
 #include <algorithm>
@@ -10,24 +10,25 @@
 namespace dwell {
 
 inline constexpr double kMainsFundamentals_hz[] = {50.0, 60.0};
-inline constexpr double kMainsWander_hz = 0.1;  // of a grid in normal operation, and as much again of a sampling clock
+inline constexpr double kMainsWander_hz = 0.1;  // by a grid in normal operation, and as much again by a sampling clock
 
-// How regularly a channel is sampled, from its instants. One thread, a few operations each.
+// Measures how regularly a channel is sampled: mean and variance of the steps between readings. Steps over lost
+// readings are left out. Bound to one thread; a few operations per step.
 class SamplingRegularity {
  public:
   void add(double step_s) noexcept {
     if (!(step_s > 0)) return;
-    // Of the first few the shortest is the rule: among so few one gap would move the mean for long.
+    // Among the first few steps the shortest is the rule: one gap would bias their mean for long.
     if (n_ <= kFew && kLong * step_s < mean_s_) n_ = 0;
     if (n_ > 0 && step_s > kLong * mean_s_ && ++lost_ < kNotLost) return;
-    if (lost_ == kNotLost) n_ = 0;  // so many in a row are the rule: those before came in a burst
+    if (lost_ == kNotLost) n_ = 0;  // so many long steps in a row are the rule; those before were a burst
     lost_ = 0;
     if (n_ < kMost) weight_ = 1 / ++n_;
     const double off = step_s - mean_s_;
     mean_s_ += off * weight_;
     variance_ += (off * off * (1 - weight_) - variance_) * weight_;
   }
-  // Least distance of the alias of line_hz to f_hz, Hz. Jitter spreads an alias until only the line itself is left.
+  // Distance of f_hz from the line or its nearest alias, Hz. An alias that jitter spreads by 3 rad is left out.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
     double least = std::abs(line_hz - f_hz);
     if (!(mean_s_ > 0)) return least;
@@ -38,9 +39,8 @@ class SamplingRegularity {
     }
     return least;
   }
-  // What sampling makes of a line beside f_hz: the least distance of an alias of it, Hz (infinity: none folds there),
-  // and the part of its amplitude that irregular instants leave of that alias, exp(-φ²/2), φ the phase by which they
-  // shift it.
+  // The alias of a line nearest to f_hz: its distance, Hz (infinity: none folds there), and the part of the line's
+  // amplitude that irregular instants leave, exp(-φ²/2), with φ the rms phase by which they shift it.
   struct Alias {
     double apart_hz = std::numeric_limits<double>::infinity(), kept = 0.0;
   };
@@ -51,7 +51,7 @@ class SamplingRegularity {
       const double off = line_hz + sign * f_hz, folds = std::round(off * mean_s_);
       const double apart_hz = std::abs(off - folds / mean_s_);
       if (folds < 1 || apart_hz >= nearest.apart_hz) continue;
-      // A step has two instants, each with half of its variance.
+      // A step lies between two instants, each with half of the step's variance.
       const double phase = kTwoPi * folds / mean_s_;
       nearest = {apart_hz, std::exp(-0.25 * phase * phase * variance_)};
     }
@@ -59,10 +59,10 @@ class SamplingRegularity {
   }
 
  private:
-  static constexpr double kMost = 4096;
+  static constexpr double kMost = 4096;  // steps that the mean remembers
   static constexpr int kNotLost = 16;
-  static constexpr double kFew = 8, kLong = 1.6;  // steps; times the mean: one or more readings were lost
-  int lost_ = 0;                                  // in a row
+  static constexpr double kFew = 8, kLong = 1.6;  // steps; multiple of the mean that shows a lost reading
+  int lost_ = 0;                                  // long steps in a row
   double n_ = 0, weight_ = 1, mean_s_ = 0, variance_ = 0;
 };
 

@@ -1,7 +1,7 @@
-// The moments of all channels in a fixed number of slots, one for each block of a dwell.
+// Holds the moments of all channels in a fixed number of slots, one slot for each block of a dwell.
 //
-// A slot holds per channel a set of the instants' moments and one of the readings'. Channels that were read at the same
-// instants share one set of instants': that of their owner.
+// A slot has two sets per channel: the moments of its instants and those of its readings. Channels that were read at
+// the same instants share one set of instants, that of their owner.
 //
 // All memory is allocated by the constructor. Bound to one thread; real-time safe.
 #pragma once
@@ -18,7 +18,7 @@ class MomentSets {
   MomentSets(std::size_t slots, int channels, int harmonics);
 
   [[nodiscard]] int channels() const noexcept { return channels_; }
-  // Angles of a set of instants, 2H+1.
+  // Angles in a set of instants, 2H+1.
   [[nodiscard]] int instants_count() const noexcept { return instants_count_; }
 
   // A channel's own sets in a slot: of the instants (2H+1 angles), of the readings (H+1 angles).
@@ -31,18 +31,18 @@ class MomentSets {
   [[nodiscard]] const double* readings(std::size_t slot, int c) const noexcept {
     return &readings_[at(slot, c) * moments::size(readings_count_)];
   }
-  // Channel whose set of instants c shares; itself: it has its own.
+  // Channel whose set of instants c shares; c itself: it has its own.
   [[nodiscard]] int owner(std::size_t slot, int c) const noexcept { return owners_[at(slot, c)]; }
   void share(std::size_t slot, int c, int owner) noexcept { owners_[at(slot, c)] = owner; }
-  // The set of instants that counts for a channel: its owner's.
+  // The set of instants valid for a channel: its owner's.
   [[nodiscard]] const double* shared_instants(std::size_t slot, int c) const noexcept {
     return &instants_[at(slot, owner(slot, c)) * moments::size(instants_count_)];
   }
 
-  // Empties a slot; nothing is shared in it.
+  // Empties a slot; no channel shares in it.
   void clear(std::size_t slot) noexcept;
-  // Slot `into` becomes the sum of two others, each turned to its frequency and centre. What is shared alike in both
-  // stays shared. O(channels · H).
+  // Makes slot `into` the sum of two others, each turned to the frequency and centre of `into`. Channels with the same
+  // owner in both keep that owner. O(channels · H).
   struct Part {
     std::size_t slot;
     moments::Turn turn;

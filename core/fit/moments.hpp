@@ -1,18 +1,18 @@
-// Trigonometric moments: what the harmonic fit needs to know of samples, and nothing more.
+// Trigonometric moments: the sums over samples that the harmonic fit needs, and nothing more.
 //
 // With θ = ω (t - t_c) the angle of a sample at t about a centre t_c, and u = t - t_c (s):
 //
 //   of the instants,  M_k^j = Σ u^j exp(jkθ),    k = 0 … 2H, j = 0, 1;   and Σ u²
 //   of the readings,  Z_h^j = Σ s u^j exp(jhθ),  h = 0 … H,  j = 0, 1;   and Σ s²
 //
-// Every product of two of the regressors 1, sin hθ, cos hθ is a sum of cos and sin of (h ± l)θ, so the (2H+1)²
-// information matrix is made of the 4H+1 numbers M^0. The moments with u say how all of it changes with ω and t_c:
+// A product of two regressors 1, sin hθ, cos hθ is a sum of cos and sin of (h ± l)θ. So the 4H+1 numbers M^0 make the
+// (2H+1)² information matrix. The moments with u tell how the sums change with ω and t_c:
 //
 //   exp(jk(θ + φ + δu)) = exp(jkφ) (1 + jkδu - k²δ²u²/2 - …)
 //
-// where u² is taken at its mean: sums taken at slightly different ω can be brought to one ω and added, and the fit's
-// derivative by ω is exact. φ is a shift of t_c, as an angle; δ a change of ω. The relative error is below (kδu)²/6 for
-// a quarter of a period, and (kδu)³/6 for many.
+// Here φ is a shift of t_c as an angle, δ a change of ω, and u² is taken at its mean. So sums at slightly different ω
+// can be turned to one ω and added, and the fit's derivative by ω is exact. The relative error of turning is below
+// (kδu)²/6 for a quarter of a period, and below (kδu)³/6 for many periods.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@
 
 namespace dwell::moments {
 
-// A set of `count` angles (2H+1 of instants, H+1 of readings) is laid out as cos, sin for j = 0, cos, sin for j = 1,
-// each padded to an even number so that two go into one register, then the sum of squares.
+// Layout of a set of `count` angles (2H+1 of instants, H+1 of readings): cos, sin for j = 0; cos, sin for j = 1; the
+// sum of squares. The four rows are padded to an even number, since two doubles fill one register.
 [[nodiscard]] constexpr std::size_t stride(int count) noexcept {
   return (static_cast<std::size_t>(count) + 1) & ~std::size_t{1};
 }
@@ -35,15 +35,15 @@ namespace dwell::moments {
 }
 [[nodiscard]] constexpr std::size_t squares(int count) noexcept { return 4 * stride(count); }
 
-// exp(jkθ), k = 0 … 2H, and u of one instant; zero beyond.
+// exp(jkθ), k = 0 … 2H (zero beyond), and u of one instant.
 struct Regressors {
   std::int64_t t_ns = INT64_MIN;
   double u = 0.0;
   alignas(16) std::array<double, 18> c{}, s{};
 };
 
-// sin x and cos x for |x| < 1 by their Taylor series, whose next terms are below 5e-17 for |x| <= π/4, which is all
-// that a quarter of a period about its centre needs: a fraction of libm's cost, and the same bits whatever the libm.
+// sin x and cos x for |x| < 1 by Taylor series. A quarter of a period about its centre needs |x| <= π/4 only, where the
+// next terms are below 5e-17. Costs a fraction of libm and gives the same bits with any libm.
 inline void sin_cos(double x, double& sine_x, double& cosine_x) noexcept {
   constexpr auto inverse_factorial = [](int n) {
     double product = 1.0;
@@ -62,8 +62,8 @@ inline void sin_cos(double x, double& sine_x, double& cosine_x) noexcept {
   cosine_x = 1.0 - (0.5 * z - z2 * even);
 }
 
-// Fills `out` for the angle theta, |theta| < 1, and time u; exp(jkθ) by the Chebyshev recurrence
-// cos kθ = 2 cos θ cos (k-1)θ - cos (k-2)θ, sin alike.
+// Fills `out` for the angle theta, |theta| < 1 rad, and the time u, s. exp(jkθ) follows from the Chebyshev recurrence
+// cos kθ = 2 cos θ cos (k-1)θ - cos (k-2)θ, and the same for sin.
 template <int H>
 inline void evaluate(double theta, double u, Regressors& out) noexcept {
   out.u = u;
@@ -77,8 +77,8 @@ inline void evaluate(double theta, double u, Regressors& out) noexcept {
   }
 }
 
-// Adds weight·(1, u)·exp(jkθ), k = 0 … count-1, and `square` to a set. Of instants: weight 1 (-1 takes it back) and
-// weight·u²; of readings: the reading s and s².
+// Adds weight·(1, u)·exp(jkθ), k = 0 … count-1, and `square` to a set. For instants: weight = 1 (-1 removes one),
+// square = weight·u². For readings: weight = s, square = s².
 template <int count>
 inline void add(const Regressors& x, double weight, double square, double* __restrict set) noexcept {
   constexpr std::size_t kStride = stride(count);
@@ -92,16 +92,16 @@ inline void add(const Regressors& x, double weight, double square, double* __res
   set[4 * kStride] += square;
 }
 
-// How sets change from (ω_b, t_b) to (ω, t_ref).
+// The change of a set from (ω_b, t_b) to (ω, t_ref).
 struct Turn {
-  // faster: ω - ω_b, rad/s; phase: ω (t_b - t_ref), rad; later: t_b - t_ref, s; for sets of at most `count` angles.
+  // faster: ω - ω_b, rad/s; phase: ω (t_b - t_ref), rad; later: t_b - t_ref, s; count: most angles that a set has.
   Turn(double faster, double phase, double later, int count) noexcept;
   double delta, shift;
   std::array<double, 18> c, s;  // exp(jk·phase)
 };
 
-// Turns a set and adds it to `out`. The mean of u² over the set's instants: for instants from the set itself, for
-// readings from the set of their instants. `in` and `out` must not overlap.
+// Turns `in` and adds it to `out`; they must not overlap. mean_square_u: mean of u² over the instants of the readings,
+// from the set of these instants.
 void add_instants(const double* in, int count, const Turn& turn, double* out) noexcept;
 void add_readings(const double* in, int count, const Turn& turn, double mean_square_u, double* out) noexcept;
 [[nodiscard]] inline double mean_square_u(const double* instants, int count) noexcept {

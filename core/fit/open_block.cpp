@@ -97,7 +97,7 @@ void OpenBlock::add_sample(OpenBlock& block, int channel, std::int64_t t_ns, dou
   if (leader->last_ns != t_ns) {
     if (leader->arrived != leader->size) {
       block.settle_members(member.leader);
-      leader = &block.member(member.leader);  // it may have left its group
+      leader = &block.member(member.leader);  // the leader may have left its group
     }
     moments::add<2 * H + 1>(now, 1.0, now.u * now.u, leader->instants);
     leader->last_ns = t_ns;
@@ -109,7 +109,7 @@ void OpenBlock::add_sample(OpenBlock& block, int channel, std::int64_t t_ns, dou
   moments::add<H + 1>(now, s, s * s, member.readings);
 }
 
-// Whoever of a group has missed its newest instant goes on with a set of its own.
+// Gives each channel that missed its group's newest instant a set of its own.
 void OpenBlock::settle_members(int leader) noexcept {
   const double instants_so_far = member(leader).instants[0];
   for (int c = leader; c >= 0;) {
@@ -125,8 +125,8 @@ void OpenBlock::break_away(int c) noexcept {
   const std::size_t set = moments::size(instants_count_);
   moments::Regressors missed;
   evaluate(this->member(leader).last_ns, missed);
-  assert(leader != c || member.next >= 0);  // whoever brought that instant has not missed it and stays in the group
-  if (leader == c) {                        // the set passes to the next in the group
+  assert(leader != c || member.next >= 0);  // the channel that brought that instant stays in the group
+  if (leader == c) {                        // the set passes to the next channel in the group
     Member& heir = this->member(member.next);
     heir.size = member.size - 1;
     heir.arrived = member.arrived;
@@ -143,11 +143,11 @@ void OpenBlock::break_away(int c) noexcept {
   member.leader = c;
   member.next = -1;
   member.size = member.arrived = 1;
-  member.last_ns = INT64_MIN;  // the instant it missed is not in its set, and may still come
+  member.last_ns = INT64_MIN;  // the missed instant leaves its set and may still come
   add_instant_(missed, -1.0, -missed.u * missed.u, member.instants);
 }
 
-// Channels whose instants were the same throughout the block that ends share one set in the next.
+// Lets channels whose instants were the same throughout this block share one set in the next.
 void OpenBlock::regroup(const MomentSets& sets) noexcept {
   for (int c = 0; c < channels(); ++c) {
     Member& member = this->member(c);
@@ -160,7 +160,7 @@ void OpenBlock::regroup(const MomentSets& sets) noexcept {
       Member& leader = this->member(l);
       if (leader.leader != l) continue;
       const double* other = sets.shared_instants(slot_, l);
-      // Number, Σu and Σu² of the instants, bit for bit: both were added up in the same order.
+      // Equal number, Σu and Σu², bit for bit: equal instants are summed in the same order.
       const bool same = own == other ||
                         (own[0] == other[0] &&
                          own[moments::cosine(instants_count_, 1, 0)] == other[moments::cosine(instants_count_, 1, 0)] &&
@@ -179,14 +179,13 @@ void OpenBlock::close(MomentSets& sets) noexcept {
   assert(open_);
   for (int c = 0; c < channels(); ++c)
     if (member(c).leader == c) settle_members(c);
-  // A leader that left its group in this very pass has handed its followers over; an heir has the instant by
-  // definition.
+  // Every leader's set is now that of its whole group: a leader that left has handed the group to an heir.
   for (int c = 0; c < channels(); ++c) sets.share(slot_, c, member(c).leader);
   regroup(sets);
   open_ = false;
 }
 
-// A channel may not have got the newest instant of its group (yet).
+// Takes out the group's newest instant if the channel has not got it (yet).
 const double* OpenBlock::instants_of(int c, double* scratch) const noexcept {
   const double* set = shared_instants(c);
   if (set[0] == member(c).count) return set;

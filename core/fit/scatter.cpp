@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kStretchesCompared = 12;
 constexpr int kQuartersOfPeriod = 4;  // quarters
-constexpr double kSureOfRatio = 2.0;  // standard deviations of the ratio
+constexpr double kSureOfRatio = 2.0;  // standard deviations of the ratio beyond which it is no chance
 
-// What is left in one stretch in the direction of the fundamental.
+// Deviation of the fundamental in one stretch: least squares on the residuals of the whole fit.
 PhasorStretch stretch_of(const ChannelMoments& sums, int harmonics, const HarmonicFit& fit, double reference) noexcept {
   const int instants = 2 * harmonics + 1, readings = harmonics + 1;
   const auto c = [&](int k) { return sums.instants[moments::cosine(instants, 0, std::abs(k))]; };
@@ -32,7 +32,7 @@ PhasorStretch stretch_of(const ChannelMoments& sums, int harmonics, const Harmon
   return {true, {off(0), off(1)}, fit.sigma2 * inverse.trace(), score.dot(off) / fit.sigma2};
 }
 
-// From Σ χ² over so many stretches.
+// sum: Σ χ² over so many stretches.
 Scatter scatter_from(double sum, double stretches) noexcept {
   Scatter scatter;
   if (stretches < 3) return scatter;

@@ -1,5 +1,5 @@
-// The chain of masses as the method writes it (docs/method.md, Symbols): element k joins mass k-1 to mass k, mass 0
-// being the table, whose motion is imposed. Plain data; the forward model reads it, identification fills it.
+// A chain of masses and elements with its coefficients (docs/method.md, Symbols). Element k joins mass k-1 to mass k.
+// Mass 0 is the table, whose motion is imposed. Plain data: identification fills it, the forward model reads it.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ struct Chain {
   std::vector<double> damping;    // r_1 …, one per element, N·s/m (N·m·s/rad)
 
   [[nodiscard]] int mass_count() const noexcept { return static_cast<int>(masses.size()); }
-  // n free, n + 1 clamped.
+  // n for a free chain, n + 1 for a clamped one.
   [[nodiscard]] int element_count() const noexcept { return mass_count() + (boundary == Boundary::clamped ? 1 : 0); }
 
-  // Why this is not a chain that can be solved ("masses[1] is -3: expected a positive number"), or empty. Coefficients
-  // may be zero or negative (an estimate can be), but must be finite.
+  // Names the first fault ("masses[1] is -3: expected a positive number"); empty for a valid chain.
+  // Coefficients must be finite. They may be zero or negative, as an estimate can be.
   [[nodiscard]] std::string fault() const;
 };
 

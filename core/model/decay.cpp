@@ -22,7 +22,7 @@ double DecayRate::time_constant_s(std::span<const std::complex<double>> Z, doubl
   A_.setZero();
   A_.topRightCorner(n, n).diagonal().setConstant(omega);
   for (Eigen::Index k = 0; k < n; ++k) {
-    // Mass k+1 hangs on element k+1 below and k+2 beyond (none beyond the last of a free chain).
+    // Mass k+1 lies between elements k+1 and k+2. The last mass of a free chain has no element k+2.
     for (const Eigen::Index e : {k, k + 1}) {
       if (e == n && boundary_ == Boundary::free) continue;
       const std::complex<double> z = Z[static_cast<std::size_t>(e)];

@@ -1,4 +1,4 @@
-// How long a chain remembers: the slowest decay rate of the identified chain, without allocation.
+// Predicts how long the transient of an identified chain lasts: time constant and poles, without allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,22 +11,23 @@
 
 namespace dwell {
 
-// The eigenvalues of the chain with the table held are what its transients are made of (docs/method.md, Settling). The
-// same as slowest_decay_rate() of core/model/forward.hpp, on memory that is there from construction.
+// With the table held, every transient is a sum of exp(λt), λ the eigenvalues of the chain (docs/method.md, Settling).
+// The result equals that of slowest_decay_rate() in core/model/forward.hpp. The constructor allocates all memory.
 class DecayRate {
  public:
   DecayRate(Boundary boundary, std::span<const double> masses);
 
-  // Time constant 1 / min(-Re λ) in s of the chain with dynamic stiffnesses Z (N/m) at omega (rad/s). 0 for a chain
-  // without masses; NaN where Z is not finite or the chain would not decay. O(n³), no allocation.
+  // Time constant 1 / min(-Re λ), s. Z: dynamic stiffness of each element (N/m, N·m/rad) at omega (rad/s). 0 for a
+  // chain without masses. NaN if Z is not finite, the eigenvalues do not converge, or a mode does not decay. Also sets
+  // poles(). O(n³).
   [[nodiscard]] double time_constant_s(std::span<const std::complex<double>> Z, double omega) noexcept;
-  // The eigenvalues behind the last time_constant_s(), slowest first, of conjugate pairs the one with Im > 0; rad/s.
+  // Eigenvalues λ of the last time_constant_s(), rad/s, slowest decay first. A conjugate pair is given by its Im λ > 0.
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return {poles_.data(), poles_.size()}; }
 
  private:
   Boundary boundary_;
   std::vector<double> masses_;
-  Eigen::MatrixXd A_;  // of [ω y ; y'], 2n × 2n
+  Eigen::MatrixXd A_;  // state matrix of [ω y ; y'], 2n × 2n
   Eigen::EigenSolver<Eigen::MatrixXd> solver_;
   std::vector<std::complex<double>> poles_;
 };

@@ -14,26 +14,26 @@ namespace {
 
 constexpr Phasor kJ{0.0, 1.0};
 
-// One part of the table's motion as set: Im(shape · exp(j multiple θ)).
+// One harmonic of the table's motion: Im(shape · exp(j multiple θ)). Multiple 0 is the offset.
 struct Part {
   int multiple;
   Phasor shape;
 };
 
-// The same within a segment: Y_k(τ) = (P_k + Q_k τ) exp(sτ), k = 0 … n, τ from the segment's start.
+// The chain's answer to it within a segment: Y_k(τ) = (P_k + Q_k τ) exp(sτ), k = 0 … n, τ from the segment's start.
 struct Term {
   int multiple;
   Phasor s;
   std::vector<Phasor> P, Q;
 };
 
-// A stretch in which every amplitude is linear in time.
+// A stretch of time in which every amplitude of the drive is linear in time.
 struct Segment {
   double start_s = 0.0;
   double omega = 0.0;
   double theta = 0.0;  // at the start
   std::vector<Term> terms;
-  Eigen::VectorXd free_motion;  // at the start: the state less the particular solution
+  Eigen::VectorXd free_motion;  // at the start: state minus particular solution
 };
 
 std::vector<Part> parts_of(const Drive& drive) {
@@ -43,8 +43,8 @@ std::vector<Part> parts_of(const Drive& drive) {
   return parts;
 }
 
-// Q solves D(s) Q = (c_1 + s r_1) b e_1, and P solves D(s) P = (c_1 + s r_1) a e_1 + r_1 b e_1 - (2 s M + C) Q, for a
-// table moving as (a + bτ) exp(sτ).
+// For a table that moves as (a + bτ) exp(sτ), with D(s) = s² M + s C + K:
+// D(s) Q = (c_1 + s r_1) b e_1 ,   D(s) P = (c_1 + s r_1) a e_1 + r_1 b e_1 - (2 s M + C) Q.
 Term make_term(const Chain& chain, int multiple, Phasor s, Phasor a, Phasor b) {
   const std::size_t n = chain.masses.size();
   Term term{multiple, s, std::vector<Phasor>(n + 1), std::vector<Phasor>(n + 1)};
@@ -81,7 +81,7 @@ struct DrivenChain::Impl {
   Segment& segment_at(double t_s) { return ramp_follows && t_s >= after.start_s ? after : now; }
   const Segment& segment_at(double t_s) const { return const_cast<Impl*>(this)->segment_at(t_s); }
 
-  // Displacements, velocities and the table's acceleration of the particular solution.
+  // Writes the particular solution to `motion`: displacements, velocities, and the acceleration of the table alone.
   void particular(const Segment& segment, double tau) {
     std::fill(motion.y.begin(), motion.y.end(), 0.0);
     std::fill(motion.velocity.begin(), motion.velocity.end(), 0.0);
@@ -116,14 +116,14 @@ struct DrivenChain::Impl {
     if (chain.boundary == Boundary::clamped) motion.ground_force = -element_force(n + 1);
   }
 
-  // The force of element k on mass k-1, k = 1 …
+  // Force of element k on mass k-1, k = 1 …
   [[nodiscard]] double element_force(std::size_t k) const {
     const double y = k <= n ? motion.y[k] : 0.0;
     const double velocity = k <= n ? motion.velocity[k] : 0.0;
     return chain.stiffness[k - 1] * (y - motion.y[k - 1]) + chain.damping[k - 1] * (velocity - motion.velocity[k - 1]);
   }
 
-  // A segment from `start_s` on, in which the shapes go from `from` at a rate of (to - from)/ramp_s.
+  // A segment from start_s on: the shapes change linearly from `from` to `to` within ramp_s. With ramp_s = 0 they stay.
   Segment make_segment(double start_s, double omega, double theta, const std::vector<Part>& from,
                        const std::vector<Part>& to, double ramp_s) {
     Segment segment{start_s, omega, theta, {}, {}};
@@ -138,7 +138,7 @@ struct DrivenChain::Impl {
     return segment;
   }
 
-  // Makes the segment go on from the masses' state in `motion`.
+  // Makes the segment continue from the masses' state in `motion`, which is overwritten.
   void join(Segment& segment) {
     state.resize(static_cast<Eigen::Index>(2 * n));
     for (std::size_t k = 1; k <= n; ++k) {
@@ -153,7 +153,7 @@ struct DrivenChain::Impl {
     segment.free_motion = state;
   }
 
-  // The shapes as they stand at t.
+  // The shapes at t, within a ramp too.
   [[nodiscard]] std::vector<Part> shapes_at(double t_s) const {
     const Segment& segment = segment_at(t_s);
     const double tau = t_s - segment.start_s;
@@ -175,7 +175,7 @@ struct DrivenChain::Impl {
     return segment.theta + segment.omega * (t_s - segment.start_s);
   }
 
-  // Goes over from the state in `motion` at t to another drive.
+  // Starts another drive at t, from phase theta, shapes `from`, and the masses' state in `motion`.
   void begin(double t_s, double theta, const std::vector<Part>& from, const Drive& next) {
     drive = next;
     const double omega = 2.0 * std::numbers::pi * drive.frequency_hz;
@@ -200,7 +200,7 @@ struct DrivenChain::Impl {
   Chain chain;
   Propagator propagator;
   std::size_t n;
-  Drive drive;  // as set last
+  Drive drive;  // the one set last
   Segment now, after;
   bool ramp_follows = false;
   ChainMotion motion;

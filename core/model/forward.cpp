@@ -27,7 +27,7 @@ void solve_dynamic(const Chain& chain, Phasor s, std::vector<Phasor>& b) {
     if (k + 1 < elements) diagonal[k] += dynamic_stiffness(chain, k + 1, s);
     if (k + 1 < n) lower[k] = upper[k] = -dynamic_stiffness(chain, k + 1, s);
   }
-  // Between resonances the matrix is indefinite: without exchanging rows a pivot may vanish.
+  // Between resonances the matrix is indefinite. Without row exchanges a pivot could vanish.
   for (std::size_t k = 0; k + 1 < n; ++k) {
     if (std::norm(diagonal[k]) < std::norm(lower[k])) {
       std::swap(diagonal[k], lower[k]);

@@ -12,10 +12,10 @@
 namespace dwell {
 namespace {
 
-constexpr int kMaxPowers = 52;       // the bits of a double: a step has no more
-constexpr double kSmallNorm = 0.03;  // of A τ …
-constexpr int kTaylorTerms = 9;      // … so that 0.03^10 / 10! < 1e-21 is left off
-constexpr double kVanished = 1e-40;  // a transient shrunk by this is no longer there
+constexpr int kMaxPowers = 52;       // mantissa bits of a double, which counts the steps τ
+constexpr double kSmallNorm = 0.03;  // ‖A τ‖
+constexpr int kTaylorTerms = 9;      // of exp(A τ); the remainder is below 0.03^10 / 10! < 1e-21
+constexpr double kVanished = 1e-40;  // a transient reduced by this factor counts as zero
 
 }  // namespace
 
@@ -63,7 +63,7 @@ void Propagator::apply(double dt_s, Eigen::VectorXd& state) {
   small_step(std::max(0.0, std::fma(-steps, tau_s_, dt_s)));
   const double beyond = std::ldexp(1.0, static_cast<int>(powers_.size()));
   if (steps >= beyond) {
-    // Past the table: the transient has vanished, or the step is longer than a double counts in units of τ.
+    // Longer than the table of powers: the transient has vanished, or a double cannot count so many steps τ.
     state.setConstant(vanishes_ ? 0.0 : std::numeric_limits<double>::quiet_NaN());
     return;
   }

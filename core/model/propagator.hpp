@@ -1,10 +1,9 @@
-// Free motion of a chain, exact for any step: x(t + dt) = exp(A dt) x(t) with the table held.
+// Moves the free motion of a chain on by any step, exactly: x(t + dt) = exp(A dt) x(t) with the table held.
 //
-// An eigenvector basis would be cheaper per step but fails where modes coincide (critical damping), so the powers
-// exp(A τ 2^k) are tabulated once by repeated squaring, and a step is the product of those that dt/τ has bits for, with
-// a short Taylor series for the rest. Correct for every chain, defective or not; what is left is rounding, about 1e-16
-// per τ = 0.03/‖A‖ (1e-9 after an hour without damping).
-// Internal to core: it pulls in Eigen.
+// The powers exp(A τ 2^k), τ = 0.03/‖A‖, are tabulated once by repeated squaring. A step multiplies the powers that the
+// bits of dt/τ select; a short Taylor series covers the rest. An eigenvector basis would be cheaper, but it fails where
+// modes coincide (critical damping). The only error is rounding: about 1e-16 per τ (1e-9 after an hour without
+// damping). Internal to core: it pulls in Eigen.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,11 +15,12 @@ namespace dwell {
 
 class Propagator {
  public:
-  // O(52 n³) and 52 (2n)² doubles: meant for n up to about 100.
+  // Time O(52 n³), memory 52 (2n)² doubles: meant for n up to about 100. The chain must have no fault().
   explicit Propagator(const Chain& chain);
 
-  // Moves `state` = [y_1 … y_n, y_1' … y_n'] on by dt_s ≥ 0. About 35 products of 2n × 2n with a vector (1 µs at n =
-  // 3); no allocation once called. Bound to one thread (it uses its own scratch).
+  // Moves `state` = [y_1 … y_n, y_1' … y_n'] on by dt_s ≥ 0. NaN from 2^52 τ on, unless the transient has vanished by
+  // then. About 35 products of a 2n × 2n matrix and a vector (1 µs at n = 3). Only the first call allocates. Bound to
+  // one thread.
   void apply(double dt_s, Eigen::VectorXd& state);
 
  private:
@@ -30,7 +30,7 @@ class Propagator {
   Eigen::VectorXd scale_;
   double tau_s_ = 0.0;
   std::vector<Eigen::MatrixXd> powers_;  // exp(A τ 2^k)
-  bool vanishes_ = false;                // beyond the last of them nothing is left
+  bool vanishes_ = false;                // a step longer than these powers leaves zero
   Eigen::VectorXd x_, term_, product_;
 };
 

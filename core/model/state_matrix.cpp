@@ -9,7 +9,7 @@ StateMatrix state_matrix(const Chain& chain) {
   const int elements = chain.element_count();
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
-  // Element e joins row e-1 to row e; row -1 is the table and row n the ground, both held.
+  // Element e joins row e-1 to row e. Row -1 is the table, row n the ground; both are held.
   for (int e = 0; e < elements; ++e) {
     const auto i = static_cast<std::size_t>(e);
     for (const int a : {e - 1, e}) {
