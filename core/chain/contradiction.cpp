@@ -95,7 +95,7 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
     off.push_back(c);
     names.push_back(channel.name);
     figures.push_back(channel.name + " by " + brief(std::abs(left(c))) + " " + unit + " (" +
-                      brief(100 * std::abs(left(c) / seen.o(c)), 2) + " % of it, explained are " +
+                      brief(100 * std::abs(left(c) / seen.o(c)), 2) + " %; allowed are " +
                       brief(kNormal95 * std::sqrt(variance), 2) + " " + unit + ")");
   }
   if (off.empty()) return {};
@@ -104,9 +104,9 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
   Doubt doubt;
   doubt.elements = elements_using(rig, gain, off, omega);
   doubt.what = listed(names) + " contradict" + (off.size() == 1 ? "s" : "") +
-               " the other transducers of that motion: off is " + listed(figures) +
-               ". Look at scale, unit, delay and place of them, and state their scale_u and delay_u; " +
-               elements_text(doubt.elements) + (doubt.elements.size() == 1 ? " is" : " are") + " computed from them";
+               " the other transducers of the same motion, " + listed(figures) +
+               ". Check scale, unit, delay and place, and state scale_u and delay_u; " + elements_text(doubt.elements) +
+               (doubt.elements.size() == 1 ? " is" : " are") + " computed from them";
   return {doubt};
 }
 

@@ -55,7 +55,7 @@ class Collection {
   // Delays that the channels of a device share, and turnarounds that the channels of a transaction share.
   void add_shared_instants();
   void add_masses();
-  void add_absorbed();
+  void add_taken_for_transient();
   void add_change_within();
   void add_frequency(const Frequency& frequency);
 
@@ -189,11 +189,12 @@ void Collection::add_masses() {
 }
 
 // Adds the response to a change of the drive while settling. The fit may have taken it for a transient.
-void Collection::add_absorbed() {
+void Collection::add_taken_for_transient() {
   VectorXcd absorbed = no_x();
   for (Index c = 0; c < o_.size(); ++c)
     if (seen(c).usable)
-      absorbed += through_channel(c, as_observed(chain_.rig, static_cast<int>(c), seen(c).absorbed, chain_.omega, 1));
+      absorbed += through_channel(
+          c, as_observed(chain_.rig, static_cast<int>(c), seen(c).taken_for_transient, chain_.omega, 1));
   if (!absorbed.isZero(0))
     out_.push_back({.name = "drive's change while settling", .dof = kTypeB, .on_x = absorbed, .on_Z = no_Z()});
 }
@@ -231,11 +232,11 @@ void Collection::add_change_within() {
 
 void Collection::add_frequency(const Frequency& frequency) {
   const double omega = chain_.omega;
-  VectorXcd relative_omega = no_x();  // ∂x/∂ω through the transducers
+  VectorXcd x_per_omega = no_x();  // ∂x/∂ω through the transducers
   for (Index c = 0; c < o_.size(); ++c) {
     if (!counts(c)) continue;
     const LogSlopes slopes = response_slopes(channel(c), device_delay_s(chain_.rig, channel(c)), omega / (kTwoPi));
-    relative_omega += through_channel(
+    x_per_omega += through_channel(
         c, -o_(c) * (static_cast<double>(derivative_order(channel(c).measures)) / omega + slopes.frequency / (kTwoPi)));
   }
   VectorXcd by_omega = no_Z();  // 2ω Σ_{i>=k} m_i Y_i / d_k
@@ -248,7 +249,7 @@ void Collection::add_frequency(const Frequency& frequency) {
     if (u > 0)
       out_.push_back({.name = name,
                       .dof = kTypeB,
-                      .on_x = relative_omega * u,
+                      .on_x = x_per_omega * u,
                       .on_Z = by_omega * u,
                       .on_omega = u,
                       .clock_u = clock_u});
@@ -270,7 +271,7 @@ std::vector<ErrorSource> sources_of(const Gain& gain, const std::vector<Evidence
   }
   all.add_shared_instants();
   all.add_masses();
-  all.add_absorbed();
+  all.add_taken_for_transient();
   all.add_change_within();
   all.add_frequency(frequency);
   return std::move(all.sources());

@@ -55,7 +55,7 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
   MatrixXcd x_per_reading = gain.gain.cast<Complex>();
   for (Index c = 0; c < channels; ++c)
     x_per_reading.col(c) *= as_observed(rig, static_cast<int>(c), 1.0, frequency.omega, 1);
-  propagation.heed_scatter(x_per_reading, evidence);
+  propagation.set_scatter(x_per_reading, evidence);
   for (const ErrorSource& source : sources_of(gain, evidence, o, chain, states, frequency)) propagation.add(source);
   propagation.add_second_order();
 
@@ -75,11 +75,11 @@ ElementsResult estimate_elements(const Rig& rig, const Gain& gain, const std::ve
       const Coefficient r = propagation.coefficient(2 * e + 1, damping(Z, frequency.omega));
       const double u_Z = std::hypot(c.u, frequency.omega * r.u);
       if (!(element.deformation.value > 3 * element.deformation.u)) {
-        element.reason = "it barely deforms: |d| is not above 3 u(d)";
+        element.reason = "its deformation is too small to measure: |d| is not above 3 u(d)";
       } else if (!(u_Z < std::abs(Z) / 3)) {
-        element.reason = "its force is not resolved: u(Z) is not below |Z|/3";
+        element.reason = "its force is not resolved: u(Z) is above |Z|/3";
         if (const std::vector<BudgetShare> budget = propagation.budget(e); !budget.empty())
-          element.reason += ", most of it by " + budget.front().source;
+          element.reason += "; the largest source is " + budget.front().source;
       } else {
         element.identifiable = true;
         element.stiffness = c;

@@ -24,7 +24,8 @@ struct Evidence {
   double widened = 1.0;                                  // factor on this covariance for the channel's own scatter
   std::vector<PhasorStretch> stretches;                  // phasors of parts of the dwell: scatter of each element
   PhasorSlope slope;
-  std::complex<double> absorbed;  // part of X_1: response to a change of the drive, perhaps taken for a transient
+  std::complex<double>
+      taken_for_transient;  // part of X_1: response to a change of the drive, perhaps taken for a transient
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  // covariance of X_1 by the uncertainty of the transient
   double quantization_u = 0.0;                          // of X_1, by the device's rounding
   double refresh_u_s = 0.0;                             // of the instants, by a slowly refreshed register

@@ -133,18 +133,17 @@ std::string distorting(const Rig& rig, const std::vector<Excess>& thirds, const 
              std::max(third.sure, kSameDistortion * std::abs(third.force));
     });
     if (!explains) continue;
-    text += (text.empty() ? "" : ", or ") + rig.channels[c].name + " distorts: a harmonic 3 of " +
-            percent(std::abs(part)) + " of its reading, in phase with it";
-    text += ", would explain what " + elements_text(told) + " show, and a reading " + percent(3 * std::abs(part)) +
-            (part > 0 ? " too small" : " too large");
+    text += (text.empty() ? "if " : ", or if ") + rig.channels[c].name + " distorts, a harmonic 3 of " +
+            percent(std::abs(part)) + " in phase with its reading explains " + elements_text(told) +
+            "; its reading is then " + percent(3 * std::abs(part)) + (part > 0 ? " too small" : " too large");
   }
-  return text.empty() ? text : text + ": look at its range and its amplifier";
+  return text.empty() ? text : text + ": check its range and its amplifier";
 }
 
 // Parts of c and r that come from the nonlinearity seen in harmonic 3.
 struct Parts {
-  double in_c = 0.0, in_r = 0.0;          // N/m, N·s/m
-  bool tells_c = false, tells_r = false;  // the part is significant and exceeds the coefficient's U95
+  double in_c = 0.0, in_r = 0.0;                      // N/m, N·s/m
+  bool significant_c = false, significant_r = false;  // the part is significant and exceeds the coefficient's U95
 };
 
 Parts explained_by(const Excess& third, const ElementEstimate& element, double omega) {
@@ -152,8 +151,8 @@ Parts explained_by(const Excess& third, const ElementEstimate& element, double o
   Parts parts;
   parts.in_c = -3 * elastic / a;
   parts.in_r = (dissipative < 0 ? -3 : 5) * dissipative / (omega * a);
-  parts.tells_c = std::abs(elastic) > third.sure && std::abs(parts.in_c) > element.stiffness.U95;
-  parts.tells_r = std::abs(dissipative) > third.sure && std::abs(parts.in_r) > element.damping.U95;
+  parts.significant_c = std::abs(elastic) > third.sure && std::abs(parts.in_c) > element.stiffness.U95;
+  parts.significant_r = std::abs(dissipative) > third.sure && std::abs(parts.in_r) > element.damping.U95;
   return parts;
 }
 
@@ -164,16 +163,15 @@ std::string words_of(const Rig& rig, const ElementEstimate& element, const Exces
   const double a = element.deformation.value, U = third.sure * kNormal95 / kSureOfHarmonic;
   const double elastic = third.force.real(), dissipative = third.force.imag();
   std::string text = "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ");
-  text += parts.tells_c && parts.tells_r
+  text += parts.significant_c && parts.significant_r
               ? "its c and r are equivalent stiffness and equivalent damping at this amplitude"
-          : parts.tells_c ? "its c is an equivalent stiffness at this amplitude"
-                          : "its r is an equivalent damping at this amplitude";
-  text += " (" + brief(a) + (turns ? " rad" : " m") + "). Harmonic 3 of its force holds " +
-          plus_minus(std::abs(dissipative), U, newton) + " in phase with the velocity and " +
-          plus_minus(std::abs(elastic), U, newton) +
-          " in phase with the deformation that they do not explain, beside " +
-          brief(omega * element.damping.value * a) + " " + newton + " of ωr|d| and " +
-          brief(element.stiffness.value * a) + " " + newton + " of c|d|. ";
+          : parts.significant_c ? "its c is an equivalent stiffness at this amplitude"
+                                : "its r is an equivalent damping at this amplitude";
+  text += " (" + brief(a) + (turns ? " rad" : " m") +
+          "). They do not explain harmonic 3 of its force: " + plus_minus(std::abs(dissipative), U, newton) +
+          " in phase with the velocity (damping force " + brief(omega * element.damping.value * a) + " " + newton +
+          "), " + plus_minus(std::abs(elastic), U, newton) + " in phase with the deformation (spring force " +
+          brief(element.stiffness.value * a) + " " + newton + "). ";
   if (std::abs(dissipative) < std::abs(elastic))
     text += std::string("A spring that ") + (elastic < 0 ? "hardens" : "softens") +
             " with the cube of the deformation would explain it, and " +
@@ -215,8 +213,8 @@ std::vector<std::string> judge_linearity(const Rig& rig, const Gain& gain, const
     }
     const Parts parts = explained_by(third, element, omega);
     if (std::isfinite(third.sure)) thirds.push_back(third);
-    if (parts.tells_c || parts.tells_r) told.push_back(element.k);
-    if (parts.tells_c || parts.tells_r)
+    if (parts.significant_c || parts.significant_r) told.push_back(element.k);
+    if (parts.significant_c || parts.significant_r)
       warnings.push_back(words_of(rig, element, third, parts, omega, worst_h == 3));
     else if (worst_h > 0)
       warnings.push_back("element " + std::to_string(element.k) + " is far from linear: harmonic " +

@@ -145,7 +145,7 @@ std::string causes(const std::vector<Pair>& pairs, const Rig& rig) {
     for (const Pair& pair : pairs) {
       const Eigen::VectorXd by = force_by(cause, pair.residual);
       information += pair.residual.product(by, by);
-      score += pair.residual.product(by, pair.residual.force());
+      score += pair.residual.product(by, pair.residual.scaled_residual());
     }
     if (!(information > 0)) continue;
     const double size = score / information;
@@ -189,14 +189,13 @@ std::string message(const Pair& pair, const std::vector<Pair>& pairs, const Rig&
   const std::string element = worst_element(pair, rig, omega), single = causes(pairs, rig);
   const int last = rig.element_count();
   return mode +
-         (element.empty() ? "the uncertainty of c and r of " +
-                                (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last)) +
-                                " does not explain that"
+         (element.empty() ? "the difference exceeds the uncertainty of c and r of " +
+                                (last == 1 ? std::string("element 1") : "elements 1 … " + std::to_string(last))
                           : element) +
          "; " +
-         (single.empty() ? "look for a mass, a unit, a delay, or a connection that the rig file does not have, or an "
-                           "element that is not linear"
-                         : "this would be explained by " + single + ", or by an element that is not linear");
+         (single.empty()
+              ? "check masses, units, delays and connections of the rig file, and whether an element is not linear"
+              : "possible causes: " + single + ", or an element that is not linear");
 }
 
 // Lists the channels that show a mode plainly. count: their number; able: the number of channels that could. Those on

@@ -62,7 +62,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
     scale_(i) = std::abs(force_row(rig, k, inertia).cwiseProduct(x_).sum()) + std::abs(Z * deformation_(i));
   }
   const MatrixXcd by = by_amplitude(seen.pole);
-  force_ = in_pairs(by * seen.amplitude);
+  scaled_residual_ = in_pairs(by * seen.amplitude);
   const Complex step = kStep * seen.pole;
   by_pole_ = (by_amplitude(seen.pole + step) - by_amplitude(seen.pole - step)) * seen.amplitude / (2.0 * step);
   MatrixXd J(2 * E, 2 * channels + 2);
@@ -74,7 +74,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   for (Index i = 0; i < E; ++i)
     covariance_.diagonal().segment<2>(2 * i).array() += second_order(i) / (scale_(i) * scale_(i));
   factor_.compute(covariance_);
-  chi2_ = product(force_, force_);
+  chi2_ = product(scaled_residual_, scaled_residual_);
 }
 
 MatrixXcd ModeResidual::by_amplitude(Complex pole) const {
@@ -166,11 +166,11 @@ double ModeResidual::pole_by_chance(const VectorXcd& shape) const {
   if (static_cast<int>(elements_.size()) != rig_.element_count()) return 1.0;
   VectorXcd x = VectorXcd::Zero(n + 2);
   for (int k = 1; k <= n; ++k) x(k) = shape(k - 1) - (k > 1 ? shape(k - 2) : Complex{});
-  MatrixXd work(2, force_.size());
+  MatrixXd work(2, scaled_residual_.size());
   for (Index i = 0; i < scale_.size(); ++i)
     work.middleCols<2>(2 * i) =
         turn(deformation_row(n, static_cast<int>(i) + 1).cwiseProduct(x).sum() * scale_(i) / scale_(0));
-  const Eigen::Vector2d of_pole = work * force_;
+  const Eigen::Vector2d of_pole = work * scaled_residual_;
   const Matrix2d covariance = work * covariance_ * work.transpose();
   const double chi2 = of_pole.dot(covariance.ldlt().solve(of_pole));
   return chi2 >= 0 ? std::exp(-0.5 * chi2) : 1.0;
@@ -180,7 +180,7 @@ Index ModeResidual::worst(double* chi2) const noexcept {
   Index worst = 0;
   *chi2 = -1.0;
   for (Index i = 0; i < static_cast<Index>(elements_.size()); ++i) {
-    const Eigen::Vector2d own = force_.segment<2>(2 * i);
+    const Eigen::Vector2d own = scaled_residual_.segment<2>(2 * i);
     const Matrix2d covariance = covariance_.block<2, 2>(2 * i, 2 * i);
     if (const double of = own.dot(covariance.llt().solve(own)); of > *chi2) *chi2 = of, worst = i;
   }
@@ -189,7 +189,7 @@ Index ModeResidual::worst(double* chi2) const noexcept {
 
 // Solves δc + λ δr = R/d: two real equations for two unknowns, since λ is not real.
 Eigen::Vector2d ModeResidual::change(Index i) const noexcept {
-  const Complex dZ = Complex{force_(2 * i), force_(2 * i + 1)} * scale_(i) / deformation_(i);
+  const Complex dZ = Complex{scaled_residual_(2 * i), scaled_residual_(2 * i + 1)} * scale_(i) / deformation_(i);
   const double r = dZ.imag() / seen_.pole.imag();
   return {dZ.real() - seen_.pole.real() * r, r};
 }

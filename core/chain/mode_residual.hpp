@@ -44,18 +44,18 @@ class ModeResidual {
   [[nodiscard]] Eigen::Vector2d change(Eigen::Index i) const noexcept;
   [[nodiscard]] Eigen::Matrix2d change_covariance(Eigen::Index i) const noexcept;
 
-  // Change of force() by a single fault of the rig file, per unit: a mass or a reading relative to its stated size, a
-  // delay in s, a spring in N/m or damper in N·s/m between two places (0: the table, kGround: the ground).
+  // Change of scaled_residual() by a single fault of the rig file, per unit: a mass or a reading relative to its stated
+  // size, a delay in s, a spring in N/m or damper in N·s/m between two places (0: the table, kGround: the ground).
   [[nodiscard]] Eigen::VectorXd by_mass(Eigen::Index mass) const;
   [[nodiscard]] Eigen::VectorXd by_scale(Eigen::Index channel) const;
   [[nodiscard]] Eigen::VectorXd by_delay(Eigen::Index channel) const;
   [[nodiscard]] Eigen::VectorXd by_connection(int from, int to, bool damps) const;
-  // a'Cov⁻¹b, Cov of force().
+  // a'Cov⁻¹b, Cov of scaled_residual().
   [[nodiscard]] double product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     return a.dot(factor_.solve(b));
   }
   // (Re R_k, Im R_k) of each element that takes part, divided by the size of its terms, |f_k| + |Z_k d_k|.
-  [[nodiscard]] const Eigen::VectorXd& force() const noexcept { return force_; }
+  [[nodiscard]] const Eigen::VectorXd& scaled_residual() const noexcept { return scaled_residual_; }
 
  private:
   // ∂R/∂(amplitude of each channel) at `pole`: elements() × channels, N per unit of the reading.
@@ -79,8 +79,8 @@ class ModeResidual {
   Eigen::VectorXcd x_, deformation_;  // state and deformations of the oscillation
   Eigen::VectorXcd by_pole_;          // ∂R/∂λ
   Eigen::VectorXd scale_;             // N, per element: |f_k| + |Z_k d_k|
-  Eigen::VectorXd force_;             // in_pairs(R)
-  Eigen::MatrixXd covariance_;        // of force_
+  Eigen::VectorXd scaled_residual_;   // in_pairs(R)
+  Eigen::MatrixXd covariance_;        // of scaled_residual_
   Eigen::LDLT<Eigen::MatrixXd> factor_;
   double chi2_ = 0.0;
 };

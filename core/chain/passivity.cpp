@@ -46,7 +46,7 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
       seen += (seen.empty() ? "its " : " and its ") + name + " comes out as " + figure;
       found.push_back(name + " of element " + std::to_string(element.k) + " comes out as " + figure);
     }
-    element.reason = seen + ": no passive element has a negative one";
+    element.reason = seen + ": a passive element has no negative stiffness or damping";
     element.identifiable = false;
     element.stiffness = element.damping = {};
     element.loss_factor = {};
@@ -56,8 +56,8 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   }
   if (refused.empty()) return;
   if (!surely) {
-    doubts.push_back({refused, first_of(found, "coefficients") + ": chance does that one time in forty where an "
-                                                                 "element has next to none"});
+    doubts.push_back({refused, first_of(found, "coefficients") + ": by chance this happens in one of 40 dwells "
+                                                                 "where an element has next to none; measure longer"});
     return;
   }
   std::vector<std::string> names;
@@ -73,8 +73,8 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
     if (elements[e].identifiable) beside.push_back(elements[e].k);
   }
   doubt.what = first_of(found, "coefficients") +
-               ", which no passive element has: look at sign, order, unit and instant of " +
-               first_of(names, "channels") + (rig.masses.empty() ? "" : ", and at the masses");
+               ", which no passive element has: check sign, order, unit and instant of " + first_of(names, "channels") +
+               (rig.masses.empty() ? "" : ", and the masses");
   if (!beside.empty())
     doubt.what += "; " + elements_text(beside) + (beside.size() == 1 ? " rests" : " rest") + " on the same channels";
   doubts.push_back(std::move(doubt));

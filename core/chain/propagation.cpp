@@ -31,7 +31,7 @@ Propagation::Propagation(const ChainState& chain, const ElementStates& elements)
   second_.resize(static_cast<std::size_t>(count));
 }
 
-void Propagation::heed_scatter(const MatrixXcd& per_reading, const std::vector<Evidence>& evidence) {
+void Propagation::set_scatter(const MatrixXcd& per_reading, const std::vector<Evidence>& evidence) {
   std::vector<std::vector<PhasorStretch>> stretches;
   for (const Evidence& seen : evidence) stretches.push_back(seen.stretches);
   for (Index e = 0; e < through_x_.rows(); ++e)

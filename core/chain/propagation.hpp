@@ -48,7 +48,7 @@ struct SourceEffect {
   std::vector<ReadingError> readings;
 };
 
-// Order of calls: heed_scatter(), add() for every source, add_second_order() once, then the results.
+// Order of calls: set_scatter(), add() for every source, add_second_order() once, then the results.
 class Propagation {
  public:
   // chain and elements must outlive this object.
@@ -56,7 +56,7 @@ class Propagation {
 
   // Determines for each element how much Z scatters from stretch to stretch; this widens the sources with `residual`.
   // per_reading: ∂x/∂(a reading's phasor), (n + 2) × channels.
-  void heed_scatter(const Eigen::MatrixXcd& per_reading, const std::vector<Evidence>& evidence);
+  void set_scatter(const Eigen::MatrixXcd& per_reading, const std::vector<Evidence>& evidence);
   void add(const ErrorSource& source);
   // Adds the second-order effect of all sources together: two vectors per element, named "errors to second order".
   void add_second_order();

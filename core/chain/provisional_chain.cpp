@@ -15,7 +15,7 @@ constexpr double kOfEigenvalues = 10.0;  // multiplications per cube of the orde
 }  // namespace
 
 ProvisionalChain::ProvisionalChain(const Rig& rig, const Eigen::MatrixXd& G, Slices* slices)
-    : rig_(rig), slices_(slices), observation_(rig, G), decay_(rig.boundary, rig.masses), x_(G.cols()) {
+    : rig_(rig), slices_(slices), observation_(rig, G), eigenvalues_(rig.boundary, rig.masses), x_(G.cols()) {
   const auto unknowns = static_cast<std::size_t>(rig.mass_count());
   Y_.resize(unknowns + 1);
   d_.resize(unknowns);
@@ -39,7 +39,7 @@ std::span<const Complex> ProvisionalChain::seen_by(const ModalFit& fit) noexcept
     else
       leave_out(c);
   if (!solve(fit.omega())) return {};
-  return decay_.poles();
+  return eigenvalues_.values();
 }
 
 // Identifies the elements from the state x_, then the time constant and the poles.
@@ -63,9 +63,9 @@ void ProvisionalChain::identify_chain(double omega) noexcept {
 }
 
 double ProvisionalChain::solve_decay(double omega) noexcept {
-  const double time_constant_s = decay_.time_constant_s(Z_, omega);
+  eigenvalues_.update(Z_, omega);
   if (slices_ != nullptr) slices_->spend(kOfEigenvalues * std::pow(2.0 * rig_.mass_count(), 3));
-  return time_constant_s;
+  return eigenvalues_.time_constant_s();
 }
 
 }  // namespace dwell

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/slices.hpp"
-#include "core/model/decay.hpp"
+#include "core/model/chain_eigenvalues.hpp"
 #include "core/rig/rig.hpp"
 #include "core/rig/usable_observation.hpp"
 #include "core/transient/chain_poles.hpp"
@@ -35,7 +35,7 @@ class ProvisionalChain final : public ChainPoles {
 
   [[nodiscard]] std::span<const std::complex<double>> seen_by(const ModalFit& fit) noexcept override;
   // If noise or a transient make the chain look active: poles of the nearest lightly damped chain.
-  [[nodiscard]] std::span<const std::complex<double>> last() const noexcept override { return decay_.poles(); }
+  [[nodiscard]] std::span<const std::complex<double>> last() const noexcept override { return eigenvalues_.values(); }
 
  private:
   void identify_chain(double omega) noexcept;
@@ -44,7 +44,7 @@ class ProvisionalChain final : public ChainPoles {
   const Rig& rig_;
   Slices* slices_;
   UsableObservation observation_;
-  DecayRate decay_;
+  ChainEigenvalues eigenvalues_;
   Eigen::VectorXcd x_;                           // (Y_0, d_1 … d_n, F)
   std::vector<std::complex<double>> Y_, d_, Z_;  // as in core/chain/identify.hpp
   double time_constant_s_ = std::numeric_limits<double>::quiet_NaN();

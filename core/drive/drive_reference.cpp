@@ -21,6 +21,11 @@ constexpr double kCovered = 0.5;  // part of the data's length that the pulses m
 std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
 std::string in_hz(double omega) { return brief(omega / kTwoPi, 7); }
 
+std::string two_frequencies(double table, double pulses) {
+  return "the table moves at " + hz(table) + ", the sync pulses come at " + hz(pulses) +
+         "; check that the input gives one pulse for each period";
+}
+
 }  // namespace
 
 DriveReference::DriveReference(const Rig& rig)
@@ -41,9 +46,9 @@ std::string DriveReference::unusable_reason(std::int64_t now_ns) const {
   if (!sync_.present(now_ns)) {
     if (sync_.newest_ns() != INT64_MIN)
       return "no sync pulse for " + std::to_string(to_s(now_ns - sync_.newest_ns())).substr(0, 4) + " s";
-    return "no sync pulses, one for each period of the drive, have come";
+    return "no sync pulse seen yet: expected one for each period of the drive; check the sync input";
   }
-  if (!usable(now_ns)) return "the sync pulses come at " + hz(sync_.omega()) + ", outside the range that is searched";
+  if (!usable(now_ns)) return "the sync pulses come at " + hz(sync_.omega()) + ", outside the search range";
   return "";
 }
 
@@ -53,7 +58,7 @@ bool DriveReference::pulses_contradict(double omega) const noexcept {
 
 std::string DriveReference::contradiction_of_pulses(double omega) const {
   if (!pulses_contradict(omega)) return "";
-  return "the table moves at " + hz(omega) + ", the sync pulses come at " + hz(sync_.omega());
+  return two_frequencies(omega, sync_.omega());
 }
 
 std::string DriveReference::contradiction_of_statement(double omega) const {
@@ -84,21 +89,21 @@ std::string DriveReference::unfit_reason(const Refined& refined, const HarmonicF
 
 std::string DriveReference::pulses_unfit(const HarmonicFit& table, double omega, double u) const {
   if (!synced()) return "";
-  if (!std::isfinite(u)) return "too few sync pulses among the data that count";
+  if (!std::isfinite(u)) return "too few sync pulses in the data that count";
   if (!(table.information > 0)) return "";
   const double off = table.score / table.information;
   const double explained =
       kSureOfOff * std::hypot(u, 1 / std::sqrt(table.information)) + kOffMatters * rig_.tolerance * omega;
   if (std::abs(off) <= explained) return "";
-  return "the table moves at " + hz(omega + off) + ", the sync pulses come at " + hz(omega);
+  return two_frequencies(omega + off, omega);
 }
 
 std::string DriveReference::missed() const {
   const SyncReference::Counts& now = sync_.counts();
   const std::uint64_t missed = now.missed - before_.missed, extra = now.extra - before_.extra;
   if (!synced() || missed + extra == 0) return "";
-  return "of the sync pulses " + std::to_string(missed) + " did not come and " + std::to_string(extra) +
-         " came beside the others (" + std::to_string(now.pulses - before_.pulses) + " are used)";
+  return "sync pulses in this hold: " + std::to_string(now.pulses - before_.pulses) + " used, " +
+         std::to_string(missed) + " missed, " + std::to_string(extra) + " extra";
 }
 
 }  // namespace dwell

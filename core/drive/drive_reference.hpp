@@ -26,9 +26,9 @@ class DriveReference {
   [[nodiscard]] const FrequencyPrior& stated() const noexcept { return stated_; }
   [[nodiscard]] bool synced() const noexcept { return rig_.excitation.reference == Reference::sync; }
   // Whether the motion shows the frequency while settling, with sync too. False: the rig file states it exactly.
-  [[nodiscard]] bool tracked() const noexcept { return !stated_.exact(); }
+  [[nodiscard]] bool inexact() const noexcept { return !stated_.exact(); }
   // Whether the final frequency comes from the motion (and the prior).
-  [[nodiscard]] bool from_motion() const noexcept { return tracked() && !synced(); }
+  [[nodiscard]] bool from_motion() const noexcept { return inexact() && !synced(); }
 
   // Takes the next pulse of the sync input.
   void pulse(std::int64_t t_ns) noexcept;

@@ -63,7 +63,7 @@ bool DriveTracker::slipped(const Window& window, const During& during) noexcept 
   // A window of few readings may underestimate its noise; the noise of the whole dwell is the lower bound.
   const double more_noise = std::max(1.0, hold_.sigma2 / fit.sigma2);
   const double u = std::hypot(std::sqrt(0.5 * more_noise * fit.covariance.trace()) / std::abs(fit.X[0]),
-                              hold_.u_omega * since_s, hold_.omega * watch_.late_s());
+                              hold_.u_omega * since_s, hold_.omega * watch_.extra_u_s());
   slips_ = std::abs(off) > kSlip_rad + 4 * u ? slips_ + 1 : 0;
   since_in_phase_ = std::abs(off) > kInPhase_rad + 4 * u ? since_in_phase_ + 1 : 0;
   return slips_ >= 2;
@@ -90,7 +90,7 @@ void DriveTracker::refer(const Known& known, const SamplingRegularity& sampling)
   const double u = std::sqrt(0.5 * fit.covariance.trace()) / std::abs(X);
   // The frequency by the table alone: the other channels may still hold a little of their transient.
   const FrequencyPrior& stated = reference_.stated();
-  const bool told = reference_.tracked() && fit.information > 0;
+  const bool told = reference_.inexact() && fit.information > 0;
   const double information = fit.information + stated.information();
   const double table_omega = told ? w + (fit.score + stated.score(w)) / information : w;
   const double u_table_omega = told ? 1 / std::sqrt(information) : known.u_omega;

@@ -51,8 +51,8 @@ class DriveTracker {
   // the window's fit.
   [[nodiscard]] bool changed(const Window& window, double since_s, double bend_rad, double omega,
                              const During& during) noexcept;
-  // Takes a reading of the drive's channel that counts, without the known transient. late_s: as in StepWatch::add().
-  void add(std::int64_t t_ns, double value, double late_s) noexcept { watch_.add(t_ns, value, late_s); }
+  // Takes a reading of the drive's channel that counts, without the known transient. extra_u_s: as in StepWatch::add().
+  void add(std::int64_t t_ns, double value, double extra_u_s) noexcept { watch_.add(t_ns, value, extra_u_s); }
 
   // Begins to record what a new drive does, for unsteady_reason().
   void arm() noexcept { seen_.arm(); }

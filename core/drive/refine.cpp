@@ -62,7 +62,7 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
     result.omega = next;
     // √3 times the rms of the moments' u is half the length of the data.
     if (std::abs(next - sums.omega()) * std::sqrt(3 * longest) > kFurthest) {
-      result.reached = false;
+      result.sums_valid = false;
       break;
     }
     sums.turned(next, t_ref_ns, out);

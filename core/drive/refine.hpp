@@ -10,9 +10,9 @@
 namespace dwell {
 
 struct Refined {
-  double omega = 0.0;   // rad/s
-  double u = 0.0;       // its standard uncertainty, rad/s, by residuals and prior; NaN: nothing tells ω
-  bool reached = true;  // false: ω is farther from the sums' own than they can be turned; sum the blocks anew at ω
+  double omega = 0.0;      // rad/s
+  double u = 0.0;          // its standard uncertainty, rad/s, by residuals and prior; NaN: nothing tells ω
+  bool sums_valid = true;  // false: ω is farther from the sums' own than they can be turned; sum the blocks anew at ω
   double data_omega = 0.0;   // ω by the data alone, rad/s
   double u_data = INFINITY;  // its standard uncertainty; infinity: the data do not tell ω
 };

@@ -17,14 +17,14 @@ namespace dwell {
 struct ResidualBlock {
   double t_s = 0.0;  // mean instant of its readings, from the reference's
   double rm = 0.0, mm = 0.0, rq = 0.0, qq = 0.0;
-  double late2 = 0.0, n = 0.0;  // sum of late_s², s²; number of readings
+  double extra_u2 = 0.0, n = 0.0;  // sum of extra_u_s², s²; number of readings
 };
 
 // Sums over the blocks since an instant. Moments of time are about now: an older block extends the sums to its begin.
 struct ResidualsSince {
-  double late2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0;
+  double extra_u2 = 0, n = 0, rm = 0, mm = 0, q0 = 0, q1 = 0, q2 = 0, r0 = 0, r1 = 0;
   void take(const ResidualBlock& block, double ago_s) noexcept {
-    late2 += block.late2;
+    extra_u2 += block.extra_u2;
     n += block.n;
     rm += block.rm;
     mm += block.mm;
@@ -50,13 +50,14 @@ class ResidualBlocks {
     in_quarter_ = 0.0;
     drop_open();
   }
-  // Takes a reading at t_s: residual r, predicted m (imaginary part) and q (real part); late_s: as in StepWatch::add().
-  void add(double t_s, double r, std::complex<double> predicted, double late_s) noexcept {
+  // Takes a reading at t_s: residual r, predicted m (imaginary part) and q (real part); extra_u_s: as in
+  // StepWatch::add().
+  void add(double t_s, double r, std::complex<double> predicted, double extra_u_s) noexcept {
     open_.rm += r * predicted.imag();
     open_.mm += predicted.imag() * predicted.imag();
     open_.rq += r * predicted.real();
     open_.qq += predicted.real() * predicted.real();
-    open_.late2 += late_s * late_s;
+    open_.extra_u2 += extra_u_s * extra_u_s;
     open_.n += 1.0;
     open_t_ += t_s;
   }

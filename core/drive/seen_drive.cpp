@@ -19,19 +19,19 @@ std::string range(double low, double high, int digits) {
 std::string SeenDrive::at_rest(const Rig& rig) const {
   // The data ended while the table moved.
   if (newest_ > rig.excitation.minimum)
-    return "no drive is recognized; when last heard, the table moved by " + length(rig, newest_) +
+    return "no drive is recognized: the data end while the table moves by " + length(rig, newest_) +
            " at the drive's frequency";
-  return "the table does not move: its amplitude at the drive's frequency is " + length(rig, newest_) + ", at most " +
-         length(rig, largest_) + " so far; a drive has more than " + length(rig, rig.excitation.minimum) +
-         " (excitation.minimum)";
+  return "the table does not move: its amplitude at the drive's frequency is " + length(rig, newest_) +
+         ", the largest so far " + length(rig, largest_) + "; excitation.minimum asks for " +
+         length(rig, rig.excitation.minimum);
 }
 
 std::string SeenDrive::unsteady(const Rig& rig, double seconds) const {
   std::string text = "the table moves by " + length(rig, most_);
   if (fastest_ > 0) text += " at " + range(slowest_, fastest_, 4) + " Hz";
-  text += ", but never steadily for long enough: in " + brief(seconds, 2) + " s its amplitude was between " +
-          length(rig, std::min(least_, most_)) + " and " + length(rig, most_) + ", where settling.tolerance allows " +
-          brief(100 * rig.tolerance, 2) + " % of change; searched are " +
+  text += ", but not steadily: in " + brief(seconds, 2) + " s its amplitude was between " +
+          length(rig, std::min(least_, most_)) + " and " + length(rig, most_) + "; settling.tolerance allows " +
+          brief(100 * rig.tolerance, 2) + " % of change. The search range is " +
           range(rig.excitation.search_low_hz, rig.excitation.search_high_hz, 6) + " Hz";
   return text;
 }

@@ -24,7 +24,7 @@ void StepWatch::restart() noexcept {
   excess_.restart();
   doubt_.restart();
   referred_ = false;
-  late_s_ = 0.0;
+  extra_u_s_ = 0.0;
   since_good_ = 0;
 }
 
@@ -53,7 +53,7 @@ void StepWatch::refer(const Reference& reference) noexcept {
   referred_ = true;
 }
 
-void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
+void StepWatch::add(std::int64_t t_ns, double value, double extra_u_s) noexcept {
   if (!referred_) return;
   const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
   const std::complex<double> step =
@@ -66,23 +66,23 @@ void StepWatch::add(std::int64_t t_ns, double value, double late_s) noexcept {
   const double most =
       std::max(kClip * now_.sigma, kClipPart * kShortest * blocks_.in_quarter() * tolerance_ * amplitude_);
   const double r = std::clamp(value - predicted, -most, most);
-  blocks_.add(t_s, r, now, late_s);
+  blocks_.add(t_s, r, now, extra_u_s);
 }
 
 // Inline, like weigh(): a look calls both for every length.
 inline StepWatch::Change StepWatch::change_since(const ResidualsSince& sums, double since_s,
                                                  double now_s) const noexcept {
   const double sigma2 = now_.sigma * now_.sigma, weight = sums.weight(since_s);
-  const double late2 = now_.omega * now_.omega * sums.late2 / sums.n;
+  const double extra_u2 = now_.omega * now_.omega * sums.extra_u2 / sums.n;
   // A constant phase error of the reference looks like 3/2 of it as a slope: variance 2.25 u2_phase / since_s².
   const double u_then = now_.u_omega * (now_s - since_s),
-               u2_phase = now_.u_phase * now_.u_phase + u_then * u_then + late2;
+               u2_phase = now_.u_phase * now_.u_phase + u_then * u_then + extra_u2;
   return {.since_s = since_s,
           .alpha = sums.rm / sums.mm,
           .u2_alpha = sigma2 / sums.mm + now_.u_amplitude * now_.u_amplitude,
           .drift = sums.score(since_s) / weight,
           .u2_drift = sigma2 / weight + 2.25 * u2_phase / (since_s * since_s) + now_.u_omega * now_.u_omega,
-          .late2 = late2};
+          .extra_u2 = extra_u2};
 }
 
 // Notes whether the drive is in doubt. Returns the change in units of its limit: above 1 the drive has stepped.
@@ -96,7 +96,7 @@ inline double StepWatch::weigh(const Change& change, bool far_back) noexcept {
   doubt_.see(alpha > kInDoubt * u_alpha + kUnsureBy * tolerance_ + tolerated,
              drift > kInDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + by_phase, far_back);
   const double by_amplitude =
-      alpha / (std::max((kBeyond + beats_) * tolerance_, kSureOfStep * u_alpha) + tolerated + change.late2);
+      alpha / (std::max((kBeyond + beats_) * tolerance_, kSureOfStep * u_alpha) + tolerated + change.extra_u2);
   const double by_drift = drift / (std::max(kBeyond * tolerance_ * now_.omega, kSureOfStep * u_drift) + by_phase);
   return std::max({0.0, by_amplitude, by_drift});
 }
@@ -113,7 +113,7 @@ bool StepWatch::close() noexcept {
   for (int k = 0; k < (far ? most : std::min(most, kNearQuarters)); ++k) {
     const double ago = now_s - blocks_.back(k).t_s;
     sums.take(blocks_.back(k), ago);
-    if (k + 1 == kQuartersAPeriod) late_s_ = std::sqrt(sums.late2 / sums.n);
+    if (k + 1 == kQuartersAPeriod) extra_u_s_ = std::sqrt(sums.extra_u2 / sums.n);
     // Beyond kNearQuarters not every length is tested: similar lengths show the same.
     if (k + 1 < kQuartersAPeriod || (k > kNearQuarters && (k & (k >> 5 > 1 ? 7 : 3)) != 3) ||
         !(sums.mm > 0 && sums.q0 > 0))

@@ -46,16 +46,16 @@ class StepWatch {
   void restart() noexcept;
   // Takes a better reference and converts the sums so far to it.
   void refer(const Reference& reference) noexcept;
-  // Takes one reading. late_s: by how much its instant is less certain than usual. Costs one sine and cosine. Does
+  // Takes one reading. extra_u_s: by how much its instant is less certain than usual. Costs one sine and cosine. Does
   // nothing before the first reference.
-  void add(std::int64_t t_ns, double value, double late_s = 0.0) noexcept;
+  void add(std::int64_t t_ns, double value, double extra_u_s = 0.0) noexcept;
   // Ends a quarter of a period. True: the drive differs from the reference. O(kLongest).
   [[nodiscard]] bool close() noexcept;
 
   // Quarter periods since the drive agreed with the reference beyond doubt; 0: it does now.
   [[nodiscard]] int since_good() const noexcept { return since_good_; }
-  // late_s of the readings in the newest period, rms.
-  [[nodiscard]] double late_s() const noexcept { return late_s_; }
+  // extra_u_s of the readings in the newest period, rms.
+  [[nodiscard]] double extra_u_s() const noexcept { return extra_u_s_; }
   // Whether enough quarters are seen to tell a step.
   [[nodiscard]] bool watches() const noexcept { return blocks_.seen() >= kShortest; }
 
@@ -66,7 +66,7 @@ class StepWatch {
   struct Change {
     double since_s;
     double alpha, u2_alpha, drift, u2_drift;
-    double late2;  // mean square of late_s as a phase, rad²
+    double extra_u2;  // mean square of extra_u_s as a phase, rad²
   };
   [[nodiscard]] Change change_since(const ResidualsSince& sums, double since_s, double now_s) const noexcept;
   [[nodiscard]] double weigh(const Change& change, bool far_back) noexcept;
@@ -79,7 +79,7 @@ class StepWatch {
   double amplitude_ = 0.0;  // of its fundamental
   AmplitudeExcess excess_;
   DriveDoubt doubt_;
-  double beats_ = 0.0, late_s_ = 0.0;
+  double beats_ = 0.0, extra_u_s_ = 0.0;
   int since_good_ = 0;
 };
 

@@ -67,19 +67,19 @@ void CountedData::open(std::int64_t begin_ns) noexcept {
 }
 
 void CountedData::take_block(std::int64_t end_ns) noexcept {
-  if (blocks_.forget_before(end_ns - to_ns(rig_.memory_s))) counted_valid_ = false;
-  if (counted_valid_) blocks_.add_block(blocks_.count() - 1, counted_);
+  if (blocks_.forget_before(end_ns - to_ns(rig_.memory_s))) sums_valid_ = false;
+  if (sums_valid_) blocks_.add_block(blocks_.count() - 1, counted_);
 }
 
 void CountedData::begin_hold(int from) noexcept {
   blocks_.forget_before(blocks_.block(from).begin_ns);
   blocks_.set_drift({});
-  counted_valid_ = false;
-  if (reference_.tracked() && !std::isfinite(omega_)) forget_omega();
+  sums_valid_ = false;
+  if (reference_.inexact() && !std::isfinite(omega_)) forget_omega();
 }
 
 void CountedData::stop_counting(std::int64_t t_ns) noexcept {
-  counted_valid_ = false;
+  sums_valid_ = false;
   take_drive(omega_at(t_ns, omega_), {});
 }
 
@@ -100,7 +100,7 @@ void CountedData::fit_all(int from, int to, std::int64_t t_ns, std::vector<Harmo
 }
 
 HarmonicFit CountedData::fit_now(int channel, int from, bool counting, std::int64_t t_ns) const noexcept {
-  if (counting && counted_valid_)
+  if (counting && sums_valid_)
     counted_.turned(omega_, t_ns, window_);
   else
     blocks_.sum(from, blocks_.count(), omega_, t_ns, window_);
@@ -112,12 +112,10 @@ HarmonicFit CountedData::fit_counted(int channel) const noexcept {
   return fit_harmonics(counted_, channel, H(), blocks_.reference(channel));
 }
 
-std::optional<CountedData::Table> CountedData::count_anew(std::int64_t hold_ns) noexcept {
-  return count_anew(hold_ns, true);
-}
+std::optional<CountedData::Table> CountedData::resum(std::int64_t hold_ns) noexcept { return resum(hold_ns, true); }
 
-std::optional<CountedData::Table> CountedData::count_anew(std::int64_t hold_ns, bool follow) noexcept {
-  counted_valid_ = false;
+std::optional<CountedData::Table> CountedData::resum(std::int64_t hold_ns, bool follow) noexcept {
+  sums_valid_ = false;
   if (blocks_.count() == 0) return {};
   double u_omega = 0.0;
   for (int i = 0; i < kTurns; ++i) {
@@ -127,15 +125,15 @@ std::optional<CountedData::Table> CountedData::count_anew(std::int64_t hold_ns, 
                           channels_.drive(), totals_);
     omega_ = refined.omega;
     u_omega = refined.u;
-    if (refined.reached) break;
+    if (refined.sums_valid) break;
   }
-  if (drop_misjudged()) return count_anew(hold_ns, follow);
-  if (follow && follow_drift()) return count_anew(hold_ns, false);
+  if (drop_misjudged()) return resum(hold_ns, follow);
+  if (follow && follow_drift()) return resum(hold_ns, false);
   // The last sum is about the centroid, where turning costs least.
   const std::int64_t centroid_ns = counted_.centroid_ns(channels_.drive());
   refer_drift(centroid_ns);
   blocks_.sum(0, blocks_.count(), omega_, centroid_ns, counted_);
-  counted_valid_ = true;
+  sums_valid_ = true;
   const std::int64_t first = blocks_.block(0).first_serial;
   refine_at_serial_ = first + static_cast<std::int64_t>(kGrowth * static_cast<double>(blocks_.serials() - first)) + 1;
   return Table{fit_counted(channels_.drive()), centroid_ns, u_omega};
@@ -219,9 +217,9 @@ Refined CountedData::gather(int from, int to, bool with_open, std::int64_t now_n
                             std::int64_t hold_ns) const noexcept {
   const std::int64_t begin_ns = from < to ? blocks_.block(from).begin_ns : now_ns;
   const std::int64_t end_ns = with_open || from == to ? now_ns : blocks_.block(to - 1).end_ns;
-  Refined refined{.omega = omega_, .reached = false};
-  for (int i = 0; i < kTurns && !refined.reached; ++i) {
-    if (i == 0 && from == 0 && to == blocks_.count() && counted_valid_)
+  Refined refined{.omega = omega_, .sums_valid = false};
+  for (int i = 0; i < kTurns && !refined.sums_valid; ++i) {
+    if (i == 0 && from == 0 && to == blocks_.count() && sums_valid_)
       counted_.turned(counted_.omega(), counted_.t_ref_ns(), gathered_);
     else
       blocks_.sum(from, to, refined.omega, begin_ns, gathered_);

@@ -2,7 +2,7 @@
 // frequency and drift of the drive at which these sums are taken.
 //
 // While a dwell settles the blocks hold data that may come to count; from the verdict on all of them count. The running
-// sums over all blocks grow block by block. They are taken anew (count_anew) when the frequency is known better.
+// sums over all blocks grow block by block. They are taken anew (resum) when the frequency is known better.
 // Results rest on separate sums (gather, totals).
 #pragma once
 
@@ -76,7 +76,7 @@ class CountedData {
   [[nodiscard]] HarmonicFit fit_now(int channel, int from, bool counting, std::int64_t t_ns) const noexcept;
 
   // Whether the running sums cover all blocks.
-  [[nodiscard]] bool counted() const noexcept { return counted_valid_; }
+  [[nodiscard]] bool sums_valid() const noexcept { return sums_valid_; }
   [[nodiscard]] const Totals& sums() const noexcept { return counted_; }
   [[nodiscard]] HarmonicFit fit_counted(int channel) const noexcept;
   // Whether the data have grown by a sixth since ω was refined.
@@ -89,7 +89,7 @@ class CountedData {
   };
   // Takes ω, drift and running sums anew from all data that count. Called at the verdict, if wants_refining(), and
   // after the oldest data were forgotten. hold_ns: since when the drive has one frequency. None: there are no data.
-  std::optional<Table> count_anew(std::int64_t hold_ns) noexcept;
+  std::optional<Table> resum(std::int64_t hold_ns) noexcept;
 
   // Sums blocks [from, to), and with_open the open one, at the best ω for them, into totals().
   Refined gather(int from, int to, bool with_open, std::int64_t now_ns, std::int64_t hold_ns) const noexcept;
@@ -101,7 +101,7 @@ class CountedData {
  private:
   [[nodiscard]] double nominal_omega() const noexcept { return kTwoPi * rig_.excitation.frequency_hz; }
   [[nodiscard]] int H() const noexcept { return rig_.excitation.harmonics; }
-  std::optional<Table> count_anew(std::int64_t hold_ns, bool follow) noexcept;
+  std::optional<Table> resum(std::int64_t hold_ns, bool follow) noexcept;
   bool follow_drift() noexcept;
   void refer_drift(std::int64_t about_ns) noexcept;
   bool drop_misjudged() noexcept;
@@ -116,7 +116,7 @@ class CountedData {
   Totals counted_;                    // all closed blocks of this dwell, kept up to date while measuring
   mutable Totals gathered_, totals_;  // of a result: as added up, and at the refined ω
   double omega_;
-  bool counted_valid_ = false;
+  bool sums_valid_ = false;
   std::int64_t refine_at_serial_ = 0;
 };
 

@@ -18,7 +18,7 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
 
   // At first the phase has not shown the drive's frequency. Then the window itself gives it, well enough that the first
   // windows agree with later ones.
-  if (tracked() && !std::isfinite(tracker.omega())) data.acquire(from, to, centre_ns);
+  if (inexact() && !std::isfinite(tracker.omega())) data.acquire(from, to, centre_ns);
   const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
   if (!delivers(drive_channel())) return lose_data();
   if (!fit.usable) return window.not_fitted(fit.samples > 0);
@@ -33,19 +33,19 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   const double since_s = to_s(centre_ns - at.steady_ns), w = data.omega_at(centre_ns, omega());
   if (tracker.changed(table, since_s, data.bend(centre_ns), w, during())) return change(from);
   if (states.settling()) {
-    if (tracked() && std::isfinite(tracker.omega())) data.take_omega(within_search(rig, tracker.omega()));
+    if (inexact() && std::isfinite(tracker.omega())) data.take_omega(within_search(rig, tracker.omega()));
     if (!reference.pulses_contradict(tracker.omega()) && !contradicting_omega()) settle(end_ns);
-    states.ask_again(modes.asks_again());
+    states.set_unconfirmed(modes.unconfirmed());
   } else if (states.measuring()) {
     refit_measuring(end_ns);
-    states.ask_again(modes.asks_again());
+    states.set_unconfirmed(modes.unconfirmed());
     // While the newest quarters may hold another drive, ω is not refined from them.
-    if (!data.counted() || (data.wants_refining() && doubtful_quarters() == 0)) count_anew();
+    if (!data.sums_valid() || (data.wants_refining() && doubtful_quarters() == 0)) resum();
   }
 }
 
 DriveTracker::During Pipeline::Impl::during() const {
-  return {!states.at_rest(), states.measuring(), states.measuring() && data.counted()};
+  return {!states.at_rest(), states.measuring(), states.measuring() && data.sums_valid()};
 }
 
 bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) {
@@ -74,8 +74,8 @@ bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) 
   return false;
 }
 
-void Pipeline::Impl::count_anew() {
-  const auto table = data.count_anew(at.steady_ns);
+void Pipeline::Impl::resum() {
+  const auto table = data.resum(at.steady_ns);
   if (!table) return;
   const int c = drive_channel();
   const double amplitude = std::abs(as_observed(rig, c, table->fit.X[0], omega(), 1));
@@ -116,7 +116,7 @@ void Pipeline::Impl::change(int from) {
   if (states.measuring()) {
     conclude(blocks_before(tracker.quarters_of_change()), false);
     finished.wait_for_reason(blocks().serials());
-    if (tracked()) data.forget_omega();
+    if (inexact()) data.forget_omega();
     states.leave_hold();
     return arm(from);
   }

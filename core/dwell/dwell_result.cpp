@@ -15,7 +15,7 @@ std::string Pipeline::Impl::foreign_oscillations() const {
   std::string lines;
   for (const Complex pole : modes.poles().beside)
     if (pole.imag() > 0)
-      lines += (lines.empty() ? "; beside the chain something swings at " : " and at ") +
+      lines += (lines.empty() ? "; an oscillation that is not the chain's, at " : " and at ") +
                std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
   return lines;
 }
@@ -38,7 +38,7 @@ std::string Pipeline::Impl::barred_reason() const {
            live[drive_channel()].fault_name();
   }
   if (out_of_search())
-    return "the drive is at " + brief(tracker.omega() / kTwoPi, 6) + " Hz, outside the range that is searched, " +
+    return "the drive is at " + brief(tracker.omega() / kTwoPi, 6) + " Hz, outside the search range of " +
            brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
            " Hz (excitation.search)";
   if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
@@ -56,22 +56,23 @@ std::string Pipeline::Impl::left_out_of_dwell() const {
   if (!(left_s > period_s() / kQuarters)) return "";
   if (left_s + kept_s > rig.memory_s)
     return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
-  return "; the first " + brief(left_s, 2) + " s do not count, taken before the drive's frequency was known";
+  return "; the first " + brief(left_s, 2) + " s do not count: the drive's frequency was not known yet";
 }
 
 std::string Pipeline::Impl::settling_reason() const {
   if (std::string reason = barred_reason(); !reason.empty()) return reason;
   if (states.settling()) {
-    if (states.asked_again())
-      return "little of the transient seems to be left, but readings are rounded: asked again with more data";
+    if (states.unconfirmed())
+      return "the transient seems to be over, but readings are rounded: more data must confirm it";
     if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
       const std::string times = std::to_string(verdict.worst_left);
       return taken_back_reason() + "transient left in " +
              rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
-             times.substr(0, times.find('.') + 2) + " times what is allowed" +
+             times.substr(0, times.find('.') + 2) + " times the allowed size" +
              (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) &&
                       blocks().serials() - at.steady_serial > 10 * kQuarters
-                  ? "; the coefficients so far are not those of a chain that decays: look at signs, order and masses"
+                  ? "; the coefficients so far give a chain whose oscillations grow: check signs, channel order and "
+                    "masses"
                   : "") +
              (live[verdict.worst_channel].intake().held()
                   ? ", which is " + live[verdict.worst_channel].intake().held_reason()
@@ -81,7 +82,7 @@ std::string Pipeline::Impl::settling_reason() const {
     return "too few periods seen: " + brief(to_s(now_ns - at.steady_ns) / period_s(), 2);
   }
   const std::string since = brief(axis_s(at.settled_ns), 4) + " s";
-  return (modes.removal().active() ? "since " + since + " less is left of the natural oscillations than is allowed"
+  return (modes.removal().active() ? "since " + since + " the natural oscillations are below the allowed size"
                                    : "the windows since " + since + " agree") +
          left_out_of_dwell();
 }
@@ -90,9 +91,10 @@ std::string Pipeline::Impl::settling_reason() const {
 std::string Pipeline::Impl::taken_back_reason() const {
   const auto& taken_back = modes.taken_back();
   if (!taken_back) return "";
-  return "the verdict of " + brief(axis_s(taken_back->verdict_ns), 4) + " s was premature, " +
-         brief(taken_back->left, 2) + " times what is allowed was left in " +
-         rig.channels[static_cast<std::size_t>(taken_back->channel)].name + ": it is taken back; ";
+  return "the verdict at " + brief(axis_s(taken_back->verdict_ns), 4) +
+         " s was premature and is taken back: the transient in " +
+         rig.channels[static_cast<std::size_t>(taken_back->channel)].name + " was " + brief(taken_back->left, 2) +
+         " times the allowed size; ";
 }
 
 // Noise below half a step does not smooth rounding. If the sampling rate is near a multiple of the frequency, rounding
@@ -182,7 +184,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   std::vector<ChannelResult> results;
   for (int c = 0; c < live.count(); ++c) {
     results.push_back(result_of(c, up_to_now));
-    if (out_of_search()) results.back().withheld = "the drive is outside the range that is searched";
+    if (out_of_search()) results.back().withheld = "the drive is outside the search range";
     if (settled) look_within(c, from, to, results.back());
     for (int h = 1; h <= harmonics(); ++h)
       results.back().fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));
@@ -216,7 +218,8 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
       dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
   if (!settled) {
     if (states.measuring()) {
-      dwell.settling_reason = "too little is left of the dwell beside what may have been taken while the drive changed";
+      dwell.settling_reason =
+          "too few data: the newest may have been taken while the drive changed; hold the drive longer";
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     } else if (active) {
       if (barred_reason().empty()) dwell.settles_in_s = verdict.settles_in_s;
@@ -230,8 +233,8 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   dwell.settles_in_s = 0.0;
   if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && !modes.removal().active())
     dwell.warnings.push_back(
-        "the chain identified while settling would not decay: whether the transient has is judged by "
-        "the windows alone; look at signs, instants and masses");
+        "the chain identified while settling has oscillations that grow: the windows alone judged the transient; check "
+        "signs, instants and masses");
   if (std::string missed = reference.missed(); !missed.empty()) dwell.warnings.push_back(std::move(missed));
   const std::string reason = reference.unfit_reason(refined, results[static_cast<std::size_t>(drive_channel())].fit, w,
                                                     u, refresh_u_omega(seconds));

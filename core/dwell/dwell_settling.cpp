@@ -24,7 +24,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   states.begin_to_measure();
   live.begin_to_count();
   for (int c = 0; c < live.count(); ++c) transient[static_cast<std::size_t>(c)] = windows.left(c);
-  count_anew();
+  resum();
 }
 
 bool Pipeline::Impl::look(int from, int to) {

@@ -13,9 +13,9 @@ State state_of(Phase phase) noexcept {
     case Phase::unseen_interlocked:
       return State::fault;
     case Phase::settling:
-    case Phase::asked_again:
+    case Phase::unconfirmed:
     case Phase::settling_after_change:
-    case Phase::asked_again_after_change:
+    case Phase::unconfirmed_after_change:
       return State::settling;
     case Phase::measuring:
       return State::measuring;
@@ -56,12 +56,12 @@ void DwellStates::settle_anew() noexcept {
   if (settling()) go(awaits_reason() ? Phase::settling_after_change : Phase::settling);
 }
 
-void DwellStates::ask_again(bool again) noexcept {
+void DwellStates::set_unconfirmed(bool again) noexcept {
   if (!settling()) return;
   if (awaits_reason())
-    go(again ? Phase::asked_again_after_change : Phase::settling_after_change);
+    go(again ? Phase::unconfirmed_after_change : Phase::settling_after_change);
   else
-    go(again ? Phase::asked_again : Phase::settling);
+    go(again ? Phase::unconfirmed : Phase::settling);
 }
 
 void DwellStates::begin_to_measure() noexcept {
@@ -74,7 +74,7 @@ void DwellStates::take_back() noexcept {
 
 void DwellStates::go_on() noexcept {
   if (phase_ == Phase::settling_after_change) go(Phase::settling);
-  if (phase_ == Phase::asked_again_after_change) go(Phase::asked_again);
+  if (phase_ == Phase::unconfirmed_after_change) go(Phase::unconfirmed);
 }
 
 void DwellStates::interlock(bool closed) noexcept {

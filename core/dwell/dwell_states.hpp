@@ -16,11 +16,11 @@ enum class Phase : std::uint8_t {
   unseen,              // the drive cannot be seen: its channel does not deliver, or its sync pulses do not come
   unseen_interlocked,  // both
   settling,            // the drive is steady, the transient is not over
-  asked_again,         // the transient seems to be over, but readings are rounded: more data must confirm it
+  unconfirmed,         // the transient seems to be over, but readings are rounded: more data must confirm it
   measuring,           // the data count
   // Settling, while it is not known why the dwell before ended: has the drive changed, or does it stop?
   settling_after_change,
-  asked_again_after_change,
+  unconfirmed_after_change,
 };
 
 [[nodiscard]] State state_of(Phase phase) noexcept;
@@ -36,8 +36,8 @@ class DwellStates {
     return phase_ == Phase::interlocked || phase_ == Phase::unseen_interlocked;
   }
   [[nodiscard]] bool settling() const noexcept { return state() == State::settling; }
-  [[nodiscard]] bool asked_again() const noexcept {
-    return phase_ == Phase::asked_again || phase_ == Phase::asked_again_after_change;
+  [[nodiscard]] bool unconfirmed() const noexcept {
+    return phase_ == Phase::unconfirmed || phase_ == Phase::unconfirmed_after_change;
   }
   [[nodiscard]] bool measuring() const noexcept { return state() == State::measuring; }
   // A dwell has ended and is kept back until it is known why.
@@ -59,7 +59,7 @@ class DwellStates {
   // A register began or ceased to be held: the dwell settles anew.
   void settle_anew() noexcept;
   // While settling: whether the verdict must be confirmed by more data.
-  void ask_again(bool again) noexcept;
+  void set_unconfirmed(bool again) noexcept;
   // While settling: the data count from now on. Ignored while the dwell before waits for its reason: call go_on()
   // first.
   void begin_to_measure() noexcept;

@@ -66,7 +66,7 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
     if (!result.fit.usable || shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
     const double taken_out = 2 / result.fit.samples * modes.removal().taken_out(c).norm();
     const Complex answer = change * result.fit.X[0];
-    result.absorbed = answer * std::min(1.0, taken_out / std::abs(answer));
+    result.taken_for_transient = answer * std::min(1.0, taken_out / std::abs(answer));
   }
 }
 
@@ -85,8 +85,9 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
     const Wander wander = wander_of(results[c]);
     if (std::max(wander.amplitude, wander.phase_rad) > kTold * rig.tolerance)
-      dwell.warnings.push_back(rig.channels[c].name + " is not steady: its phasor relative to the table's varies " +
-                               brief(std::sqrt(scatter.ratio), 2) + " times as much as its noise explains");
+      dwell.warnings.push_back(rig.channels[c].name + " is not steady: its ratio to the table varies by " +
+                               brief(std::sqrt(scatter.ratio), 2) +
+                               " times its noise; check the transducer and its mount");
   }
   const Wander drive_wanders = wander_of(results[table]);
   if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&
@@ -105,7 +106,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   if (!results[table].slope.shows() || !sure || !(changed > least * rig.tolerance)) {
     double absorbed = 0.0;  // the largest, as a part of the phasor
     for (const ChannelResult& result : results)
-      if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.absorbed / result.fit.X[0]));
+      if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.taken_for_transient / result.fit.X[0]));
     // Long after the transient was fitted an error of its frequency turns the phasor: the drive has not changed.
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
     const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel(), data.totals().t_ref_ns());

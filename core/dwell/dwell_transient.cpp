@@ -16,14 +16,14 @@ HoldNow Pipeline::Impl::hold_now() {
   for (int c = 0; c < live.count(); ++c) {
     const ChannelIntake& intake = live[c].intake();
     const auto i = static_cast<std::size_t>(c);
-    fitted_channels[i] = {windows.usable(c),       live.imposed()[i] != 0, blocks().reference(c),
-                          intake.refresh_half_s(), intake.step(),          live[c].sampling()};
+    fitted_channels[i] = {windows.usable(c),       live.on_table()[i] != 0, blocks().reference(c),
+                          intake.refresh_half_s(), intake.step(),           live[c].sampling()};
   }
   return {now_ns, at.steady_ns, omega(), !from_motion(), drive_channel(), fitted_channels};
 }
 
 SeenFrequency Pipeline::Impl::drive_omega() const {
-  if (!tracked()) return {omega()};
+  if (!inexact()) return {omega()};
   const int from = blocks().index_of(at.steady_serial + static_cast<std::int64_t>(kUnsure * kQuarters)),
             to = blocks().count();
   double w = omega();
@@ -61,13 +61,13 @@ bool Pipeline::Impl::settle_by_modes(std::int64_t end_ns) {
   data.take_drive(modes.fit().omega(), {modes.fit().rate(), modes.fit().t0_ns()});
   modes.begin_measuring(hold_now());
   take_transient_out(end_ns);
-  count_anew();
+  resum();
   // Repeated where the data that count contradict the frequency at which the transient was taken out.
   modes.allow_following();
-  for (int i = 0; i < TransientModel::kMostFollowed && tracked(); ++i) {
+  for (int i = 0; i < TransientModel::kMostFollowed && inexact(); ++i) {
     if (!modes.follow_drive(counted_omega(), hold_now())) break;
     take_transient_out(end_ns);
-    count_anew();
+    resum();
   }
   modes.remember_modes(hold_now());
   return true;
@@ -81,7 +81,7 @@ void Pipeline::Impl::refit_measuring(std::int64_t end_ns) {
   const bool last = modes.refit_measuring(counted_omega(), transient_matters(), now);
   if (modes.takes_back(at.verdict_ns, now) && !mend_verdict(end_ns)) return;
   take_transient_out(end_ns);
-  count_anew();
+  resum();
   modes.remember_modes(hold_now());
   if (last) modes.end_refits();
 }

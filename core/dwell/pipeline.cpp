@@ -85,7 +85,7 @@ void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
   const double cleaned = add_cleaned(reading.t_ns, c, value);
   if (c != drive_channel()) return;
   // A reading that was held up tells less of the drive's phase.
-  tracker.add(reading.t_ns, cleaned, channel.late_s(reading));
+  tracker.add(reading.t_ns, cleaned, channel.extra_u_s(reading));
 }
 
 Pipeline::Pipeline(const Rig& rig, Slices* slices) : impl_(std::make_unique<Impl>(rig, slices)) {}

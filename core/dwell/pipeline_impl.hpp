@@ -79,7 +79,7 @@ struct Pipeline::Impl {
   std::uint8_t changes = kNothing;
 
   [[nodiscard]] int harmonics() const { return rig.excitation.harmonics; }
-  [[nodiscard]] bool tracked() const { return reference.tracked(); }
+  [[nodiscard]] bool inexact() const { return reference.inexact(); }
   [[nodiscard]] bool from_motion() const { return reference.from_motion(); }
   [[nodiscard]] double axis_s(std::int64_t ns) const { return ns == INT64_MIN ? kNaN : to_s(ns - at.origin_ns); }
   [[nodiscard]] const Blocks& blocks() const { return data.blocks(); }
@@ -173,7 +173,7 @@ struct Pipeline::Impl {
   void provisional();
 
   // Takes ω and running sums anew from all data that count, and compares the drive with these from now on.
-  void count_anew();
+  void resum();
 
   void conclude(int to, bool with_open);
 

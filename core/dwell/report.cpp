@@ -97,7 +97,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].widened = channels[c].scatter.widens();
     evidence[c].stretches = channels[c].stretches;
     evidence[c].slope = channels[c].slope;
-    evidence[c].absorbed = channels[c].absorbed;
+    evidence[c].taken_for_transient = channels[c].taken_for_transient;
     evidence[c].transient = channels[c].transient;
     evidence[c].quantization_u = channels[c].quantization_u;
     evidence[c].refresh_u_s = channels[c].refresh_u_s;

@@ -19,8 +19,8 @@ struct ChannelResult {
   std::vector<PhasorStretch> stretches;  // of the dwell; empty before it has settled
   Scatter scatter;                       // of the stretches
   PhasorSlope slope;
-  std::complex<double> absorbed;  // see Evidence
-  std::string withheld;           // why its phasor must not be used now; empty: it may
+  std::complex<double> taken_for_transient;  // see Evidence
+  std::string withheld;                      // why its phasor must not be used now; empty: it may
   // Covariance of (Re, Im) of the reading's phasor by the unknown part of the transient, SI.
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();
   double quantization_u = 0.0;  // of the reading, SI, either component: rounding by the device

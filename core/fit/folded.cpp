@@ -59,7 +59,7 @@ void warn_of_folded(const Rig& rig, const std::vector<Folded>& folded, Dwell& dw
     dwell.warnings.push_back("harmonic " + std::to_string(m) +
                              " of the drive, if there is any, folds onto the fundamental in " + listed(names) +
                              ": the sampling rate is a whole multiple of the drive's frequency. ± allows for " +
-                             brief(100 * part, 2) + " % of the amplitude; choose another rate, 1 % beside is enough");
+                             brief(100 * part, 2) + " % of the amplitude; change the sampling rate by 1 %");
   }
 }
 

@@ -53,7 +53,7 @@ double LiveChannel::count(const Reading& reading) noexcept {
   return intake_.si(reading.value);
 }
 
-double LiveChannel::late_s(const Reading& reading) const noexcept {
+double LiveChannel::extra_u_s(const Reading& reading) const noexcept {
   return 1e-9 * std::max(0.0, reading.half_ns - kHeldUp * half_ns_sum_ / half_count_);
 }
 
@@ -112,7 +112,7 @@ std::string LiveChannel::unfit_reason(double amplitude, double u, bool measuring
   if (intake_.left_out() > kMostLeftOut) return intake_.left_out_reason();
   if (measuring && intake_.holding_changed())
     return intake_.held() ? intake_.held_reason() + ", since this dwell began"
-                          : "no longer held between polls, since this dwell began";
+                          : "its refresh rate changed during this dwell (no longer held between polls): re-arm";
   return "";
 }
 

@@ -49,7 +49,7 @@ class LiveChannel {
   // Whether a reading of this channel has ever counted.
   [[nodiscard]] bool has_counted() const noexcept { return refreshed_ns_ != INT64_MIN; }
   // By how much the half width of this reading's instant exceeds 1.5 times this hold's mean, s; 0: not held up.
-  [[nodiscard]] double late_s(const Reading& reading) const noexcept;
+  [[nodiscard]] double extra_u_s(const Reading& reading) const noexcept;
 
   // The drive is steady from now on.
   void begin_hold() noexcept;

@@ -12,7 +12,7 @@ LiveChannels::LiveChannels(const Rig& rig) : rig_(rig), transactions_(rig) {
   for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c) {
     const Channel& channel = rig.channels[static_cast<std::size_t>(c)];
     channels_.emplace_back(channel);
-    imposed_.push_back(shows_drive(channel));
+    on_table_.push_back(shows_drive(channel));
     if (shows_drive(channel) && drive_ < 0) drive_ = c;
   }
   for (int c = 0; c < count() && drive_ < 0; ++c) {
@@ -23,7 +23,7 @@ LiveChannels::LiveChannels(const Rig& rig) : rig_(rig), transactions_(rig) {
 
 void LiveChannels::choose_drive(std::int64_t now_ns, double period_s) noexcept {
   for (int c = 0; c < count(); ++c)
-    if (imposed_[static_cast<std::size_t>(c)] && (*this)[c].delivers(now_ns, period_s)) {
+    if (on_table_[static_cast<std::size_t>(c)] && (*this)[c].delivers(now_ns, period_s)) {
       drive_ = c;
       return;
     }

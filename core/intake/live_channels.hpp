@@ -25,7 +25,7 @@ class LiveChannels {
   // Chooses the first channel on the table that delivers; none: leaves the choice as it was.
   void choose_drive(std::int64_t now_ns, double period_s) noexcept;
   // Per channel, 1: its motion is imposed (shows_drive()), and it has no transient of its own.
-  [[nodiscard]] const std::vector<char>& imposed() const noexcept { return imposed_; }
+  [[nodiscard]] const std::vector<char>& on_table() const noexcept { return on_table_; }
   // The transaction in which a channel is read (Transactions::of).
   [[nodiscard]] int transaction_of(int c) const noexcept { return transactions_.of(c); }
 
@@ -52,7 +52,7 @@ class LiveChannels {
  private:
   const Rig& rig_;
   std::vector<LiveChannel> channels_;
-  std::vector<char> imposed_;
+  std::vector<char> on_table_;
   Transactions transactions_;
   int drive_ = -1;
 };

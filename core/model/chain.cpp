@@ -13,7 +13,7 @@ std::string count_fault(const char* name, std::size_t found, int expected) {
 }  // namespace
 
 std::string Chain::fault() const {
-  if (element_count() == 0) return "masses is empty: expected at least one mass for a free chain";
+  if (element_count() == 0) return "masses: expected at least one for a free chain, found none";
   for (std::size_t i = 0; i < masses.size(); ++i)
     if (!(masses[i] > 0.0) || !std::isfinite(masses[i]))
       return "masses[" + std::to_string(i) + "] is " + std::to_string(masses[i]) + ": expected a positive number";

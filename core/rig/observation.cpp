@@ -6,8 +6,8 @@
 namespace dwell {
 namespace {
 
-// A number up to this is rounding of a zero: an entry of `unresolved` or `gain` (0 or of order 1), or a sum relative to
-// its terms. A redundant transducer with 1e9 times the variance of the others therefore counts as unused.
+// A number up to this is rounding of a zero: an entry of `null_projector` or `gain` (0 or of order 1), or a sum
+// relative to its terms. A redundant transducer with 1e9 times the variance of the others therefore counts as unused.
 constexpr double kRounding = 1e-9;
 
 // Whether function·column is zero apart from rounding, relative to the sum of the absolute terms.
@@ -26,8 +26,8 @@ bool vanishes(const Eigen::Ref<const Eigen::VectorXcd>& function, const Eigen::R
 
 bool Gain::determines(const Eigen::Ref<const Eigen::VectorXcd>& function) const {
   if (function.isZero(0)) return false;
-  for (Eigen::Index j = 0; j < unresolved.cols(); ++j)
-    if (!vanishes(function, unresolved.col(j))) return false;
+  for (Eigen::Index j = 0; j < null_projector.cols(); ++j)
+    if (!vanishes(function, null_projector.col(j))) return false;
   return true;
 }
 
@@ -61,7 +61,7 @@ Gain solve_observation(const Eigen::MatrixXd& G, const Eigen::VectorXd& weights)
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(weighted);
   Gain result;
   result.gain = decomposition.pseudoInverse() * weights.asDiagonal();
-  result.unresolved = Eigen::MatrixXd::Identity(G.cols(), G.cols()) - result.gain * G;
+  result.null_projector = Eigen::MatrixXd::Identity(G.cols(), G.cols()) - result.gain * G;
   return result;
 }
 

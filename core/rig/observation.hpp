@@ -17,8 +17,8 @@ namespace dwell {
 
 // Solution of o = G x for the channels that were available: x = gain · o.
 struct Gain {
-  Eigen::MatrixXd gain;        // (n + 2) × channels; zero columns for channels not available
-  Eigen::MatrixXd unresolved;  // (n + 2)²: I - gain·G; a linear function a·x is determined if a·unresolved = 0
+  Eigen::MatrixXd gain;            // (n + 2) × channels; zero columns for channels not available
+  Eigen::MatrixXd null_projector;  // (n + 2)²: I - gain·G; a linear function a·x is determined if a·null_projector = 0
   // Whether the channels determine function·x. Each sum is compared with its own terms. Units and sizes therefore do
   // not matter: a missing force is still noticed beside an inertia of 1e12 N/m. O(n²).
   [[nodiscard]] bool determines(const Eigen::Ref<const Eigen::VectorXcd>& function) const;

@@ -158,7 +158,7 @@ void ForeignLines::judge(const HoldNow& now) {
   std::vector<Complex>& beside = search_.poles().beside;
   const double seen_s = to_s(now.now_ns - fit_.fit().t0_ns());
   for (std::size_t i = 0; i < beside.size(); ++i) {
-    static_cast<void>(fit_.fit().refined(PoleSearch::kTrust, 0.0));  // updates the poles' uncertainties
+    fit_.fit().step_poles(PoleSearch::kTrust, 0.0);  // updates the poles' uncertainties
     const Complex pole = beside[i];
     const double u = fit_.fit().u_pole(i);
     const bool may_be_steady = near_mains(pole, u) || near_harmonic(pole, u);

@@ -63,7 +63,7 @@ double ModalFit::misfit() const noexcept {
   return sum;
 }
 
-std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noexcept {
+void ModalFit::step_poles(double trust, double trust_omega) noexcept {
   const ModalMotion& motion = regressors_.motion();
   step_.begin(layout());
   std::optional<std::size_t> eliminated;  // the group whose linear parameters are eliminated
@@ -76,7 +76,6 @@ std::span<const Complex> ModalFit::refined(double trust, double trust_omega) noe
     step_.add(layout(), motion, sums_.of(c), at(c).solution, linear_.beyond(layout()));
   }
   step_.take(layout(), motion, stated_, trust, trust_omega);
-  return moved_poles();
 }
 
 ModalFit::Change ModalFit::last_change() const noexcept {

@@ -49,7 +49,7 @@ class ModalFit {
 
   // Sets the variance of the noise from which the channel's next solution starts, its unit squared.
   void expect(int channel, double sigma2) noexcept { at(channel).solution.sigma2 = sigma2; }
-  // Number of multiplications in solve(), in residual(), and in refined() or propagate_poles().
+  // Number of multiplications in solve(), in residual(), and in step_poles() or propagate_poles().
   [[nodiscard]] double work_of_solution() const noexcept {
     return static_cast<double>(layout().linear() * layout().linear() * (layout().linear() + 2 * layout().modal()));
   }
@@ -65,14 +65,14 @@ class ModalFit {
   // Σ N ln σ² over the solved channels, plus ((ω - ω_0)/u)² by the prior of ω. Better poles make it smaller.
   [[nodiscard]] double misfit() const noexcept;
   // Makes one Gauss-Newton step on the poles and ω, from all solved channels and the prior of ω. trust, trust_omega: as
-  // PoleStep::take. Returns the moved poles. The sums stay as they are: to use these poles, restart and add again.
-  [[nodiscard]] std::span<const std::complex<double>> refined(double trust, double trust_omega) noexcept;
+  // PoleStep::take. The sums stay as they are: to use moved_poles(), restart and add again.
+  void step_poles(double trust, double trust_omega) noexcept;
   // The poles after the last step, rad/s.
   [[nodiscard]] std::span<const std::complex<double>> moved_poles() const noexcept {
     return {step_.poles().data(), regressors_.motion().count()};
   }
   // ω after the last step, rad/s.
-  [[nodiscard]] double refined_omega() const noexcept { return step_.omega(); }
+  [[nodiscard]] double moved_omega() const noexcept { return step_.omega(); }
 
   // Adds the uncertainty of the poles and of ω to left() and spread(). It follows from the channels as now solved and a
   // prior of width max(1/T, |Re λ|) on each pole, T the time seen. A new solution of a channel discards it: call again.
@@ -100,7 +100,7 @@ class ModalFit {
   // natural oscillation has one pole in all channels. A bracket that rings beside it draws that of its own channel.
   [[nodiscard]] double disagreement(std::size_t m) const noexcept { return step_.disagreement(m); }
   // The largest move of a pole or of ω in the last step, in its standard deviations.
-  [[nodiscard]] double converged() const noexcept { return step_.length(); }
+  [[nodiscard]] double last_step() const noexcept { return step_.length(); }
 
   [[nodiscard]] std::span<const std::complex<double>> poles() const noexcept { return regressors_.motion().poles(); }
   [[nodiscard]] double omega() const noexcept { return regressors_.motion().omega(); }

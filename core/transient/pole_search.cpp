@@ -49,11 +49,11 @@ double PoleSearch::try_trial(double omega, double misfit, const HoldNow& now) {
 double PoleSearch::refine(double misfit, int steps, const HoldNow& now) {
   double best = misfit;
   for (int i = 0; i < steps && fit_.may_fit(); ++i) {
-    const auto moved = fit_.fit().refined(kTrust, now.omega_given ? 0.0 : kTrustOmega);
+    fit_.fit().step_poles(kTrust, now.omega_given ? 0.0 : kTrustOmega);
     fit_.history().spend(fit_.fit().work_of_poles());
-    if (fit_.fit().converged() < kConverged) break;
-    const double w = fit_.fit().omega(),
-                 by = (now.omega_given ? w : within_search(rig_, fit_.fit().refined_omega())) - w;
+    if (fit_.fit().last_step() < kConverged) break;
+    const double w = fit_.fit().omega(), by = (now.omega_given ? w : within_search(rig_, fit_.fit().moved_omega())) - w;
+    const auto moved = fit_.fit().moved_poles();
     trial_.assign(moved.begin(), moved.end());
     double better = try_trial(w + by, best, now);
     // With the drive beside a pole the fit is far from linear in both: a step may go too far.

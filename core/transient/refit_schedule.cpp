@@ -36,16 +36,16 @@ void RefitSchedule::plan_no_later_than(std::int64_t at_ns) noexcept {
 bool RefitSchedule::believes(const Claim& claim, double period_s, std::int64_t free_since_ns,
                              std::int64_t now_ns) noexcept {
   if (claim.left > 1) {
-    asks_again_ns_.reset();
+    confirm_ns_.reset();
     return false;
   }
-  if (!asks_again_ns_) {
+  if (!confirm_ns_) {
     if (!claim.rounded || !(claim.left_before > kSudden)) return true;
-    asks_again_ns_ = now_ns + std::max(to_ns(kAgainPeriods * period_s),
-                                       static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_since_ns)));
-    plan(*asks_again_ns_);
+    confirm_ns_ = now_ns + std::max(to_ns(kAgainPeriods * period_s),
+                                    static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_since_ns)));
+    plan(*confirm_ns_);
   }
-  return now_ns >= *asks_again_ns_;
+  return now_ns >= *confirm_ns_;
 }
 
 }  // namespace dwell

@@ -41,14 +41,14 @@ class RefitSchedule {
   // little later. The refit for that is planned here.
   bool believes(const Claim& claim, double period_s, std::int64_t free_since_ns, std::int64_t now_ns) noexcept;
   // When a waiting claim will be believed if it still holds; empty: none waits.
-  [[nodiscard]] const std::optional<std::int64_t>& asks_again_ns() const noexcept { return asks_again_ns_; }
+  [[nodiscard]] const std::optional<std::int64_t>& confirm_ns() const noexcept { return confirm_ns_; }
 
  private:
   enum class Next { at_once, at_instant, never };
 
   Next next_ = Next::at_once;
   std::int64_t at_ns_ = 0;  // of Next::at_instant
-  std::optional<std::int64_t> made_ns_, asks_again_ns_;
+  std::optional<std::int64_t> made_ns_, confirm_ns_;
 };
 
 }  // namespace dwell

@@ -21,7 +21,7 @@ void ResidualNoise::learn(int channel, double squares, double freedom) noexcept 
   of.freedom = before + freedom;
 }
 
-double ResidualNoise::floor(int channel, const ModalFit& fit) const noexcept {
+double ResidualNoise::smallest_variance(int channel, const ModalFit& fit) const noexcept {
   const PerChannel& of = at(channel);
   return std::min({fit.variance(channel), of.variance, of.in_later > 0 ? of.later : INFINITY});
 }

@@ -28,7 +28,7 @@ class ResidualNoise {
   [[nodiscard]] double variance(int channel) const noexcept { return at(channel).variance; }
   [[nodiscard]] double freedom(int channel) const noexcept { return at(channel).freedom; }
   // The smallest of three estimates of the noise: as learned, by the fit's residuals, by those of its later half.
-  [[nodiscard]] double floor(int channel, const ModalFit& fit) const noexcept;
+  [[nodiscard]] double smallest_variance(int channel, const ModalFit& fit) const noexcept;
 
   // Computes the variance of the residuals in the earlier and in the later half of the fit. Residuals of wrong poles
   // decay; noise does not. The result stays until the next call. O(samples).

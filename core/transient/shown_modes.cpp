@@ -21,7 +21,7 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
     left_over_[i] = modes.usable(c) ? std::max(0.0, noise.unexplained(c, modes, now)) : 0.0;
     imposed_[i] = now.channels[i].imposed;
   }
-  static_cast<void>(modes.refined(PoleSearch::kTrust, now.omega_given ? 0.0 : PoleSearch::kTrustOmega));
+  modes.step_poles(PoleSearch::kTrust, now.omega_given ? 0.0 : PoleSearch::kTrustOmega);
   modes.propagate_poles(now.omega_given);
   seen_.take(modes, now.now_ns, left_over_);
   const std::int64_t oldest_ns = fit.history()[fit.history().begin()].t_ns;
@@ -33,7 +33,7 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
   // A fit that explains more of the hold replaces all before. A mode that only the replaced fits show was none.
   for (whole_.begin(given); whole_.earlier(given);) {
     seen_.clear();
-    seen_.take(whole_.modes(), now.now_ns, left_over_);
+    seen_.take(whole_.fit(), now.now_ns, left_over_);
   }
 }
 

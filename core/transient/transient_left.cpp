@@ -20,7 +20,7 @@ double TransientLeft::allowed(int channel, const HoldNow& now) const noexcept {
   const ModalFit& fit = fit_.fit();
   const double span_s = std::max(1e-9, to_s(now.now_ns - fit.t0_ns()));
   const double in_ten = std::max(1.0, fit.samples(channel) / span_s * 10 * now.period_s());
-  const double floor = noise_.floor(channel, fit);
+  const double floor = noise_.smallest_variance(channel, fit);
   return std::max({tolerance_ * std::abs(fit.phasor(channel, 1)), 3 * std::sqrt(floor * 2 / in_ten), kLeast});
 }
 

@@ -116,7 +116,7 @@ TransientModel::Judgement TransientModel::judge(double left_before, std::int64_t
   const bool waits = !believes || !fit_.determined() || knocks_.alarmed_since(*schedule_.made_ns());
   verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNotKnown
                          : verdict.worst_left > 1 ? std::log(verdict.worst_left) / fit_.slowest_rate()
-                         : !believes              ? to_s(*schedule_.asks_again_ns() - now.now_ns)
+                         : !believes              ? to_s(*schedule_.confirm_ns() - now.now_ns)
                                                   : kNotKnown;
   if (!waits) judged.counts_from_ns = left_.counts_from(end_ns, now);
   return judged;

@@ -61,7 +61,7 @@ class TransientModel {
   // Judges by the fit as it is what is left of the transient. left_before: worst_left of the judgement before.
   [[nodiscard]] Judgement judge(double left_before, std::int64_t end_ns, const HoldNow& now);
   // Whether a sudden claim of rounded readings waits for a second fit.
-  [[nodiscard]] bool asks_again() const noexcept { return schedule_.asks_again_ns().has_value(); }
+  [[nodiscard]] bool unconfirmed() const noexcept { return schedule_.confirm_ns().has_value(); }
 
   // Call after a verdict: refits are then made as a measurement needs them.
   void begin_measuring(const HoldNow& now) noexcept;

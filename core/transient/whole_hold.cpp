@@ -86,7 +86,7 @@ bool WholeHold::earlier(const Given& given) noexcept {
     refine(given);
     if (!explains(given)) return false;
   }
-  static_cast<void>(fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega));
+  fit_.step_poles(kTrust, given.omega_known ? 0.0 : kTrustOmega);
   fit_.propagate_poles(given.omega_known);
   given.history.spend(2 * fit_.work_of_poles());
   take_poles(given, fit_);
@@ -155,8 +155,9 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
 void WholeHold::refine(const Given& given) noexcept {
   double best = run(given, omega_, poles_);
   for (int step = 0; step < kSteps && passes_left_ > 0; ++step) {
-    const auto moved = fit_.refined(kTrust, given.omega_known ? 0.0 : kTrustOmega);
+    fit_.step_poles(kTrust, given.omega_known ? 0.0 : kTrustOmega);
     given.history.spend(fit_.work_of_poles());
+    const auto moved = fit_.moved_poles();
     trial_.assign(moved.begin(), moved.end());
     double farthest = 0.0;  // in standard deviations
     for (std::size_t m = 0; m < trial_.size(); ++m)
@@ -165,7 +166,7 @@ void WholeHold::refine(const Given& given) noexcept {
       else if (fit_.u_pole(m) > 0)
         farthest = std::max(farthest, std::abs(trial_[m] - poles_[m]) / fit_.u_pole(m));
     if (farthest < kConverged) return;
-    double by = given.omega_known ? 0.0 : fit_.refined_omega() - omega_;
+    double by = given.omega_known ? 0.0 : fit_.moved_omega() - omega_;
     double misfit = run(given, omega_ + by, trial_);
     for (int shorter = 0; shorter < kShortened && !(misfit < best); ++shorter) {
       for (std::size_t m = 0; m < trial_.size(); ++m) trial_[m] = poles_[m] + kShorter * (trial_[m] - poles_[m]);

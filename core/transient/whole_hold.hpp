@@ -39,7 +39,7 @@ class WholeHold {
   // since begin() is spent: 0.3 s of a processor for 32 channels and 10 modes. No allocation.
   bool earlier(const Given& given) noexcept;
   // The fit of an earlier() that returned true, until the next call: last step made, errors of the poles propagated.
-  [[nodiscard]] const ModalFit& modes() const noexcept { return fit_; }
+  [[nodiscard]] const ModalFit& fit() const noexcept { return fit_; }
 
  private:
   void take_poles(const Given& given, const ModalFit& fit) noexcept;

@@ -50,11 +50,11 @@ struct CountedBench {
 TEST(CountedData, FindsTheFrequencyOfASteadyDriveWithinItsUncertainty) {
   CountedBench bench(table_and_mass(), 4.0003);
   bench.run_to(20.0);
-  EXPECT_FALSE(bench.data.counted());
+  EXPECT_FALSE(bench.data.sums_valid());
   EXPECT_FALSE(bench.data.knows_omega());
-  const auto table = bench.data.count_anew(0);
+  const auto table = bench.data.resum(0);
   ASSERT_TRUE(table);
-  EXPECT_TRUE(bench.data.counted() && bench.data.knows_omega());
+  EXPECT_TRUE(bench.data.sums_valid() && bench.data.knows_omega());
   EXPECT_GT(table->u_omega, 0.0);
   EXPECT_LT(std::abs(bench.data.omega() - kTwoPi * 4.0003), 4 * table->u_omega);
   EXPECT_NEAR(std::abs(table->fit.X[0]), 1.0, 1e-3);
@@ -69,7 +69,7 @@ TEST(CountedData, TheFirstBlocksTakenAtAWrongFrequencyDoNotCount) {
   EXPECT_EQ(bench.data.blocks().block(0).begin_ns, 0);
   bench.data.take_omega(kTwoPi * 4.05);
   bench.run_to(20.0);
-  const auto table = bench.data.count_anew(0);
+  const auto table = bench.data.resum(0);
   ASSERT_TRUE(table);
   EXPECT_GE(bench.data.blocks().block(0).begin_ns, 1'000'000'000);
   EXPECT_LT(std::abs(bench.data.omega() - kTwoPi * 4.05), 4 * table->u_omega);
@@ -78,8 +78,8 @@ TEST(CountedData, TheFirstBlocksTakenAtAWrongFrequencyDoNotCount) {
 
 TEST(CountedData, WithoutDataNothingIsCounted) {
   CountedBench bench(table_and_mass(), 4.0);
-  EXPECT_FALSE(bench.data.count_anew(0));
-  EXPECT_FALSE(bench.data.counted());
+  EXPECT_FALSE(bench.data.resum(0));
+  EXPECT_FALSE(bench.data.sums_valid());
 }
 
 TEST(CountedData, OneWindowIsEnoughToAcquireTheFrequency) {
@@ -93,7 +93,7 @@ TEST(CountedData, OneWindowIsEnoughToAcquireTheFrequency) {
 TEST(CountedData, TheRunningSumsStayThoseOfAllBlocksAndAreRefinedOnceTheDataHaveGrownByASixth) {
   CountedBench bench(table_and_mass(), 4.0);
   bench.run_to(20.0);
-  bench.data.count_anew(0);
+  bench.data.resum(0);
   EXPECT_FALSE(bench.data.wants_refining());
   bench.run_to(22.0);
   EXPECT_FALSE(bench.data.wants_refining());
@@ -111,17 +111,17 @@ TEST(CountedData, WhatIsOlderThanTheMemoryIsForgottenAndTheSumsHoldNoLonger) {
   rig.memory_s = 10.0;
   CountedBench bench(rig, 4.0);
   bench.run_to(9.0);
-  bench.data.count_anew(0);
-  EXPECT_TRUE(bench.data.counted());
+  bench.data.resum(0);
+  EXPECT_TRUE(bench.data.sums_valid());
   bench.run_to(12.0);
-  EXPECT_FALSE(bench.data.counted());
+  EXPECT_FALSE(bench.data.sums_valid());
   EXPECT_GT(bench.data.blocks().block(0).begin_ns, 1'000'000'000);
 }
 
 TEST(CountedData, ADriftThatTurnsThePhaseIsFollowedAndOneThatIsStatedAwayIsNot) {
   CountedBench drifting(table_and_mass(), 4.0, 2e-4);
   drifting.run_to(60.0);
-  drifting.data.count_anew(0);
+  drifting.data.resum(0);
   EXPECT_NEAR(drifting.data.drift().rate, kTwoPi * 2e-4, kTwoPi * 2e-5);
   const auto start_omega = drifting.data.omega_at(0, drifting.data.omega());
   EXPECT_NEAR(start_omega / kTwoPi, 4.0, 1e-3);
@@ -132,19 +132,19 @@ TEST(CountedData, ADriftThatTurnsThePhaseIsFollowedAndOneThatIsStatedAwayIsNot) 
   stated.excitation.clock_u = 0.0;
   CountedBench exact(stated, 4.0, 2e-4);
   exact.run_to(60.0);
-  exact.data.count_anew(0);
+  exact.data.resum(0);
   EXPECT_EQ(exact.data.drift().rate, 0.0) << "an exactly stated frequency has no drift";
 }
 
 TEST(CountedData, ADwellThatIsTakenBackKeepsTheFrequencyOfThatInstantWithoutTheDrift) {
   CountedBench bench(table_and_mass(), 4.0, 2e-4);
   bench.run_to(60.0);
-  bench.data.count_anew(0);
+  bench.data.resum(0);
   const double then = bench.data.omega_at(60'000'000'000, bench.data.omega());
   bench.data.stop_counting(60'000'000'000);
   EXPECT_EQ(bench.data.omega(), then);
   EXPECT_EQ(bench.data.drift().rate, 0.0);
-  EXPECT_FALSE(bench.data.counted());
+  EXPECT_FALSE(bench.data.sums_valid());
 }
 
 TEST(CountedData, WhatIsReportedRestsOnTheBlocksAskedForAndTheOpenOneIfAskedFor) {
@@ -152,7 +152,7 @@ TEST(CountedData, WhatIsReportedRestsOnTheBlocksAskedForAndTheOpenOneIfAskedFor)
   bench.run_to(10.02);
   const int all = bench.data.blocks().count();
   const std::int64_t now_ns = 10'020'000'000;
-  EXPECT_TRUE(bench.data.gather(0, all, false, now_ns, 0).reached);
+  EXPECT_TRUE(bench.data.gather(0, all, false, now_ns, 0).sums_valid);
   const double closed = fit_harmonics(bench.data.totals(), 0, 2, 0.0).samples;
   static_cast<void>(bench.data.gather(0, all, true, now_ns, 0));
   EXPECT_EQ(fit_harmonics(bench.data.totals(), 0, 2, 0.0).samples, static_cast<double>(bench.readings));

@@ -35,7 +35,7 @@ TEST(DriveReference, ATrackedDriveNeedsNothingButItsMotion) {
   const Rig rig = reference_rig(Reference::tracked);
   DriveReference reference(rig);
   pulses(reference, 5.0, 40);
-  EXPECT_TRUE(reference.tracked() && reference.from_motion());
+  EXPECT_TRUE(reference.inexact() && reference.from_motion());
   EXPECT_TRUE(reference.usable(0));
   EXPECT_FALSE(reference.lost(0));
   EXPECT_EQ(reference.unusable_reason(0), "");
@@ -44,16 +44,16 @@ TEST(DriveReference, ATrackedDriveNeedsNothingButItsMotion) {
 
 TEST(DriveReference, AnExactlyStatedFrequencyIsNotTracked) {
   Rig rig = reference_rig(Reference::fixed);
-  EXPECT_TRUE(DriveReference(rig).tracked()) << "stated with an uncertainty: a prior";
+  EXPECT_TRUE(DriveReference(rig).inexact()) << "stated with an uncertainty: a prior";
   rig.excitation.frequency_u_hz = 0.0;
-  EXPECT_FALSE(DriveReference(rig).tracked());
+  EXPECT_FALSE(DriveReference(rig).inexact());
 }
 
 TEST(DriveReference, BySyncADwellBeginsOnlyWhilePulsesComeWithinTheRangeSearched) {
   const Rig rig = reference_rig(Reference::sync);
   DriveReference reference(rig);
   EXPECT_FALSE(reference.usable(0));
-  EXPECT_EQ(reference.unusable_reason(0), "no sync pulses, one for each period of the drive, have come");
+  EXPECT_EQ(reference.unusable_reason(0), "no sync pulse seen yet: expected one for each period of the drive; check the sync input");
   const std::int64_t last_ns = pulses(reference, 4.0, 40);
   EXPECT_TRUE(reference.usable(last_ns + 1));
   const std::int64_t later_ns = last_ns + 3'000'000'000;

@@ -20,7 +20,7 @@ TEST(DwellStates, OutsidersSeeFourStatesOfTheNine) {
   EXPECT_EQ(state_of(Phase::unseen), State::fault);
   EXPECT_EQ(state_of(Phase::unseen_interlocked), State::fault);
   for (const Phase phase :
-       {Phase::settling, Phase::asked_again, Phase::settling_after_change, Phase::asked_again_after_change})
+       {Phase::settling, Phase::unconfirmed, Phase::settling_after_change, Phase::unconfirmed_after_change})
     EXPECT_EQ(state_of(phase), State::settling) << static_cast<int>(phase);
   EXPECT_EQ(state_of(Phase::measuring), State::measuring);
 }
@@ -33,8 +33,8 @@ TEST(DwellStates, ADriveThatIsSeenArmsADwellThatSettlesAndMeasures) {
   EXPECT_EQ(states.index(), 1);
   EXPECT_TRUE(states.changed());
   EXPECT_FALSE(states.changed()) << "told once";
-  states.ask_again(true);
-  EXPECT_TRUE(states.asked_again() && states.settling());
+  states.set_unconfirmed(true);
+  EXPECT_TRUE(states.unconfirmed() && states.settling());
   EXPECT_FALSE(states.changed()) << "outsiders see nothing of it";
   states.begin_to_measure();
   EXPECT_EQ(states.phase(), Phase::measuring);
@@ -68,7 +68,7 @@ TEST(DwellStates, ATableThatMovesWithoutItsReferenceIsUnseenAndInterlockedItStay
 TEST(DwellStates, ADriveThatLeavesItsHoldWhileSettlingIsTheSameDwellAgain) {
   DwellStates states;
   states.arm();
-  states.ask_again(true);
+  states.set_unconfirmed(true);
   states.leave_hold();
   EXPECT_EQ(states.phase(), Phase::settling);
   EXPECT_EQ(states.restarts(), 1);
@@ -83,10 +83,10 @@ TEST(DwellStates, ADriveThatLeavesItsHoldWhileMeasuringArmsTheNextAndTheFirstAwa
   EXPECT_TRUE(states.awaits_reason());
   EXPECT_EQ(states.index(), 2);
   EXPECT_EQ(states.restarts(), 0);
-  states.ask_again(true);
-  EXPECT_EQ(states.phase(), Phase::asked_again_after_change);
+  states.set_unconfirmed(true);
+  EXPECT_EQ(states.phase(), Phase::unconfirmed_after_change);
   states.begin_to_measure();
-  EXPECT_EQ(states.phase(), Phase::asked_again_after_change) << "not before the reason is known";
+  EXPECT_EQ(states.phase(), Phase::unconfirmed_after_change) << "not before the reason is known";
   states.go_on();
   EXPECT_FALSE(states.awaits_reason());
   states.begin_to_measure();
@@ -115,9 +115,9 @@ TEST(DwellStates, AVerdictThatIsTakenBackSettlesAgainInTheSameDwell) {
 TEST(DwellStates, AnEventThatMeansNothingInAStateLeavesItAsItIs) {
   using Event = std::function<void(DwellStates&)>;
   const std::vector<Event> of_a_dwell = {
-      [](DwellStates& s) { s.leave_hold(); },    [](DwellStates& s) { s.settle_anew(); },
-      [](DwellStates& s) { s.ask_again(true); }, [](DwellStates& s) { s.begin_to_measure(); },
-      [](DwellStates& s) { s.take_back(); },     [](DwellStates& s) { s.go_on(); }};
+      [](DwellStates& s) { s.leave_hold(); },          [](DwellStates& s) { s.settle_anew(); },
+      [](DwellStates& s) { s.set_unconfirmed(true); }, [](DwellStates& s) { s.begin_to_measure(); },
+      [](DwellStates& s) { s.take_back(); },           [](DwellStates& s) { s.go_on(); }};
   for (const Event& event : of_a_dwell) {
     DwellStates states;
     event(states);
@@ -128,7 +128,7 @@ TEST(DwellStates, AnEventThatMeansNothingInAStateLeavesItAsItIs) {
                                       [](DwellStates& s) { s.bar(); },
                                       [](DwellStates& s) { s.interlock(false); },
                                       [](DwellStates& s) { s.settle_anew(); },
-                                      [](DwellStates& s) { s.ask_again(true); },
+                                      [](DwellStates& s) { s.set_unconfirmed(true); },
                                       [](DwellStates& s) { s.go_on(); }};
   for (const Event& event : of_rest) {
     DwellStates states;

@@ -82,8 +82,8 @@ TEST(LiveChannel, OneReadingForLongerThanTwoPeriodsIsStuckUntilItChanges) {
 TEST(LiveChannel, AReadingIsLateBeyondOneAndAHalfTimesTheUsualTurnaroundOfThisHold) {
   LiveChannel channel{Channel{}};
   for (int i = 0; i < 10; ++i) channel.count({i * kLiveStep_ns, 0.0, 1'000'000});
-  EXPECT_EQ(channel.late_s({0, 0.0, 1'400'000}), 0.0);
-  EXPECT_NEAR(channel.late_s({0, 0.0, 4'500'000}), 3e-3, 1e-9);
+  EXPECT_EQ(channel.extra_u_s({0, 0.0, 1'400'000}), 0.0);
+  EXPECT_NEAR(channel.extra_u_s({0, 0.0, 4'500'000}), 3e-3, 1e-9);
   EXPECT_NEAR(channel.turnaround_u_s(), 1e-3 / std::sqrt(3.0), 1e-12);
   channel.begin_hold();
   EXPECT_EQ(channel.turnaround_u_s(), 0.0) << "of a hold that has no reading yet";
@@ -105,7 +105,7 @@ TEST(LiveChannels, TheFirstTransducerOfTheTableShowsTheDrive) {
   const Rig rig = table_twice();
   const LiveChannels channels(rig);
   EXPECT_EQ(channels.drive(), 2);
-  EXPECT_EQ(channels.imposed(), (std::vector<char>{0, 0, 1, 1}));
+  EXPECT_EQ(channels.on_table(), (std::vector<char>{0, 0, 1, 1}));
 }
 
 TEST(LiveChannels, WithoutATransducerOnTheTableTheFirstThatSeesMotionShowsTheDrive) {

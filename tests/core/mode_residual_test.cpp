@@ -156,7 +156,7 @@ TEST(ModeResidual, VanishesForTheNaturalOscillationsOfAnyChainThatIsAsItsFileSay
     const ElementsResult identified = identified_by(rig, rig, chain);
     const ModeResidual residual(rig, identified, 2 * M_PI * kHz, mode);
     ASSERT_EQ(residual.elements().size(), static_cast<std::size_t>(rig.element_count())) << seed;
-    EXPECT_LT(residual.force().norm(), 1e-9) << seed;
+    EXPECT_LT(residual.scaled_residual().norm(), 1e-9) << seed;
   }
 }
 
@@ -173,7 +173,7 @@ TEST(ModeResidual, IsMovedByEachSingleFaultAsItsDerivativeSays) {
     const ElementsResult of_mass = identified_by(stated, rig, chain), exact = identified_by(rig, rig, chain);
     const SeenMode exact_mode = mode_of(rig, chain);
     const double omega = 2 * M_PI * kHz;
-    expect_near(ModeResidual(stated, of_mass, omega, exact_mode).force(),
+    expect_near(ModeResidual(stated, of_mass, omega, exact_mode).scaled_residual(),
                 kSmall * ModeResidual(rig, exact, omega, exact_mode).by_mass(0), 1e-3);
 
     // The channel of the first mass is read too early by a part of a radian.
@@ -181,7 +181,7 @@ TEST(ModeResidual, IsMovedByEachSingleFaultAsItsDerivativeSays) {
     read.channels[1].delay_s = late_s;
     const ElementsResult of_delay = identified_by(rig, read, chain);
     const SeenMode late_mode = mode_of(read, chain);
-    expect_near(ModeResidual(rig, of_delay, omega, late_mode).force(),
+    expect_near(ModeResidual(rig, of_delay, omega, late_mode).scaled_residual(),
                 late_s * ModeResidual(rig, exact, omega, exact_mode).by_delay(1), 1e-3);
 
     // The last channel, the load cell of a clamped chain, reads too much.
@@ -191,7 +191,7 @@ TEST(ModeResidual, IsMovedByEachSingleFaultAsItsDerivativeSays) {
     X(last) *= 1 + kPart;
     SeenMode large = exact_mode;
     large.amplitude(last) *= 1 + kPart;
-    expect_near(ModeResidual(rig, identified_from(rig, X), omega, large).force(),
+    expect_near(ModeResidual(rig, identified_from(rig, X), omega, large).scaled_residual(),
                 kPart * ModeResidual(rig, exact, omega, exact_mode).by_scale(last), 2e-3);
   }
 }
@@ -216,7 +216,7 @@ TEST(ModeResidual, IsMovedByEachConnectionThatTheFileDoesNotHaveAsItsDerivativeS
         const Connected truth{chain, from, to, damps ? 0.0 : size, damps ? size : 0.0};
         const ElementsResult of_it = identified_from(rig, readings(rig, chain, truth.steady(omega), {0.0, omega}));
         const SeenMode mode = truth.mode(rig);
-        expect_near(ModeResidual(rig, of_it, omega, mode).force().normalized(),
+        expect_near(ModeResidual(rig, of_it, omega, mode).scaled_residual().normalized(),
                     (size * residual.by_connection(from, to, damps)).normalized(), 1e-2);
         ++tried;
       }

@@ -127,7 +127,7 @@ TEST(Propagation, OnlyASourceOfResidualsIsWidenedWhereItsElementScatters) {
   const VectorXcd change = bench.on_x(0, 1e-6, 0, 0);
   Propagation plain(bench.chain, bench.elements), widened(bench.chain, bench.elements);
   for (Propagation* propagation : {&plain, &widened})
-    propagation->heed_scatter(Eigen::MatrixXcd::Identity(4, 4), evidence);
+    propagation->set_scatter(Eigen::MatrixXcd::Identity(4, 4), evidence);
   plain.add(bench.source("scale", change));
   ErrorSource noise = bench.source("noise", change, 1000);
   noise.residual = true;

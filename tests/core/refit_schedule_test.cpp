@@ -52,15 +52,15 @@ TEST(RefitSchedule, BelievesAtOnceWhatNoRoundingHidesAndWhatComesBySteps) {
   EXPECT_TRUE(schedule.believes({.left = 0.9, .left_before = 5.0, .rounded = false}, 0.2, 0, 10 * kSecond));
   EXPECT_TRUE(schedule.believes({.left = 0.9, .left_before = 1.1, .rounded = true}, 0.2, 0, 10 * kSecond));
   EXPECT_FALSE(schedule.believes({.left = 1.1, .left_before = 1.2, .rounded = false}, 0.2, 0, 10 * kSecond));
-  EXPECT_FALSE(schedule.asks_again_ns());
+  EXPECT_FALSE(schedule.confirm_ns());
 }
 
 TEST(RefitSchedule, ASuddenClaimOfRoundedReadingsIsBelievedOnlyWhenItHoldsATwentiethOfTheHoldLater) {
   RefitSchedule schedule;
   const RefitSchedule::Claim sudden{.left = 0.9, .left_before = 5.0, .rounded = true};
   EXPECT_FALSE(schedule.believes(sudden, 0.2, 0, 20 * kSecond));
-  ASSERT_TRUE(schedule.asks_again_ns());
-  EXPECT_EQ(*schedule.asks_again_ns(), 21 * kSecond);
+  ASSERT_TRUE(schedule.confirm_ns());
+  EXPECT_EQ(*schedule.confirm_ns(), 21 * kSecond);
   EXPECT_EQ(schedule.planned_ns(), 21 * kSecond);
   const RefitSchedule::Claim again{.left = 0.9, .left_before = 0.9, .rounded = true};
   EXPECT_FALSE(schedule.believes(again, 0.2, 0, 20 * kSecond + 1));
@@ -70,9 +70,9 @@ TEST(RefitSchedule, ASuddenClaimOfRoundedReadingsIsBelievedOnlyWhenItHoldsATwent
 TEST(RefitSchedule, AClaimThatDoesNotHoldIsForgotten) {
   RefitSchedule schedule;
   EXPECT_FALSE(schedule.believes({.left = 0.9, .left_before = 5.0, .rounded = true}, 0.2, 0, 2 * kSecond));
-  EXPECT_EQ(*schedule.asks_again_ns(), 2 * kSecond + 400'000'000) << "two periods at least";
+  EXPECT_EQ(*schedule.confirm_ns(), 2 * kSecond + 400'000'000) << "two periods at least";
   EXPECT_FALSE(schedule.believes({.left = 1.5, .left_before = 0.9, .rounded = true}, 0.2, 0, 3 * kSecond));
-  EXPECT_FALSE(schedule.asks_again_ns());
+  EXPECT_FALSE(schedule.confirm_ns());
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(ResidualBlocks, ABlockHoldsTheSumsOfItsReadings) {
   EXPECT_NEAR(block.mm, 10 * 4.0, 1e-12);
   EXPECT_NEAR(block.rq, 10 * 0.2 * 0.5, 1e-12);
   EXPECT_NEAR(block.qq, 10 * 0.25, 1e-12);
-  EXPECT_NEAR(block.late2, 10 * 0.01, 1e-12);
+  EXPECT_NEAR(block.extra_u2, 10 * 0.01, 1e-12);
   EXPECT_EQ(block.n, 10.0);
 }
 

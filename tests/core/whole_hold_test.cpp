@@ -41,7 +41,8 @@ struct Hold {
       for (auto n = history.first_at(latest.t0_ns()); n < history.end(); ++n)
         latest.add(history[n].channel, history[n].t_ns, history[n].value);
       for (int c = 0; c < 2; ++c) EXPECT_TRUE(latest.solve(c, 2.0, 2.0));
-      const auto moved = latest.refined(0.05, 0.0);
+      latest.step_poles(0.05, 0.0);
+      const auto moved = latest.moved_poles();
       poles.assign(moved.begin(), moved.end());
     }
   }
@@ -58,9 +59,9 @@ struct Hold {
   // The seen pole next to one, and how far off it is in standard deviations.
   [[nodiscard]] double off(Complex truth) const {
     double nearest = INFINITY, u = 0.0;
-    const auto poles = whole.modes().moved_poles();
+    const auto poles = whole.fit().moved_poles();
     for (std::size_t m = 0; m < poles.size(); ++m)
-      if (std::abs(poles[m] - truth) < nearest) nearest = std::abs(poles[m] - truth), u = whole.modes().u_pole(m);
+      if (std::abs(poles[m] - truth) < nearest) nearest = std::abs(poles[m] - truth), u = whole.fit().u_pole(m);
     return nearest / u;
   }
 };
@@ -106,14 +107,14 @@ TEST(WholeHold, EndsWhereNoPolesExplainTheBeginning) {
   Hold hold([](int c, double t) { return healthy(c, t) + 0.3 * std::max(0.0, 0.6 - t) * std::sin(40 * t * t); }, 5);
   const int explained = hold.go();
   EXPECT_GT(explained, 0);
-  EXPECT_GE(1e-9 * static_cast<double>(hold.whole.modes().t0_ns()), 0.2);
+  EXPECT_GE(1e-9 * static_cast<double>(hold.whole.fit().t0_ns()), 0.2);
   EXPECT_LT(hold.off(kSlow), 4.0);
 }
 
 TEST(WholeHold, APoleThatDoesNotShowStaysWhereTheChainHasIt) {
   Hold hold([](int c, double t) { return natural(kSlow, c == 0 ? 0.4 : -0.3, t); }, 6);
   ASSERT_GT(hold.go(), 3);
-  const auto poles = hold.whole.modes().poles();
+  const auto poles = hold.whole.fit().poles();
   EXPECT_EQ(poles.size(), 2u);
   EXPECT_TRUE(std::find(poles.begin(), poles.end(), kFast) != poles.end());
 }
@@ -123,7 +124,7 @@ TEST(WholeHold, OfALongHoldLeavesOutSamplesAndStaysRight) {
   Hold hold(healthy, 7, 2.0, 150.0);
   ASSERT_EQ(hold.history.begin(), 0u);
   ASSERT_GT(hold.go(), 3);
-  EXPECT_LT(hold.whole.modes().samples(0), 0.9 * (150.0 - 0.05) * kHoldRate_hz);
+  EXPECT_LT(hold.whole.fit().samples(0), 0.9 * (150.0 - 0.05) * kHoldRate_hz);
   EXPECT_LT(hold.off(kFast), 4.0);
   EXPECT_LT(hold.off(kSlow), 4.0);
 }
@@ -156,9 +157,9 @@ TEST(WholeHold, OfManyChannelsLeavesOutMostSamplesAndStillExplainsTheBeginning) 
   int explained = 0;
   for (whole.begin(given); whole.earlier(given);) ++explained;
   EXPECT_EQ(explained, 8);
-  EXPECT_EQ(whole.modes().t0_ns(), 50'000'000);
-  EXPECT_LT(whole.modes().samples(0), 1200.0);
-  EXPECT_LT(std::abs(whole.modes().moved_poles().back() - chain.back()), 4 * whole.modes().u_pole(kModes - 1));
+  EXPECT_EQ(whole.fit().t0_ns(), 50'000'000);
+  EXPECT_LT(whole.fit().samples(0), 1200.0);
+  EXPECT_LT(std::abs(whole.fit().moved_poles().back() - chain.back()), 4 * whole.fit().u_pole(kModes - 1));
 }
 
 }  // namespace

@@ -187,7 +187,7 @@ TEST(StudyDisturbed, AWarningCountsThatNamesTheChannelAndTheCause) {
   EXPECT_TRUE(names(about, clipped, "y1 is clipped at 0.9 of its amplitude: 12 % of its readings are equal"));
   EXPECT_FALSE(names(about, clipped, "y10 is clipped"));
   EXPECT_FALSE(names(about, clipped, "a channel is clipped"));
-  EXPECT_FALSE(names(about, clipped, "y1 is not steady: its phasor varies 9.1 times as much as its noise explains"));
+  EXPECT_FALSE(names(about, clipped, "y1 is not steady: its ratio to the table varies by 9.1 times its noise"));
   const Disturbance late{Kind::late, "", {1}, {1, 2}};
   EXPECT_TRUE(names(about, late, "elements 1 and 2: the natural frequency of 4.1 Hz contradicts the transient's 4.0"));
   EXPECT_TRUE(names(about, late,

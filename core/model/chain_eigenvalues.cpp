@@ -1,4 +1,4 @@
-#include "core/model/decay.hpp"
+#include "core/model/chain_eigenvalues.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,19 +6,20 @@
 
 namespace dwell {
 
-DecayRate::DecayRate(Boundary boundary, std::span<const double> masses)
+ChainEigenvalues::ChainEigenvalues(Boundary boundary, std::span<const double> masses)
     : boundary_(boundary),
       masses_(masses.begin(), masses.end()),
       solver_(static_cast<Eigen::Index>(2 * masses.size())) {
   const auto n = static_cast<Eigen::Index>(masses.size());
   A_.resize(2 * n, 2 * n);
-  poles_.reserve(2 * masses_.size());
+  eigenvalues_.reserve(2 * masses_.size());
 }
 
-double DecayRate::time_constant_s(std::span<const std::complex<double>> Z, double omega) noexcept {
+void ChainEigenvalues::update(std::span<const std::complex<double>> Z, double omega) noexcept {
   const auto n = static_cast<Eigen::Index>(masses_.size());
-  poles_.clear();
-  if (n == 0) return 0.0;
+  eigenvalues_.clear();
+  time_constant_s_ = n == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  if (n == 0) return;
   A_.setZero();
   A_.topRightCorner(n, n).diagonal().setConstant(omega);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -26,7 +27,7 @@ double DecayRate::time_constant_s(std::span<const std::complex<double>> Z, doubl
     for (const Eigen::Index e : {k, k + 1}) {
       if (e == n && boundary_ == Boundary::free) continue;
       const std::complex<double> z = Z[static_cast<std::size_t>(e)];
-      if (!std::isfinite(z.real()) || !std::isfinite(z.imag())) return std::numeric_limits<double>::quiet_NaN();
+      if (!std::isfinite(z.real()) || !std::isfinite(z.imag())) return;
       const double m = masses_[static_cast<std::size_t>(k)], c = z.real() / (m * omega), r = z.imag() / (m * omega);
       const Eigen::Index other = e == k ? k - 1 : k + 1;
       A_(n + k, k) -= c;
@@ -38,12 +39,12 @@ double DecayRate::time_constant_s(std::span<const std::complex<double>> Z, doubl
     }
   }
   solver_.compute(A_, false);
-  if (solver_.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  if (solver_.info() != Eigen::Success) return;
   for (const std::complex<double>& lambda : solver_.eigenvalues())
-    if (lambda.imag() >= 0) poles_.push_back(lambda);
-  std::sort(poles_.begin(), poles_.end(), [](const auto& a, const auto& b) { return a.real() > b.real(); });
-  const double rate = -poles_.front().real();
-  return rate > 0 ? 1 / rate : std::numeric_limits<double>::quiet_NaN();
+    if (lambda.imag() >= 0) eigenvalues_.push_back(lambda);
+  std::sort(eigenvalues_.begin(), eigenvalues_.end(), [](const auto& a, const auto& b) { return a.real() > b.real(); });
+  const double rate = -eigenvalues_.front().real();
+  if (rate > 0) time_constant_s_ = 1 / rate;
 }
 
 }  // namespace dwell
