@@ -7,6 +7,7 @@
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
+#include "core/motion/level_crossings.hpp"
 #include "core/motion/weak_form.hpp"
 
 namespace dwell {
@@ -64,6 +65,7 @@ class Course {
     const auto left = static_cast<std::size_t>(all_.readings.end() - first);
     out_.data.readings.assign(first, first + static_cast<std::ptrdiff_t>(std::min(left, most_)));
     out_.spikes = leave_out_spikes(rig_, out_.data);
+    take_level_crossings(rig_, local_noise(rig_, out_.data), out_.data);
     if (out_.data.readings.size() < std::max<std::size_t>(kFewest, 12 * static_cast<std::size_t>(channels_)))
       return refuse("too few readings: " + std::to_string(out_.data.readings.size()));
     out_.noise = local_noise(rig_, out_.data);
