@@ -3,6 +3,22 @@
 #include <algorithm>
 
 namespace dwell {
+namespace {
+
+constexpr std::size_t kEven = 3;            // readings in a row that go on evenly are another motion
+constexpr int kFewest = 40;                 // readings before the gate judges: the median is then known to 20 %
+constexpr double kMedianOfNormal = 0.6745;  // of |x|, in standard deviations
+constexpr double kFar = 12.0;               // medians; at half of it (4 σ) a good reading fails once in 16 000
+constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // in medians, the least k; see the header
+constexpr double kRounding = 4.0;                    // steps: rounding alone gives e at most (1 + Σ|w|) / 2 = 2.5
+constexpr double kTiedRounding = 2.5;
+constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are as uncertain
+constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
+constexpr double kJumped = 6.0;   // after a jump the median is at least its error over this
+
+}  // namespace
+
+double MotionGate::noise() const noexcept { return seen_ > kFewest ? median_ / kMedianOfNormal : 0.0; }
 
 MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double step) noexcept {
   given_back_ = 0;
@@ -48,9 +64,10 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
 }
 
 double MotionGate::tied_medians(double step) const noexcept {
-  const double by_chance = std::min(1.0, static_cast<double>(Recent::kRemembered) * 0.28 * 0.6745 * step / median_);
+  const double by_chance =
+      std::min(1.0, static_cast<double>(Recent::kRemembered) * 0.28 * kMedianOfNormal * step / median_);
   if (!(by_chance > kTiedByChance)) return kTied;
-  return std::max(kTied, std::sqrt(2 * std::log(by_chance / kTiedByChance)) / 0.6745);
+  return std::max(kTied, std::sqrt(2 * std::log(by_chance / kTiedByChance)) / kMedianOfNormal);
 }
 
 MotionGate::Says MotionGate::give_back(const Reading& newest, double relative) noexcept {

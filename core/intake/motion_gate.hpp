@@ -53,22 +53,14 @@ class MotionGate {
   // The readings given back by the last judge().
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return {waiting_.data(), given_back_}; }
   // Standard deviation of a reading's noise, estimated from the prediction errors; 0: not known.
-  [[nodiscard]] double noise() const noexcept { return seen_ > kFewest ? median_ / 0.6745 : 0.0; }
+  [[nodiscard]] double noise() const noexcept;
 
   [[nodiscard]] const ForeignReadings& foreign() const noexcept { return foreign_; }
   void restart() noexcept { foreign_.restart(); }
 
  private:
   using Recent = RecentNumbers<8>;
-  static constexpr std::size_t kEven = 3, kMost = 4;
-  static constexpr int kFewest = 40;    // readings before the gate judges: the median is then known to 20 %
-  static constexpr double kFar = 12.0;  // medians; at half of it (4 σ) a good reading fails once in 16 000
-  static constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // in medians, the least k; see above
-  static constexpr double kRounding = 4.0;  // steps: rounding alone gives e at most (1 + Σ|w|) / 2 = 2.5
-  static constexpr double kTiedRounding = 2.5;
-  static constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are as uncertain
-  static constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
-  static constexpr double kJumped = 6.0;   // after a jump the median is at least its error over this
+  static constexpr std::size_t kMost = 4;  // readings out of the motion that make another motion
 
   [[nodiscard]] bool even(const Reading& newest, double limit) const noexcept;
   // The limit k for a reading that equals one of the last, in medians.
