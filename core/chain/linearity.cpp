@@ -168,7 +168,7 @@ std::string words_of(const Rig& rig, const ElementEstimate& element, const Exces
           : parts.significant_c ? "its c is an equivalent stiffness at this amplitude"
                                 : "its r is an equivalent damping at this amplitude";
   text += " (" + brief(a) + (turns ? " rad" : " m") +
-          "). They do not explain harmonic 3 of its force: " + plus_minus(std::abs(dissipative), U, newton) +
+          "). c and r do not explain harmonic 3 of its force: " + plus_minus(std::abs(dissipative), U, newton) +
           " in phase with the velocity (damping force " + brief(omega * element.damping.value * a) + " " + newton +
           "), " + plus_minus(std::abs(elastic), U, newton) + " in phase with the deformation (spring force " +
           brief(element.stiffness.value * a) + " " + newton + "). ";
@@ -182,7 +182,7 @@ std::string words_of(const Rig& rig, const ElementEstimate& element, const Exces
   else
     text += "Damping with the square of the velocity would explain it, and " +
             brief(100 * std::abs(parts.in_r / element.damping.value), 2) + " % of r";
-  return text + ". Measure at other amplitudes; a transducer that distorts looks alike";
+  return text + ". Measure at other amplitudes; a transducer that distorts gives the same picture";
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST(Contradiction, ASecondTransducerOffByMoreThanIsStatedRaisesADoubtThatNamesI
   const std::vector<Doubt> doubts = doubts_of(rig, evidence);
   ASSERT_EQ(doubts.size(), 1u);
   EXPECT_EQ(doubts[0].elements, (std::vector<int>{1, 2, 3}));
-  for (const char* named : {"y2", "y2b", " % of it", "elements 1, 2 and 3", "scale_u"})
+  for (const char* named : {"y2", "y2b", " %; allowed are", "elements 1, 2 and 3", "scale_u"})
     EXPECT_NE(doubts[0].what.find(named), std::string::npos) << doubts[0].what;
 }
 

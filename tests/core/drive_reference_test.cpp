@@ -91,7 +91,7 @@ TEST(DriveReference, MissedPulsesAreToldOfThisHoldAlone) {
   const std::int64_t last_ns = pulses(reference, 4.0, 40);
   EXPECT_EQ(reference.missed(), "");
   reference.pulse(last_ns + 500'000'000);
-  EXPECT_NE(reference.missed().find("1 did not come"), std::string::npos) << reference.missed();
+  EXPECT_NE(reference.missed().find("1 missed"), std::string::npos) << reference.missed();
   reference.begin_hold();
   EXPECT_EQ(reference.missed(), "");
 }
