@@ -26,10 +26,11 @@ struct ChannelComparison {
   Verdict verdict = Verdict::not_verified;
   std::string reason;  // why not verified; empty otherwise
   std::size_t samples = 0;
-  double rms = kNaN;            // of what was measured, SI
-  double error = kNaN;          // rms of predicted minus measured, as a part
-  double U = kNaN;              // its expanded uncertainty (k = 2): coefficients, type B, initial state, table's noise
-  double noise = kNaN;          // of what was measured, rms, as a part
+  double rms = kNaN;      // of what was measured, SI
+  double error = kNaN;    // rms of predicted minus measured, as a part
+  double noise = kNaN;    // what noise alone makes of that: of the channel, and of the table through the model
+  double U = kNaN;        // expanded uncertainty (k = 2) of the error: coefficients, type B, initial state, noise
+  double U_as_is = kNaN;  // of √(error² - noise²), the coefficients taken as they are: type B of readings, noise
   double beyond_steady = kNaN;  // how much of the prediction the steady phasors alone do not give, as a part
   double e_n = kNaN;
   double fit_percent = kNaN;
