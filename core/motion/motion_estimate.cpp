@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
+#include "core/motion/given_table.hpp"
 #include "core/motion/motion_course.hpp"
 #include "core/rig/transducer.hpp"
 
@@ -33,11 +35,16 @@ constexpr double kContradicted = 1e-6;
 // Residuals below this part of the channel's motion are the rounding of numbers and contradict nothing.
 constexpr double kDigits = 1e-6;
 
-// Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
-// form.
-double whiteness(const std::vector<MotionInnovation>& innovations) {
+struct Correlation {
+  double p = kNaN;   // chance that white innovations are correlated as much
+  double sum = 0.0;  // N Σ ρ²: what the correlated part of e/√S amounts to in squares
+};
+
+// Ljung and Box 1978: χ² with 10 degrees of freedom, its tail in closed form.
+Correlation correlation_of(const std::vector<MotionInnovation>& innovations) {
   const auto count = static_cast<double>(innovations.size());
-  if (innovations.size() < 5 * kLags) return kNaN;
+  Correlation out;
+  if (innovations.size() < 5 * kLags) return out;
   double power = 0.0, statistic = 0.0;
   for (const MotionInnovation& one : innovations) power += one.normalized * one.normalized;
   for (std::size_t lag = 1; lag <= kLags; ++lag) {
@@ -45,11 +52,13 @@ double whiteness(const std::vector<MotionInnovation>& innovations) {
     for (std::size_t i = lag; i < innovations.size(); ++i)
       sum += innovations[i].normalized * innovations[i - lag].normalized;
     statistic += sum * sum / (power * power) / (count - static_cast<double>(lag));
+    out.sum += count * sum * sum / (power * power);
   }
   statistic *= count * (count + 2);
   double term = 1.0, sum = 1.0;
   for (int k = 1; k < kLags / 2; ++k) sum += term *= 0.5 * statistic / k;
-  return std::exp(-0.5 * statistic) * sum;
+  out.p = std::exp(-0.5 * statistic) * sum;
+  return out;
 }
 
 class Report {
@@ -67,8 +76,9 @@ class Report {
     out.reason = course_.reason;
     const auto known = static_cast<std::size_t>(course_.fit.at.theta.size());
     if (!std::isfinite(course_.fit.V) || known == 0 || known != course_.parameters.size()) return out;
-    pass_ = evaluate(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at,
-                     {.derivatives = false, .keep_innovations = true});
+    const MotionModel model(rig_, course_.parameters);
+    pass_ = evaluate(model, course_.data, course_.fit.at, {.derivatives = false, .keep_innovations = true});
+    given_table_ = innovations_given_table(model, course_.data, course_.fit.at);
     add_channels(out);
     if (out.reason.empty()) refuse_contradicted(out);
     if (!out.reason.empty()) return out;
@@ -91,7 +101,9 @@ class Report {
       channel.channel = p.index;
       channel.u_noise = std::exp(theta(static_cast<Index>(a)));
       channel.chi2 = pass_.chi2[c];
-      channel.whiteness_p = whiteness(pass_.innovations[c]);
+      const Correlation correlation = correlation_of(given_table_[c].empty() ? pass_.innovations[c] : given_table_[c]);
+      channel.whiteness_p = correlation.p;
+      if (!shows_drive(rig_.channels[c]) && correlation.p < kContradicted) strange_ += correlation.sum;
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
@@ -124,6 +136,18 @@ class Report {
       of_stated_ = by_stated_ * course_.fit.covariance.block(free_, free_, stated, stated);
     }
     covariance_ = course_.fit.covariance.topLeftCorner(coefficients_, coefficients_);
+    // The largest likelihood takes the noise for smaller than it is, by the part of the readings that the unknowns
+    // take up.
+    const double readings = reading_count(), left = std::max(1.0, readings - static_cast<double>(order.size()));
+    noise_grows(readings / left);
+  }
+  [[nodiscard]] double reading_count() const { return std::accumulate(pass_.count.begin(), pass_.count.end(), 0.0); }
+
+  // Whether the table moves as its process does not have it, by its own readings.
+  [[nodiscard]] bool strange_table() const {
+    const auto alone = innovations_of_table(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at);
+    return std::any_of(alone.begin(), alone.end(),
+                       [](const auto& innovations) { return correlation_of(innovations).p < kContradicted; });
   }
 
   // Channels behind the table whose innovations are correlated by more than chance makes them with this probability.
@@ -139,20 +163,27 @@ class Report {
     return names;
   }
 
-  void refuse_contradicted(MotionEstimate& out) const {
+  void refuse_contradicted(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kContradicted, kDigits);
     if (names.empty()) return;
+    if (strange_table()) {
+      noise_may_hide_ = strange_;
+      return;
+    }
     out.reason =
         "the chain of the rig file does not explain " + listed(names) +
         ": the residuals are not noise. Check for friction, a spring or damper that the file does not have, a wrong " +
         "mass or delay, and readings that are not as stated";
   }
 
-  // Where the innovations are not white the information overstates: the sandwich form, never narrower.
+  // Where the innovations are not white the information overstates: the sandwich form, never narrower. Where the table
+  // moves as its process does not have it, what comes of that through the chain cannot be told from a chain that is
+  // wrong. Residuals δ that are nobody's noise move a coefficient by no more than u √(Σ δ²/S) (Cauchy and Schwarz).
   void widen(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kNotWhite, 0.0);
     if (names.empty()) return;
     out.warnings.push_back("what the chain leaves of " + listed(names) + " is not white: uncertainties are widened");
+    noise_grows(1 + noise_may_hide_);
     if (course_.fit.pass.blocks < 8) return;
     const MatrixXd& inverse = course_.fit.covariance;
     const MatrixXd sandwich = inverse * course_.fit.pass.meat * inverse;
@@ -161,6 +192,13 @@ class Report {
       noise_(i, i) += wider;
       covariance_(i, i) += wider;
     }
+  }
+
+  // The part of noise in all variances.
+  void noise_grows(double factor) {
+    const MatrixXd more = noise_ * (factor - 1);
+    noise_ += more;
+    covariance_ += more;
   }
 
   void add_elements(MotionEstimate& out) {
@@ -182,9 +220,7 @@ class Report {
     out.value = theta(i);
     out.u = std::sqrt(covariance_(i, i));
     const double share = noise_(i, i) / covariance_(i, i);
-    double count = 0.0;
-    for (const double of : pass_.count) count += of;
-    out.dof = std::max(1.0, count - static_cast<double>(course_.fit.covariance.rows())) / (share * share);
+    out.dof = std::max(1.0, reading_count() - static_cast<double>(course_.fit.covariance.rows())) / (share * share);
     out.U95 = student_t95(out.dof) * out.u;
     out.significant = std::abs(out.value) >= out.u;
     return out;
@@ -241,6 +277,9 @@ class Report {
   const MotionCourse& course_;
   Index coefficients_, free_;
   Pass pass_;
+  double strange_ = 0.0;         // Correlation::sum of the chain's channels that are not white, beyond chance
+  double noise_may_hide_ = 0.0;  // the same, where the chain is not to blame
+  std::vector<std::vector<MotionInnovation>> given_table_;
   MatrixXd noise_, covariance_;     // of (c_1, r_1, …): by noise alone, whole
   MatrixXd by_stated_, of_stated_;  // ∂(c, r)/∂stated, and that times the covariance of the stated
 };

@@ -12,54 +12,80 @@ double beyond_noise(const ChannelComparison& c) {
   return std::sqrt(std::max(0.0, c.error * c.error - c.noise * c.noise));
 }
 
+struct Off {
+  double by, U;
+};
+
+// As the verdict tells it: of a model that is consistent, or condemned, noise is taken off.
+Off off_of(const ChannelComparison& c, bool consistent) {
+  if (c.verdict == Verdict::not_adequate) return {beyond_noise(c), c.U};
+  if (consistent) return {beyond_noise(c), c.U_as_is};
+  return {c.error, std::max(c.U, c.U_as_is)};
+}
+
+std::string told(const Off& off) { return "off by " + percent(off.by) + " ± " + percent(off.U) + " of its rms"; }
+
+// How far another motion may be off at most.
+double most(const Off& off, bool consistent) { return (consistent ? 1 : 2) * off.by + off.U; }
+
+// What a channel says of the whole: 2 not adequate, 1 not verified, 0 adequate, or within the accuracy without having
+// been put to the test where most of the others were.
+int rank(const ChannelComparison& c, double accuracy, bool consistent, bool others_tested) {
+  if (c.verdict == Verdict::not_adequate) return 2;
+  if (c.verdict == Verdict::adequate) return 0;
+  return others_tested && most(off_of(c, consistent), consistent) <= accuracy ? 0 : 1;
+}
+
 }  // namespace
 
 void judge(ChannelComparison& channel, double accuracy, bool consistent) {
   channel.verdict = Verdict::not_verified;
   channel.reason.clear();
-  if (!std::isfinite(channel.error) || !std::isfinite(channel.U)) {
+  if (!std::isfinite(channel.error) || !std::isfinite(channel.U) || !std::isfinite(channel.U_as_is)) {
     channel.reason = "nothing moved in it";
-  } else if (beyond_noise(channel) - channel.U > accuracy) {
+    return;
+  }
+  if (beyond_noise(channel) - channel.U > accuracy) {
     channel.verdict = Verdict::not_adequate;
-    channel.reason = "the prediction is off by " + percent(channel.error) + " ± " + percent(channel.U) +
-                     " of its rms, above the " + percent(accuracy) + " asked for";
-  } else if (channel.error + channel.U > accuracy) {
     channel.reason =
-        channel.noise > channel.U && channel.noise > 0.5 * accuracy
-            ? "its noise alone is " + percent(channel.noise) + " of its rms, too much to tell " + percent(accuracy)
-            : "off by " + percent(channel.error) + " ± " + percent(channel.U) + " of its rms, too wide to tell " +
-                  percent(accuracy);
-  } else if (!consistent && 2 * channel.error + channel.U > accuracy) {
-    channel.reason = "off by " + percent(channel.error) + " ± " + percent(channel.U) +
-                     " of its rms for a cause that is not known: another motion may show as much again, above " +
-                     percent(accuracy);
-  } else if (!(channel.error + channel.U <= channel.beyond_steady / kBeyondSteady)) {
+        "the prediction is " + told(off_of(channel, consistent)) + ", above the " + percent(accuracy) + " asked for";
+    return;
+  }
+  const Off off = off_of(channel, consistent);
+  const double at_most = most(off, consistent);
+  if (off.by + off.U > accuracy) {
+    channel.reason = told(off) + " (noise: " + percent(channel.noise) + "), too wide to tell " + percent(accuracy);
+  } else if (at_most > accuracy) {
+    channel.reason =
+        told(off) + " for a cause that is not known: another motion may show as much again, above " + percent(accuracy);
+  } else if (!(at_most <= channel.beyond_steady / kBeyondSteady)) {
     channel.reason = "only " + percent(channel.beyond_steady) +
                      " of its rms is more than the steady phasors give for any chain: too little beside " +
-                     percent(channel.error) + " ± " + percent(channel.U);
+                     percent(off.by) + " ± " + percent(off.U);
   } else {
     channel.verdict = Verdict::adequate;
   }
 }
 
 void judge(Verification& verification, const std::vector<std::string>& names) {
-  const auto rank = [](Verdict verdict) {
-    return verdict == Verdict::not_adequate ? 2 : verdict == Verdict::not_verified ? 1 : 0;
-  };
-  const ChannelComparison* decides = nullptr;
+  const bool consistent = verification.consistent.value_or(false);
+  const auto tested = std::count_if(verification.channels.begin(), verification.channels.end(),
+                                    [](const ChannelComparison& c) { return c.verdict == Verdict::adequate; });
+  const bool most_tested = 2 * static_cast<std::size_t>(tested) > verification.channels.size();
+  int decides = -1;
   verification.e_n = kNaN;
   for (const ChannelComparison& channel : verification.channels) {
     if (!channel.reason.empty())
       verification.reasons.push_back(names[static_cast<std::size_t>(channel.channel)] + ": " + channel.reason);
     if (!(verification.e_n >= channel.e_n)) verification.e_n = channel.e_n;
-    if (decides == nullptr || rank(channel.verdict) > rank(decides->verdict) ||
-        (rank(channel.verdict) == rank(decides->verdict) && channel.error + channel.U > decides->error + decides->U))
-      decides = &channel;
+    const Off off = off_of(channel, consistent);
+    const int here = rank(channel, verification.accuracy, consistent, most_tested);
+    if (here < decides || (here == decides && off.by + off.U <= verification.seen + verification.U)) continue;
+    decides = here;
+    verification.verdict = here == 2 ? Verdict::not_adequate : here == 1 ? Verdict::not_verified : Verdict::adequate;
+    verification.seen = off.by;
+    verification.U = off.U;
   }
-  if (decides == nullptr) return;
-  verification.verdict = decides->verdict;
-  verification.seen = decides->error;
-  verification.U = decides->U;
 }
 
 }  // namespace dwell

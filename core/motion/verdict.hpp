@@ -1,12 +1,15 @@
-// The verdict of a comparison, after ASME V&V 20-2009: a model error lies within E ± U_val, so
+// The verdict of a comparison, after ASME V&V 20-2009. Of a channel, in parts of its rms: `error` = rms of predicted
+// minus measured; off = √(error² - noise²), what of it is not noise. Two uncertainties of that: U of all sources, and
+// U_as_is of a model whose coefficients and masses are its own numbers, which the standard calls hard-wired.
 //
-//   adequate       error + U <= accuracy, and <= beyond / kBeyondSteady
+//   adequate       off + U_as_is <= accuracy, and <= beyond_steady / kBeyondSteady
 //                  where the statistics leave something unexplained: 2 · error + U, for it may show as much again
-//   not adequate   √(error² - noise²) - U > accuracy
+//   not adequate   off - U > accuracy
 //   else           not verified yet: the evidence is too weak
 //
-// error, U and noise are parts of the channel's rms. The noise of the compared readings raises `error`, but it is no
-// fault of the model. The second line therefore takes it off. The first line leaves it in, which errs on the safe side.
+// Whoever uses the model uses these coefficients. How far it is off with them is seen, however well they are known: r
+// known to ± 30 % whose transient is predicted to 1 % serves. What their uncertainty may explain does not condemn the
+// chain: there U stands.
 //
 // Evidence must hold what the coefficients were not fitted to. A channel with the steady phasor ρ against the table
 // would follow a motion without memory as y(t) = Re(ρ) y_0(t) + Im(ρ)/ω y_0'(t). Every chain with that phasor predicts
@@ -29,8 +32,10 @@ inline constexpr double kBeyondSteady = 4.0;
 // Allocates; thread-safe.
 void judge(ChannelComparison& channel, double accuracy, bool consistent);
 
-// The verdict of the whole from those of its channels: adequate where all are, not adequate where one is. Fills
-// verdict, seen, U, e_n. names: of the rig's channels, for the reasons.
+// The verdict of the whole from those of its channels: adequate where all are, not adequate where one is. A channel
+// that is within the accuracy, but would be so with any chain of these phasors, has no vote where more than half of all
+// channels are adequate: the evidence did test the model. Fills verdict, seen, U, e_n. names: of the rig's channels,
+// for the reasons.
 void judge(Verification& verification, const std::vector<std::string>& names);
 
 }  // namespace dwell

@@ -95,20 +95,48 @@ SteadyRatio steady_ratio(const Rig& rig, const Dwell& dwell, int table) {
   return out;
 }
 
+// The sources that touch readings, and what they do to a comparison whose coefficients and masses are the model's own
+// numbers.
+std::vector<CoefficientError> as_read(std::vector<CoefficientError> sources) {
+  std::erase_if(sources, [](const CoefficientError& source) { return source.readings.empty() && source.clock_u == 0; });
+  for (CoefficientError& source : sources) {
+    std::fill(source.on_coefficients.begin(), source.on_coefficients.end(), 0.0);
+    source.mass = 0;
+  }
+  return sources;
+}
+
 // Columns: what one standard deviation of each source makes of the error. A source whose test cannot be played (a
 // coefficient's u so large that the chain would not decay) is left out, and said.
 MatrixXd by_source(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& nominal,
                    const VectorXd& error, const std::vector<CoefficientError>& sources, std::string& why) {
-  MatrixXd out = MatrixXd::Zero(error.size(), static_cast<Index>(sources.size()) + 2);
+  MatrixXd out = MatrixXd::Zero(error.size(), static_cast<Index>(sources.size()));
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const Residuals moved = residuals_of(stretch, table, nominal.moved(sources[i], kStep));
+    if (moved.fault.empty())
+      out.col(static_cast<Index>(i)) = (moved.error() - error) / kStep;
+    else
+      why = "the uncertainty of the coefficients is too large to predict with them";
+  }
+  return out;
+}
+
+// Likewise, of interpolating the table's readings.
+MatrixXd by_interpolation(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& nominal,
+                          const VectorXd& error) {
+  MatrixXd out = MatrixXd::Zero(error.size(), 2);
   Index column = 0;
-  const auto add = [&](const Residuals& moved, double part) {
-    if (!moved.fault.empty()) why = "the uncertainty of the coefficients is too large to predict with them";
-    if (moved.fault.empty()) out.col(column) = part * (moved.error() - error);
+  for (const Knots half : {Knots::even, Knots::odd}) {
+    const Residuals moved = residuals_of(stretch, table, nominal, half);
+    if (moved.fault.empty()) out.col(column) = kInterpolation * (moved.error() - error);
     ++column;
-  };
-  for (const CoefficientError& source : sources)
-    add(residuals_of(stretch, table, nominal.moved(source, kStep)), 1 / kStep);
-  for (const Knots half : {Knots::even, Knots::odd}) add(residuals_of(stretch, table, nominal, half), kInterpolation);
+  }
+  return out;
+}
+
+MatrixXd beside(const MatrixXd& left, const MatrixXd& right) {
+  MatrixXd out(left.rows(), left.cols() + right.cols());
+  out << left, right;
   return out;
 }
 
@@ -125,18 +153,40 @@ double mean_square(const MatrixXd& columns) {
   return columns.squaredNorm() / static_cast<double>(std::max<Index>(1, columns.size()));
 }
 
-// Figures of channel number i of the stretch, its rows [begin, begin + count).
-ChannelComparison compared(const VerificationStretch& stretch, std::size_t i, Index begin, Index count,
-                           const Residuals& seen, const MatrixXd& sources) {
+// By how much √(mean(e²) - mean(n²)) may be too small, n being noise: k = 2. A mean square scatters as its draws do,
+// and by what noise has in common with the error; the noise itself is known from `freedom` readings.
+double unseen(const VectorXd& error, const MatrixXd& noise, double freedom) {
+  const double samples = static_cast<double>(std::max<Index>(1, error.size()));
+  const VectorXd squares = noise.colwise().squaredNorm().transpose() / samples;
+  const double variance =
+      (squares.array() - squares.mean()).square().mean() +
+      (2 / samples * (noise.transpose() * error)).squaredNorm() / static_cast<double>(noise.cols()) +
+      2 / std::max(1.0, freedom) * squares.mean() * squares.mean();
+  const double left = std::max(0.0, error.squaredNorm() / samples - squares.mean());
+  return std::sqrt(left + 2 * std::sqrt(variance)) - std::sqrt(left);
+}
+
+// What one standard deviation of each source makes of the error, a column each.
+struct Sources {
+  MatrixXd all;      // coefficients, masses and readings move together
+  MatrixXd as_read;  // readings alone: the model's coefficients as they are
+};
+
+// Figures of channel number i of the stretch, its rows [begin, begin + count). freedom: readings behind its sigma.
+ChannelComparison compared(const VerificationStretch& stretch, std::size_t i, Index begin, Index count, double freedom,
+                           const Residuals& seen, const Sources& sources) {
   ChannelComparison out;
   out.channel = stretch.compared[i];
   compare(seen.predicted.segment(begin, count), seen.measured.segment(begin, count), out);
   const double sigma = stretch.sigma[static_cast<std::size_t>(out.channel)], samples = static_cast<double>(count);
-  const double of_sources = sources.middleRows(begin, count).squaredNorm() / samples;
+  const double of_sources = sources.all.middleRows(begin, count).squaredNorm() / samples;
   const double of_prediction = of_sources + mean_square(seen.noise_predicted.middleRows(begin, count));
-  const double of_error = of_sources + mean_square(seen.noise_error.middleRows(begin, count));
-  out.noise = sigma / out.rms;
+  const MatrixXd noise = seen.noise_error.middleRows(begin, count);
+  const double of_error = of_sources + mean_square(noise);
+  const double of_readings = sources.as_read.middleRows(begin, count).squaredNorm() / samples;
+  out.noise = std::sqrt(mean_square(noise)) / out.rms;
   out.U = 2 * std::sqrt(of_prediction + sigma * sigma / samples) / out.rms;
+  out.U_as_is = (unseen(seen.error().segment(begin, count), noise, freedom) + 2 * std::sqrt(of_readings)) / out.rms;
   out.e_n = out.error * out.rms / (2 * std::sqrt(of_error));
   const double beyond = seen.beyond_steady.segment(begin, count).squaredNorm() / samples -
                         mean_square(seen.noise_beyond_steady.middleRows(begin, count));
@@ -206,9 +256,11 @@ struct ConsistencyTest {
       const Residuals seen = residuals_of(stretch, table, there);
       std::string why;
       if (!seen.fault.empty()) return tests;
-      sources = by_source(stretch, table, there, seen.error(), errors, why);
+      const VectorXd there_error = seen.error();
+      sources = beside(by_source(stretch, table, there, there_error, errors, why),
+                       by_interpolation(stretch, table, there, there_error));
       if (!why.empty()) return tests;
-      error = seen.error() - sources.leftCols(count) * amplitudes;
+      error = there_error - sources.leftCols(count) * amplitudes;
     }
   }
 };
@@ -252,14 +304,18 @@ Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vec
   const Residuals seen = residuals_of(stretch, table, nominal, Knots::all, &draws, &ratio);
   if (!seen.fault.empty()) return unverified(seen.fault);
   const std::vector<CoefficientError> errors = sources_of(dwell);
-  const MatrixXd sources = by_source(stretch, table, nominal, seen.error(), errors, why);
+  const VectorXd error = seen.error();
+  const MatrixXd interpolation = by_interpolation(stretch, table, nominal, error);
+  const Sources sources{beside(by_source(stretch, table, nominal, error, errors, why), interpolation),
+                        beside(by_source(stretch, table, nominal, error, as_read(errors), why), interpolation)};
 
   std::vector<std::string> names;
   for (const Channel& channel : rig.channels) names.push_back(channel.name);
   Index begin = 0;
   const std::vector<Index> ends = ends_of(stretch);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    out.channels.push_back(compared(stretch, i, begin, ends[i] - begin, seen, sources));
+    const double freedom = dwell.phasors[static_cast<std::size_t>(stretch.compared[i])].samples;
+    out.channels.push_back(compared(stretch, i, begin, ends[i] - begin, freedom, seen, sources));
     begin = ends[i];
   }
   out.evidence.push_back("transient from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
@@ -268,7 +324,7 @@ Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vec
   const bool determined = std::all_of(out.channels.begin(), out.channels.end(),
                                       [](const ChannelComparison& channel) { return channel.U < 1.0; });
   const ConsistencyTest consistency{stretch, table, nominal, errors, seen.noise_error, freedom_of(stretch, dwell)};
-  if (determined) tell_consistency(consistency.test(seen.error(), sources), out);
+  if (determined) tell_consistency(consistency.test(error, sources.all), out);
   for (ChannelComparison& channel : out.channels) judge(channel, accuracy, out.consistent.value_or(false));
   judge(out, names);
   if (!why.empty()) return unverified(why);  // U lacks a source

@@ -20,16 +20,18 @@ struct SpragueGeers {
   double magnitude = kNaN, phase = kNaN, combined = kNaN;
 };
 
-// Predicted against measured in one channel, over the evidence. error, U, noise and beyond_steady are parts of `rms`.
+// Predicted against measured in one channel, over the evidence. error, noise, U, U_as_is and beyond_steady are parts
+// of `rms`.
 struct ChannelComparison {
   int channel = -1;  // index into Rig::channels
   Verdict verdict = Verdict::not_verified;
   std::string reason;  // why not verified; else empty
   std::size_t samples = 0;
-  double rms = kNaN;            // of the measured readings, SI
-  double error = kNaN;          // rms of predicted minus measured
-  double U = kNaN;              // its expanded uncertainty (k = 2): coefficients, type B, initial state, table's noise
-  double noise = kNaN;          // rms of the measured readings' noise
+  double rms = kNaN;      // of the measured readings, SI
+  double error = kNaN;    // rms of predicted minus measured
+  double noise = kNaN;    // part of `error` by noise: of the readings, and of the table's through the model
+  double U = kNaN;        // expanded uncertainty (k = 2) of `error`: coefficients, type B, initial state, table's noise
+  double U_as_is = kNaN;  // of √(error² - noise²), the coefficients taken as they are: type B of readings, noise
   double beyond_steady = kNaN;  // rms of the prediction minus the part that the steady phasors alone give
   double e_n = kNaN;            // normalized error, satisfactory up to 1
   double fit_percent = kNaN;

@@ -15,6 +15,7 @@ Json channel_value(const ChannelComparison& c, const ChannelLabel& label) {
           {"fit_percent", number_or_null(c.fit_percent)},
           {"error", number_or_null(c.error)},
           {"U", number_or_null(c.U)},
+          {"U_as_is", number_or_null(c.U_as_is)},
           {"e_n", number_or_null(c.e_n)},
           {"frac", number_or_null(c.frac)},
           {"sprague_geers",

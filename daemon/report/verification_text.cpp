@@ -20,7 +20,7 @@ std::string paragraph(const std::string& head, const std::string& text) {
 
 Table channel_table(const Verification& v, const Rig& rig) {
   const std::vector<ChannelLabel> labels = channel_labels(rig);
-  std::vector<std::string> names, verdicts, rms, errors, U, noise, beyond, e_n, fit, magnitude, phase;
+  std::vector<std::string> names, verdicts, rms, errors, U, as_is, noise, beyond, e_n, fit, magnitude, phase;
   for (const ChannelComparison& c : v.channels) {
     const ChannelLabel& label = labels[static_cast<std::size_t>(c.channel)];
     names.push_back(label.name);
@@ -28,6 +28,7 @@ Table channel_table(const Verification& v, const Rig& rig) {
     rms.push_back(join(number_text(c.rms, label.unit, 3)));
     errors.push_back(part(c.error));
     U.push_back("± " + part(c.U));
+    as_is.push_back("± " + part(c.U_as_is));
     noise.push_back(part(c.noise));
     beyond.push_back(part(c.beyond_steady));
     e_n.push_back(figure(c.e_n, 2));
@@ -41,6 +42,7 @@ Table channel_table(const Verification& v, const Rig& rig) {
   table.add("rms", std::move(rms), Align::right);
   table.add("off by", std::move(errors), Align::right);
   table.add("U", std::move(U), Align::left, true);
+  table.add("as is", std::move(as_is), Align::left);
   table.add("noise", std::move(noise), Align::right);
   table.add("unsteady", std::move(beyond), Align::right);
   table.add("E_n", std::move(e_n), Align::right);
@@ -77,7 +79,9 @@ std::string verification_text(const Verification& v, const Rig& rig, const Dwell
   text += "\n" + channel_table(v, rig).text();
   text +=
       "off by: rms of predicted minus measured; it, U, noise and what the steady phasors do not give (unsteady)\n"
-      "are parts of the channel's rms. U is the expanded uncertainty (k = 2). magnitude, phase: Sprague and Geers.\n";
+      "are parts of the channel's rms. U is the expanded uncertainty (k = 2); as is: with the coefficients taken as "
+      "they\n"
+      "are, and noise taken off. magnitude, phase: Sprague and Geers.\n";
   return text;
 }
 

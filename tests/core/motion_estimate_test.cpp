@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 
 #include "core/model/forward.hpp"
+#include "core/motion/given_table.hpp"
+#include "core/rig/transducer.hpp"
 #include "tests/core/motion_case.hpp"
 
 namespace dwell {
@@ -158,6 +162,53 @@ TEST(MotionEstimate, LeavesOutAReadingFarFromAll) {
   EXPECT_EQ(found.readings + 1, data.readings.size());
   for (std::size_t e = 0; e < 2; ++e)
     EXPECT_LT(std::abs(found.elements[e].stiffness.value - chain.stiffness[e]), 4 * found.elements[e].stiffness.u);
+}
+
+double squares_of(const std::vector<std::vector<MotionInnovation>>& innovations) {
+  double sum = 0.0;
+  for (const auto& channel : innovations)
+    for (const MotionInnovation& one : channel) sum += one.normalized * one.normalized;
+  return sum;
+}
+
+// p(chain, table) = p(table) p(chain | table), to the squares in the exponents.
+TEST(GivenTable, IsWhatTheTableAloneLeavesOfTheWholeLikelihood) {
+  for (const Rig& rig : {rig_of(free_chain(), 4.0), rig_of_all_kinds()}) {
+    const Chain chain = rig.boundary == Boundary::free ? free_chain() : clamped_chain();
+    DrivenChain driven(chain, {4.0, 0.005, 0.0, 0.5}, DrivenChain::Start::steady);
+    std::vector<double> sigma(rig.channels.size(), 2e-4);
+    MotionData data = readings_of(rig, driven, 0.0, 1.0, 150.0, sigma, 3, 0.0007);
+    const auto of_table = [&rig](const MotionReading& reading) {
+      return shows_drive(rig.channels[static_cast<std::size_t>(reading.channel)]);
+    };
+    // The table alone begins at the same instant as all.
+    data.readings.erase(data.readings.begin(), std::find_if(data.readings.begin(), data.readings.end(), of_table));
+    MotionData table;
+    std::copy_if(data.readings.begin(), data.readings.end(), std::back_inserter(table.readings), of_table);
+    const std::vector<Parameter> parameters = free_parameters(rig, 1);
+    const MotionModel model(rig, parameters);
+    const MotionUnknowns unknowns{theta_of(parameters, chain, sigma, -18.0),
+                                  state_of(model, driven.at(to_s(data.readings.front().t_ns))),
+                                  Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rig.channels.size()))};
+    const PassOptions keep{.derivatives = false, .keep_innovations = true};
+    const double whole = squares_of(evaluate(model, data, unknowns, keep).innovations);
+    const double alone = squares_of(evaluate(model, table, unknowns, keep).innovations);
+    EXPECT_NEAR(squares_of(innovations_given_table(model, data, unknowns)), whole - alone, 1e-6 * whole);
+  }
+}
+
+// A table that moves in harmonics which its process does not have: what is left over is the table's, not the chain's.
+TEST(MotionEstimate, ConvictsNoChainOfATableThatMovesOtherwise) {
+  const Chain chain = free_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  const Drive drive{4.0, 0.005, 0.0, 0.3, {{2, 0.0005, 0.4}}};
+  const MotionEstimate found = estimate_motion(rig, start_up(rig, chain, drive, 3.0, 150.0, 2e-3, 7));
+  ASSERT_EQ(found.reason, "");
+  for (std::size_t e = 0; e < 2; ++e) {
+    EXPECT_LT(std::abs(found.elements[e].stiffness.value - chain.stiffness[e]), 4 * found.elements[e].stiffness.u);
+    EXPECT_LT(std::abs(found.elements[e].damping.value - chain.damping[e]), 4 * found.elements[e].damping.u);
+    EXPECT_LT(found.elements[e].stiffness.U95, 0.02 * chain.stiffness[e]);
+  }
 }
 
 }  // namespace

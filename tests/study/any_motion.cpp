@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
-#include "core/dwell/pipeline.hpp"
 #include "core/motion/motion_estimate.hpp"
 #include "core/motion/motion_recorder.hpp"
 #include "tests/study/draw_parts.hpp"
@@ -48,31 +47,6 @@ MotionRecorder recorded(const Case& about, double until_s) {
   return recorder;
 }
 
-bool wide_enough(const MotionEstimate& estimate) {
-  if (!estimate.reason.empty()) return false;
-  for (const ElementEstimate& e : estimate.elements)
-    if (!e.identifiable || !(e.stiffness.U95 < 0.1 * std::abs(e.stiffness.value)) ||
-        !(e.damping.U95 < 0.1 * std::abs(e.damping.value)))
-      return false;
-  return true;
-}
-
-void play_times(const Case& about, double periods, MotionOutcome& outcome) {
-  for (double so_far = 0.5; so_far <= periods && std::isnan(outcome.wide_periods); so_far *= 1.25)
-    if (wide_enough(estimate_motion(about.rig, recorded(about, about.change_s + so_far / about.frequency_hz).data())))
-      outcome.wide_periods = so_far;
-  Pipeline pipeline(about.rig);
-  Player player(about);
-  const double limit_s = about.change_s + 12 * about.motion->time_constant_s() + 60 / about.frequency_hz;
-  for (int i = 1; player.now_s() < limit_s; ++i) {
-    pipeline.push(player.next());
-    if (i % 64 == 0 && pipeline.state() == State::measuring) break;
-  }
-  const Dwell dwell = pipeline.current();
-  if (std::isfinite(dwell.verdict_s))
-    outcome.harmonic_periods = (dwell.verdict_s - about.change_s) * about.frequency_hz;
-}
-
 }  // namespace
 
 const char* name_of(TableKind kind) {
@@ -95,13 +69,15 @@ Case draw_motion_case(TableKind kind, std::uint64_t seed, int index, int most) {
   }
 }
 
-MotionOutcome play_motion(const Case& about, double periods, bool timing) {
+MotionOutcome play_motion(const Case& about, double periods) {
   MotionOutcome outcome;
   const MotionRecorder recorder = recorded(about, about.change_s + periods / about.frequency_hz);
   const double before = cpu_s();
   const MotionEstimate estimate = estimate_motion(about.rig, recorder.data());
   outcome.seconds = cpu_s() - before;
   outcome.reason = estimate.reason;
+  outcome.refused = estimate.reason.find("residuals are not noise") != std::string::npos;
+  outcome.widened = estimate.warnings.empty() ? 0 : 1;
   for (std::size_t e = 0; e < estimate.elements.size(); ++e) {
     const ElementEstimate& element = estimate.elements[e];
     if (!element.identifiable) {
@@ -114,7 +90,6 @@ MotionOutcome play_motion(const Case& about, double periods, bool timing) {
       outcome.beyond.push_back(std::abs(given.value - truth) / given.U95);
     }
   }
-  if (timing) play_times(about, periods, outcome);
   return outcome;
 }
 

@@ -23,16 +23,16 @@ inline constexpr int kTableKinds = 4;
 [[nodiscard]] Case draw_motion_case(TableKind kind, std::uint64_t seed, int index, int most);
 
 struct MotionOutcome {
-  std::string reason;             // why there is no estimate
-  std::vector<double> errors;     // (value - truth) / u, of c and r of all elements that are reported
-  std::vector<double> beyond;     // |value - truth| / U95, likewise
-  int withheld = 0;               // elements that are not identifiable
-  double seconds = 0.0;           // CPU time of this estimate
-  double wide_periods = NAN;      // stream time from the start until U95 <= 10 % of all c and r, periods of the drive
-  double harmonic_periods = NAN;  // the same until the harmonic verdict; NaN: none within what was played
+  std::string reason;          // why there is no estimate
+  bool refused = false;        // that the readings contradict the model
+  std::vector<double> errors;  // (value - truth) / u, of c and r of all elements that are reported
+  std::vector<double> beyond;  // |value - truth| / U95, likewise
+  int withheld = 0;            // elements that are not identifiable
+  int widened = 0;             // 1: a warning says that uncertainties are widened
+  double seconds = 0.0;        // CPU time of this estimate
 };
 
-// Estimates from the first `periods` periods. timing: also when U95 falls to 10 %, and when the harmonic verdict comes.
-[[nodiscard]] MotionOutcome play_motion(const Case& about, double periods, bool timing);
+// Estimates from the first `periods` periods.
+[[nodiscard]] MotionOutcome play_motion(const Case& about, double periods);
 
 }  // namespace dwell::study

@@ -62,6 +62,8 @@ class Motion {
 
   // The state of the masses in the steady motion of the newest drive, at its start.
   [[nodiscard]] MassState steady_state(const TableMotion& table) const;
+  // The state of the masses under the newest drive.
+  [[nodiscard]] MassState state(double t_s) const { return state_at(segments_.back(), t_s); }
 
   // A decaying oscillation that channel c alone shows, from the newest drive's start on: Re(a exp(λτ)).
   void ring(int c, Complex a, Complex lambda);

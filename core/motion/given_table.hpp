@@ -1,0 +1,34 @@
+// Innovations of the channels behind the table, given all that is read of the table, before and after:
+//
+//   p(chain | table) = Π p(reading i | readings of the chain before i, all readings of the table)
+//
+// The plain innovations of these channels carry what the filter could not foresee of the table. Where the table does
+// not move as its process has it, as random motion of a limited band does not, they are correlated though the chain is
+// right. Between readings of the table on both sides hardly anything is left to foresee.
+//
+// What the later readings of the table say of its state b is Λ b - λ, an information filter that runs backwards:
+//
+//   reading y of row c:  Λ += c c'/σ²,  λ += c (y - bias)/σ²;    over an interval:  Λ = F' J Λ F,  λ = F' J λ,
+//   J = (I + Λ q Q)⁻¹.   Innovation: mean and covariance x, P of the filter before the reading, with that taken in:
+//   x + P_b (I + Λ P_bb)⁻¹ (λ - Λ x_b),   P - P_b (I + Λ P_bb)⁻¹ Λ P_b'.   (D. C. Fraser, J. E. Potter, 1969)
+#pragma once
+
+#include <vector>
+
+#include "core/motion/likelihood.hpp"
+
+namespace dwell {
+
+// Per channel of the rig, by time; none of those that show the table. As evaluate(), O(readings · states³).
+[[nodiscard]] std::vector<std::vector<MotionInnovation>> innovations_given_table(const MotionModel& model,
+                                                                                 const MotionData& data,
+                                                                                 const MotionUnknowns& unknowns);
+
+// Innovations of the table's channels by themselves, per channel of the rig, its process fitted to them anew from
+// `start`, unknowns of `model`: what they show is no fault of the chain. Empty where nothing shows the table. A few
+// passes of a filter of few states.
+[[nodiscard]] std::vector<std::vector<MotionInnovation>> innovations_of_table(const MotionModel& model,
+                                                                              const MotionData& data,
+                                                                              const MotionUnknowns& start);
+
+}  // namespace dwell
