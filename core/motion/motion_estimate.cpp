@@ -11,6 +11,7 @@
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/motion/motion_course.hpp"
+#include "core/motion/whiteness.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
@@ -20,37 +21,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kLags = 10;
 // Residuals above this part of a channel's rms, beyond the noise from reading to reading: the elements are not linear,
 // and a coefficient would be an average over amplitudes. Twice the accuracy that a model needs by default.
 constexpr double kRefused = 0.1;
 // … and above this many times that noise, which is known to 10 %.
 constexpr double kMoreThanNoise = 1.5;
-constexpr double kNotWhite = 1e-3;
-// Residuals as correlated as this by chance, once in a million: the model is contradicted, by friction or a spring that
-// nobody stated. No widening can tell how wrong the coefficients are.
-constexpr double kContradicted = 1e-6;
-// Residuals below this part of the channel's motion are the rounding of numbers and contradict nothing.
-constexpr double kDigits = 1e-6;
-
-// Chance that white innovations are correlated as much (Ljung and Box 1978): χ² with 10 degrees of freedom, in closed
-// form.
-double whiteness(const std::vector<MotionInnovation>& innovations) {
-  const auto count = static_cast<double>(innovations.size());
-  if (innovations.size() < 5 * kLags) return kNaN;
-  double power = 0.0, statistic = 0.0;
-  for (const MotionInnovation& one : innovations) power += one.normalized * one.normalized;
-  for (std::size_t lag = 1; lag <= kLags; ++lag) {
-    double sum = 0.0;
-    for (std::size_t i = lag; i < innovations.size(); ++i)
-      sum += innovations[i].normalized * innovations[i - lag].normalized;
-    statistic += sum * sum / (power * power) / (count - static_cast<double>(lag));
-  }
-  statistic *= count * (count + 2);
-  double term = 1.0, sum = 1.0;
-  for (int k = 1; k < kLags / 2; ++k) sum += term *= 0.5 * statistic / k;
-  return std::exp(-0.5 * statistic) * sum;
-}
 
 class Report {
  public:
@@ -91,7 +66,7 @@ class Report {
       channel.channel = p.index;
       channel.u_noise = std::exp(theta(static_cast<Index>(a)));
       channel.chi2 = pass_.chi2[c];
-      channel.whiteness_p = whiteness(pass_.innovations[c]);
+      channel.whiteness_p = whiteness_p(ljung_box(pass_.innovations[c]));
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
