@@ -10,6 +10,8 @@
 #include "core/base/instants.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
+#include "core/motion/missing_terms.hpp"
+#include "core/motion/missing_wording.hpp"
 #include "core/motion/motion_course.hpp"
 #include "core/motion/whiteness.hpp"
 #include "core/rig/transducer.hpp"
@@ -117,10 +119,7 @@ class Report {
   void refuse_contradicted(MotionEstimate& out) const {
     const std::vector<std::string> names = not_white(out, kContradicted, kDigits);
     if (names.empty()) return;
-    out.reason =
-        "the chain of the rig file does not explain " + listed(names) +
-        ": the residuals are not noise. Check for friction, a spring or damper that the file does not have, a wrong " +
-        "mass or delay, and readings that are not as stated";
+    out.reason = "the chain of the rig file does not explain " + listed(names);
   }
 
   // Where the innovations are not white the information overstates: the sandwich form, never narrower.
@@ -220,17 +219,39 @@ class Report {
   MatrixXd by_stated_, of_stated_;  // ∂(c, r)/∂stated, and that times the covariance of the stated
 };
 
+// Names what the rig file lacks; where the chain is refused, with the reason.
+void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, std::size_t most,
+                  MotionEstimate& out) {
+  const bool refused = !out.reason.empty();
+  MissingTerms found = find_missing(rig, data, course, refused, most);
+  if (!found.terms.empty()) {
+    const std::string with = told_together(found.terms), gain = "(gain " + brief(found.terms.front().gain, 3) + ")";
+    if (refused)
+      out.reason += "; with " + with + " it would " + gain;
+    else
+      out.warnings.push_back("the readings are better explained with " + with + " " + gain);
+  } else if (refused) {
+    out.reason += ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, " +
+                  std::string("friction, cubic springs, signs, swapped channels. Check the readings and the rig file");
+  }
+  out.missing = std::move(found.terms);
+  out.unchecked = std::move(found.unchecked);
+}
+
 }  // namespace
 
-MotionEstimate estimate_motion(const Rig& rig, MotionData data, const MotionOptions& options) {
+MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const MotionOptions& options) {
   MotionEstimate none;
   none.reason = "there are no readings";
   if (data.readings.empty()) return none;
   const auto states = static_cast<std::size_t>(MotionModel(rig, {}).states());
   const std::size_t most = options.most_work / states;
-  const MotionCourse course = run_course(rig, std::move(data), most);
+  const MotionCourse course = run_course(rig, data, most);
   none.reason = course.reason;
-  return course.data.readings.empty() ? none : Report(rig, course).make();
+  if (course.data.readings.empty()) return none;
+  MotionEstimate out = Report(rig, course).make();
+  if (options.missing && course.fit.at.theta.size() > 0) name_missing(rig, data, course, most, out);
+  return out;
 }
 
 }  // namespace dwell

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result/dwell.hpp"
+#include "core/result/missing.hpp"
 
 namespace dwell {
 
@@ -26,8 +27,10 @@ struct MotionEstimate {
   std::vector<double> covariance;  // row-major, of [c, r] of the identifiable elements
   std::vector<double> u_of_noise;  // standard uncertainties of [c, r] of all elements by noise alone
   std::vector<MotionChannel> channels;
-  std::size_t readings = 0;  // that count
-  int passes = 0;            // of the filter
+  std::size_t readings = 0;            // that count
+  int passes = 0;                      // of the filter
+  std::vector<MissingTerm> missing;    // likeliest first; one is named, and what cannot be told from it
+  std::vector<std::string> unchecked;  // what these readings cannot tell whatever they show
   std::vector<std::string> warnings;
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result/dwell.hpp"
+#include "core/result/missing.hpp"
 
 namespace dwell {
 
@@ -35,15 +36,6 @@ struct ChannelComparison {
   double fit_percent = kNaN;
   double frac = kNaN;  // NaN: one frequency only
   SpragueGeers sprague_geers;
-};
-
-// A physical term that would explain what the model leaves.
-struct MissingTerm {
-  std::string what;     // one of the phrases of docs/method.md
-  double value = kNaN;  // NaN: it has none
-  double u = kNaN;
-  std::string unit;
-  double gain = kNaN;  // by which it lowers half the weighted sum of squares
 };
 
 struct Verification {
