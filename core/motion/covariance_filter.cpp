@@ -30,6 +30,7 @@ void CovarianceFilter::propagate(const Step& step, const std::vector<int>& deriv
   const double q = intensity_[static_cast<std::size_t>(stretch)];
   FP_.noalias() = step.F().lazyProduct(P_);
   for (std::size_t a = 0; a < dP_.size(); ++a) {
+    if (is_input(parameters_[a].what)) continue;  // no covariance depends on it
     MatrixXd& dP = dP_[a];
     half_.noalias() = dP.lazyProduct(step.F().transpose());
     dP.noalias() = step.F().lazyProduct(half_);
@@ -66,6 +67,11 @@ void CovarianceFilter::take_derivatives(int c, const VectorXd& g, Gain& out) {
   for (Index a = 0; a < p; ++a) {
     MatrixXd& dP = dP_[static_cast<std::size_t>(a)];
     const Parameter& of = parameters_[static_cast<std::size_t>(a)];
+    if (is_input(of.what)) {
+      out.dS(a) = 0.0;
+      out.dK.col(a).setZero();
+      continue;
+    }
     const double d_variance = of.what == Unknown::noise && of.index == c ? 2 * variance : 0.0;
     const MatrixXd& dC = linear_.dC[static_cast<std::size_t>(a)];
     dg_.noalias() = dP.lazyProduct(C.transpose());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/motion/covariance_filter.hpp"
+#include "core/motion/input_effect.hpp"
 #include "core/motion/interval_steps.hpp"
 #include "core/motion/motion_fit.hpp"
 #include "core/rig/transducer.hpp"
@@ -46,6 +47,7 @@ class GivenTable {
         linear_(model.at(unknowns.theta, false)),
         table_(states_of_table(model, linear_)),
         steps_(linear_),
+        inputs_(linear_, data),
         variance_(model.rig().channels.size(), 0.0) {
     for (std::size_t a = 0; a < model.parameters().size(); ++a) {
       const Parameter& p = model.parameters()[a];
@@ -74,10 +76,13 @@ class GivenTable {
       if (const std::int64_t dt_ns = interval_ns(i); dt_ns > 0) {
         const Step& step = steps_.over(dt_ns);
         x = step.F() * x;
+        const auto& effect = inputs_.over(dt_ns);
+        for (Index k = 0; k < inputs_.count(); ++k) x += size_of(k) * inputs_.mean(k, i) * effect.col(k);
         filter.propagate(step, {}, stretch_of_[i]);
       }
       const double y = reading.value - unknowns_.bias(reading.channel);
-      const double e = y - linear_.C.row(reading.channel).dot(x);
+      double e = y - linear_.C.row(reading.channel).dot(x);
+      for (Index k = 0; k < inputs_.count(); ++k) e -= size_of(k) * linear_.D(reading.channel, k) * inputs_.now(k, i);
       if (!shows_table(i))
         out[static_cast<std::size_t>(reading.channel)].push_back({reading.t_ns, normalized(i, e, x, filter.P())});
       filter.take(reading.channel, gain);
@@ -87,6 +92,10 @@ class GivenTable {
   }
 
  private:
+  // Of an input, as estimated.
+  [[nodiscard]] double size_of(Index input) const {
+    return unknowns_.theta(linear_.inputs[static_cast<std::size_t>(input)]);
+  }
   [[nodiscard]] bool shows_table(std::size_t i) const {
     return shows_drive(model_.rig().channels[static_cast<std::size_t>(data_.readings[i].channel)]);
   }
@@ -143,6 +152,7 @@ class GivenTable {
   LinearModel linear_;
   std::vector<Index> table_;
   IntervalSteps steps_;
+  InputEffect inputs_;
   std::vector<double> variance_, intensity_;
   std::vector<int> stretch_of_;  // per reading
   MatrixXd later_;               // per reading, Λ | λ

@@ -6,6 +6,7 @@
 
 #include "core/motion/covariance_filter.hpp"
 #include "core/motion/gain_schedule.hpp"
+#include "core/motion/input_effect.hpp"
 #include "core/motion/interval_steps.hpp"
 
 namespace dwell {
@@ -19,26 +20,40 @@ using Eigen::VectorXd;
 class Means {
  public:
   Means(const MotionModel& model, const LinearModel& linear, const MotionUnknowns& unknowns, bool derivatives)
-      : linear_(linear), bias_(unknowns.bias), p_(derivatives ? unknowns.theta.size() : 0) {
+      : linear_(linear), theta_(unknowns.theta), bias_(unknowns.bias), p_(derivatives ? unknowns.theta.size() : 0) {
     const Index m = model.states();
     X_ = MatrixXd::Zero(m, derivatives ? 1 + p_ + m + bias_.size() : 1);
     X_.col(0) = unknowns.initial;
     if (derivatives) X_.middleCols(1 + p_, m).setIdentity();
   }
 
-  void propagate(const Step& step, const std::vector<int>& derivative_of) {
+  // Over dt_ns, up to the given reading.
+  void propagate(const Step& step, const std::vector<int>& derivative_of, InputEffect& inputs, std::int64_t dt_ns,
+                 std::size_t reading) {
     before_ = X_.col(0);
     next_.noalias() = step.F().lazyProduct(X_);
     X_.swap(next_);
     for (Index a = 0; a < p_; ++a)
       if (const int d = derivative_of[static_cast<std::size_t>(a)]; d >= 0)
         X_.col(1 + a).noalias() += step.dF(d).lazyProduct(before_);
+    if (inputs.count() == 0) return;
+    const auto& effect = inputs.over(dt_ns);
+    for (Index i = 0; i < inputs.count(); ++i) {
+      const Index a = linear_.inputs[static_cast<std::size_t>(i)];
+      X_.col(0) += theta_(a) * inputs.mean(i, reading) * effect.col(i);
+      if (p_ > 0) X_.col(1 + a) += inputs.mean(i, reading) * effect.col(i);
+    }
   }
 
   // Innovation of a reading and its derivatives.
-  double innovation(const MotionReading& reading) {
+  double innovation(const MotionReading& reading, const InputEffect& inputs, std::size_t index) {
     const Index c = reading.channel;
     row_.noalias() = linear_.C.row(c).lazyProduct(X_);
+    for (Index i = 0; i < inputs.count(); ++i) {
+      const Index a = linear_.inputs[static_cast<std::size_t>(i)];
+      row_(0) += theta_(a) * linear_.D(c, i) * inputs.now(i, index);
+      if (p_ > 0) row_(1 + a) += linear_.D(c, i) * inputs.now(i, index);
+    }
     const double e = reading.value - row_(0) - bias_(c);
     row_ = -row_;
     for (Index a = 0; a < p_; ++a)
@@ -57,7 +72,7 @@ class Means {
 
  private:
   const LinearModel& linear_;
-  VectorXd bias_, before_;
+  VectorXd theta_, bias_, before_;
   Index p_;
   MatrixXd X_, next_;
   Eigen::RowVectorXd row_;
@@ -145,6 +160,7 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
   CovarianceFilter filter(model, linear, unknowns.theta, options.derivatives);
   GainSchedule schedule(filter, steps);
   Means means(model, linear, unknowns, options.derivatives);
+  InputEffect inputs(linear, data);
   const auto channels = static_cast<std::size_t>(unknowns.bias.size());
   const Index p = options.derivatives ? unknowns.theta.size() : 0;
   Sums sums(options.derivatives ? p + model.states() + unknowns.bias.size() : 0, p);
@@ -158,17 +174,21 @@ Pass evaluate(const MotionModel& model, const MotionData& data, const MotionUnkn
   const auto block_ns = static_cast<std::int64_t>(options.block_s * 1e9);
   std::int64_t block_end_ns = now_ns + block_ns;
   std::size_t stretch = 0;
-  for (const MotionReading& reading : data.readings) {
+  VectorXd before;
+  for (std::size_t index = 0; index < data.readings.size(); ++index) {
+    const MotionReading& reading = data.readings[index];
     while (stretch + 1 < data.stretches.size() && reading.t_ns >= data.stretches[stretch + 1].from_ns) ++stretch;
     const int intensity = data.stretches.empty() ? 0 : data.stretches[stretch].intensity;
     const GainSchedule::Due due =
         schedule.next(std::max<std::int64_t>(0, reading.t_ns - now_ns), reading.channel, intensity);
     now_ns += due.dt_ns;
+    if (options.show) before = means.state();
     if (due.step != nullptr) {
-      means.propagate(*due.step, steps.derivative_of());
+      means.propagate(*due.step, steps.derivative_of(), inputs, due.dt_ns, index);
       if (options.keep_innovations) deformations.add(means.state(), filter.P());
     }
-    const double e = means.innovation(reading), S = due.gain->S, part = e * e / S;
+    if (options.show) options.show(before, means.state());
+    const double e = means.innovation(reading, inputs, index), S = due.gain->S, part = e * e / S;
     if (!(S > 0.0) || !std::isfinite(part)) {
       out.V = std::numeric_limits<double>::quiet_NaN();
       return out;

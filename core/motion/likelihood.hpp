@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/motion/motion_model.hpp"
@@ -30,9 +31,15 @@ struct MotionStretch {
   int intensity = 0;
 };
 
+// What drives an input of the model (is_input()), per reading: its mean since the reading before, and at the instant.
+struct MotionInput {
+  std::vector<double> mean, now;
+};
+
 struct MotionData {
   std::vector<MotionReading> readings;   // by time; none of an auxiliary channel
   std::vector<MotionStretch> stretches;  // by time; the first from the beginning on. Empty: intensity 0 throughout
+  std::vector<MotionInput> inputs{};     // one per input of the model, in the order of its parameters
 };
 
 struct MotionInnovation {
@@ -50,6 +57,8 @@ struct PassOptions {
   bool derivatives = true;        // by θ, the initial state and the biases
   bool keep_innovations = false;  // Pass::innovations, with the deformations
   double block_s = 0.0;           // > 0: Pass::meat from scores summed over blocks of that length
+  // Shown, per reading, the state just after the reading before and the one predicted from it for this reading.
+  std::function<void(const Eigen::VectorXd& before, const Eigen::VectorXd& predicted)> show{};
 };
 
 struct Pass {

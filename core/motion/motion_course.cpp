@@ -27,6 +27,7 @@ constexpr double kEvent = 7.0;           // √S: an innovation of the table bey
 constexpr std::size_t kMostEvents = 40;  // more of them are no events
 constexpr double kFar = 9.0;             // √S: a reading beyond, once all else fits, is none of the model's …
 constexpr double kMostFar = 0.003;       // … where no more than this part of them is
+constexpr double kLeastMass = 0.05;      // part of a stated mass that is left where it is free
 constexpr int kPasses = 40;
 constexpr double kRough = 0.1;  // FitLimits::gain of fits that only start the next
 // Where the search starts. All of them halved or doubled at once, of forty rigs in random motion one, one and none come
@@ -38,7 +39,8 @@ constexpr double kLeastNoise = 1e-3;  // of a channel's size, where readings har
 
 class Course {
  public:
-  Course(const Rig& rig, MotionData data, std::size_t most) : rig_(rig), all_(std::move(data)), most_(most) {
+  Course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term)
+      : rig_(rig), all_(std::move(data)), most_(most), term_(term) {
     for (const Channel& channel : rig.channels) channels_ += channel.measures == Quantity::auxiliary ? 0 : 1;
   }
 
@@ -128,7 +130,7 @@ class Course {
   // From the weak form on the first `count` readings: it is linear and has one solution, so that it may see more than
   // the first fit does, and all the more of it the less it is off by noise.
   void start(std::size_t count) {
-    out_.parameters = free_parameters(rig_, intensities_);
+    out_.parameters = free_unknowns(intensities_);
     MotionData some{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                                                   out_.data.readings.size(), count))},
                     {}};
@@ -155,6 +157,12 @@ class Course {
     at_.bias = Eigen::Map<const VectorXd>(mean_.data(), static_cast<Index>(mean_.size()));
   }
 
+  [[nodiscard]] std::vector<Parameter> free_unknowns(int stretches) const {
+    std::vector<Parameter> out = free_parameters(rig_, stretches);
+    if (term_) out.push_back(*term_);
+    return out;
+  }
+
   [[nodiscard]] FitLimits limits() const {
     FitLimits limits;
     limits.passes = kPasses;
@@ -174,6 +182,8 @@ class Course {
       if (p.what == Unknown::noise)
         limits.lowest(static_cast<Index>(a)) =
             std::log(std::max(1e-6 * out_.size[static_cast<std::size_t>(p.index)], 1e-300));
+      if (p.what == Unknown::mass && p.prior_u == 0)
+        limits.lowest(static_cast<Index>(a)) = lowest_departure(rig_.masses[static_cast<std::size_t>(p.index)]);
     }
     return limits;
   }
@@ -182,7 +192,9 @@ class Course {
     const MotionModel model(rig_, out_.parameters);
     MotionData part{{out_.data.readings.begin(), out_.data.readings.begin() + static_cast<std::ptrdiff_t>(count)},
                     out_.data.stretches};
-    out_.fit = fit_motion(model, part, at_, limits());
+    out_.limits = limits();
+    out_.fit = fit_motion(model, part, at_, out_.limits);
+    out_.whole = whole;
     out_.passes += out_.fit.passes;
     if (!std::isfinite(out_.fit.V)) return refuse("the likelihood is not finite");
     if (!out_.fit.converged && whole)
@@ -241,7 +253,7 @@ class Course {
   // One more, of events: where the largest of the others stands, and a hundred times that.
   void add_intensity() {
     const double largest = at_.theta.segment(2 * rig_.element_count(), intensities_).maxCoeff();
-    const std::vector<Parameter> parameters = free_parameters(rig_, intensities_ + 1);
+    const std::vector<Parameter> parameters = free_unknowns(intensities_ + 1);
     const Index before = 2 * rig_.element_count() + intensities_;
     VectorXd theta(at_.theta.size() + 1);
     theta << at_.theta.head(before), largest + std::log(100.0), at_.theta.tail(at_.theta.size() - before);
@@ -252,7 +264,9 @@ class Course {
 
   // What the rig file states, with its priors.
   void add_stated() {
-    const std::vector<Parameter> stated = stated_parameters(rig_);
+    std::vector<Parameter> stated = stated_parameters(rig_);
+    if (term_)
+      std::erase_if(stated, [this](const Parameter& p) { return p.what == term_->what && p.index == term_->index; });
     if (!stated.empty()) {
       out_.parameters.insert(out_.parameters.end(), stated.begin(), stated.end());
       at_.theta.conservativeResizeLike(VectorXd::Zero(static_cast<Index>(out_.parameters.size())));
@@ -260,7 +274,8 @@ class Course {
     fit_last();
   }
   void fit_last() {
-    FitLimits last = limits();
+    FitLimits& last = out_.limits;
+    last = limits();
     last.gain = FitLimits{}.gain;
     const double span = to_s(out_.data.readings.back().t_ns - out_.data.readings.front().t_ns);
     last.block_s = std::max(2.0 / rig_.excitation.frequency_hz, span / 64);
@@ -275,6 +290,7 @@ class Course {
   const Rig& rig_;
   MotionData all_;
   std::size_t most_;
+  std::optional<Parameter> term_;
   std::size_t channels_ = 0;
   int intensities_ = 0;
   TableActivity activity_;
@@ -286,8 +302,10 @@ class Course {
 
 }  // namespace
 
-MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most) {
-  return Course(rig, std::move(data), most).run();
+double lowest_departure(double mass) { return -(1 - kLeastMass) * mass; }
+
+MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most, const std::optional<Parameter>& term) {
+  return Course(rig, std::move(data), most, term).run();
 }
 
 }  // namespace dwell

@@ -5,6 +5,7 @@
 // many maxima. That of a short one has one, and tells the next start well enough.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,22 @@ namespace dwell {
 struct MotionCourse {
   std::string reason;  // why there is no fit; empty: there is
   MotionFit fit;
+  FitLimits limits;                   // of that fit
   std::vector<Parameter> parameters;  // of fit.at.theta
   MotionData data;                    // as fitted, with its stretches
   std::vector<double> noise;          // local_noise() of each channel, SI
   std::vector<double> size;           // rms about the mean of each channel, SI
+  bool whole = false;                 // fit is of all readings of `data`
   std::size_t spikes = 0;             // readings left out beforehand
   int passes = 0;
 };
 
-// Takes at most `most` readings from the start of the motion on. Allocates; thread-safe.
-[[nodiscard]] MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most);
+// Takes at most `most` readings from the start of the motion on. term: free from the start on, whatever is stated of
+// it; no input (is_input()). Allocates; thread-safe.
+[[nodiscard]] MotionCourse run_course(const Rig& rig, MotionData data, std::size_t most,
+                                      const std::optional<Parameter>& term = {});
+
+// Lowest departure of a mass from what is stated, kg: below it the chain is another.
+[[nodiscard]] double lowest_departure(double mass);
 
 }  // namespace dwell

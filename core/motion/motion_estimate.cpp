@@ -12,7 +12,10 @@
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/motion/given_table.hpp"
+#include "core/motion/missing_terms.hpp"
+#include "core/motion/missing_wording.hpp"
 #include "core/motion/motion_course.hpp"
+#include "core/motion/whiteness.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
@@ -22,44 +25,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kLags = 10;
 // Residuals above this part of a channel's rms, beyond the noise from reading to reading: the elements are not linear,
 // and a coefficient would be an average over amplitudes. Twice the accuracy that a model needs by default.
 constexpr double kRefused = 0.1;
 // … and above this many times that noise, which is known to 10 %.
 constexpr double kMoreThanNoise = 1.5;
-constexpr double kNotWhite = 1e-3;
-// Residuals as correlated as this by chance, once in a million: the model is contradicted, by friction or a spring that
-// nobody stated. No widening can tell how wrong the coefficients are.
-constexpr double kContradicted = 1e-6;
-// Residuals below this part of the channel's motion are the rounding of numbers and contradict nothing.
-constexpr double kDigits = 1e-6;
-
-struct Correlation {
-  double p = kNaN;   // chance that white innovations are correlated as much
-  double sum = 0.0;  // N Σ ρ²: what the correlated part of e/√S amounts to in squares
-};
-
-// Ljung and Box 1978: χ² with 10 degrees of freedom, its tail in closed form.
-Correlation correlation_of(const std::vector<MotionInnovation>& innovations) {
-  const auto count = static_cast<double>(innovations.size());
-  Correlation out;
-  if (innovations.size() < 5 * kLags) return out;
-  double power = 0.0, statistic = 0.0;
-  for (const MotionInnovation& one : innovations) power += one.normalized * one.normalized;
-  for (std::size_t lag = 1; lag <= kLags; ++lag) {
-    double sum = 0.0;
-    for (std::size_t i = lag; i < innovations.size(); ++i)
-      sum += innovations[i].normalized * innovations[i - lag].normalized;
-    statistic += sum * sum / (power * power) / (count - static_cast<double>(lag));
-    out.sum += count * sum * sum / (power * power);
-  }
-  statistic *= count * (count + 2);
-  double term = 1.0, sum = 1.0;
-  for (int k = 1; k < kLags / 2; ++k) sum += term *= 0.5 * statistic / k;
-  out.p = std::exp(-0.5 * statistic) * sum;
-  return out;
-}
 
 class Report {
  public:
@@ -101,9 +71,9 @@ class Report {
       channel.channel = p.index;
       channel.u_noise = std::exp(theta(static_cast<Index>(a)));
       channel.chi2 = pass_.chi2[c];
-      const Correlation correlation = correlation_of(given_table_[c].empty() ? pass_.innovations[c] : given_table_[c]);
-      channel.whiteness_p = correlation.p;
-      if (!shows_drive(rig_.channels[c]) && correlation.p < kContradicted) strange_ += correlation.sum;
+      const Whiteness whiteness = whiteness_of(given_table_[c].empty() ? pass_.innovations[c] : given_table_[c]);
+      channel.whiteness_p = whiteness.p;
+      if (!shows_drive(rig_.channels[c]) && whiteness.p < kContradicted) strange_ += whiteness.squares;
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
@@ -147,7 +117,7 @@ class Report {
   [[nodiscard]] bool strange_table() const {
     const auto alone = innovations_of_table(MotionModel(rig_, course_.parameters), course_.data, course_.fit.at);
     return std::any_of(alone.begin(), alone.end(),
-                       [](const auto& innovations) { return correlation_of(innovations).p < kContradicted; });
+                       [](const auto& innovations) { return whiteness_of(innovations).p < kContradicted; });
   }
 
   // Channels behind the table whose innovations are correlated by more than chance makes them with this probability.
@@ -170,10 +140,7 @@ class Report {
       noise_may_hide_ = strange_;
       return;
     }
-    out.reason =
-        "the chain of the rig file does not explain " + listed(names) +
-        ": the residuals are not noise. Check for friction, a spring or damper that the file does not have, a wrong " +
-        "mass or delay, and readings that are not as stated";
+    out.reason = "the chain of the rig file does not explain " + listed(names);
   }
 
   // Where the innovations are not white the information overstates: the sandwich form, never narrower. Where the table
@@ -284,17 +251,39 @@ class Report {
   MatrixXd by_stated_, of_stated_;  // ∂(c, r)/∂stated, and that times the covariance of the stated
 };
 
+// Names what the rig file lacks; where the chain is refused, with the reason.
+void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, std::size_t most,
+                  MotionEstimate& out) {
+  const bool refused = !out.reason.empty();
+  MissingTerms found = find_missing(rig, data, course, refused, most);
+  if (!found.terms.empty()) {
+    const std::string with = told_together(found.terms), gain = "(gain " + brief(found.terms.front().gain, 3) + ")";
+    if (refused)
+      out.reason += "; with " + with + " it would " + gain;
+    else
+      out.warnings.push_back("the readings are better explained with " + with + " " + gain);
+  } else if (refused) {
+    out.reason += ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, " +
+                  std::string("friction, cubic springs, signs, swapped channels. Check the readings and the rig file");
+  }
+  out.missing = std::move(found.terms);
+  out.unchecked = std::move(found.unchecked);
+}
+
 }  // namespace
 
-MotionEstimate estimate_motion(const Rig& rig, MotionData data, const MotionOptions& options) {
+MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const MotionOptions& options) {
   MotionEstimate none;
   none.reason = "there are no readings";
   if (data.readings.empty()) return none;
   const auto states = static_cast<std::size_t>(MotionModel(rig, {}).states());
   const std::size_t most = options.most_work / states;
-  const MotionCourse course = run_course(rig, std::move(data), most);
+  const MotionCourse course = run_course(rig, data, most);
   none.reason = course.reason;
-  return course.data.readings.empty() ? none : Report(rig, course).make();
+  if (course.data.readings.empty()) return none;
+  MotionEstimate out = Report(rig, course).make();
+  if (options.missing && course.fit.at.theta.size() > 0) name_missing(rig, data, course, most, out);
+  return out;
 }
 
 }  // namespace dwell

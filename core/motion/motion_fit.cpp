@@ -1,9 +1,10 @@
 #include "core/motion/motion_fit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "core/motion/told_inverse.hpp"
 
 namespace dwell {
 namespace {
@@ -12,8 +13,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of an information matrix scaled to a unit diagonal: eigenvalues below are rounding.
-constexpr double kNull = 1e-11;
 // Eigenvalues below: the score in that direction is mostly rounding, so that it does not count for convergence.
 constexpr double kHardlyTold = 1e-8;
 // A logarithm moves by no more than this in a step, a coefficient by this part of the element's dynamic stiffness.
@@ -21,36 +20,6 @@ constexpr double kLogStep = 3.0, kCoefficientStep = 0.7;
 constexpr double kLeastDamping = 1e-9, kMostDamping = 1e6;  // of Levenberg
 constexpr double kSlower = 0.5;      // damping after a step that went too far: a step of half the length
 constexpr double kGoodEnough = 0.1;  // FitLimits::gain with which passes may run out: 0.3 standard deviations
-
-// The inverse on what the readings tell of.
-struct Inverse {
-  Inverse(const MatrixXd& H, const std::vector<bool>& used) {
-    const Index size = H.rows();
-    VectorXd scale(size);
-    for (Index i = 0; i < size; ++i)
-      scale(i) = used[static_cast<std::size_t>(i)] && H(i, i) > 0 ? 1 / std::sqrt(H(i, i)) : 0.0;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * H * scale.asDiagonal());
-    vectors = scale.asDiagonal() * solver.eigenvectors();
-    const double least = kNull * std::max(1.0, solver.eigenvalues().maxCoeff());
-    values = VectorXd::Zero(size);
-    undetermined = VectorXd::Zero(size);
-    for (Index i = 0; i < size; ++i)
-      if (solver.eigenvalues()(i) > least)
-        values(i) = solver.eigenvalues()(i);
-      else
-        undetermined += solver.eigenvectors().col(i).cwiseAbs2();
-  }
-  [[nodiscard]] VectorXd inverted(double damping) const {
-    return values.unaryExpr([damping](double v) { return v > 0 ? 1 / (v + damping) : 0.0; });
-  }
-  [[nodiscard]] VectorXd times(const VectorXd& g, double damping) const {
-    return vectors * inverted(damping).cwiseProduct(vectors.transpose() * g);
-  }
-  [[nodiscard]] MatrixXd matrix() const { return vectors * inverted(0.0).asDiagonal() * vectors.transpose(); }
-  MatrixXd vectors;
-  VectorXd values;  // 0 where no reading tells
-  VectorXd undetermined;
-};
 
 class Search {
  public:
@@ -65,7 +34,7 @@ class Search {
     while (best.passes < limits_.passes && damping < kMostDamping) {
       hold_at_bounds(best);
       const VectorXd g = score(best);
-      Inverse inverse(information(best), used_);
+      const ToldInverse inverse(information(best), used_);
       best.left = g.dot(inverse.times(g, kHardlyTold));
       if (best.left < limits_.gain) break;
       const VectorXd step = -inverse.times(g, damping);
@@ -111,7 +80,7 @@ class Search {
   void solve_linear(MotionFit& fit) {
     used_.assign(static_cast<std::size_t>(fit.pass.score.size()), true);
     std::fill_n(used_.begin(), fit.at.theta.size(), false);
-    const VectorXd step = -Inverse(fit.pass.information, used_).times(fit.pass.score, 0.0);
+    const VectorXd step = -ToldInverse(fit.pass.information, used_).times(fit.pass.score, 0.0);
     MotionFit next = evaluated(moved(fit.at, step));
     if (next.V < fit.V) fit = std::move(next);
     fit.passes = 2;
@@ -138,7 +107,8 @@ class Search {
   [[nodiscard]] double largest_step(const VectorXd& theta, Index a) const {
     const Parameter& p = model_.parameters()[static_cast<std::size_t>(a)];
     if (p.what == Unknown::noise || p.what == Unknown::intensity) return kLogStep;
-    if (p.what != Unknown::stiffness && p.what != Unknown::damping) return 5 * p.prior_u;
+    if (p.what != Unknown::stiffness && p.what != Unknown::damping)
+      return p.prior_u > 0 ? 5 * p.prior_u : std::numeric_limits<double>::infinity();
     // Stiffness and damping of an element stand side by side (free_parameters()).
     const double omega = 2 * M_PI * model_.rig().excitation.frequency_hz;
     const Index c = p.what == Unknown::stiffness ? a : a - 1;
@@ -148,9 +118,9 @@ class Search {
 
   void finish(MotionFit& fit) {
     hold_at_bounds(fit);
-    const Inverse inverse(information(fit), used_);
+    const ToldInverse inverse(information(fit), used_);
     fit.covariance = inverse.matrix();
-    fit.undetermined = inverse.undetermined;
+    fit.undetermined = inverse.undetermined();
     fit.converged = fit.converged && fit.covariance.allFinite();
   }
 

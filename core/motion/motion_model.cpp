@@ -70,7 +70,10 @@ RowVectorXd MotionModel::force_row(const Coefficients& of, int k) const {
 }
 
 RowVectorXd MotionModel::acceleration_row(const Coefficients& of, int k) const {
-  if (k > 0) return of.inverse_mass(k - 1) * (force_row(of, k + 1) - force_row(of, k));
+  if (k > 0)
+    return of.inverse_mass(k - 1) * (force_row(of, k + 1) - force_row(of, k) -
+                                     of.ground_stiffness(k - 1) * place_row(of, Quantity::displacement, k) -
+                                     of.ground_damping(k - 1) * place_row(of, Quantity::velocity, k));
   RowVectorXd row = RowVectorXd::Zero(states_);
   row(2) = omega0_ * omega0_;
   return row;
@@ -143,10 +146,18 @@ MotionModel::Parts MotionModel::corner_derivative(const Parts& at, int c, bool h
 
 MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficients& at, const Parts& here) const {
   Coefficients change = at;
-  if (by.what == Unknown::stiffness || by.what == Unknown::damping) {
-    change.stiffness.setZero();
-    change.damping.setZero();
-    (by.what == Unknown::stiffness ? change.stiffness : change.damping)(by.index) = 1.0;
+  const auto coefficient = [&change](Unknown what) -> VectorXd* {
+    return what == Unknown::stiffness          ? &change.stiffness
+           : what == Unknown::damping          ? &change.damping
+           : what == Unknown::ground_stiffness ? &change.ground_stiffness
+           : what == Unknown::ground_damping   ? &change.ground_damping
+                                               : nullptr;
+  };
+  if (VectorXd* const of = coefficient(by.what); of != nullptr) {
+    for (const Unknown what :
+         {Unknown::stiffness, Unknown::damping, Unknown::ground_stiffness, Unknown::ground_damping})
+      coefficient(what)->setZero();
+    (*of)(by.index) = 1.0;
     return parts(change, Of::change_of_elements);
   }
   if (by.what == Unknown::mass) {
@@ -168,13 +179,15 @@ MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficien
 LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
   const int elements = rig_.element_count();
   Coefficients now{VectorXd::Zero(elements), VectorXd::Zero(elements),
-                   Eigen::Map<const VectorXd>(rig_.masses.data(), n_)};
+                   Eigen::Map<const VectorXd>(rig_.masses.data(), n_), VectorXd::Zero(n_), VectorXd::Zero(n_)};
   Rig rig = rig_;
   for (std::size_t a = 0; a < parameters_.size(); ++a) {
     const Parameter& p = parameters_[a];
     const double value = theta(static_cast<Eigen::Index>(a));
     if (p.what == Unknown::stiffness) now.stiffness(p.index) = value;
     if (p.what == Unknown::damping) now.damping(p.index) = value;
+    if (p.what == Unknown::ground_stiffness) now.ground_stiffness(p.index) = value;
+    if (p.what == Unknown::ground_damping) now.ground_damping(p.index) = value;
     if (p.what == Unknown::drive) now.drive = value;
     if (p.what == Unknown::mass) now.inverse_mass(p.index) += value;
     const auto i = static_cast<std::size_t>(p.index);
@@ -185,7 +198,8 @@ LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
   MotionModel moved(*this);
   moved.rig_ = std::move(rig);
   const Parts here = moved.parts(now, Of::all);
-  LinearModel out{here.A, here.C, {}, {}, table_ - 1};
+  LinearModel out{here.A, here.C, {}, {}, table_ - 1, {}, {}, {}};
+  moved.add_inputs(now, here, out);
   double clock = 0.0;
   for (std::size_t a = 0; a < parameters_.size(); ++a) {
     if (parameters_[a].what == Unknown::clock) clock = theta(static_cast<Eigen::Index>(a));
@@ -199,6 +213,22 @@ LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
   for (std::size_t a = 0; a < out.dA.size(); ++a)
     if (parameters_[a].what != Unknown::clock) out.dA[a] *= 1.0 + clock;
   return out;
+}
+
+// A unit force in an element acts as its stiffness does where it is deformed by one.
+void MotionModel::add_inputs(const Coefficients& now, const Parts& here, LinearModel& out) const {
+  for (std::size_t a = 0; a < parameters_.size(); ++a)
+    if (is_input(parameters_[a].what)) out.inputs.push_back(static_cast<int>(a));
+  out.B.resize(states_, static_cast<Eigen::Index>(out.inputs.size()));
+  out.D.resize(out.C.rows(), out.B.cols());
+  for (Eigen::Index i = 0; i < out.B.cols(); ++i) {
+    const int element = parameters_[static_cast<std::size_t>(out.inputs[static_cast<std::size_t>(i)])].index;
+    const Parts by = derivative({Unknown::stiffness, element}, now, here);
+    const int state = element < n_ ? table_ + element : 0;  // deformation_row() is ±1 there
+    const double sign = element < n_ ? 1.0 : -1.0;
+    out.B.col(i) = sign * by.A.col(state);
+    out.D.col(i) = sign * by.C.col(state);
+  }
 }
 
 // Scales and delays act on a whole row: (1 + scale) (C_c - δ C_c A), to first order in the departure δ of the delay.
@@ -215,6 +245,7 @@ void MotionModel::state_row(int c, const VectorXd& theta, const Parts& here, Lin
   }
   const RowVectorXd row = here.C.row(c), slope = row * here.A;
   out.C.row(c) = scale * (row - late * slope);
+  out.D.row(c) *= scale;
   for (std::size_t a = 0; a < out.dC.size(); ++a) {
     MatrixXd& dC = out.dC[a];
     if (delays(parameters_[a]) || scales(parameters_[a])) {

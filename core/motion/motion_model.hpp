@@ -10,9 +10,11 @@
 // y_k - y_{k-1}: a free chain feels the table's acceleration alone, and a transducer across an element keeps every
 // digit. With d_{n+1} = -y_n for clamped, and f_k = c_k d_k + r_k d_k':
 //
-//   m_k y_k'' = f_{k+1} - f_k,   d_k'' = y_k'' - y_{k-1}'',   force on the ground = -f_{n+1}
+//   m_k y_k'' = f_{k+1} - f_k - g_k y_k - h_k y_k',   d_k'' = y_k'' - y_{k-1}'',   force on the ground = -f_{n+1}
 //
-// A and C are linear in c and r, and in 1/m. docs/method.md, Any motion.
+// with g and h of what may join a mass to the ground (Unknown::ground_stiffness, ground_damping). A and C are linear in
+// c, r, g and h, and in 1/m. An input (is_input()) of amplitude a adds a u(t) to f_k: B a u to x', D a u to the
+// reading. docs/method.md, Any motion.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,6 +32,9 @@ struct LinearModel {
   std::vector<Eigen::MatrixXd> dA;  // per parameter; empty where A does not depend on it
   std::vector<Eigen::MatrixXd> dC;  // likewise, of C
   int noise_state = 0;              // where g has its one
+  // Of the inputs, in the order of their parameters: what one of amplitude 1 adds to x' and to the readings.
+  Eigen::MatrixXd B, D;     // m × inputs, J × inputs
+  std::vector<int> inputs;  // their parameters
 };
 
 class MotionModel {
@@ -53,6 +58,7 @@ class MotionModel {
  private:
   struct Coefficients {
     Eigen::VectorXd stiffness, damping, inverse_mass;
+    Eigen::VectorXd ground_stiffness, ground_damping;  // per mass
     double drive = 0.0;
   };
   enum class Of { all, change_of_elements, change_of_masses };
@@ -71,6 +77,7 @@ class MotionModel {
   void add_filters(Parts& to, bool change) const;
   [[nodiscard]] Parts corner_derivative(const Parts& at, int c, bool high) const;
   [[nodiscard]] Parts derivative(const Parameter& by, const Coefficients& at, const Parts& here) const;
+  void add_inputs(const Coefficients& now, const Parts& here, LinearModel& out) const;
   // What channel c shows, from its row in `here`, with derivatives.
   void state_row(int c, const Eigen::VectorXd& theta, const Parts& here, LinearModel& out) const;
 

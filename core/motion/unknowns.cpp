@@ -71,6 +71,14 @@ std::string name_of(const Rig& rig, const Parameter& parameter) {
       return "high-pass of " + rig.channels[i].name;
     case Unknown::clock:
       return "clock rate";
+    case Unknown::ground_stiffness:
+      return "spring of mass " + number() + " to ground";
+    case Unknown::ground_damping:
+      return "damping of mass " + number() + " to ground";
+    case Unknown::friction:
+      return "friction in element " + number();
+    case Unknown::cubic:
+      return "cubic stiffness of element " + number();
   }
   return {};
 }

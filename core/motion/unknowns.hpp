@@ -1,5 +1,5 @@
 // What the likelihood of a motion is a function of: the coefficients, what nothing states (the intensity of the table's
-// motion, the noise of each channel), and what the rig file states with an uncertainty.
+// motion, the noise of each channel), what the rig file states with an uncertainty, and what it may lack.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,22 @@
 namespace dwell {
 
 enum class Unknown : std::uint8_t {
-  stiffness,     // c of element `index` + 1, N/m
-  damping,       // r of element `index` + 1, N·s/m
-  intensity,     // ln q of the table's motion in stretch `index`; q in m²/s, see MotionModel
-  noise,         // ln σ of channel `index`, σ in SI
-  drive,         // relative departure of the table's own frequency from the nominal drive
-  mass,          // departures from what is stated: of mass `index` + 1, kg
-  scale,         // relative, of channel `index`: it shows that part more
-  delay,         // s, of channel `index`
-  device_delay,  // s, of device `index`
-  lowpass,       // Hz, of the corner of channel `index`
-  highpass,      // likewise
-  clock,         // relative: true time runs faster than the stamps by this part
+  stiffness,         // c of element `index` + 1, N/m
+  damping,           // r of element `index` + 1, N·s/m
+  intensity,         // ln q of the table's motion in stretch `index`; q in m²/s, see MotionModel
+  noise,             // ln σ of channel `index`, σ in SI
+  drive,             // relative departure of the table's own frequency from the nominal drive
+  mass,              // departures from what is stated: of mass `index` + 1, kg
+  scale,             // relative, of channel `index`: it shows that part more
+  delay,             // s, of channel `index`
+  device_delay,      // s, of device `index`
+  lowpass,           // Hz, of the corner of channel `index`
+  highpass,          // likewise
+  clock,             // relative: true time runs faster than the stamps by this part
+  ground_stiffness,  // of a spring from mass `index` + 1 to ground, N/m
+  ground_damping,    // of a damper there, N·s/m
+  friction,          // Coulomb's, in element `index` + 1, N
+  cubic,             // force of that element per cube of its deformation, N/m³
 };
 
 struct Parameter {
@@ -30,6 +34,12 @@ struct Parameter {
   int index = 0;
   double prior_u = 0.0;  // standard deviation of the prior, mean 0; 0: none
 };
+
+// The forces of these are known functions of the motion: in the model they stand as inputs of unknown amplitude
+// (MotionInput of core/motion/likelihood.hpp).
+[[nodiscard]] constexpr bool is_input(Unknown what) noexcept {
+  return what == Unknown::friction || what == Unknown::cubic;
+}
 
 // Coefficients, intensities of `stretches` stretches, noise of all channels that count, without priors; then the drive.
 [[nodiscard]] std::vector<Parameter> free_parameters(const Rig& rig, int stretches);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result/dwell.hpp"
+#include "core/result/missing.hpp"
 
 namespace dwell {
 
@@ -25,8 +26,10 @@ struct MotionEstimate {
   std::vector<double> covariance;  // of (c, r) of each identifiable element; row-major
   std::vector<double> u_of_noise;  // standard uncertainties of (c, r) of each element by noise alone
   std::vector<MotionChannel> channels;
-  std::size_t readings = 0;  // number of readings that count
-  int passes = 0;            // of the Kalman filter over the readings
+  std::size_t readings = 0;            // number of readings that count
+  int passes = 0;                      // of the Kalman filter over the readings
+  std::vector<MissingTerm> missing;    // likeliest first; one is named, and what cannot be told from it
+  std::vector<std::string> unchecked;  // what these readings cannot tell whatever they show
   std::vector<std::string> warnings;
 };
 

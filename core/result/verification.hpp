@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result/dwell.hpp"
+#include "core/result/missing.hpp"
 
 namespace dwell {
 
@@ -37,15 +38,6 @@ struct ChannelComparison {
   double fit_percent = kNaN;
   double frac = kNaN;  // frequency response assurance criterion; NaN: one frequency only
   SpragueGeers sprague_geers;
-};
-
-// A physical term missing from the model that would explain the residual.
-struct MissingTerm {
-  std::string what;     // one of the phrases of docs/method.md
-  double value = kNaN;  // size of the term; NaN: none
-  double u = kNaN;
-  std::string unit;
-  double gain = kNaN;  // decrease of half the weighted sum of squares
 };
 
 struct Verification {

@@ -2,13 +2,14 @@
 
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
+#include "daemon/report/missing_report.hpp"
 #include "daemon/report/motion_report.hpp"
 
 namespace dwell {
 
 Json json_value(const MotionView& view) {
   const MotionEstimate& m = view.estimate;
-  if (!m.reason.empty()) return nullptr;
+  if (!m.reason.empty() && m.missing.empty()) return nullptr;
   Json object = {{"start_s", json_number(m.start_s)}, {"end_s", json_number(m.end_s)}};
   Json elements = Json::array();
   for (const ElementEstimate& e : m.elements) elements.push_back(json_element(e, view.motion, Detail::whole));
@@ -26,7 +27,8 @@ Json json_value(const MotionView& view) {
                         {"unexplained", json_number(channel.unexplained)}});
   }
   object["channels"] = std::move(channels);
-  object["missing"] = Json::array();
+  object["missing"] = json_value(m.missing);
+  object["cannot_be_checked"] = m.unchecked;
   object["agrees_with_dwell"] = std::isfinite(view.e_n) ? Json{{"e_n", view.e_n}} : Json(nullptr);
   object["readings"] = m.readings;
   object["warnings"] = m.warnings;

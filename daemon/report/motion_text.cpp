@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "daemon/report/dwell_text.hpp"
+#include "daemon/report/missing_report.hpp"
 #include "daemon/report/motion_report.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
@@ -33,7 +34,9 @@ MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig)
 
 std::string motion_text(const MotionView& view) {
   const MotionEstimate& m = view.estimate;
-  if (!m.reason.empty()) return "any motion · none: " + printable(m.reason) + "\n";
+  std::string missing;
+  for (const MissingTerm& term : m.missing) missing += "missing: " + printable(missing_text(term)) + "\n";
+  if (!m.reason.empty()) return "any motion · none: " + printable(m.reason) + "\n" + missing;
   std::string text = "any motion · " + seconds_text(m.start_s, 2) + " to " + seconds_text(m.end_s, 2) + ", " +
                      std::to_string(m.readings) + " readings\n";
   Table table;
@@ -46,6 +49,8 @@ std::string motion_text(const MotionView& view) {
   for (const ElementEstimate& e : m.elements)
     if (!e.identifiable)
       text += "element " + std::to_string(e.k) + " is not identifiable: " + printable(e.reason) + "\n";
+  text += missing;
+  for (const std::string& what : m.unchecked) text += "cannot be checked here: " + printable(what) + "\n";
   if (std::isfinite(view.e_n)) text += e_n_text(view.e_n) + "\n";
   for (const std::string& warning : m.warnings) text += "warning: " + printable(warning) + "\n";
   return text;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "daemon/report/dwell_view.hpp"
+#include "daemon/report/missing_report.hpp"
 
 namespace dwell {
 namespace {
@@ -44,13 +45,7 @@ Json json_value(const Verification& v, const Rig& rig, const Dwell& dwell) {
   object["channels"] = Json::array();
   for (const ChannelComparison& c : v.channels)
     object["channels"].push_back(channel_value(c, labels[static_cast<std::size_t>(c.channel)]));
-  object["missing"] = Json::array();
-  for (const MissingTerm& term : v.missing)
-    object["missing"].push_back({{"what", term.what},
-                                 {"value", number_or_null(term.value)},
-                                 {"u", number_or_null(term.u)},
-                                 {"unit", term.unit},
-                                 {"gain", number_or_null(term.gain)}});
+  object["missing"] = json_value(v.missing);
   object["evidence"] = v.evidence;
   object["cannot_be_checked"] = v.cannot_be_checked;
   return object;

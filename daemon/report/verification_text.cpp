@@ -5,6 +5,7 @@
 
 #include "core/base/wording.hpp"
 #include "daemon/report/dwell_view.hpp"
+#include "daemon/report/missing_report.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -68,12 +69,7 @@ std::string verification_text(const Verification& v, const Rig& rig, const Dwell
   for (const std::string& evidence : v.evidence)
     text += paragraph("evidence", (dwell.index ? "dwell " + std::to_string(*dwell.index) + ", " : "") + evidence);
   for (const std::string& reason : v.reasons) text += paragraph("reason", reason);
-  for (const MissingTerm& term : v.missing)
-    text += paragraph("missing", term.what +
-                                     (std::isfinite(term.value)
-                                          ? ": " + plus_minus(term.value, kNormal95 * term.u, unit_text(term.unit))
-                                          : std::string()) +
-                                     ", gain " + brief(term.gain, 3));
+  for (const MissingTerm& term : v.missing) text += paragraph("missing", missing_text(term));
   for (const std::string& what : v.cannot_be_checked) text += paragraph("unchecked", what + ": cannot be checked here");
   if (v.channels.empty()) return text;
   text += "\n" + channel_table(v, rig).text();

@@ -18,6 +18,11 @@ std::vector<Parameter> every_parameter(const Rig& rig, int stretches) {
   std::vector<Parameter> parameters = free_parameters(rig, stretches);
   const std::vector<Parameter> stated = stated_parameters(rig);
   parameters.insert(parameters.end(), stated.begin(), stated.end());
+  for (int k = 0; k < rig.mass_count(); ++k) {
+    parameters.push_back({Unknown::ground_stiffness, k});
+    parameters.push_back({Unknown::ground_damping, k});
+  }
+  for (int e = 0; e < rig.element_count(); ++e) parameters.push_back({Unknown::friction, e});
   return parameters;
 }
 
@@ -47,6 +52,14 @@ Setting irregular(int readings, int stretches = 1) {
   s.at.theta = theta_of(s.model.parameters(), clamped_chain(), sigma, std::log(1e-4));
   for (Index a = 0; a < s.at.theta.size(); ++a)
     if (const double u = s.model.parameters()[static_cast<std::size_t>(a)].prior_u; u > 0) s.at.theta(a) = 0.3 * u;
+  for (int e = 0; e < s.model.rig().element_count(); ++e) {
+    MotionInput input;
+    for (int i = 0; i < readings; ++i) {
+      input.mean.push_back(normal(rng));
+      input.now.push_back(normal(rng));
+    }
+    s.data.inputs.push_back(input);
+  }
   s.at.initial = 1e-3 * VectorXd::Random(s.model.states());
   s.at.bias = 1e-4 * VectorXd::Random(5);
   return s;

@@ -21,6 +21,10 @@ std::vector<Parameter> all_parameters(const Rig& rig) {
   std::vector<Parameter> parameters = free_parameters(rig, 1);
   const std::vector<Parameter> stated = stated_parameters(rig);
   parameters.insert(parameters.end(), stated.begin(), stated.end());
+  for (int k = 0; k < rig.mass_count(); ++k) {
+    parameters.push_back({Unknown::ground_stiffness, k});
+    parameters.push_back({Unknown::ground_damping, k});
+  }
   return parameters;
 }
 
@@ -114,6 +118,28 @@ TEST(MotionModel, DifferentiatesItsMatricesByEveryUnknown) {
   }
 }
 
+// Friction in an element acts as a stiffness would if the deformation were one: on both masses and in what is read.
+TEST(MotionModel, TakesAForceInAnElementAsAnInput) {
+  const Rig rig = rig_of(clamped_chain(), 4.0);
+  std::vector<Parameter> parameters = free_parameters(rig, 1);
+  parameters.push_back({Unknown::friction, 1});
+  parameters.push_back({Unknown::friction, 2});
+  const MotionModel model(rig, parameters);
+  const LinearModel linear = model.at(theta_of(parameters, clamped_chain(), {1, 1, 1, 1}, 0.0));
+  ASSERT_EQ(linear.inputs,
+            (std::vector<int>{static_cast<int>(parameters.size()) - 2, static_cast<int>(parameters.size()) - 1}));
+  const double omega0 = kTwoPi * 4.0, m1 = rig.masses[0], m2 = rig.masses[1];
+  VectorXd between = VectorXd::Zero(model.states()), beyond = between;
+  const int rates = model.table_states() + 2;
+  between(rates) = 1 / m1 / omega0;
+  between(rates + 1) = -(1 / m1 + 1 / m2) / omega0;
+  beyond(rates + 1) = 1 / m2 / omega0;
+  EXPECT_LT((linear.B.col(0) - between).norm(), 1e-12 * between.norm());
+  EXPECT_LT((linear.B.col(1) - beyond).norm(), 1e-12 * beyond.norm());
+  EXPECT_EQ(linear.D.col(0), VectorXd::Zero(4));
+  EXPECT_EQ(linear.D(3, 1), -1.0);  // the element is stretched, the ground is pulled
+}
+
 TEST(IntervalSteps, GiveTheNoiseOfAnIntervalAsVanLoanDoes) {
   const Rig rig = rig_of_all_kinds();
   const MotionModel model(rig, all_parameters(rig));
@@ -144,7 +170,7 @@ TEST(IntervalSteps, DifferentiateWhatTheyGive) {
     const int d = here.derivative_of()[static_cast<std::size_t>(a)];
     if (d < 0) continue;
     const double u = model.parameters()[static_cast<std::size_t>(a)].prior_u;
-    const double h = u > 0 ? 0.1 * u : 1e-4 * std::abs(theta(a));
+    const double h = u > 0 ? 0.1 * u : theta(a) != 0 ? 1e-4 * std::abs(theta(a)) : 1.0;
     VectorXd up = theta, down = theta;
     up(a) += h;
     down(a) -= h;

@@ -65,6 +65,7 @@ TEST(Identify, FindsTheSameFromAnyMotion) {
   ASSERT_TRUE(motion.elements.at(0).identifiable);
   EXPECT_NEAR(motion.elements[0].stiffness.value, kStiffness, 1e-6 * kStiffness);
   EXPECT_NEAR(motion.elements[0].damping.value, kDamping, 1e-5 * kDamping);
+  EXPECT_TRUE(motion.missing.empty());
 }
 
 // One minute at 25 Hz and 1 kHz; both channels come together, up to a millisecond late.

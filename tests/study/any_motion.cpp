@@ -1,23 +1,16 @@
 #include "tests/study/any_motion.hpp"
 
-#include <time.h>
-
 #include <cmath>
 
 #include "core/base/angle.hpp"
 #include "core/motion/motion_estimate.hpp"
 #include "core/motion/motion_recorder.hpp"
+#include "tests/study/cpu_time.hpp"
 #include "tests/study/draw_parts.hpp"
 #include "tests/study/recording.hpp"
 
 namespace dwell::study {
 namespace {
-
-double cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // The tones of a table that moves so, the fundamental left out.
 std::vector<Tone> tones_of(Draws& draws, TableKind kind, double f, Complex A) {

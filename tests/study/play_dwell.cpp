@@ -1,5 +1,3 @@
-#include <time.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -7,6 +5,7 @@
 
 #include "core/dwell/pipeline.hpp"
 #include "tests/study/bound.hpp"
+#include "tests/study/cpu_time.hpp"
 #include "tests/study/disturbed.hpp"
 #include "tests/study/outcome.hpp"
 #include "tests/study/recording.hpp"
@@ -133,13 +132,6 @@ void tell(const Case& about, const Dwell& dwell, const Outcome& outcome, const T
   }
   for (const std::string& warning : dwell.warnings) trace("warning: " + warning);
   for (const Doubt& doubt : dwell.doubts) trace("doubt: " + doubt.what);
-}
-
-// Of this thread.
-double cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 Outcome play(const Case& about, const Trace& trace) {

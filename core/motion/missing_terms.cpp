@@ -1,0 +1,261 @@
+#include "core/motion/missing_terms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/motion/candidates.hpp"
+#include "core/motion/missing_wording.hpp"
+#include "core/motion/refit.hpp"
+#include "core/motion/rig_mistakes.hpp"
+#include "core/motion/score_test.hpp"
+#include "core/motion/unchecked.hpp"
+#include "core/motion/whiteness.hpp"
+#include "core/rig/transducer.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+
+// Chance that a healthy rig is advised wrongly, over all that is tried: five in a hundred of a sweep of 500 rigs. With
+// 30 candidates a gain of 11 is needed, a term of 4.7 standard uncertainties; ten times less chance needs 13.
+constexpr double kWrongAdvice = 1e-4;
+// Effects correlated more than this are one effect to these readings: named together.
+constexpr double kSame = 0.95;
+// Two explanations whose gains differ by less are not told apart: odds of 150 to 1.
+constexpr double kTold = 5.0;
+// The linear test misjudges the gain of a large fault: all within this part of the best are fitted, no more than that
+// many that are not the same.
+constexpr double kWorthFitting = 0.2;
+constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
+// Readings on which large errors are told from one another.
+constexpr std::size_t kScreened = 1500;
+
+// 2 gain of a candidate without effect is χ² of one degree of freedom: P(gain > g) = erfc(√g).
+double gain_by_chance(std::size_t candidates) {
+  const double chance = kWrongAdvice / static_cast<double>(std::max<std::size_t>(1, candidates));
+  double low = 0.0, high = 100.0;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (std::erfc(std::sqrt(middle)) > chance ? low : high) = middle;
+  }
+  return high;
+}
+
+struct Explanation {
+  std::vector<MissingTerm> terms;
+  Leftover left;
+  [[nodiscard]] double gain() const { return terms.empty() ? 0.0 : terms.front().gain; }
+};
+
+void sort_by_gain(std::vector<MissingTerm>& terms) {
+  std::stable_sort(terms.begin(), terms.end(),
+                   [](const MissingTerm& a, const MissingTerm& b) { return a.gain > b.gain; });
+}
+
+// One physical term at a time, about the fit.
+class TermSearch {
+ public:
+  TermSearch(const Rig& rig, const MotionCourse& course)
+      : rig_(rig), course_(course), test_(score_test(rig, course)), limit_(gain_by_chance(test_.candidates.size())) {}
+
+  [[nodiscard]] std::vector<std::string> not_checked() const { return unchecked(rig_, test_); }
+
+  [[nodiscard]] Explanation run(const Leftover& before) const {
+    const std::vector<Index> likely = likeliest();
+    std::vector<Index> fitted;
+    Index best = -1;
+    Refit best_fit;
+    for (const Index a : likely) {
+      if (fitted.size() == kMostFitted) break;
+      if (std::any_of(fitted.begin(), fitted.end(), [&](Index b) { return test_.correlation(a, b) > kSame; })) continue;
+      fitted.push_back(a);
+      const Refit fit = refit(a);
+      if (!fit.converged || !is_possible(rig_, candidate(a), fit.value) || !fit.left.explains_most_of(before)) continue;
+      if (evidence(a, fit) < limit_ || (best >= 0 && fit.gain <= best_fit.gain)) continue;
+      best = a;
+      best_fit = fit;
+    }
+    if (best < 0) return {};
+    return named(best, best_fit, likely);
+  }
+
+ private:
+  [[nodiscard]] Refit refit(Index a) const {
+    return refit_with(rig_, course_, candidate(a), test_.maximum_with(a, course_.fit.at), test_.value(a));
+  }
+  // What V gained, and no more than the value itself stands for: a fit without the term that had not quite reached its
+  // maximum gains by any.
+  [[nodiscard]] double evidence(Index a, const Refit& fit) const {
+    double variance = fit.u * fit.u;
+    for (const Parameter& p : course_.parameters)
+      if (p.what == candidate(a).what && p.index == candidate(a).index) variance += p.prior_u * p.prior_u;
+    return std::min(fit.gain, 0.5 * fit.value * fit.value / variance);
+  }
+  [[nodiscard]] const Parameter& candidate(Index a) const { return test_.candidates[static_cast<std::size_t>(a)]; }
+
+  // Those with a gain beyond chance and worth a fit, likeliest first. The signs of large effects are right in the
+  // linear test as well.
+  [[nodiscard]] std::vector<Index> likeliest() const {
+    std::vector<Index> out;
+    double most = 0.0;
+    for (Index a = 0; a < test_.score.size(); ++a) {
+      if (!test_.told[static_cast<std::size_t>(a)] || test_.gain(a) < limit_) continue;
+      if (!is_possible(rig_, candidate(a), std::copysign(1e-9 * test_.sizes(a), test_.value(a)))) continue;
+      out.push_back(a);
+      most = std::max(most, test_.gain(a));
+    }
+    std::stable_sort(out.begin(), out.end(), [&](Index a, Index b) { return test_.gain(a) > test_.gain(b); });
+    std::erase_if(out, [&](Index a) { return test_.gain(a) < kWorthFitting * most; });
+    return out;
+  }
+
+  // The best and all that have the same effect.
+  [[nodiscard]] Explanation named(Index best, const Refit& fit, const std::vector<Index>& likely) const {
+    Explanation out{{missing_term(rig_, candidate(best), fit.value, fit.u, fit.gain)}, fit.left};
+    for (const Index a : likely) {
+      if (a == best || test_.correlation(a, best) <= kSame || out.terms.size() == kMostNamed) continue;
+      const Refit other = refit(a);
+      if (!other.converged || !is_possible(rig_, candidate(a), other.value)) continue;
+      out.terms.push_back(missing_term(rig_, candidate(a), other.value, other.u, other.gain));
+    }
+    sort_by_gain(out.terms);
+    return out;
+  }
+
+  const Rig& rig_;
+  const MotionCourse& course_;
+  ScoreTest test_;
+  double limit_;
+};
+
+// What may be wrong where the fit has gone astray: a mistake of the rig file, or a large error of one term.
+struct Hypothesis {
+  RigMistake mistake;
+  std::optional<Parameter> term;  // in place of a mistake
+};
+
+// Hypotheses, each with the chain fitted anew from its start: first on few readings, the best on all.
+class AnewSearch {
+ public:
+  AnewSearch(const Rig& rig, const MotionData& data, std::size_t most) : rig_(rig), data_(data), most_(most) {
+    for (const RigMistake& mistake : rig_mistakes(rig)) all_.push_back({mistake, {}});
+    for (const Parameter& term : missing_candidates(rig))
+      if (!is_input(term.what)) all_.push_back({{}, term});
+  }
+
+  [[nodiscard]] Explanation run(const ChainFit& before) const {
+    const std::size_t few = std::min(most_, kScreened);
+    const ChainFit now = chain_fit(rig_, run_course(rig_, data_, few));
+    std::vector<std::pair<double, const Hypothesis*>> likely;
+    for (const Hypothesis& one : all_)
+      if (const Tried tried = fitted(one, few); tried.fit.possible) likely.emplace_back(gain(now, tried.fit), &one);
+    std::stable_sort(likely.begin(), likely.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    Explanation out;
+    for (const auto& [screened, one] : likely) {
+      if (!as_good(*one, screened, likely.front().first) || out.terms.size() == kMostNamed) break;
+      const Tried tried = fitted(*one, most_);
+      const double gained = gain(before, tried.fit);
+      if (!tried.fit.possible || !explains(before, tried.fit, gained)) continue;
+      if (gained > out.gain()) out.left = tried.fit.left;
+      out.terms.push_back(told(*one, tried, gained));
+      sort_by_gain(out.terms);
+    }
+    if (!out.terms.empty()) {
+      const double best = out.gain();
+      std::erase_if(out.terms, [&](const MissingTerm& term) {
+        return !as_good(std::isfinite(term.value) ? kAnyTerm : kAnyMistake, term.gain, best);
+      });
+    }
+    return out;
+  }
+
+ private:
+  struct Tried {
+    ChainFit fit;
+    double value = 0.0, u = 0.0;  // of a term
+  };
+  [[nodiscard]] Tried fitted(const Hypothesis& one, std::size_t most) const {
+    const MotionCourse course = run_course(rig_, one.term ? data_ : without(rig_, data_, one.mistake), most, one.term);
+    Tried out{chain_fit(rig_, course)};
+    if (!one.term || !out.fit.possible) return out;
+    for (std::size_t a = 0; a < course.parameters.size(); ++a)
+      if (course.parameters[a].what == one.term->what && course.parameters[a].index == one.term->index) {
+        out.value = course.fit.at.theta(static_cast<Index>(a));
+        out.u = std::sqrt(course.fit.covariance(static_cast<Index>(a), static_cast<Index>(a)));
+      }
+    out.fit.possible = is_possible(rig_, *one.term, out.value);
+    return out;
+  }
+  [[nodiscard]] MissingTerm told(const Hypothesis& one, const Tried& tried, double gained) const {
+    if (one.term) return missing_term(rig_, *one.term, tried.value, tried.u, gained);
+    MissingTerm term;
+    term.what = name_of(rig_, one.mistake);
+    term.told = in_words(rig_, one.mistake);
+    term.gain = gained;
+    return term;
+  }
+  // Whether it may be named beside the best. Of effects that are correlated by ρ one explains ρ² of what the other
+  // does.
+  [[nodiscard]] static bool as_good(const Hypothesis& one, double gain, double best) {
+    return gain >= best - kTold || (one.term && gain >= kSame * kSame * best);
+  }
+  [[nodiscard]] bool explains(const ChainFit& before, const ChainFit& after, double gained) const {
+    if (gained > gain_by_chance(all_.size()) && after.left.explains_most_of(before.left)) return true;
+    // A chain that no rig can have is explained by any that one can.
+    return !before.possible && after.left.least_p >= kContradicted && gained > -kTold;
+  }
+  // Where nothing was fitted any fit is better: each reading that is explained counts as one.
+  [[nodiscard]] static double gain(const ChainFit& before, const ChainFit& after) {
+    if (before.readings == 0.0) return after.readings;
+    return std::min(before.readings, after.readings) * (before.per_reading - after.per_reading);
+  }
+
+  inline static const Hypothesis kAnyTerm{{}, Parameter{}}, kAnyMistake{};
+  const Rig& rig_;
+  const MotionData& data_;
+  std::size_t most_;
+  std::vector<Hypothesis> all_;
+};
+
+// Whether some channel behind the table has more noise than the rounding of numbers.
+bool has_noise(const Rig& rig, const MotionCourse& course) {
+  for (std::size_t a = 0; a < course.parameters.size(); ++a) {
+    const Parameter& p = course.parameters[a];
+    const auto c = static_cast<std::size_t>(p.index);
+    if (p.what == Unknown::noise && !shows_drive(rig.channels[c]) &&
+        std::exp(course.fit.at.theta(static_cast<Index>(a))) > kDigits * course.size[c])
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course, bool contradicted,
+                          std::size_t most) {
+  MissingTerms out;
+  const ChainFit now = chain_fit(rig, course);
+  const bool converged = course.reason.empty() && now.readings > 0;
+  Explanation best;
+  if (converged) {
+    const TermSearch search(rig, course);
+    out.unchecked = search.not_checked();
+    if (has_noise(rig, course)) best = search.run(now.left);
+    contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
+  }
+  out.searched = contradicted;
+  if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {
+    Explanation anew = AnewSearch(rig, data, most).run(now);
+    if (!anew.terms.empty() && anew.gain() > best.gain() - kTold) best = std::move(anew);
+  }
+  out.terms = std::move(best.terms);
+  for (MissingTerm& term : out.terms)
+    for (const MissingTerm& other : out.terms)
+      if (&other != &term) term.or_else.push_back(other.what);
+  return out;
+}
+
+}  // namespace dwell

@@ -1,0 +1,26 @@
+// What is missing, by name: of all physical terms and mistakes of a rig file that can be thought of, the one that
+// explains what a chain leaves over, with those that the readings do not tell from it. docs/method.md, Any motion.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/motion/motion_course.hpp"
+#include "core/result/missing.hpp"
+
+namespace dwell {
+
+struct MissingTerms {
+  std::vector<MissingTerm> terms;      // likeliest first: one, and those not told from it; empty: none is named
+  std::vector<std::string> unchecked;  // what these readings cannot tell
+  bool searched = false;               // the readings contradict the chain, and every explanation was tried
+};
+
+// data: as run_course() was given. contradicted: the chain is refused, or does not converge; then mistakes of the rig
+// file are tried as well. Takes a third of the time of the estimate on a healthy rig, some times it on a contradicted
+// one. Thread-safe; allocates.
+[[nodiscard]] MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course,
+                                        bool contradicted, std::size_t most);
+
+}  // namespace dwell

@@ -1,0 +1,80 @@
+#include "core/motion/refit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion/element_inputs.hpp"
+#include "core/motion/whiteness.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+
+constexpr int kPasses = 12;  // from a maximum nearby
+// What drives an input follows from the motion as fitted, at first without it: fitted again until the likelihood gains
+// less than this part more, no more often than …
+constexpr double kSettled = 0.01;
+constexpr int kRounds = 6;
+
+// V with the priors' part.
+double value_at(const MotionModel& model, const MotionData& data, const MotionUnknowns& at) {
+  double V = evaluate(model, data, at, {.derivatives = false}).V;
+  for (Index a = 0; a < at.theta.size(); ++a)
+    if (const double u = model.parameters()[static_cast<std::size_t>(a)].prior_u; u > 0)
+      V += 0.5 * at.theta(a) * at.theta(a) / (u * u);
+  return V;
+}
+
+}  // namespace
+
+Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& term, const MotionUnknowns& start,
+                 double value) {
+  std::vector<Parameter> parameters = course.parameters;
+  MotionUnknowns at = course.fit.at;
+  FitLimits limits = course.limits;
+  limits.passes = kPasses;
+  auto known = std::find_if(parameters.begin(), parameters.end(),
+                            [&](const Parameter& p) { return p.what == term.what && p.index == term.index; });
+  const auto a = static_cast<Index>(known - parameters.begin());
+  if (known != parameters.end()) {
+    known->prior_u = 0.0;
+  } else {
+    parameters.push_back(term);
+    at.theta.conservativeResizeLike(Eigen::VectorXd::Zero(a + 1));
+    limits.lowest.conservativeResizeLike(Eigen::VectorXd::Constant(a + 1, -1e300));
+  }
+  if (term.what == Unknown::mass) limits.lowest(a) = lowest_departure(rig.masses[static_cast<std::size_t>(term.index)]);
+
+  const MotionModel model(rig, parameters);
+  MotionData data = course.data;
+  MotionFit fit;
+  if (is_input(term.what))
+    data.inputs = element_inputs(MotionModel(rig, course.parameters), course.data, course.fit.at, {term});
+  MotionUnknowns there = start;
+  there.theta.conservativeResizeLike(Eigen::VectorXd::Zero(at.theta.size()));
+  there.theta(a) = value;
+  for (Index i = 0; i < at.theta.size(); ++i) there.theta(i) = std::max(there.theta(i), limits.lowest(i));
+  if (value_at(model, data, there) < course.fit.V) at = there;
+  for (int round = 0; round < kRounds; ++round) {
+    const double gained = course.fit.V - fit.V;
+    fit = fit_motion(model, data, at, limits);
+    at = fit.at;
+    if (!is_input(term.what) || !fit.converged) break;
+    if (round > 1 && course.fit.V - fit.V < (1 + kSettled) * gained) break;
+    data.inputs = element_inputs(model, data, at, {term});
+  }
+  Refit out;
+  out.converged = fit.converged && std::isfinite(fit.V);
+  if (!out.converged) return out;
+  out.gain = course.fit.V - fit.V;
+  out.value = fit.at.theta(a);
+  double variance = fit.covariance(a, a);
+  out.left = leftover(model, data, fit.at);
+  if (fit.pass.blocks >= 8 && out.left.least_p < kNotWhite)
+    variance = std::max(variance, fit.covariance.row(a).dot(fit.pass.meat * fit.covariance.col(a)));
+  out.u = std::sqrt(variance);
+  return out;
+}
+
+}  // namespace dwell

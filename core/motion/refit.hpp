@@ -1,0 +1,23 @@
+// A fit again with one more term free, from where the fit without it ended.
+#pragma once
+
+#include "core/motion/leftover.hpp"
+#include "core/motion/motion_course.hpp"
+
+namespace dwell {
+
+struct Refit {
+  bool converged = false;
+  double gain = 0.0;   // by which V fell; where the term had a prior, its part is in V before and not after
+  double value = 0.0;  // of the term: departure from what is stated, or its size
+  double u = 0.0;      // by the readings alone, wider where the innovations are not white
+  Leftover left;
+};
+
+// course.fit: converged. start: where all else and the term's value are expected, which directions that only priors
+// determine hardly find by themselves; taken where it is better than the fit without the term. Some five to ten passes
+// with derivatives. Allocates; thread-safe.
+[[nodiscard]] Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& term,
+                               const MotionUnknowns& start, double value);
+
+}  // namespace dwell

@@ -1,0 +1,29 @@
+// The inverse of an information matrix on what the readings tell of. Directions that no reading tells of, such as the
+// common gauge of the biases, have eigenvalues that are rounding: they are left out, and so is what is not used.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dwell {
+
+class ToldInverse {
+ public:
+  // H: symmetric, any scale of its unknowns. Allocates; thread-safe.
+  ToldInverse(const Eigen::MatrixXd& H, const std::vector<bool>& used);
+
+  // damping: Levenberg's, of H scaled to a unit diagonal.
+  [[nodiscard]] Eigen::VectorXd times(const Eigen::VectorXd& g, double damping) const;
+  [[nodiscard]] Eigen::MatrixXd matrix() const;
+  // Per unknown: part that lies in directions no reading tells of, 0 … 1.
+  [[nodiscard]] const Eigen::VectorXd& undetermined() const noexcept { return undetermined_; }
+
+ private:
+  [[nodiscard]] Eigen::VectorXd inverted(double damping) const;
+
+  Eigen::MatrixXd vectors_;
+  Eigen::VectorXd values_;  // 0 where no reading tells
+  Eigen::VectorXd undetermined_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,91 @@
+#include "core/motion/unchecked.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/wording.hpp"
+
+namespace dwell {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Information about a direction in natural sizes below which it is not told: an error of a tenth is within 1 u. Common
+// delays come to 20: the process that stands for the table is not quite the same at every instant.
+constexpr double kNotTold = 100.0;
+// … or below this part of what a term's own information is: what cancels farther is rounding.
+constexpr double kRounding = 1e-10;
+// Part of a direction below which a term is none of it.
+constexpr double kNoPart = 0.05;
+
+// Basis of the null space with a one in a column of its own each and zeros in the columns of the others: directions
+// that concern few terms.
+MatrixXd reduced(MatrixXd rows) {
+  Index done = 0;
+  for (Index column = 0; column < rows.cols() && done < rows.rows(); ++column) {
+    Index best = done;
+    rows.col(column).tail(rows.rows() - done).cwiseAbs().maxCoeff(&best);
+    best += done;
+    if (std::abs(rows(best, column)) < kNoPart) continue;
+    rows.row(done).swap(rows.row(best));
+    rows.row(done) /= rows(done, column);
+    for (Index other = 0; other < rows.rows(); ++other)
+      if (other != done) rows.row(other) -= (rows(other, column) * rows.row(done)).eval();
+    ++done;
+  }
+  return rows.topRows(done);
+}
+
+// Terms of one kind, moving alike: "the common delay of y0 and y1". Others by their names.
+std::string told(const Rig& rig, const std::vector<Parameter>& terms, bool alike) {
+  std::vector<std::string> names;
+  const bool one_kind =
+      std::all_of(terms.begin(), terms.end(), [&](const Parameter& p) { return p.what == terms.front().what; });
+  if (terms.size() == 1 || !one_kind || !alike) {
+    for (const Parameter& p : terms) names.push_back(name_of(rig, p));
+    return terms.size() == 1 ? names.front() : "an error that " + listed(names) + " share";
+  }
+  for (const Parameter& p : terms)
+    names.push_back(p.what == Unknown::mass ? name_of(rig, p) : rig.channels[static_cast<std::size_t>(p.index)].name);
+  return std::string("the common ") + (terms.front().what == Unknown::delay ? "delay of " : "scale of ") +
+         listed(names);
+}
+
+}  // namespace
+
+std::vector<std::string> unchecked(const Rig& rig, const ScoreTest& test) {
+  std::vector<Index> terms;
+  for (Index a = 0; a < test.sizes.size(); ++a) {
+    const Unknown what = test.candidates[static_cast<std::size_t>(a)].what;
+    if (what == Unknown::mass || what == Unknown::scale || what == Unknown::delay) terms.push_back(a);
+  }
+  std::stable_sort(terms.begin(), terms.end(), [&](Index a, Index b) {
+    return test.candidates[static_cast<std::size_t>(a)].what < test.candidates[static_cast<std::size_t>(b)].what;
+  });
+  // In natural sizes, or in smaller ones where rounding would tell of those.
+  const Eigen::VectorXd natural = test.sizes(terms);
+  const Eigen::VectorXd size =
+      natural.cwiseMin((0.5 * kNotTold / kRounding * test.own(terms).cwiseInverse()).cwiseSqrt());
+  const MatrixXd W = size.asDiagonal() * test.alone(terms, terms) * size.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(W);
+  const Index null = (solver.eigenvalues().array() < kNotTold).count();
+  std::vector<std::string> out;
+  MatrixXd basis = solver.eigenvectors().leftCols(null).transpose() * size.cwiseQuotient(natural).asDiagonal();
+  basis.rowwise().normalize();
+  const MatrixXd directions = reduced(basis);
+  for (Index i = 0; i < directions.rows(); ++i) {
+    std::vector<Parameter> in;
+    bool alike = true;
+    for (Index a = 0; a < directions.cols(); ++a) {
+      if (std::abs(directions(i, a)) < kNoPart) continue;
+      in.push_back(test.candidates[static_cast<std::size_t>(terms[static_cast<std::size_t>(a)])]);
+      alike = alike && std::abs(directions(i, a) - 1) < kNoPart;
+    }
+    out.push_back(told(rig, in, alike));
+  }
+  return out;
+}
+
+}  // namespace dwell

@@ -1,0 +1,35 @@
+#include "daemon/report/missing_report.hpp"
+
+#include <cmath>
+
+#include "core/base/wording.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell {
+
+Json json_value(const std::vector<MissingTerm>& missing) {
+  Json all = Json::array();
+  for (const MissingTerm& term : missing) {
+    const bool valued = std::isfinite(term.value);
+    all.push_back({{"what", term.what},
+                   {"value", json_number(term.value)},
+                   {"u", json_number(term.u)},
+                   {"unit", valued ? Json(term.unit) : Json(nullptr)},
+                   {"gain", json_number(term.gain)},
+                   {"or", term.or_else}});
+  }
+  return all;
+}
+
+std::string missing_text(const MissingTerm& term) {
+  std::string text = term.what;
+  if (std::isfinite(term.value)) {
+    text += ": " + plus_minus(term.value, kNormal95 * term.u, term.unit == "1" ? "" : unit_text(term.unit));
+    while (text.back() == ' ') text.pop_back();
+  }
+  text += ", gain " + brief(term.gain, 3);
+  if (!term.or_else.empty()) text += "; not told from " + listed(term.or_else);
+  return text;
+}
+
+}  // namespace dwell
