@@ -1,0 +1,28 @@
+// What stands beside a live dwell, for people: coefficients from its transient while it settles, marked so that nobody
+// takes them for the dwell's own; whether they agree with these once it has settled; what is known of its model.
+//
+// Bound to one thread, not real-time: allocates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result/verification.hpp"
+#include "daemon/report/dwell_text.hpp"
+#include "daemon/report/motion_report.hpp"
+
+namespace dwell {
+
+// "from the transient, 0.0 to 3.2 s, an estimate before the verdict:" above a table of the coefficients; or why there
+// are none. Empty: nothing is known of the transient, or the dwell has settled.
+[[nodiscard]] std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options);
+
+// Whether the coefficients of the transient and those of the dwell contradict each other by more than chance.
+[[nodiscard]] bool contradicts(const MotionView& motion);
+// "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; empty: they were not compared.
+[[nodiscard]] std::string agreement_text(const MotionView& motion);
+
+// "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)".
+[[nodiscard]] std::string model_text(const ModelVerdict& model);
+
+}  // namespace dwell
