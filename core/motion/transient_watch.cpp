@@ -11,14 +11,17 @@
 namespace dwell {
 namespace {
 
-// Periods of the nominal drive before the hold that belong to its stretch: the estimate looks for the onset itself and
-// wants a period before it, and a hold is dated to a window of up to two.
-constexpr double kBefore = 3.0;
+// Periods of the nominal drive before the hold that belong to its stretch: the estimate looks for the onset itself,
+// which the hold's first window holds, and wants a period before it.
+constexpr double kBefore = 1.5;
 // … and after its beginning, before the first estimate: with fewer most rigs' coefficients are not determined.
 constexpr double kFirst = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
 constexpr double kGrowth = 1.5;
+// A hold of so many periods that ends while the dwell settles was one: what follows is another drive. A ramp leaves a
+// hold every period. Longer: an operator's change of the drive goes unnoticed; shorter: a slow ramp is torn.
+constexpr double kSteady = 8.0;
 
 std::size_t most_readings(const Rig& rig) {
   return std::max<std::size_t>(1, MotionOptions{}.most_work / static_cast<std::size_t>(MotionModel(rig, {}).states()));
@@ -48,7 +51,9 @@ void TransientWatch::take(const Record& record, std::int64_t t_ns) noexcept {
 void TransientWatch::follow(const Dwell& now) {
   const bool on = now.index && (now.state == State::settling || now.state == State::measuring);
   if (!on || !std::isfinite(now.start_s)) return wait();
-  if (now.index != dwell_ || now.start_s != start_s_) begin(now);
+  const bool other_drive = now.start_s - hold_s_ >= kSteady * period_s_;
+  if (now.index != dwell_ || other_drive) begin(now);
+  hold_s_ = now.start_s;
   if (std::isfinite(now.settled_s)) {
     if (phase_ != Phase::taken_over) record_.roll();
     phase_ = Phase::taken_over;
@@ -62,7 +67,6 @@ void TransientWatch::wait() {
   phase_ = Phase::waiting;
   record_.roll();
   dwell_.reset();
-  start_s_ = kNaN;
   newest_.reset();
 }
 

@@ -10,8 +10,10 @@
 //      └─────────  taken over
 //
 // waiting: no dwell is on. gathering: the stretch grows. estimating: it grows while a job is out. taken over: the dwell
-// has settled; the newest estimate stays, for comparison. A hold that begins anew (another dwell, or the drive has left
-// its hold) begins the next stretch; the estimate of another dwell is dropped then.
+// has settled; the newest estimate stays, for comparison. Another dwell begins the next stretch, and drops the
+// estimate. So does, within a dwell, a drive that was steady for some periods and then left its hold; the estimate
+// stays until there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with its
+// stretch.
 //
 // This class decides and remembers; it does not estimate. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same records and the same calls give the same jobs.
@@ -81,7 +83,8 @@ class TransientWatch {
   HoldRecord record_;
   Phase phase_ = Phase::waiting;
   std::optional<int> dwell_;  // index of the dwell that is on
-  double start_s_ = kNaN;     // when its hold began
+  double start_s_ = kNaN;     // when the stretch's first hold began …
+  double hold_s_ = kNaN;      // … and its newest
   double now_s_ = kNaN;       // of the newest reading
   std::uint64_t stretch_ = 0;
   std::size_t handed_ = 0;  // readings of the stretch that were handed over last

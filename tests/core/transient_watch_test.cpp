@@ -87,7 +87,7 @@ TEST(TransientWatch, AsksTwoPeriodsAfterTheTableBeganToMove) {
   ASSERT_EQ(start.jobs.size(), 1u) << "one at a time";
   EXPECT_EQ(start.watch.phase(), Phase::estimating);
   const TransientEstimate& asked = start.jobs[0].result;
-  EXPECT_NEAR(asked.from_s, 1.0 - 3 / kDrive_hz, 0.01) << "three periods of rest before";
+  EXPECT_NEAR(asked.from_s, 1.0 - 1.5 / kDrive_hz, 0.01) << "with what it was at rest before";
   EXPECT_NEAR(asked.until_s, 1.0 + 2 / kDrive_hz, 0.11);
   EXPECT_EQ(asked.given, start.jobs[0].readings.size());
 }
@@ -158,7 +158,18 @@ TEST(TransientWatch, BeginsANewStretchWithANewHoldAndDropsWhatComesOfTheOldOne) 
   EXPECT_FALSE(start.watch.newest());
   start.go_on(8.2, dwell_of(1, 5.0));
   ASSERT_EQ(start.jobs.size(), 2u);
-  EXPECT_NEAR(start.jobs[1].result.from_s, 5.0 - 3 / kDrive_hz, 0.01);
+  EXPECT_NEAR(start.jobs[1].result.from_s, 5.0 - 1.5 / kDrive_hz, 0.01);
+}
+
+TEST(TransientWatch, GoesOnWithItsStretchWhileTheDriveIsRampedUp) {
+  WatchedStart start;
+  start.hands_over = false;
+  start.go_on(1.0, Dwell());
+  for (double t = 1.2; t < 4.0; t += 0.2) start.go_on(t, dwell_of(1, t - 0.2));  // out of one hold after another
+  start.hands_over = true;
+  start.go_on(4.2, dwell_of(1, 4.0));
+  ASSERT_EQ(start.jobs.size(), 1u);
+  EXPECT_NEAR(start.jobs[0].result.from_s, 1.0 - 1.5 / kDrive_hz, 0.01);
 }
 
 TEST(TransientWatch, KeepsAnEstimateForTheDwellAndNoOther) {
@@ -166,15 +177,15 @@ TEST(TransientWatch, KeepsAnEstimateForTheDwellAndNoOther) {
   start.go_on(3.0, dwell_of(1, 1.0));
   start.give_back();
   start.hands_over = false;
-  start.go_on(4.0, dwell_of(1, 3.0));
+  start.go_on(5.0, dwell_of(1, 4.0));
   EXPECT_TRUE(start.watch.newest()) << "a new hold of the same dwell";
-  start.go_on(5.0, dwell_of(2, 4.0));
+  start.go_on(6.0, dwell_of(2, 5.0));
   EXPECT_FALSE(start.watch.newest());
   start.hands_over = true;
-  start.go_on(6.0, dwell_of(2, 4.0));
+  start.go_on(7.0, dwell_of(2, 5.0));
   start.give_back();
   EXPECT_TRUE(start.watch.newest());
-  start.go_on(7.0, Dwell());
+  start.go_on(8.0, Dwell());
   EXPECT_FALSE(start.watch.newest()) << "idle";
   EXPECT_EQ(start.watch.phase(), Phase::waiting);
 }
