@@ -190,8 +190,7 @@ Section warning_section(const DwellView& view, const TextOptions& options) {
     const bool said = warning == "not settled: " + view.dwell.settling_reason;
     if (!said) texts.push_back("warning: " + warning);
   }
-  if (settled(view.dwell) && view.transient && contradicts(*view.transient))
-    texts.push_back("warning: " + agreement_text(*view.transient));
+  if (settled(view.dwell) && contradicts(view)) texts.push_back("warning: " + agreement_text(view));
   Section section = paragraphs(texts, options.columns, 2, Style::plain);
   section.name = kWarnings;
   return section;
@@ -221,8 +220,8 @@ Section verdict_section(const DwellView& view, const TextOptions& options) {
                                             : number_text(d.frequency_hz.value, "Hz", kProvisional + 1);
     texts.push_back("frequency  " + join(frequency) + (settled(d) ? "" : " so far"));
   }
-  if (settled(d) && view.transient && !contradicts(*view.transient))
-    if (const std::string text = agreement_text(*view.transient); !text.empty()) texts.push_back("agreement  " + text);
+  if (const std::string text = agreement_text(view); settled(d) && !text.empty() && !contradicts(view))
+    texts.push_back("agreement  " + text);
   if (view.model) texts.push_back("model      " + model_text(*view.model));
   return paragraphs(texts, options.columns, 11, options.age.empty() ? Style::plain : Style::old);
 }

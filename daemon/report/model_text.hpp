@@ -17,10 +17,15 @@ namespace dwell {
 // are none. Empty: nothing is known of the transient, or the dwell has settled.
 [[nodiscard]] std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options);
 
-// Whether the coefficients of the transient and those of the dwell contradict each other by more than chance.
-[[nodiscard]] bool contradicts(const MotionView& motion);
+// The largest difference between a coefficient from the transient and the dwell's own, over √(U95² + U95²) of both;
+// NaN: there is none to compare.
+[[nodiscard]] double difference(const DwellView& view);
+// Whether both contradict each other: that difference is above 1, and above what noise makes of so many coefficients in
+// 5 % of cases. The first lets pass what the stated uncertainties explain: instants of a polled device are known to its
+// turnaround, and the transient takes them as exact.
+[[nodiscard]] bool contradicts(const DwellView& view);
 // "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; empty: they were not compared.
-[[nodiscard]] std::string agreement_text(const MotionView& motion);
+[[nodiscard]] std::string agreement_text(const DwellView& view);
 
 // "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)".
 [[nodiscard]] std::string model_text(const ModelVerdict& model);
