@@ -11,6 +11,7 @@ namespace dwell {
 std::vector<std::string> coefficient_cells(const std::vector<ElementEstimate>& elements,
                                            Coefficient ElementEstimate::*which, const char* unit) {
   std::vector<NumberText> numbers;
+  numbers.reserve(elements.size());
   for (const ElementEstimate& e : elements)
     numbers.push_back(e.identifiable ? number_text((e.*which).value, (e.*which).U95, unit)
                                      : NumberText{kNoNumber, "", ""});

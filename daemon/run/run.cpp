@@ -47,8 +47,8 @@ void Run::start() {
 }
 
 void Run::end() {
+  long_thread_.reset();  // first: what the end of the run brings about is not computed any more
   thread_.reset();
-  long_thread_.reset();
 }
 
 bool Run::refresh() {
