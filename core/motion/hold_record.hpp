@@ -31,11 +31,12 @@ class HoldRecord {
     ring_[static_cast<std::size_t>(end_++ % ring_.size())] = reading;
   }
 
-  // A hold begins with the first reading at or after from_ns that is still there. O(readings).
+  // A hold begins with the first reading at or after from_ns that is still there. Half of the room is left for what
+  // comes: of many readings a period, those before are fewer. O(readings).
   void begin(std::int64_t from_ns) noexcept {
     roll();
     begin_ = oldest();
-    while (begin_ < end_ && at(begin_).t_ns < from_ns) ++begin_;
+    while (begin_ < end_ && (at(begin_).t_ns < from_ns || end_ - begin_ > ring_.size() / 2)) ++begin_;
     holds_ = true;
   }
   // The hold's readings need not be kept any longer: the newest are, whatever they are.

@@ -83,7 +83,7 @@ void TransientWatch::begin(const Dwell& now) {
 bool TransientWatch::due() const noexcept {
   if (phase_ != Phase::gathering || out_) return false;
   const std::size_t size = record_.size();
-  if (handed_ == 0) return size > 0 && now_s_ - start_s_ >= kFirst * period_s_;
+  if (handed_ == 0) return size > 0 && (record_.full() || now_s_ - start_s_ >= kFirst * period_s_);
   return static_cast<double>(size) >= kGrowth * static_cast<double>(handed_) || (record_.full() && size > handed_);
 }
 

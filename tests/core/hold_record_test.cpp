@@ -22,6 +22,15 @@ TEST(HoldRecord, BeginsWithWhatCameALittleBefore) {
   EXPECT_EQ(readings.back().t_ns, 28);
 }
 
+TEST(HoldRecord, LeavesHalfOfTheRoomForTheHoldItself) {
+  HoldRecord record(10);
+  push(record, 1, 25);
+  record.begin(0);
+  EXPECT_EQ(record.readings().front().t_ns, 21);
+  push(record, 26, 40);
+  EXPECT_EQ(record.readings().back().t_ns, 30);
+}
+
 TEST(HoldRecord, KeepsTheBeginningWhereThereIsNoMoreRoom) {
   HoldRecord record(10);
   record.begin(0);

@@ -124,6 +124,18 @@ TEST(TransientWatch, HandsOverNoMoreThanAnEstimateTakesAndThenRests) {
   EXPECT_EQ(start.jobs.size(), jobs);
 }
 
+// A drive so slow that no two periods find room: what there is, is estimated.
+TEST(TransientWatch, AsksOnceItIsFullWhereTwoPeriodsDoNotFit) {
+  WatchedStart start;
+  start.rig.excitation.frequency_hz = 0.005;
+  start.watch = TransientWatch(start.rig);
+  start.go_on(100.0, Dwell());
+  start.go_on(300.0, dwell_of(1, 99.0));
+  ASSERT_EQ(start.jobs.size(), 1u);
+  EXPECT_LT(start.jobs[0].result.until_s, 300.0);
+  EXPECT_GT(start.jobs[0].result.until_s, 130.0) << "half of it after the beginning";
+}
+
 TEST(TransientWatch, IsTakenOverByTheDwellAndKeepsTheNewestEstimateToCompare) {
   WatchedStart start;
   start.go_on(3.0, dwell_of(1, 1.0));
