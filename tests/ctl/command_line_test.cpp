@@ -238,6 +238,31 @@ TEST(CommandLine, WatchAppendsWhereThereIsNoTerminalAndComesBackAfterARestart) {
   EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << "no terminal, no control sequences";
 }
 
+TEST(CommandLine, WatchAppendsEachEstimateFromTheTransientOnce) {
+  DwellView next = test::settling_view();
+  auto longer = std::make_shared<MotionView>(*next.transient);
+  longer->estimate.end_s += 1.6;
+  next.transient = longer;
+  DwellView none = next;
+  auto refused = std::make_shared<MotionView>();
+  refused->estimate.reason = "too few readings: 30";
+  none.transient = refused;
+  const std::string first = dwell_event(to_json(test::settling_view())), second = dwell_event(to_json(next)),
+                    third = dwell_event(to_json(none));
+  ScriptedServer server({Reply{
+      test::stream_header() + first + first + second + second + third + third + dwell_event(sample_text()), true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--interval", "3600", "--until", "20"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto times = [&outcome](const std::string& text) {
+    int count = 0;
+    for (auto at = outcome.out.find(text); at != std::string::npos; at = outcome.out.find(text, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("from the transient, 40.0 to 43.2 s"), 1) << outcome.out;
+  EXPECT_EQ(times("from the transient, 40.0 to 44.8 s"), 1);
+  EXPECT_EQ(times("from the transient: no coefficients"), 1);
+}
+
 TEST(CommandLine, WatchEndsWithCtrlC) {
   ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text()), true}});
   Program watch({"watch", "--url", server.url()});
