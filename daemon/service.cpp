@@ -98,6 +98,7 @@ struct Service::Impl {
     now.log = log.stats();
     now.threads = session->threads();
     now.gpio = session->gpio();
+    now.accuracy = session->file().verification.accuracy;
     now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, watch.trouble());
     return now;
   }

@@ -26,7 +26,11 @@ struct ServiceView {
   HttpStats http{};
   LogStats log{};
   std::vector<WatchedThread> threads{};
-  gpio::Status gpio{};  // of the lines that are configured
+  gpio::Status gpio{};     // of the lines that are configured
+  double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
 };
+
+// The current dwell with what stands beside it: its coefficients from the transient, what is known of its model.
+[[nodiscard]] DwellView live_dwell(const ServiceView& now);
 
 }  // namespace dwell

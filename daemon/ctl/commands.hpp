@@ -59,6 +59,8 @@ struct ExportOptions {
 // Asks the service to end the dwell and to settle anew.
 [[nodiscard]] int rearm(const Service& service);
 [[nodiscard]] int check(const Service& service, const std::string& rig);
+// The newest verification of the running service.
+[[nodiscard]] int verify(const Service& service);
 [[nodiscard]] int identify_recording(const IdentifyOptions& options);
 [[nodiscard]] int verify_recording(const VerifyOptions& options);
 [[nodiscard]] int export_model(const ExportOptions& options);

@@ -83,11 +83,17 @@ int run(int argc, char** argv) {
 
   VerifyOptions verifying;
   CLI::App* verify_verb = app.add_subcommand(
-      "verify", "the model of a recording against transients it never saw; exit 1 if it is not adequate");
-  verify_verb->add_option("--rig", verifying.rig, "the rig file; its devices are not needed")->required();
-  verify_verb->add_option("data", verifying.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
-  verify_verb->add_option("--dwell", verifying.dwell, "index of the dwell; default: the last that settled");
-  add_json(verify_verb, verifying.json);
+      "verify", "the model against transients it never saw, live or of a recording; exit 1 if it is not adequate");
+  CLI::Option* const verify_rig =
+      verify_verb->add_option("--rig", verifying.rig, "the recording's rig file; its devices are not needed");
+  CLI::Option* const verify_data = verify_verb->add_option(
+      "data", verifying.data, "a recording, CSV: t,NAME,… or t,channel,value; without one the service is asked");
+  verify_rig->needs(verify_data);
+  verify_data->needs(verify_rig);
+  verify_verb
+      ->add_option("--dwell", verifying.dwell, "index of the dwell of a recording; default: the last that settled")
+      ->needs(verify_data);
+  add_service(verify_verb, service);
 
   ExportOptions exporting;
   bool model = false;
@@ -109,7 +115,10 @@ int run(int argc, char** argv) {
   if (*dwells_verb) return dwells(service);
   if (*rearm_verb) return rearm(service);
   if (*check_verb) return check(service, rig);
-  if (*verify_verb) return verify_recording(verifying);
+  if (*verify_verb) {
+    verifying.json = service.json;
+    return verifying.data.empty() ? verify(service) : verify_recording(verifying);
+  }
   if (*export_verb) return export_model(exporting);
   return identify_recording(identifying);
 }

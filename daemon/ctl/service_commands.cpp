@@ -1,4 +1,4 @@
-// status, channels, dwells: one question over HTTP, one answer on the screen.
+// status, channels, dwells, verify: one question over HTTP, one answer on the screen.
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -10,6 +10,8 @@
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/number_text.hpp"
+#include "daemon/report/verification_json.hpp"
+#include "daemon/report/verification_text.hpp"
 
 namespace dwell::ctl {
 namespace {
@@ -99,6 +101,15 @@ int dwells(const Service& service) {
     print("the last " + std::to_string(views.size()) + " of " + total->dump() + "\n");
   }
   return kDone;
+}
+
+int verify(const Service& service) {
+  const auto value = fetch(service, "/api/v1/verification");
+  if (!value) return value.error();
+  const auto view = verification_from_json(*value);
+  if (!view) return not_the_service(service.url, view.error());
+  print(service.json ? dump(*value, 2) + "\n" : verification_text(*view));
+  return view->verification.verdict == Verdict::adequate ? kDone : kNo;
 }
 
 }  // namespace dwell::ctl

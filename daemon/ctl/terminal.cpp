@@ -59,6 +59,8 @@ std::string_view looks(Style style, bool colour) {
       return "\x1b[1m";
     case Style::old:
       return colour ? "\x1b[90m" : "\x1b[2m";
+    case Style::tentative:
+      return colour ? "\x1b[36m" : "\x1b[2m";
     case Style::doubted:
       return colour ? "\x1b[33;7m" : "\x1b[7m";
     case Style::alarm:

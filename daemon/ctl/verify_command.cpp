@@ -64,7 +64,7 @@ int verify_recording(const VerifyOptions& options) {
   if (!seen) return seen.error();
   const Rig& rig = run->file.rig;
   const std::string text = options.json ? dump(json_value(seen->verification, rig, seen->dwell), 2) + "\n"
-                                        : verification_text(seen->verification, rig, seen->dwell);
+                                        : verification_text(make_view(seen->verification, rig, seen->dwell));
   std::fwrite(text.data(), 1, text.size(), stdout);
   return seen->verification.verdict == Verdict::adequate ? kDone : kNo;
 }

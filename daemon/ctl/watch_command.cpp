@@ -21,6 +21,7 @@
 #include "daemon/ctl/watch_page.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/motion_report.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -49,6 +50,14 @@ std::string time_of_day() {
 int complain(int code, const std::string& why) {
   std::fprintf(stderr, "dwellctl: %s\n", printable(why).c_str());
   return code;
+}
+
+// Whether there are other coefficients from the transient than before: few times in a dwell.
+bool estimated_anew(const DwellView& before, const DwellView& now) {
+  if (!now.transient || std::isfinite(now.dwell.settled_s)) return false;
+  const MotionEstimate& m = now.transient->estimate;
+  if (!before.transient || before.transient->estimate.reason != m.reason) return true;
+  return m.reason.empty() && before.transient->estimate.end_s != m.end_s;
 }
 
 // The control socket belongs to the service on this computer: watching another one, the key would rearm the wrong rig.
@@ -157,8 +166,8 @@ class Watch {
       return kUnreachable;
     }
     const auto& before = state_.dwell();
-    const bool changed =
-        !before || before->dwell.state != view->dwell.state || before->dwell.index != view->dwell.index;
+    const bool changed = !before || before->dwell.state != view->dwell.state ||
+                         before->dwell.index != view->dwell.index || estimated_anew(*before, *view);
     state_.take(std::move(*view), now_s());
     const Dwell& dwell = state_.dwell()->dwell;
     const bool enough =

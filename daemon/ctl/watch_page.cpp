@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -201,9 +202,10 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     if (state.dwell()) {
       const Dwell& dwell = state.dwell()->dwell;
       const bool old = state.old(now_s);
-      const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) +
-                               count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
-                               count_of(dwell.warnings.size(), "warning", warnings_page, page.pages);
+      const std::string text =
+          (old ? "last seen: " : "") + headline(*state.dwell()) +
+          count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
+          count_of(dwell.warnings.size() + (contradicts(*state.dwell()) ? 1 : 0), "warning", warnings_page, page.pages);
       ctl::add(header, text, columns, old ? Style::old : dwell.doubts.empty() ? Style::plain : Style::alarm);
     } else {
       ctl::add(header, "waiting for the service's first word", columns, Style::plain);

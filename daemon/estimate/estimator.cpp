@@ -34,8 +34,9 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
       assembler_(sources_of(rig, devices), options.hold_back_ns, merger_capacity(devices)),
       publisher_(std::move(wake)),
       measurement_(rig, KeptDwells(options.kept_dwells, options.kept_bytes),
-                   [this](RunEvent event) { publisher_.tell(std::move(event)); }),
+                   [this](RunEvent event) { tell(std::move(event)); }),
       next_publish_ns_(now_ns) {
+  if (options.long_work) model_work_.emplace(options.long_work);
   devices_.reserve(devices.size());
   for (DeviceFeed& device : devices)
     devices_.emplace_back(devices_.size(), std::move(device), rig_, assembler_, options.hold_back_ns, log, now_ns);
@@ -110,7 +111,13 @@ void Estimator::take(const Record& record) {
   if (shown_ns_ == INT64_MIN) show_run(RunEdge::begins, record.t_ns);
   shown_ns_ = record.t_ns;
   if (show_) show_(record);
+  if (model_work_) model_work_->take(record);
   measurement_.take(record);
+}
+
+void Estimator::tell(RunEvent event) {
+  if (model_work_ && event.kind == RunEvent::Kind::dwell_finished) model_work_->ended(*event.dwell);
+  publisher_.tell(std::move(event));
 }
 
 // Everything, without waiting for anybody.
@@ -127,6 +134,10 @@ void Estimator::publish(std::int64_t now_ns) {
   to.t_ns = now_ns;
   to.start_utc_ns = start_utc_ns_;
   to.dwell = measurement_.current();
+  if (model_work_) {
+    model_work_->turn(to.dwell, measurement_.readings());
+    model_work_->show(to.dwell, to);
+  }
   to.finished = measurement_.finished().list();
   to.forgotten = measurement_.finished().forgotten();
   to.skipped_turns = skipped_;

@@ -9,12 +9,15 @@
 #include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/rig/rig.hpp"
 #include "core/stream/assembler.hpp"
 #include "daemon/estimate/device_intake.hpp"
 #include "daemon/estimate/measurement.hpp"
+#include "daemon/estimate/model_work.hpp"
 #include "daemon/estimate/publisher.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
@@ -28,6 +31,8 @@ struct EstimatorOptions {
   // elements; of a usual rig the number above is reached first.
   std::size_t kept_bytes = 80'000'000;
   gpio::Link* gpio = nullptr;  // where edges come from; must outlive the estimator; null: none
+  // Where coefficients from transients and verifications are computed; null: nowhere, there are none.
+  std::shared_ptr<LongWork> long_work = nullptr;
   // Is shown every record of the ordered stream, as the pipeline sees it, on the estimation thread; empty: nobody is.
   // The first says that the run begins, the last that it ends.
   std::function<void(const Record&)> show = {};
@@ -66,6 +71,7 @@ class Estimator {
   void take(const Record& record);
   void release();
   void show_run(RunEdge edge, std::int64_t t_ns);
+  void tell(RunEvent event);
   void settle();
   void publish(std::int64_t now_ns);
 
@@ -77,6 +83,7 @@ class Estimator {
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;
   Measurement measurement_;
+  std::optional<ModelWork> model_work_;
   boost::lockfree::spsc_queue<Action, boost::lockfree::capacity<kActions>> actions_;
   std::int64_t next_publish_ns_;
   std::int64_t start_utc_ns_ = 0;

@@ -36,6 +36,10 @@ class Measurement {
   [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_.pipeline(); }
   // The dwell as it stands; while a long piece of work goes on, as it stood before. Allocates.
   [[nodiscard]] const Dwell& current();
+  // The newest readings that count; null while a long piece of work goes on.
+  [[nodiscard]] const SampleHistory* readings() const noexcept {
+    return pipeline_.busy() ? nullptr : &pipeline().readings();
+  }
   [[nodiscard]] const KeptDwells& finished() const noexcept { return finished_; }
   [[nodiscard]] Fate fate(std::size_t channel) const noexcept;
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/motion/transient_watch.hpp"
+#include "core/motion/verification_watch.hpp"
 #include "core/result/condition.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
@@ -58,6 +60,11 @@ struct Snapshot {
   std::int64_t t_ns = 0;          // CLOCK_MONOTONIC_RAW
   std::int64_t start_utc_ns = 0;  // when the run began; 0: not yet
   Dwell dwell;
+  // Coefficients from the transient of `dwell`; null: none yet. Made by the worker, handed on unchanged: whoever holds
+  // the pointer may read it on any thread.
+  std::shared_ptr<const TransientEstimate> transient;
+  double transient_e_n = kNaN;                    // of these against the coefficients of `dwell`; NaN: not compared
+  std::shared_ptr<const VerifiedDwell> verified;  // the newest verification of the run; null: none yet. As `transient`
   std::vector<ChannelView> channels;
   std::vector<DeviceView> devices;
   std::shared_ptr<const FinishedDwells> finished;  // oldest first

@@ -23,7 +23,7 @@ tl::expected<std::unique_ptr<Http>, HttpServer::Failure> Http::make(EventLoop& l
 void Http::show(const ServiceView& now) {
   // Shown again without a newer snapshot: that was pushed already.
   if (std::exchange(told_sequence_, now.snapshot.sequence) == now.snapshot.sequence || now.http.streams == 0) return;
-  const DwellStream::Event event = stream_.next(make_view(now.snapshot.dwell, now.rig, now.run), now.snapshot.t_ns);
+  const DwellStream::Event event = stream_.next(live_dwell(now), now.snapshot.t_ns);
   server_->broadcast(event.name, event.data);
 }
 

@@ -45,6 +45,7 @@ std::optional<Json> members_that_differ(const Json& before, const Json& now) {
   Json changed = Json::object();
   for (auto was = before.begin(), is = now.begin(); is != now.end(); ++was, ++is) {
     if (is_left_out(is.key()) || *was == *is) continue;
+    if (was->is_object() != is->is_object()) return std::nullopt;  // one that has come has parts that are left out
     const char* const name = name_of_entries(is.key());
     std::optional<Json> inner = *is;
     if (is->is_object() && was->is_object()) {

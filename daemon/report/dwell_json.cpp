@@ -6,6 +6,7 @@
 
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
+#include "daemon/report/motion_report.hpp"
 
 namespace dwell {
 namespace {
@@ -43,6 +44,14 @@ Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
                  {"valid", estimated.valid}};
   if (!estimated.valid) object["reason"] = estimated.reason;
   return object;
+}
+
+Json model_value(const ModelVerdict& model) {
+  return {{"verdict", to_string(model.verdict)},
+          {"consistent", model.consistent ? Json(*model.consistent) : Json(nullptr)},
+          {"asked", json_number(model.asked)},
+          {"seen", json_number(model.seen)},
+          {"U", json_number(model.U)}};
 }
 
 }  // namespace
@@ -133,6 +142,9 @@ Json json_value(const DwellView& view, Detail detail) {
   object["warnings"] = std::move(warnings);
   object["doubts"] = std::move(doubts);
   object["unstated"] = d.unstated;
+  object["motion"] = view.transient ? json_value(*view.transient, detail) : Json(nullptr);
+  object["motion_reason"] = text_or_null(view.transient ? view.transient->estimate.reason : "");
+  object["model"] = view.model ? model_value(*view.model) : Json(nullptr);
   return object;
 }
 

@@ -1,81 +1,20 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
-#include <cstdint>
-#include <stdexcept>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_reader.hpp"
+#include "daemon/report/missing_report.hpp"
+#include "daemon/report/motion_report.hpp"
 
 namespace dwell {
 namespace {
 
-// Thrown and caught within this file only: a parser of nested fields is clearest with it.
-struct Mistake : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-[[noreturn]] void fail(const std::string& field, const char* expected) {
-  throw Mistake("dwell object: " + field + ": expected " + expected);
-}
-
-const Json& member(const Json& object, const char* name) {
-  if (!object.is_object()) fail(name, "to stand in an object");
-  const auto it = object.find(name);
-  if (it == object.end()) fail(name, "to be there");
-  return *it;
-}
-
-double real(const Json& value, const char* name) {
-  if (value.is_null()) return kNaN;
-  if (!value.is_number()) fail(name, "a number or null");
-  return value.get<double>();
-}
-double real_of(const Json& object, const char* name) { return real(member(object, name), name); }
-
-std::string string_of(const Json& object, const char* name) {
-  const Json& value = member(object, name);
-  if (value.is_null()) return {};
-  if (!value.is_string()) fail(name, "a string or null");
-  return value.get<std::string>();
-}
-
-bool boolean_of(const Json& object, const char* name) {
-  const Json& value = member(object, name);
-  if (!value.is_boolean()) fail(name, "true or false");
-  return value.get<bool>();
-}
-
-int integer(const Json& value, const char* name) {
-  if (!value.is_number_integer()) fail(name, "an integer");
-  const auto wide = value.get<std::int64_t>();
-  if (wide < 0 || wide > 1'000'000'000) fail(name, "an integer from 0 to 1e9");
-  return static_cast<int>(wide);
-}
-
-const Json& array_of(const Json& object, const char* name) {
-  const Json& value = member(object, name);
-  if (!value.is_array()) fail(name, "an array");
-  return value;
-}
-
-std::vector<std::string> strings_of(const Json& object, const char* name) {
-  std::vector<std::string> strings;
-  for (const Json& value : array_of(object, name)) {
-    if (!value.is_string()) fail(name, "strings");
-    strings.push_back(value.get<std::string>());
-  }
-  return strings;
-}
-
-template <typename Enum>
-Enum named(const std::string& word, const char* field, Enum last) {
-  for (int i = 0; i <= static_cast<int>(last); ++i) {
-    if (word == to_string(static_cast<Enum>(i))) return static_cast<Enum>(i);
-  }
-  fail(field, "one of the words of the interface");
-}
+using namespace json_reader;
 
 Estimate estimate(const Json& value) {
   if (value.is_null()) return {};
@@ -129,6 +68,39 @@ ElementEstimate element(const Json& value, Motion& motion) {
   return e;
 }
 
+std::shared_ptr<const MotionView> motion_of(const Json& value) {
+  const auto found = value.find("motion"), reason = value.find("motion_reason");
+  if (found == value.end()) return nullptr;  // of a service that does not tell
+  MotionView view;
+  MotionEstimate& m = view.estimate;
+  if (reason != value.end() && reason->is_string()) m.reason = reason->get<std::string>();
+  if (found->is_null() && m.reason.empty()) return nullptr;
+  if (!found->is_null()) {
+    const Json& motion = *found;
+    m.start_s = real_of(motion, "start_s");
+    m.end_s = real_of(motion, "end_s");
+    for (const Json& e : array_of(motion, "elements")) m.elements.push_back(element(e, view.motion));
+    m.readings = static_cast<std::size_t>(integer(member(motion, "readings"), "readings"));
+    m.warnings = strings_of(motion, "warnings");
+    m.missing = missing_from(array_of(motion, "missing"));
+    m.unchecked = strings_of(motion, "cannot_be_checked");
+    if (const Json& agrees = member(motion, "agrees_with_dwell"); !agrees.is_null()) view.e_n = real_of(agrees, "e_n");
+  }
+  return std::make_shared<const MotionView>(std::move(view));
+}
+
+std::optional<ModelVerdict> model_of(const Json& value) {
+  const auto found = value.find("model");
+  if (found == value.end() || found->is_null()) return std::nullopt;
+  ModelVerdict model;
+  model.verdict = named(string_of(*found, "verdict"), "verdict", Verdict::not_verified);
+  if (!member(*found, "consistent").is_null()) model.consistent = boolean_of(*found, "consistent");
+  model.asked = real_of(*found, "asked");
+  model.seen = real_of(*found, "seen");
+  model.U = real_of(*found, "U");
+  return model;
+}
+
 DwellView parse(const Json& value) {
   DwellView view;
   Dwell& d = view.dwell;
@@ -165,6 +137,8 @@ DwellView parse(const Json& value) {
   if (d.warnings.size() < d.doubts.size()) fail("warnings", "the doubts, repeated");
   d.warnings.erase(d.warnings.begin(), d.warnings.begin() + static_cast<std::ptrdiff_t>(d.doubts.size()));
   d.unstated = strings_of(value, "unstated");
+  view.transient = motion_of(value);
+  view.model = model_of(value);
   return view;
 }
 
@@ -174,7 +148,7 @@ tl::expected<DwellView, std::string> dwell_from_json(const Json& value) {
   try {
     return parse(value);
   } catch (const Mistake& mistake) {
-    return tl::unexpected(std::string(mistake.what()));
+    return tl::unexpected("dwell object: " + std::string(mistake.what()));
   }
 }
 

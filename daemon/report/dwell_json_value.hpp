@@ -18,7 +18,7 @@ enum class Detail : std::uint8_t { whole, moving };
 [[nodiscard]] Json json_value(const DwellView& view, Detail detail = Detail::whole);
 struct MotionView;
 // The object `motion`; null where there is none.
-[[nodiscard]] Json json_value(const MotionView& view);
+[[nodiscard]] Json json_value(const MotionView& view, Detail detail = Detail::whole);
 [[nodiscard]] tl::expected<DwellView, std::string> dwell_from_json(const Json& value);
 
 // Text of a document; indent < 0: one line. Bytes that are not UTF-8 are replaced, never thrown over.

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <optional>
 
+#include "daemon/report/coefficient_table.hpp"
+#include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -85,21 +87,6 @@ std::vector<std::string> source_cells(const std::vector<ElementEstimate>& elemen
     }
   }
   return cells;
-}
-
-void add_truth(Table& table, const std::vector<ElementEstimate>& elements, Coefficient ElementEstimate::*which,
-               const std::vector<double>& truth, const char* unit) {
-  std::vector<NumberText> values;
-  std::vector<std::string> deviations;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const double value = i < truth.size() ? truth[i] : kNaN;
-    const Coefficient& c = elements[i].*which;
-    const double deviation = elements[i].identifiable ? (c.value - value) / c.u : kNaN;
-    values.push_back(number_text(value, unit, 6));
-    deviations.push_back(std::isfinite(deviation) ? format("%+.1f u", deviation) : kNoNumber);
-  }
-  table.add("true", join_aligned(values), Align::left, true);
-  table.add("off by", std::move(deviations), Align::right, true);
 }
 
 // Paragraphs, each broken to the width with its further lines indented.
@@ -203,6 +190,7 @@ Section warning_section(const DwellView& view, const TextOptions& options) {
     const bool said = warning == "not settled: " + view.dwell.settling_reason;
     if (!said) texts.push_back("warning: " + warning);
   }
+  if (settled(view.dwell) && contradicts(view)) texts.push_back("warning: " + agreement_text(view));
   Section section = paragraphs(texts, options.columns, 2, Style::plain);
   section.name = kWarnings;
   return section;
@@ -232,6 +220,9 @@ Section verdict_section(const DwellView& view, const TextOptions& options) {
                                             : number_text(d.frequency_hz.value, "Hz", kProvisional + 1);
     texts.push_back("frequency  " + join(frequency) + (settled(d) ? "" : " so far"));
   }
+  if (const std::string text = agreement_text(view); settled(d) && !text.empty() && !contradicts(view))
+    texts.push_back("agreement  " + text);
+  if (view.model) texts.push_back("model      " + model_text(*view.model));
   return paragraphs(texts, options.columns, 11, options.age.empty() ? Style::plain : Style::old);
 }
 
@@ -349,6 +340,7 @@ std::vector<Section> dwell_sections(const DwellView& view, const TextOptions& op
   std::vector<Section> sections;
   sections.push_back(doubt_section(view, options));
   for (Section& section : element_sections(view, options, rest)) sections.push_back(std::move(section));
+  for (Section& section : transient_sections(view, options)) sections.push_back(std::move(section));
   sections.push_back(warning_section(view, options));
   sections.push_back(verdict_section(view, options));
   sections.push_back(phasor_section(view, options, rest));

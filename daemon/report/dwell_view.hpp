@@ -4,11 +4,14 @@
 // for people and the JSON are both made from it, so they cannot disagree.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/units.hpp"
 #include "core/result/dwell.hpp"
+#include "core/result/verification.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -25,11 +28,24 @@ struct ChannelLabel {
   std::string unit;  // SI, as in the JSON: "m/s2", "N*m"; of an auxiliary channel as in the rig file
 };
 
+struct MotionView;  // daemon/report/motion_report.hpp
+
+// What is known of a dwell's model, in short.
+struct ModelVerdict {
+  Verdict verdict = Verdict::not_verified;
+  std::optional<bool> consistent;
+  double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
+};
+
 struct DwellView {
   Motion motion = Motion::translation;
   std::vector<ChannelLabel> channels;  // one per Dwell::phasors
   RunInfo run;
   Dwell dwell;
+  // Of a live dwell: its coefficients from the transient, whose `reason` says why there are none; null: nothing is
+  // known of it.
+  std::shared_ptr<const MotionView> transient = nullptr;
+  std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell; none: its model has not been verified
 };
 
 // Units as the JSON writes them (ASCII).

@@ -15,11 +15,12 @@ namespace dwell {
 
 enum class Style : std::uint8_t {
   plain,
-  title,    // of a table
-  old,      // numbers that are no longer renewed
-  doubted,  // numbers that must not be relied on
-  alarm,    // what an operator must see first
-  hint,     // the keys
+  title,      // of a table
+  old,        // numbers that are no longer renewed
+  tentative,  // numbers that are no verdict
+  doubted,    // numbers that must not be relied on
+  alarm,      // what an operator must see first
+  hint,       // the keys
 };
 
 struct Line {

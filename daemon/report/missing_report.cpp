@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/wording.hpp"
+#include "daemon/report/json_reader.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell {
@@ -19,6 +20,21 @@ Json json_value(const std::vector<MissingTerm>& missing) {
                    {"or", term.or_else}});
   }
   return all;
+}
+
+std::vector<MissingTerm> missing_from(const Json& list) {
+  std::vector<MissingTerm> missing;
+  for (const Json& value : list) {
+    MissingTerm term;
+    term.what = json_reader::string_of(value, "what");
+    term.value = json_reader::real_of(value, "value");
+    term.u = json_reader::real_of(value, "u");
+    term.unit = json_reader::string_of(value, "unit");
+    term.gain = json_reader::real_of(value, "gain");
+    term.or_else = json_reader::strings_of(value, "or");
+    missing.push_back(std::move(term));
+  }
+  return missing;
 }
 
 std::string missing_text(const MissingTerm& term) {

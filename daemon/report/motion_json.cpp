@@ -7,14 +7,14 @@
 
 namespace dwell {
 
-Json json_value(const MotionView& view) {
+Json json_value(const MotionView& view, Detail detail) {
   const MotionEstimate& m = view.estimate;
   if (!m.reason.empty() && m.missing.empty()) return nullptr;
   Json object = {{"start_s", json_number(m.start_s)}, {"end_s", json_number(m.end_s)}};
   Json elements = Json::array();
-  for (const ElementEstimate& e : m.elements) elements.push_back(json_element(e, view.motion, Detail::whole));
+  for (const ElementEstimate& e : m.elements) elements.push_back(json_element(e, view.motion, detail));
   object["elements"] = std::move(elements);
-  object["covariance"] = json_square(m.covariance);
+  if (detail == Detail::whole) object["covariance"] = json_square(m.covariance);
   object["frequency_hz"] = nullptr;  // no steady drive is part of this model
   Json channels = Json::array();
   for (const MotionChannel& channel : m.channels) {
@@ -31,6 +31,10 @@ Json json_value(const MotionView& view) {
   object["cannot_be_checked"] = m.unchecked;
   object["agrees_with_dwell"] = std::isfinite(view.e_n) ? Json{{"e_n", view.e_n}} : Json(nullptr);
   object["readings"] = m.readings;
+  object["given"] = view.given == 0 ? Json(nullptr)
+                                    : Json{{"from_s", json_number(view.from_s)},
+                                           {"until_s", json_number(view.until_s)},
+                                           {"readings", view.given}};
   object["warnings"] = m.warnings;
   return object;
 }

@@ -3,7 +3,9 @@
 // Bound to one thread, not real-time: allocates.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "core/result/motion.hpp"
 #include "daemon/report/dwell_view.hpp"
@@ -16,6 +18,9 @@ struct MotionView {
   std::vector<ChannelLabel> channels;
   MotionEstimate estimate;
   double e_n = kNaN;
+  // Of a live dwell: stamps of the first and the last reading that the estimate was given, and how many there were.
+  double from_s = kNaN, until_s = kNaN;
+  std::size_t given = 0;
 };
 
 [[nodiscard]] MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "daemon/report/coefficient_table.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/missing_report.hpp"
 #include "daemon/report/motion_report.hpp"
@@ -9,18 +10,6 @@
 namespace dwell {
 namespace {
 
-std::vector<std::string> cells(const std::vector<ElementEstimate>& elements, Coefficient ElementEstimate::*which,
-                               const char* unit) {
-  std::vector<NumberText> numbers;
-  for (const ElementEstimate& e : elements)
-    numbers.push_back(e.identifiable ? number_text((e.*which).value, (e.*which).U95, unit)
-                                     : NumberText{kNoNumber, "", ""});
-  std::vector<std::string> out = join_aligned(numbers);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    if (elements[i].identifiable && !(elements[i].*which).significant) out[i] += " n.s.";
-  return out;
-}
-
 std::string e_n_text(double e_n) {
   return "the dwell's coefficients " + std::string(e_n > 1 ? "contradict" : "agree with") +
          " these: largest difference over its U is " + join(number_text(e_n, "", 2));
@@ -29,7 +18,7 @@ std::string e_n_text(double e_n) {
 }  // namespace
 
 MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig) {
-  return {rig.motion, channel_labels(rig), estimate, e_n};
+  return {rig.motion, channel_labels(rig), estimate, e_n, kNaN, kNaN, 0};
 }
 
 std::string motion_text(const MotionView& view) {
@@ -43,8 +32,8 @@ std::string motion_text(const MotionView& view) {
   std::vector<std::string> numbers;
   for (const ElementEstimate& e : m.elements) numbers.push_back(std::to_string(e.k));
   table.add("element", numbers, Align::right);
-  table.add("stiffness", cells(m.elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
-  table.add("damping", cells(m.elements, &ElementEstimate::damping, damping_unit(view.motion)));
+  table.add("stiffness", coefficient_cells(m.elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
+  table.add("damping", coefficient_cells(m.elements, &ElementEstimate::damping, damping_unit(view.motion)));
   text += table.text();
   for (const ElementEstimate& e : m.elements)
     if (!e.identifiable)

@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "core/base/wording.hpp"
-#include "daemon/report/dwell_view.hpp"
 #include "daemon/report/missing_report.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
@@ -19,11 +18,11 @@ std::string paragraph(const std::string& head, const std::string& text) {
   return pad_right(head, 12) + printable(text) + "\n";
 }
 
-Table channel_table(const Verification& v, const Rig& rig) {
-  const std::vector<ChannelLabel> labels = channel_labels(rig);
+Table channel_table(const VerificationView& view) {
+  const Verification& v = view.verification;
   std::vector<std::string> names, verdicts, rms, errors, U, as_is, noise, beyond, e_n, fit, magnitude, phase;
   for (const ChannelComparison& c : v.channels) {
-    const ChannelLabel& label = labels[static_cast<std::size_t>(c.channel)];
+    const ChannelLabel& label = view.channels[static_cast<std::size_t>(c.channel)];
     names.push_back(label.name);
     verdicts.emplace_back(to_string(c.verdict));
     rms.push_back(join(number_text(c.rms, label.unit, 3)));
@@ -55,8 +54,13 @@ Table channel_table(const Verification& v, const Rig& rig) {
 
 }  // namespace
 
-std::string verification_text(const Verification& v, const Rig& rig, const Dwell& dwell) {
-  std::string text = "rig " + printable(rig.name) + "\n\n";
+VerificationView make_view(const Verification& verification, const Rig& rig, const Dwell& dwell) {
+  return {rig.name, channel_labels(rig), dwell.index, verification};
+}
+
+std::string verification_text(const VerificationView& view) {
+  const Verification& v = view.verification;
+  std::string text = view.rig.empty() ? "" : "rig " + printable(view.rig) + "\n\n";
   text += paragraph("verdict", std::string(to_string(v.verdict)) + " for predictions within " + percent(v.accuracy) +
                                    " of each channel's rms" +
                                    (std::isfinite(v.seen) ? "; seen " + part(v.seen) + " ± " + part(v.U) : ""));
@@ -67,12 +71,12 @@ std::string verification_text(const Verification& v, const Rig& rig, const Dwell
     text += paragraph("statistics", "squares left over those of noise and stated uncertainties: " + brief(v.chi2, 3) +
                                         "; as much by chance: p = " + brief(v.p, 2));
   for (const std::string& evidence : v.evidence)
-    text += paragraph("evidence", (dwell.index ? "dwell " + std::to_string(*dwell.index) + ", " : "") + evidence);
+    text += paragraph("evidence", (view.dwell ? "dwell " + std::to_string(*view.dwell) + ", " : "") + evidence);
   for (const std::string& reason : v.reasons) text += paragraph("reason", reason);
   for (const MissingTerm& term : v.missing) text += paragraph("missing", missing_text(term));
   for (const std::string& what : v.cannot_be_checked) text += paragraph("unchecked", what + ": cannot be checked here");
   if (v.channels.empty()) return text;
-  text += "\n" + channel_table(v, rig).text();
+  text += "\n" + channel_table(view).text();
   text +=
       "off by: rms of predicted minus measured; it, U, noise and what the steady phasors do not give (unsteady)\n"
       "are parts of the channel's rms. U is the expanded uncertainty (k = 2); as is: with the coefficients taken as "

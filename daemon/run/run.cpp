@@ -24,10 +24,11 @@ std::string iso_utc(std::int64_t utc_ns) {
   return text;
 }
 
-EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges) {
+EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges, std::shared_ptr<LongWork> work) {
   EstimatorOptions options;
   options.hold_back_ns = hold_back_ns(file);
   options.gpio = edges;
+  options.long_work = std::move(work);
   return options;
 }
 
@@ -36,11 +37,19 @@ EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges) {
 Run::Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
          std::function<void()> wake)
     : info_{file.sha256, kVersion, {}},
-      estimator_(file.rig, std::move(devices), options_for(file, edges), log, std::move(wake), raw_now_ns()) {}
+      long_work_(std::make_shared<LongWork>(file.rig, file.verification.accuracy)),
+      estimator_(file.rig, std::move(devices), options_for(file, edges, long_work_), log, std::move(wake),
+                 raw_now_ns()) {}
 
-void Run::start() { thread_.emplace(estimator_); }
+void Run::start() {
+  thread_.emplace(estimator_);
+  long_thread_.emplace(long_work_);
+}
 
-void Run::end() { thread_.reset(); }
+void Run::end() {
+  long_thread_.reset();  // first: what the end of the run brings about is not computed any more
+  thread_.reset();
+}
 
 bool Run::refresh() {
   const bool newer = estimator_.refresh();

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "config/rig_file.hpp"
 #include "daemon/estimate/estimation_thread.hpp"
 #include "daemon/estimate/estimator.hpp"
+#include "daemon/estimate/long_work.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -40,8 +42,10 @@ class Run {
 
  private:
   RunInfo info_;
+  const std::shared_ptr<LongWork> long_work_;  // shared by the two threads
   Estimator estimator_;
   std::optional<EstimationThread> thread_;
+  std::optional<LongWorkThread> long_thread_;
 };
 
 }  // namespace dwell

@@ -8,6 +8,7 @@
 
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/verification_json.hpp"
 
 namespace dwell {
 namespace {
@@ -225,6 +226,18 @@ HttpReply dwell_answer(const ServiceView& view, std::string_view index_text) {
   return http_error(404, which + " has not been measured");
 }
 
+// The newest verification of the run, or why there is none.
+HttpReply verification_answer(const ServiceView& view) {
+  if (const auto& newest = view.snapshot.verified)
+    return {200, dump(json_value(newest->verification, view.rig, newest->dwell))};
+  Verification none;
+  none.accuracy = view.accuracy;
+  none.reasons = {"no dwell of this run has settled yet: a model is verified on the transient before its data"};
+  if (std::isfinite(view.snapshot.dwell.settled_s))
+    none.reasons = {"the dwell has just settled: its model is being verified"};
+  return {200, dump(json_value(none, view.rig, {}))};
+}
+
 std::string control_error(std::string_view reason) { return dump(Json{{"error", reason}}); }
 
 // Per channel what an operator wants to see before a run: does it deliver, how fast, and how well are its instants
@@ -251,7 +264,7 @@ std::string check_answer(const ServiceView& view) {
 
 }  // namespace
 
-std::string dwell_text_json(const ServiceView& view) { return to_json(view.snapshot.dwell, view.rig, view.run); }
+std::string dwell_text_json(const ServiceView& view) { return to_json(live_dwell(view)); }
 
 HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query) {
   if (path == "/api/v1/dwell") return {200, dwell_text_json(view)};
@@ -259,11 +272,12 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   constexpr std::string_view kOne = "/api/v1/dwells/";
   if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
+  if (path == "/api/v1/verification") return verification_answer(view);
   if (path == "/api/v1/health")
     return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
   return http_error(404,
                     "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
-                    "/api/v1/channels, /api/v1/health and /api/v1/stream");
+                    "/api/v1/channels, /api/v1/verification, /api/v1/health and /api/v1/stream");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const std::function<bool()>& rearm) {

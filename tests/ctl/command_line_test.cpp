@@ -14,6 +14,7 @@
 
 #include "config/rig_file.hpp"
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/verification_json.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
 #include "tests/ctl/temporary.hpp"
@@ -91,6 +92,9 @@ TEST(CommandLine, WrongUsageIsExitCode2) {
                                                 {"dance"},
                                                 {"status", "--nonsense"},
                                                 {"identify"},
+                                                {"verify", "--rig", "rig.toml"},
+                                                {"verify", "start.csv"},
+                                                {"verify", "--dwell", "1"},
                                                 {"watch", "--interval", "no"},
                                                 {"status", "--url", "nowhere"},
                                                 {"watch", "--truth", "/nonexistent"}}) {
@@ -117,7 +121,7 @@ TEST(CommandLine, AServiceThatIsNotThereIsExitCode3) {
     const ScriptedServer server({});
     address = server.url();
   }
-  for (const char* verb : {"status", "watch", "channels", "dwells"}) {
+  for (const char* verb : {"status", "watch", "channels", "dwells", "verify"}) {
     const Outcome outcome = run({verb, "--url", address});
     EXPECT_EQ(outcome.code, 3) << verb;
     EXPECT_EQ(outcome.err, "dwellctl: " + address + ": Connection refused\n") << verb;
@@ -126,6 +130,24 @@ TEST(CommandLine, AServiceThatIsNotThereIsExitCode3) {
   const Outcome check = run({"check", "--control", "/nonexistent/control"});
   EXPECT_EQ(check.code, 3);
   EXPECT_NE(check.err.find("dwellctl check --rig FILE"), std::string::npos) << check.err;
+}
+
+TEST(CommandLine, VerifyWithoutARecordingAsksTheService) {
+  Verification v = test::sample_verification();
+  const std::string adequate = dump(json_value(v, test::sample_rig(), test::sample_dwell()));
+  v.verdict = Verdict::not_verified;
+  const std::string unverified = dump(json_value(v, test::sample_rig(), test::sample_dwell()));
+  ScriptedServer server({Reply{http_reply(200, adequate)}, Reply{http_reply(200, adequate)},
+                         Reply{http_reply(200, unverified)}, Reply{http_reply(200, "{}")}});
+  const Outcome text = run({"verify", "--url", server.url()});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find("verdict     adequate for predictions within 5 %"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("evidence    dwell 1, transient from 0.20 s to 6.42 s"), std::string::npos) << text.out;
+  const Outcome json = run({"verify", "--json", "--url", server.url()});
+  EXPECT_EQ(json.code, 0);
+  EXPECT_EQ(Json::parse(json.out), Json::parse(adequate));
+  EXPECT_EQ(run({"verify", "--url", server.url()}).code, 1);
+  EXPECT_EQ(run({"verify", "--url", server.url()}).code, 3) << "what answers is not the service";
 }
 
 TEST(CommandLine, StatusIsOneScreenAndNoUnlessMeasuring) {
@@ -214,6 +236,31 @@ TEST(CommandLine, WatchAppendsWhereThereIsNoTerminalAndComesBackAfterARestart) {
   EXPECT_NE(outcome.out.find("connected again"), std::string::npos);
   EXPECT_NE(outcome.out.find("24.6 s of data"), std::string::npos);
   EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << "no terminal, no control sequences";
+}
+
+TEST(CommandLine, WatchAppendsEachEstimateFromTheTransientOnce) {
+  DwellView next = test::settling_view();
+  auto longer = std::make_shared<MotionView>(*next.transient);
+  longer->estimate.end_s += 1.6;
+  next.transient = longer;
+  DwellView none = next;
+  auto refused = std::make_shared<MotionView>();
+  refused->estimate.reason = "too few readings: 30";
+  none.transient = refused;
+  const std::string first = dwell_event(to_json(test::settling_view())), second = dwell_event(to_json(next)),
+                    third = dwell_event(to_json(none));
+  ScriptedServer server({Reply{
+      test::stream_header() + first + first + second + second + third + third + dwell_event(sample_text()), true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--interval", "3600", "--until", "20"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto times = [&outcome](const std::string& text) {
+    int count = 0;
+    for (auto at = outcome.out.find(text); at != std::string::npos; at = outcome.out.find(text, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("from the transient, 40.0 to 43.2 s"), 1) << outcome.out;
+  EXPECT_EQ(times("from the transient, 40.0 to 44.8 s"), 1);
+  EXPECT_EQ(times("from the transient: no coefficients"), 1);
 }
 
 TEST(CommandLine, WatchEndsWithCtrlC) {

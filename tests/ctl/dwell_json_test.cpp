@@ -24,7 +24,7 @@ Json sample_json() { return json_value(make_view(test::sample_dwell(), test::sam
 using Names = std::vector<std::string>;
 
 // The names are the interface's; `settling_reason`, `memory_time_predicted_s`, `u_relative_phase_rad`, `sigma`,
-// `samples`, `valid`, `doubts`, `unstated` extend it.
+// `samples`, `valid`, `doubts`, `unstated`, `motion_reason`, `model` extend it.
 TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   const Json dwell = sample_json();
   EXPECT_EQ(names_of(dwell), (Names{"index",        "state",           "start_s",
@@ -33,7 +33,8 @@ TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
                                     "settles_in_s", "settling_reason", "rig_sha256",
                                     "version",      "frequency_hz",    "t_ref_s",
                                     "phasors",      "elements",        "covariance",
-                                    "warnings",     "doubts",          "unstated"}));
+                                    "warnings",     "doubts",          "unstated",
+                                    "motion",       "motion_reason",   "model"}));
   EXPECT_EQ(names_of(dwell["frequency_hz"]), (Names{"value", "u"}));
   EXPECT_EQ(names_of(dwell["phasors"][0]),
             (Names{"channel", "unit", "amplitude", "phase_rad", "u_amplitude", "u_phase_rad", "u_relative_phase_rad",

@@ -1,5 +1,7 @@
 #include "tests/ctl/sample_dwell.hpp"
 
+#include <memory>
+
 namespace dwell::test {
 
 Rig sample_rig() {
@@ -92,6 +94,69 @@ Dwell settling_dwell() {
   d.phasors.resize(4);
   for (ChannelPhasor& p : d.phasors) p.reason = "too few samples";
   return d;
+}
+
+MotionEstimate sample_motion() {
+  MotionEstimate m;
+  m.start_s = 40.0;
+  m.end_s = 43.2;
+  m.elements = sample_dwell().elements;
+  m.elements[0].stiffness = {24100.0, 300.0, 400.0, 590.0, true};
+  m.elements[0].damping = {58.0, 4.0, 400.0, 7.9, true};
+  m.elements[0].budget = {{"noise", 0.7, 0.9}, {"scale of y1", 0.3, 0.1}};
+  m.elements[1].reason = "the readings do not determine it";
+  m.covariance = sample_dwell().covariance;
+  m.u_of_noise = {300.0, 4.0, kNaN, kNaN, 99.6, 0.4};
+  m.channels = {{0, 1e-6, 1.02, 0.4, 0.001}, {1, 2e-3, 0.98, 0.2, 0.0}};
+  m.readings = 2175;
+  m.warnings = {"what the chain leaves of y2 is not white: uncertainties are widened"};
+  return m;
+}
+
+DwellView settling_view() {
+  DwellView view = make_view(settling_dwell(), sample_rig(), sample_run());
+  auto beside = std::make_shared<MotionView>(make_view(sample_motion(), kNaN, sample_rig()));
+  beside->from_s = 39.25;
+  beside->until_s = 43.2;
+  beside->given = 2310;
+  view.transient = beside;
+  return view;
+}
+
+DwellView measured_view(double e_n) {
+  DwellView view = make_view(sample_dwell(), sample_rig(), sample_run());
+  auto beside = std::make_shared<MotionView>(*settling_view().transient);
+  beside->e_n = e_n;
+  view.transient = beside;
+  view.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.012, 0.008};
+  return view;
+}
+
+Verification sample_verification() {
+  Verification v;
+  v.verdict = Verdict::adequate;
+  v.consistent = true;
+  v.e_n = 0.7;
+  v.chi2 = 1.1;
+  v.p = 0.3;
+  v.accuracy = 0.05;
+  v.seen = 0.012;
+  v.U = 0.008;
+  ChannelComparison channel;
+  channel.channel = 1;
+  channel.verdict = Verdict::adequate;
+  channel.samples = 1200;
+  channel.rms = 2.5;
+  channel.error = 0.012;
+  channel.U = 0.008;
+  channel.noise = 0.002;
+  channel.beyond_steady = 0.3;
+  channel.e_n = 0.7;
+  channel.fit_percent = 98.8;
+  channel.sprague_geers = {0.01, 0.004, 0.011};
+  v.channels = {channel};
+  v.evidence = {"transient from 0.20 s to 6.42 s"};
+  return v;
 }
 
 }  // namespace dwell::test

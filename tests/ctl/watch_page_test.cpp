@@ -456,5 +456,29 @@ TEST(AgeText, IsAsPeopleSayIt) {
   EXPECT_EQ(age_text(-1.0), "0.0 s");
 }
 
+// What comes of the transient stands on the first page, in looks of its own, and is old when all else is.
+TEST(WatchPage, ShowsTheCoefficientsOfTheTransientAboveTheSettlingNotice) {
+  const WatchState state = watched(test::settling_view());
+  const Page page = at(state, {}, {24, 80});
+  const auto title = std::find_if(page.lines.begin(), page.lines.end(),
+                                  [](const Line& line) { return line.text.rfind("from the transient", 0) == 0; });
+  ASSERT_NE(title, page.lines.end()) << text_of(page);
+  EXPECT_EQ(title->text, "from the transient, 40.0 to 43.2 s, an estimate before the verdict:");
+  EXPECT_EQ(title->style, Style::tentative);
+  EXPECT_EQ((title + 2)->style, Style::tentative);
+  EXPECT_LT(text_of(page).find("from the transient"), text_of(page).find("settled    no"));
+  const Page old = at(state, {}, {24, 80}, 100.0 + 60.0);
+  for (const Line& line : old.lines) EXPECT_NE(line.style, Style::tentative) << line.text;
+}
+
+TEST(WatchPage, CountsAContradictionAmongTheWarnings) {
+  DwellView view = test::measured_view(3.0);
+  auto beside = std::make_shared<MotionView>(*view.transient);
+  beside->estimate.elements[0].stiffness.value += 1200.0;
+  view.transient = beside;
+  EXPECT_NE(text_of(at(watched(view), {}, {40, 120})).find("2 warnings"), std::string::npos)
+      << text_of(at(watched(view), {}, {40, 120}));
+}
+
 }  // namespace
 }  // namespace dwell::ctl

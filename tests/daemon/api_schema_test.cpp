@@ -46,6 +46,17 @@ struct ApiSchemaTest : testing::Test {
     list->push_back(std::make_shared<const Dwell>(finished));
     snapshot.dwell.index = 2;
     snapshot.finished = list;
+    auto transient = std::make_shared<TransientEstimate>();
+    transient->estimate = test::sample_motion();
+    transient->from_s = 39.25;
+    transient->until_s = 43.2;
+    transient->given = 2310;
+    snapshot.transient = transient;
+    snapshot.transient_e_n = 0.4;
+    auto verified = std::make_shared<VerifiedDwell>();
+    verified->dwell = snapshot.dwell;
+    verified->verification = test::sample_verification();
+    snapshot.verified = verified;
   }
   [[nodiscard]] ServiceView view() const {
     ServiceView now{rig, run, snapshot};
@@ -64,6 +75,7 @@ struct ApiSchemaTest : testing::Test {
     EXPECT_EQ(schema.faults_of_text("dwell", get("/api/v1/dwell")), "");
     EXPECT_EQ(schema.faults_of_text("dwells", get("/api/v1/dwells")), "");
     EXPECT_EQ(schema.faults_of_text("channels", get("/api/v1/channels")), "");
+    EXPECT_EQ(schema.faults_of_text("verification", get("/api/v1/verification")), "");
     EXPECT_EQ(schema.faults_of_text("health", get("/api/v1/health")), "");
     EXPECT_EQ(schema.faults_of_text("status", control(R"({"verb":"status"})")), "");
     EXPECT_EQ(schema.faults_of_text("check", control(R"({"verb":"check"})")), "");
@@ -97,18 +109,31 @@ TEST_F(ApiSchemaTest, IsMetWhereNothingIsKnownYet) {
   expect_all();
   snapshot.dwell = test::settling_dwell();
   expect_all();
+  auto none = std::make_shared<TransientEstimate>();
+  none->estimate.reason = "too few readings: 30";
+  snapshot.transient = none;
+  expect_all();
 }
 
 TEST_F(ApiSchemaTest, IsMetByWhatALiveStreamIsTold) {
   DwellStream stream;
-  EXPECT_EQ(schema.faults_of_text("dwell", stream.next(make_view(snapshot.dwell, rig, run), 0).data), "");
+  EXPECT_EQ(schema.faults_of_text("dwell", stream.next(live_dwell(view()), 0).data), "");
   snapshot.dwell.end_s += 0.1;
   snapshot.dwell.frequency_hz.u *= 0.9;
   snapshot.dwell.phasors[0].u_amplitude *= 0.9;
   snapshot.dwell.elements[0].stiffness.value += 1.0;
   snapshot.dwell.elements[0].deformation.u *= 0.9;
   snapshot.dwell.elements[1].deformation.u *= 0.9;
-  const DwellStream::Event event = stream.next(make_view(snapshot.dwell, rig, run), 1);
+  auto moved = std::make_shared<TransientEstimate>(*snapshot.transient);
+  moved->estimate.elements[0].stiffness.value += 1.0;
+  moved->estimate.end_s += 1.0;
+  moved->until_s += 1.0;
+  snapshot.transient = moved;
+  snapshot.transient_e_n = 0.5;
+  auto verified = std::make_shared<VerifiedDwell>(*snapshot.verified);
+  verified->verification.seen = 0.013;
+  snapshot.verified = verified;
+  const DwellStream::Event event = stream.next(live_dwell(view()), 1);
   EXPECT_STREQ(event.name, "change");
   EXPECT_EQ(schema.faults_of_text("change", event.data), "");
 }

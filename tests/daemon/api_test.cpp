@@ -194,6 +194,34 @@ TEST_F(ApiTest, OneDwellIsHadByItsIndex) {
   EXPECT_EQ(refused("/api/v1/dwells/1"), "dwell 1 is no longer kept; the oldest that is has the index 2");
 }
 
+TEST_F(ApiTest, TheCurrentDwellHasItsTransientBesideItAndTheModelsVerdict) {
+  EXPECT_TRUE(get("/api/v1/dwell")["motion"].is_null());
+  EXPECT_TRUE(get("/api/v1/dwell")["model"].is_null());
+  snapshot.dwell.index = 2;
+  auto transient = std::make_shared<TransientEstimate>();
+  transient->estimate.reason = "too few readings: 30";
+  snapshot.transient = transient;
+  EXPECT_TRUE(get("/api/v1/dwell")["motion"].is_null());
+  EXPECT_EQ(get("/api/v1/dwell")["motion_reason"], "too few readings: 30");
+  auto verified = std::make_shared<VerifiedDwell>();
+  verified->dwell.index = 1;
+  verified->verification.verdict = Verdict::adequate;
+  snapshot.verified = verified;
+  EXPECT_TRUE(get("/api/v1/dwell")["model"].is_null()) << "of another dwell";
+  snapshot.dwell.index = 1;
+  EXPECT_EQ(get("/api/v1/dwell")["model"]["verdict"], "adequate");
+}
+
+TEST_F(ApiTest, BeforeThereIsAVerificationItSaysWhy) {
+  Json answer = get("/api/v1/verification");
+  EXPECT_EQ(answer["verdict"], "not verified yet");
+  EXPECT_TRUE(answer["dwell"].is_null());
+  EXPECT_EQ(answer["accuracy"]["asked"], 0.05);
+  EXPECT_NE(answer["reasons"][0].get<std::string>().find("no dwell of this run has settled yet"), std::string::npos);
+  snapshot.dwell.settled_s = 3.0;
+  EXPECT_NE(get("/api/v1/verification")["reasons"][0].get<std::string>().find("being verified"), std::string::npos);
+}
+
 TEST_F(ApiTest, HealthTellsOfLinesOfTheLogThatAreLost) {
   snapshot.channels[0].fault = Fault::none;
   ServiceView now = view();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "daemon/acquire/plugin.hpp"
@@ -89,6 +90,39 @@ TEST_F(ServiceTest, MeasuresARigOverModbusWithinItsOwnUncertainty) {
   const test::ApiSchema schema;
   for (const char* name : {"dwell", "dwells", "channels", "health"})
     EXPECT_EQ(schema.faults(name, get_json(port, std::string("/api/v1/") + name)), "");
+}
+
+// The harmonic verdict of this rig takes a minute; its transient tells the chain in seconds, on the thread for long
+// work.
+TEST_F(ServiceTest, ShowsCoefficientsFromTheTransientLongBeforeTheVerdict) {
+  rigsim::Options options = test::clamped_rig();
+  for (double& damping : options.chain.damping) damping *= 0.03;
+  auto started = rigsim::Server::start(options);
+  ASSERT_TRUE(started) << started.error();
+  rig = std::move(*started);
+  start_service(rig->tcp_port());
+  EXPECT_EQ(get_json(port, "/api/v1/verification")["verdict"], "not verified yet");
+  const json dwell = await(port, "/api/v1/dwell", [](const json& now) { return now["motion"].is_object(); });
+  EXPECT_EQ(dwell["state"], "settling");
+  EXPECT_TRUE(dwell["elements"].empty());
+  EXPECT_EQ(test::ApiSchema().faults("dwell", dwell), "");
+  ASSERT_EQ(dwell["motion"]["elements"].size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const json& element = dwell["motion"]["elements"][k];
+    if (!element["identifiable"].get<bool>()) continue;  // on a slow machine the first stretch may not determine it
+    EXPECT_NEAR(element["stiffness"]["value"].get<double>(), options.chain.stiffness[k],
+                std::max(0.02 * options.chain.stiffness[k], 4.0 * element["stiffness"]["u"].get<double>()));
+  }
+}
+
+TEST_F(ServiceTest, VerifiesTheModelOfWhatItMeasures) {
+  start_rig();
+  start_service(rig->tcp_port());
+  const json seen = await(port, "/api/v1/verification", [](const json& now) { return now["dwell"] == 1; });
+  EXPECT_EQ(test::ApiSchema().faults("verification", seen), "");
+  EXPECT_NE(seen["verdict"], "not adequate") << seen.dump(1);
+  const json dwell = await(port, "/api/v1/dwell", [](const json& now) { return now["model"].is_object(); });
+  EXPECT_EQ(dwell["model"]["asked"], 0.05);
 }
 
 TEST_F(ServiceTest, ARigThatGoesAndComesBackIsAStateNotAFailure) {

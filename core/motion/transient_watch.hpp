@@ -1,0 +1,95 @@
+// Coefficients while a dwell settles: when they are estimated from its transient, and from which readings.
+//
+// A stretch begins a little before the hold does. Its readings are estimated by estimate_motion() as soon as they cover
+// two periods of the drive, and again each time they have become half as many more. So all estimates of a stretch
+// together cost three times the last one, however long the rig takes to settle. An idle rig costs nothing.
+//
+//   waiting ──> gathering <──> estimating
+//      ^            │ ^            │
+//      │  settled   v │ taken back v  settled
+//      └─────────  taken over
+//
+// waiting: no dwell is on. gathering: the stretch grows. estimating: it grows while a job is out. taken over: the dwell
+// has settled; the newest estimate stays, for comparison. Another dwell begins the next stretch, and drops the
+// estimate. So does, within a dwell, a drive that was steady for some periods and then left its hold; the estimate
+// stays until there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with its
+// stretch.
+//
+// This class decides and remembers; it does not estimate. Whoever owns it runs the jobs, on another thread or by hand.
+// Virtual time; the same records and the same calls give the same jobs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/motion/hold_record.hpp"
+#include "core/result/dwell.hpp"
+#include "core/result/motion.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/record.hpp"
+
+namespace dwell {
+
+// An estimate with the readings that it was made from: `identify --method motion` on a recording that holds just these
+// gives it again.
+struct TransientEstimate {
+  MotionEstimate estimate;
+  double from_s = kNaN, until_s = kNaN;  // stamps of the first and the last reading given, on the run's axis
+  std::size_t given = 0;                 // readings
+};
+
+// Work for whoever has time: run(), then TransientWatch::take_back(). Owns all it needs; may go to another thread.
+struct TransientJob {
+  std::uint64_t stretch = 0;
+  std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came
+  TransientEstimate result;
+
+  // Takes seconds; allocates. The rig must be the watch's.
+  void run(const Rig& rig);
+};
+
+// Bound to one thread.
+class TransientWatch {
+ public:
+  enum class Phase : std::uint8_t { waiting, gathering, estimating, taken_over };
+
+  // Everything that is kept of the stream is allocated here: 24 bytes for each reading that an estimate takes.
+  explicit TransientWatch(const Rig& rig);
+
+  // A record of the stream, its instant on the run's axis. Real-time safe.
+  void take(const Record& record, std::int64_t t_ns) noexcept;
+  // The dwell as it stands now. A few times a second.
+  void follow(const Dwell& now);
+
+  // Whether a job is to be done now; at most one is out at a time.
+  [[nodiscard]] bool due() const noexcept;
+  // Copies the readings. Only if due(). Allocates; a millisecond at most.
+  [[nodiscard]] TransientJob hand_over();
+  void take_back(TransientJob job);
+
+  [[nodiscard]] Phase phase() const noexcept { return phase_; }
+  // Of the dwell that is on; null: there is none yet. Never changed once handed out.
+  [[nodiscard]] const std::shared_ptr<const TransientEstimate>& newest() const noexcept { return newest_; }
+
+ private:
+  void wait();
+  void begin(const Dwell& now);
+
+  std::vector<bool> counts_;  // by Rig::channels: all but auxiliary ones
+  double period_s_;           // of the nominal drive
+  HoldRecord record_;
+  Phase phase_ = Phase::waiting;
+  std::optional<int> dwell_;  // index of the dwell that is on
+  double start_s_ = kNaN;     // when the stretch's first hold began …
+  double hold_s_ = kNaN;      // … and its newest
+  double now_s_ = kNaN;       // of the newest reading
+  std::uint64_t stretch_ = 0;
+  std::size_t handed_ = 0;  // readings of the stretch that were handed over last
+  bool out_ = false;        // a job is
+  std::shared_ptr<const TransientEstimate> newest_;
+};
+
+}  // namespace dwell

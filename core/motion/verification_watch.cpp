@@ -1,0 +1,90 @@
+#include "core/motion/verification_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/instants.hpp"
+#include "core/motion/verification.hpp"
+
+namespace dwell {
+namespace {
+
+// Readings of all channels together: what verify_transient() takes at most, and what comes before a hold.
+constexpr std::size_t kMost = 64'000;
+// Periods of the nominal drive before the hold that belong to the evidence: it begins a period of the slowest natural
+// oscillation before, which may be as slow as this.
+constexpr double kBefore = 10.0;
+// From one verification to the next the dwell's data grow by this factor: an hour of dwell is verified a dozen times.
+constexpr double kGrowth = 2.0;
+
+}  // namespace
+
+void VerificationJob::run(const Rig& rig, double accuracy) {
+  std::vector<ChannelReadings> before(rig.channels.size());
+  for (const HoldRecord::Reading& reading : *evidence) {
+    ChannelReadings& channel = before[static_cast<std::size_t>(reading.channel)];
+    channel.t_ns.push_back(reading.t_ns);
+    channel.value.push_back(reading.value);
+  }
+  result.verification = verify_transient(rig, result.dwell, before, accuracy);
+}
+
+VerificationWatch::VerificationWatch(const Rig& rig) : period_s_(1.0 / rig.excitation.frequency_hz), record_(kMost) {}
+
+void VerificationWatch::take(const SampleHistory& history, std::int64_t origin_ns) noexcept {
+  for (next_ = std::max(next_, history.begin()); next_ < history.end(); ++next_) {
+    const SampleHistory::Sample& sample = history[next_];
+    record_.push({sample.t_ns - origin_ns, sample.value, sample.channel});
+  }
+}
+
+void VerificationWatch::follow(const Dwell& now) {
+  const bool on = now.index && (now.state == State::settling || now.state == State::measuring);
+  if (!on) {
+    if (now_.dwell) {
+      before_ = std::exchange(now_, {});
+      record_.roll();
+    }
+    return;
+  }
+  if (now.index != now_.dwell || now.start_s != now_.start_s) {
+    if (now_.dwell && now.index != now_.dwell) before_ = now_;
+    now_ = {now.index, now.start_s, nullptr, 0.0};
+    record_.begin(to_ns(now.start_s - kBefore * period_s_));
+  }
+  if (!std::isfinite(now.settled_s)) {
+    // Never settled, or the verdict was taken back: the evidence goes on.
+    if (now_.evidence && record_.resume()) now_.evidence.reset();
+    return;
+  }
+  if (!now_.evidence) {
+    now_.evidence = std::make_shared<const std::vector<HoldRecord::Reading>>(record_.readings());
+    now_.verified_s = 0.0;
+    record_.roll();
+  }
+  const double length_s = now.end_s - now.settled_s;
+  if (now.elements.empty() || waiting_ || !(length_s >= kGrowth * now_.verified_s)) return;
+  now_.verified_s = length_s;
+  waiting_ = VerificationJob{now_.evidence, {now, {}}};
+}
+
+void VerificationWatch::ended(const Dwell& dwell) {
+  const Hold& of = dwell.index == now_.dwell ? now_ : before_;
+  if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s))
+    waiting_ = VerificationJob{of.evidence, {dwell, {}}};  // says more than one that still waits
+}
+
+VerificationJob VerificationWatch::hand_over() {
+  VerificationJob job = std::move(*waiting_);
+  waiting_.reset();
+  out_ = true;
+  return job;
+}
+
+void VerificationWatch::take_back(VerificationJob job) {
+  out_ = false;
+  newest_ = std::make_shared<const VerifiedDwell>(std::move(job.result));
+}
+
+}  // namespace dwell

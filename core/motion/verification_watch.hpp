@@ -1,0 +1,81 @@
+// A dwell's model put to the test while the dwell is on: when verify_transient() is asked, and with which readings.
+//
+// The readings that count are kept from a little before the hold begins until the dwell has settled. Then they are the
+// evidence: it no longer changes, for the coefficients come from later data. The model is verified when the dwell has
+// settled, each time its data have become twice as long (its coefficients are better known then), and when it ends.
+//
+// This class decides and remembers; it does not verify. Whoever owns it runs the jobs, on another thread or by hand.
+// Virtual time; the same calls give the same jobs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/motion/hold_record.hpp"
+#include "core/result/dwell.hpp"
+#include "core/result/verification.hpp"
+#include "core/rig/rig.hpp"
+#include "core/stream/sample_history.hpp"
+
+namespace dwell {
+
+struct VerifiedDwell {
+  Dwell dwell;  // as it stood, with the coefficients that were verified
+  Verification verification;
+};
+
+// Work for whoever has time: run(), then VerificationWatch::take_back(). May go to another thread; shares the evidence,
+// which nobody changes.
+struct VerificationJob {
+  std::shared_ptr<const std::vector<HoldRecord::Reading>> evidence;  // SI, on the run's axis
+  VerifiedDwell result;                                              // its dwell is given
+
+  // accuracy: as verify_transient(). Takes seconds; allocates. The rig must be the watch's.
+  void run(const Rig& rig, double accuracy);
+};
+
+// Bound to one thread.
+class VerificationWatch {
+ public:
+  // Everything that is kept of the stream is allocated here: 24 bytes for each reading that a verification takes.
+  explicit VerificationWatch(const Rig& rig);
+
+  // The readings that have come since the last call. origin_ns: of the run's axis, on the history's. Real-time safe;
+  // O(new readings).
+  void take(const SampleHistory& history, std::int64_t origin_ns) noexcept;
+  // The dwell as it stands now. A few times a second; where it settles, copies the evidence: a millisecond at most.
+  void follow(const Dwell& now);
+  // A dwell has ended.
+  void ended(const Dwell& dwell);
+
+  // Whether a job is to be done now; at most one is out at a time.
+  [[nodiscard]] bool due() const noexcept { return !out_ && waiting_.has_value(); }
+  // Only if due().
+  [[nodiscard]] VerificationJob hand_over();
+  void take_back(VerificationJob job);
+
+  // Of the dwell that was verified last; null: none was. Never changed once handed out.
+  [[nodiscard]] const std::shared_ptr<const VerifiedDwell>& newest() const noexcept { return newest_; }
+
+ private:
+  using Evidence = std::shared_ptr<const std::vector<HoldRecord::Reading>>;
+  struct Hold {
+    std::optional<int> dwell;  // its index; none: no dwell is on
+    double start_s = kNaN;
+    Evidence evidence;        // null: it has not settled
+    double verified_s = 0.0;  // length of the data that were verified last
+  };
+
+  double period_s_;  // of the nominal drive
+  HoldRecord record_;
+  std::uint64_t next_ = 0;  // number in the history
+  Hold now_, before_;       // before_: may still end, for a reason that is not known yet
+  std::optional<VerificationJob> waiting_;
+  bool out_ = false;  // a job is
+  std::shared_ptr<const VerifiedDwell> newest_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,44 @@
+#include "daemon/estimate/model_work.hpp"
+
+#include <utility>
+
+#include "core/motion/dwell_agreement.hpp"
+
+namespace dwell {
+
+ModelWork::ModelWork(std::shared_ptr<LongWork> work)
+    : work_(std::move(work)), transient_(work_->rig), verification_(work_->rig) {}
+
+void ModelWork::take(const Record& record) noexcept {
+  if (!concerns_pipeline(record.kind)) return;
+  if (origin_ns_ == INT64_MIN) origin_ns_ = record.t_ns;
+  transient_.take(record, record.t_ns - origin_ns_);
+}
+
+void ModelWork::turn(const Dwell& now, const SampleHistory* readings) {
+  if (auto job = work_->slot.collect()) {
+    if (auto* const transient = std::get_if<TransientJob>(&*job)) {
+      transient_.take_back(std::move(*transient));
+    } else {
+      verification_.take_back(std::move(std::get<VerificationJob>(*job)));
+    }
+  }
+  if (readings != nullptr && origin_ns_ != INT64_MIN) verification_.take(*readings, origin_ns_);
+  transient_.follow(now);
+  verification_.follow(now);
+  if (!work_->slot.free()) return;
+  // A transient first: its numbers are waited for, and age.
+  if (transient_.due()) {
+    work_->slot.put(transient_.hand_over());
+  } else if (verification_.due()) {
+    work_->slot.put(verification_.hand_over());
+  }
+}
+
+void ModelWork::show(const Dwell& now, Snapshot& to) const {
+  to.transient = transient_.newest();
+  to.transient_e_n = to.transient ? agreement_e_n(to.transient->estimate, now) : kNaN;
+  to.verified = verification_.newest();
+}
+
+}  // namespace dwell

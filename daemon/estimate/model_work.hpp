@@ -1,0 +1,38 @@
+// What is computed beside a dwell, on the thread for long work: its coefficients while it settles, and the verification
+// of its model. This is the estimation thread's side of it: it gathers what comes by, hands over a job when the slot is
+// free, and keeps the results for the next snapshot. It never waits.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/motion/transient_watch.hpp"
+#include "core/motion/verification_watch.hpp"
+#include "daemon/estimate/long_work.hpp"
+#include "daemon/estimate/snapshot.hpp"
+
+namespace dwell {
+
+// Bound to the estimation thread, the slot of `work` apart.
+class ModelWork {
+ public:
+  explicit ModelWork(std::shared_ptr<LongWork> work);
+
+  // A record of the stream, as the pipeline is given it. Real-time safe.
+  void take(const Record& record) noexcept;
+  // A dwell has ended.
+  void ended(const Dwell& dwell) { verification_.ended(dwell); }
+  // A few times a second: the dwell as it stands, and the readings that count (null: not to be had now). What is done
+  // is taken back, what is due handed over: a millisecond at most.
+  void turn(const Dwell& now, const SampleHistory* readings);
+
+  void show(const Dwell& now, Snapshot& to) const;
+
+ private:
+  const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
+  TransientWatch transient_;
+  VerificationWatch verification_;
+  std::int64_t origin_ns_ = INT64_MIN;  // of the run's axis of time; INT64_MIN: nothing has come yet
+};
+
+}  // namespace dwell

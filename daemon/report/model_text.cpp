@@ -1,0 +1,113 @@
+#include "daemon/report/model_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/wording.hpp"
+#include "daemon/report/coefficient_table.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/table.hpp"
+
+namespace dwell {
+namespace {
+
+std::string stretch_text(const MotionEstimate& m) {
+  const std::string start = seconds_text(m.start_s, 1);
+  return start.substr(0, start.find(' ')) + " to " + seconds_text(m.end_s, 1);
+}
+
+std::string percent_text(double value) { return std::isfinite(value) ? brief(100 * value, 2) + " %" : kNoNumber; }
+
+// Lines above a table, repeated where it goes on overleaf.
+std::vector<Line> title(const MotionEstimate& m, const TextOptions& options) {
+  std::vector<Line> lines;
+  const std::string text = "from the transient, " + stretch_text(m) + ", an estimate before the verdict:";
+  for (std::string& line : wrapped(text, options.columns, 2))
+    lines.push_back({std::move(line), options.age.empty() ? Style::tentative : Style::old});
+  return lines;
+}
+
+void add_notes(const MotionEstimate& m, const TextOptions& options, Section& to) {
+  std::vector<std::string> texts;
+  for (const ElementEstimate& e : m.elements)
+    if (!e.identifiable)
+      texts.push_back("element " + std::to_string(e.k) + " is not determined by the transient so far: " + e.reason);
+  for (const std::string& warning : m.warnings) texts.push_back("from the transient, warning: " + warning);
+  for (const std::string& text : texts)
+    for (std::string& line : wrapped(printable(text), options.columns, 2)) {
+      to.body.push_back({std::move(line), Style::plain});
+      ++to.notes;
+    }
+}
+
+}  // namespace
+
+std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options) {
+  if (!view.transient || std::isfinite(view.dwell.settled_s)) return {};
+  const MotionEstimate& m = view.transient->estimate;
+  if (!m.reason.empty()) {
+    Section none;
+    for (std::string& line : wrapped("from the transient: no coefficients: " + printable(m.reason), options.columns, 2))
+      none.body.push_back({std::move(line), Style::plain});
+    return {none};
+  }
+  std::vector<std::string> numbers;
+  for (const ElementEstimate& e : m.elements) numbers.push_back(std::to_string(e.k));
+  const Truth* const truth = options.truth;
+  Table table;
+  table.add("element", numbers, Align::right);
+  if (!options.age.empty()) table.add("age", std::vector<std::string>(numbers.size(), options.age), Align::right);
+  table.add("stiffness", coefficient_cells(m.elements, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
+  if (truth != nullptr)
+    add_truth(table, m.elements, &ElementEstimate::stiffness, truth->stiffness, stiffness_unit(view.motion));
+  table.add("damping", coefficient_cells(m.elements, &ElementEstimate::damping, damping_unit(view.motion)));
+  if (truth != nullptr)
+    add_truth(table, m.elements, &ElementEstimate::damping, truth->damping, damping_unit(view.motion));
+  table.set_styles(std::vector<Style>(numbers.size(), options.age.empty() ? Style::tentative : Style::old));
+  std::vector<Section> sections = table.sections(options.columns);
+  if (sections.empty()) return sections;
+  std::vector<Line> head = title(m, options);
+  for (Section& section : sections) section.head.insert(section.head.begin(), head.begin(), head.end());
+  add_notes(m, options, sections.back());
+  return sections;
+}
+
+double difference(const DwellView& view) {
+  double largest = kNaN;
+  if (!view.transient) return largest;
+  const std::vector<ElementEstimate>&ours = view.transient->estimate.elements, &others = view.dwell.elements;
+  for (std::size_t e = 0; e < std::min(ours.size(), others.size()); ++e) {
+    if (!ours[e].identifiable || !others[e].identifiable) continue;
+    for (const auto which : {&ElementEstimate::stiffness, &ElementEstimate::damping}) {
+      const Coefficient &a = ours[e].*which, &b = others[e].*which;
+      largest = std::fmax(largest, std::abs(a.value - b.value) / std::hypot(a.U95, b.U95));
+    }
+  }
+  return largest;
+}
+
+bool contradicts(const DwellView& view) {
+  if (!(difference(view) > 1.0)) return false;
+  int compared = 0;
+  for (const ElementEstimate& e : view.transient->estimate.elements) compared += e.identifiable ? 2 : 0;
+  // That noise makes the largest of so many differences as large, at most (Bonferroni).
+  return compared * std::erfc(std::sqrt(2.0) * view.transient->e_n) < 0.05;
+}
+
+std::string agreement_text(const DwellView& view) {
+  const double seen = difference(view);
+  if (!std::isfinite(seen)) return {};
+  return "the coefficients from the transient, " + stretch_text(view.transient->estimate) + ", " +
+         (contradicts(view) ? "contradict" : "agree with") + " these: the largest difference is " + brief(seen, 2) +
+         " of the joint U of both";
+}
+
+std::string model_text(const ModelVerdict& model) {
+  std::string text = to_string(model.verdict);
+  if (std::isfinite(model.seen)) text += ", off by " + percent_text(model.seen) + " ± " + percent_text(model.U);
+  text += " (accuracy " + percent(model.asked) + ")";
+  if (model.consistent && !*model.consistent) text += "; not consistent: dwellctl verify says why";
+  return text;
+}
+
+}  // namespace dwell

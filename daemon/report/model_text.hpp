@@ -1,0 +1,33 @@
+// What stands beside a live dwell, for people: coefficients from its transient while it settles, marked so that nobody
+// takes them for the dwell's own; whether they agree with these once it has settled; what is known of its model.
+//
+// Bound to one thread, not real-time: allocates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result/verification.hpp"
+#include "daemon/report/dwell_text.hpp"
+#include "daemon/report/motion_report.hpp"
+
+namespace dwell {
+
+// "from the transient, 0.0 to 3.2 s, an estimate before the verdict:" above a table of the coefficients; or why there
+// are none. Empty: nothing is known of the transient, or the dwell has settled.
+[[nodiscard]] std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options);
+
+// The largest difference between a coefficient from the transient and the dwell's own, over √(U95² + U95²) of both;
+// NaN: there is none to compare.
+[[nodiscard]] double difference(const DwellView& view);
+// Whether both contradict each other: that difference is above 1, and above what noise makes of so many coefficients in
+// 5 % of cases. The first lets pass what the stated uncertainties explain: instants of a polled device are known to its
+// turnaround, and the transient takes them as exact.
+[[nodiscard]] bool contradicts(const DwellView& view);
+// "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; empty: they were not compared.
+[[nodiscard]] std::string agreement_text(const DwellView& view);
+
+// "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)".
+[[nodiscard]] std::string model_text(const ModelVerdict& model);
+
+}  // namespace dwell

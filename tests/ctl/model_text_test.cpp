@@ -1,0 +1,158 @@
+// What stands beside a live dwell: coefficients from its transient, the verdict on its model. As text, as JSON, and
+// back.
+#include "daemon/report/model_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daemon/report/dwell_change.hpp"
+#include "daemon/report/dwell_json.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/verification_json.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+
+namespace dwell {
+namespace {
+
+TEST(TransientText, StandsAboveTheSettlingNoticeAndSaysThatItIsNoVerdict) {
+  const std::string text = dwell_text(test::settling_view());
+  EXPECT_EQ(text.substr(0, text.find("reason ")), R"(dwell 2 · settling, about 3.2 s left
+
+from the transient, 40.0 to 43.2 s, an estimate before the verdict:
+element  stiffness               damping
+      1    24.10 ±    0.59 kN/m  58.0 ± 7.9 N·s/m
+      2        —                    —
+      3  1.23457 ± 0.00020 MN/m   210 ± 790 mN·s/m n.s.
+element 2 is not determined by the transient so far: the readings do not determine it
+from the transient, warning: what the chain leaves of y2 is not white: uncertainties are widened
+
+settled    no
+)") << text;
+}
+
+TEST(TransientText, HasLooksOfItsOwnAndThoseOfOldNumbersOnceItIsOld) {
+  const DwellView view = test::settling_view();
+  const std::vector<Section> fresh = transient_sections(view, {});
+  ASSERT_EQ(fresh.size(), 1u);
+  EXPECT_EQ(fresh[0].head[0].style, Style::tentative);
+  EXPECT_EQ(fresh[0].body[0].style, Style::tentative);
+  TextOptions old;
+  old.age = "778 s";
+  const std::vector<Section> gone = transient_sections(view, old);
+  EXPECT_EQ(gone[0].head[0].style, Style::old);
+  EXPECT_EQ(gone[0].body[0].style, Style::old);
+  EXPECT_NE(gone[0].body[0].text.find("778 s"), std::string::npos);
+}
+
+TEST(TransientText, ShowsTheTruthOfASimulatedRigBesideIt) {
+  const Truth truth{{24000.0, 15000.0, 1234567.0}, {60.0, 45.0, 0.2}};
+  TextOptions options;
+  options.truth = &truth;
+  const std::string text = plain_text(transient_sections(test::settling_view(), options));
+  EXPECT_NE(text.find("+0.3 u"), std::string::npos) << text;
+}
+
+TEST(TransientText, FitsANarrowTerminal) {
+  TextOptions narrow;
+  narrow.columns = 40;
+  for (const Section& section : transient_sections(test::settling_view(), narrow)) {
+    for (const Line& line : section.head) EXPECT_LE(width(line.text), 40u) << line.text;
+    for (const Line& line : section.body) EXPECT_LE(width(line.text), 40u) << line.text;
+  }
+}
+
+TEST(TransientText, SaysWhyThereIsNone) {
+  DwellView view = test::settling_view();
+  auto none = std::make_shared<MotionView>(*view.transient);
+  none->estimate.elements.clear();
+  none->estimate.reason = "too few readings: 30";
+  view.transient = none;
+  EXPECT_NE(dwell_text(view).find("from the transient: no coefficients: too few readings: 30\n"), std::string::npos);
+  view.transient = nullptr;
+  EXPECT_EQ(dwell_text(view).find("from the transient"), std::string::npos);
+}
+
+// The measured dwell, its first stiffness from the transient off by so many of the joint U of both.
+DwellView off_by(double joint_U, double e_n) {
+  DwellView view = test::measured_view(e_n);
+  auto beside = std::make_shared<MotionView>(*view.transient);
+  Coefficient& c = beside->estimate.elements[0].stiffness;
+  c.value = 24010.0 + joint_U * std::hypot(c.U95, 27.4);
+  view.transient = beside;
+  return view;
+}
+
+TEST(TransientText, OnceTheDwellHasSettledSaysWhetherBothAgree) {
+  const std::string agrees = dwell_text(off_by(0.5, 0.6));
+  EXPECT_NE(agrees.find("agreement  the coefficients from the transient, 40.0 to 43.2 s, agree with these: the largest "
+                        "difference is 0.5 of the joint U of both\n"),
+            std::string::npos)
+      << agrees;
+  EXPECT_EQ(agrees.find("an estimate before the verdict"), std::string::npos) << "the dwell has taken over";
+  const std::string contradicts = dwell_text(off_by(2.5, 2.6));
+  EXPECT_NE(contradicts.find("warning: the coefficients from the transient, 40.0 to 43.2 s, contradict these: the "
+                             "largest difference is 2.5 of the joint U of both"),
+            std::string::npos)
+      << contradicts;
+  EXPECT_EQ(contradicts.find("agreement"), std::string::npos);
+}
+
+// Of four differences the largest is above 1.25 U by chance in 5 % of all cases: erfc(√2 · 1.25) = 0.05 / 4.
+TEST(TransientText, CallsNoContradictionWhatChanceOrStatedUncertaintiesExplain) {
+  EXPECT_FALSE(contradicts(off_by(1.1, 1.24)));
+  EXPECT_TRUE(contradicts(off_by(1.1, 1.26)));
+  EXPECT_FALSE(contradicts(off_by(0.9, 3.0))) << "within both U";
+  EXPECT_FALSE(contradicts(test::settling_view()));
+  EXPECT_TRUE(std::isnan(difference(make_view(test::sample_dwell(), test::sample_rig(), {}))));
+}
+
+TEST(ModelText, IsOneLineBelowTheVerdict) {
+  EXPECT_NE(dwell_text(test::measured_view(0.4)).find("model      adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)\n"),
+            std::string::npos)
+      << dwell_text(test::measured_view(0.4));
+  EXPECT_EQ(model_text({Verdict::adequate, false, 0.05, 0.012, 0.008}),
+            "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %); not consistent: dwellctl verify says why");
+  EXPECT_EQ(model_text({Verdict::not_verified, {}, 0.05, kNaN, kNaN}), "not verified yet (accuracy 5 %)");
+}
+
+TEST(TransientJson, ComesBackAsItWas) {
+  for (const DwellView& view : {test::settling_view(), test::measured_view(0.4)}) {
+    const auto back = parse_dwell(to_json(view));
+    ASSERT_TRUE(back) << back.error();
+    EXPECT_EQ(dwell_text(*back), dwell_text(view));
+  }
+}
+
+TEST(TransientJson, OfAServiceThatDoesNotTellIsNone) {
+  Json value = json_value(test::settling_view());
+  for (const char* member : {"motion", "motion_reason", "model"}) value.erase(member);
+  const auto back = dwell_from_json(value);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_FALSE(back->transient);
+  EXPECT_FALSE(back->model);
+}
+
+TEST(TransientJson, ComesWholeFirstAndThenWhatMoved) {
+  DwellView before = test::measured_view(0.4);
+  before.transient = nullptr;
+  const DwellView now = test::measured_view(0.4);
+  EXPECT_FALSE(change_between(json_value(before), json_value(now)));
+  const auto change = change_between(json_value(now), json_value(test::measured_view(0.5)));
+  ASSERT_TRUE(change);
+  EXPECT_EQ((*change)["motion"].dump(), R"({"agrees_with_dwell":{"e_n":0.5}})") << change->dump();
+}
+
+TEST(VerificationText, IsTheSameOfTheServicesAnswer) {
+  const Verification v = test::sample_verification();
+  const VerificationView view = make_view(v, test::sample_rig(), test::sample_dwell());
+  const auto back = verification_from_json(json_value(v, test::sample_rig(), test::sample_dwell()));
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ("rig bench\n\n" + verification_text(*back), verification_text(view));
+  Json wrong;
+  wrong["dwell"] = 1;
+  EXPECT_EQ(verification_from_json(wrong).error(), "verification: verdict: expected to be there");
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,142 @@
+// Coefficients from the transient and the verification of the model, on the way that a live service takes: devices,
+// estimator in virtual time, the worker's jobs done by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/model/driven_chain.hpp"
+#include "daemon/estimate/estimator.hpp"
+#include "tests/core/bench_rig.hpp"
+#include "tests/durations.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kTable_hz = 4.0;
+
+// A rig whose table rests for half a second, then moves at 4 Hz; scanned 200 times a second, both channels at once.
+struct LiveRig {
+  LiveRig(const Chain& the_chain, double amplitude, double sigma)
+      : chain(the_chain),
+        rig(rig_of(chain, kTable_hz)),
+        motion(chain, {kTable_hz, amplitude, 0.0, 0.0}, DrivenChain::Start::rest),
+        normal(0.0, sigma) {
+    LogOptions quiet;
+    quiet.console = false;
+    log = std::move(*Log::make(quiet));
+    rig.devices = {{"amplifier", 0.0, 0.0}};
+    std::vector<std::uint16_t> channels;
+    for (Channel& channel : rig.channels) {
+      channel.device = 0;
+      channels.push_back(static_cast<std::uint16_t>(channels.size()));
+    }
+    link.emplace("amplifier", channels, 4096, nullptr);
+    work = std::make_shared<LongWork>(rig, 0.05);
+    EstimatorOptions options;
+    options.long_work = work;
+    estimator.emplace(
+        rig, std::vector<DeviceFeed>{{&*link, "modbus", 200.0, false}}, options, *log, [] {}, now_ns);
+  }
+  // Until so many seconds after the table began to move, turning every 10 ms; what waits for the worker is done at
+  // once.
+  void run(double until_s, bool worker = true) {
+    while (moving_s(now_ns) < until_s) {
+      now_ns += 10 * kMs_ns;
+      for (const std::int64_t before_ns : {6, 1}) scan(now_ns - before_ns * kMs_ns);
+      estimator->turn(now_ns, now_ns + 1);
+      if (worker) jobs += work->work() ? 1 : 0;
+    }
+  }
+  void scan(std::int64_t t_ns) {
+    const double t_s = moving_s(t_ns);
+    std::vector<dwell_sample> samples;
+    for (std::size_t c = 0; c < rig.channels.size(); ++c) {
+      const double moved = t_s < 0 ? 0.0 : exact_reading(rig, motion.at(t_s), static_cast<int>(c));
+      const double scale = rig.channels[c].measures == Quantity::force ? 1e4 : 1.0;
+      samples.push_back({t_ns, moved + scale * normal(rng), 1000, static_cast<std::uint16_t>(c), 0});
+    }
+    ASSERT_TRUE(link->push(samples.data(), samples.size()));
+  }
+  static double moving_s(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns - kMoves_ns); }
+  const Snapshot& latest() {
+    estimator->refresh();
+    return estimator->latest();
+  }
+
+  static constexpr std::int64_t kStart_ns = 5'000 * kMs_ns, kMoves_ns = kStart_ns + 500 * kMs_ns;
+  Chain chain;
+  Rig rig;
+  DrivenChain motion;
+  std::mt19937_64 rng{3};
+  std::normal_distribution<double> normal;
+  std::unique_ptr<Log> log;
+  std::optional<DeviceLink> link;
+  std::shared_ptr<LongWork> work;
+  std::optional<Estimator> estimator;
+  std::int64_t now_ns = kStart_ns;
+  int jobs = 0;
+};
+
+// ζ = 0.2 %: the transient takes 100 s to fall to 0.5 %.
+Chain hardly_damped() {
+  const double natural = 2 * std::numbers::pi * 4.4;
+  return {Boundary::free, {10.0}, {10.0 * natural * natural}, {2 * 0.002 * 10.0 * natural}};
+}
+
+TEST(LiveModel, HasCoefficientsInSecondsWhereTheVerdictTakesMinutes) {
+  LiveRig live(hardly_damped(), 0.002, 2e-5);
+  live.run(5.0);
+  const auto early = live.latest().transient;
+  ASSERT_TRUE(early);
+  ASSERT_EQ(early->estimate.reason, "");
+  const ElementEstimate& element = early->estimate.elements.front();
+  EXPECT_LT(element.stiffness.U95, 0.1 * live.chain.stiffness[0]);
+  EXPECT_LT(element.damping.U95, 0.1 * live.chain.damping[0]);
+  EXPECT_LT(std::abs(element.stiffness.value - live.chain.stiffness[0]), 4 * element.stiffness.u);
+  EXPECT_LT(std::abs(element.damping.value - live.chain.damping[0]), 4 * element.damping.u);
+  EXPECT_LE(early->until_s, 5.5) << "on the run's axis, the table moved from 0.5 s on";
+
+  live.run(60.0);
+  EXPECT_FALSE(std::isfinite(live.latest().dwell.settled_s)) << "the harmonic verdict is still awaited";
+  const ElementEstimate& late = live.latest().transient->estimate.elements.front();
+  EXPECT_LT(late.stiffness.U95, 0.3 * element.stiffness.U95) << "it narrows meanwhile";
+  EXPECT_LT(std::abs(late.damping.value - live.chain.damping[0]), 4 * late.damping.u);
+  EXPECT_TRUE(std::isnan(live.latest().transient_e_n)) << "nothing to compare with yet";
+  EXPECT_LE(live.jobs, 16);
+}
+
+TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
+  LiveRig live(clamped_chain(), 0.005, 1e-5);
+  live.run(20.0);
+  const Snapshot& now = live.latest();
+  ASSERT_EQ(now.dwell.state, State::measuring) << now.dwell.settling_reason;
+  ASSERT_TRUE(now.transient);
+  ASSERT_EQ(now.transient->estimate.reason, "");
+  EXPECT_LT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "taken over by the dwell";
+  EXPECT_LT(now.transient_e_n, 1.5) << "eight differences, over U";
+  ASSERT_TRUE(now.verified);
+  EXPECT_EQ(now.verified->dwell.index, now.dwell.index);
+  EXPECT_EQ(now.verified->verification.verdict, Verdict::adequate)
+      << (now.verified->verification.reasons.empty() ? "" : now.verified->verification.reasons.front());
+}
+
+TEST(LiveModel, AnIdleRigCostsNothing) {
+  LiveRig live(clamped_chain(), 0.0, 1e-9);
+  live.run(20.0);
+  EXPECT_EQ(live.jobs, 0);
+  EXPECT_FALSE(live.latest().transient);
+  EXPECT_FALSE(live.latest().verified);
+}
+
+TEST(LiveModel, AWorkerThatNeverComesHoldsNothingUp) {
+  LiveRig live(clamped_chain(), 0.005, 1e-5);
+  live.run(20.0, false);
+  EXPECT_EQ(live.latest().dwell.state, State::measuring);
+  EXPECT_FALSE(live.latest().transient);
+  EXPECT_EQ(live.latest().channels[0].tally.dropped(), 0u);
+}
+
+}  // namespace
+}  // namespace dwell
