@@ -16,9 +16,11 @@ using Eigen::VectorXd;
 
 // Periods of steady motion at least, for the harmonics to be told from each other and from an offset.
 constexpr double kFewestPeriods = 3.0;
-// Standard deviations of a mean square by which it may exceed that of noise: of a hundred windows one in a hundred
-// times does by chance, and then begins the steady part a period later. Twice it lets drifts of half the noise pass.
-constexpr double kExcess = 4.0;
+// Quantile of the normal distribution beyond which a window's squares are not noise: one window in a hundred thousand,
+// so that of a thousand windows all pass in 99 of 100 cases. A window that does not pass ends the steady part: at one
+// in a thousand most long stretches would end early, and their table keep its noise. Twice it lets drifts of the
+// noise's size pass.
+constexpr double kQuantile = 4.26;
 
 // Instants of the steady motion in a period: a spline through as many is off by 5e-6 of the amplitude.
 constexpr double kDense = 30.0;
@@ -37,8 +39,11 @@ MatrixXd harmonics_at(const Instants& t_ns, Index from, double omega, int harmon
   return out;
 }
 
+// χ² of `count` degrees of freedom below that quantile, by Wilson and Hilferty (1931): with the few readings of a
+// period its tail is far from a normal one.
 bool is_noise(double squares, double count, double sigma) {
-  return squares <= sigma * sigma * (count + kExcess * std::sqrt(2 * count));
+  const double part = 2 / (9 * count), root = 1 - part + kQuantile * std::sqrt(part);
+  return squares <= sigma * sigma * count * root * root * root;
 }
 
 }  // namespace
