@@ -158,7 +158,7 @@ class AnewSearch {
       if (!as_good(*one, screened, likely.front().first) || out.terms.size() == kMostNamed) break;
       const Tried tried = fitted(*one, most_);
       const double gained = gain(before, tried.fit);
-      if (!tried.fit.possible || !explains(before, tried.fit, gained)) continue;
+      if (!tried.fit.possible || !explains(before, tried.fit, gained) || !matters(*one, tried)) continue;
       if (gained > out.gain()) out.left = tried.fit.left;
       out.terms.push_back(told(*one, tried, gained));
       sort_by_gain(out.terms);
@@ -206,6 +206,14 @@ class AnewSearch {
     if (gained > gain_by_chance(all_.size()) && after.left.explains_most_of(before.left)) return true;
     // A chain that no rig can have is explained by any that one can.
     return !before.possible && after.left.least_p >= kContradicted && gained > -kTold;
+  }
+  // A fit begun anew may find what the fit before missed, whatever is added: a term must be beyond chance by its value.
+  [[nodiscard]] bool matters(const Hypothesis& one, const Tried& tried) const {
+    if (!one.term) return true;
+    double variance = tried.u * tried.u;
+    for (const Parameter& p : stated_parameters(rig_))
+      if (p.what == one.term->what && p.index == one.term->index) variance += p.prior_u * p.prior_u;
+    return 0.5 * tried.value * tried.value / variance > gain_by_chance(all_.size());
   }
   // Where nothing was fitted any fit is better: each reading that is explained counts as one.
   [[nodiscard]] static double gain(const ChainFit& before, const ChainFit& after) {
