@@ -24,7 +24,9 @@ class ChainEigenvalues {
   // does not decay.
   [[nodiscard]] double time_constant_s() const noexcept { return time_constant_s_; }
   // The eigenvalues λ, rad/s, slowest decay first. A conjugate pair is given by its Im λ > 0.
-  [[nodiscard]] std::span<const std::complex<double>> values() const noexcept { return {eigenvalues_.data(), eigenvalues_.size()}; }
+  [[nodiscard]] std::span<const std::complex<double>> values() const noexcept {
+    return {eigenvalues_.data(), eigenvalues_.size()};
+  }
 
  private:
   Boundary boundary_;

@@ -53,7 +53,8 @@ TEST(DriveReference, BySyncADwellBeginsOnlyWhilePulsesComeWithinTheRangeSearched
   const Rig rig = reference_rig(Reference::sync);
   DriveReference reference(rig);
   EXPECT_FALSE(reference.usable(0));
-  EXPECT_EQ(reference.unusable_reason(0), "no sync pulse seen yet: expected one for each period of the drive; check the sync input");
+  EXPECT_EQ(reference.unusable_reason(0),
+            "no sync pulse seen yet: expected one for each period of the drive; check the sync input");
   const std::int64_t last_ns = pulses(reference, 4.0, 40);
   EXPECT_TRUE(reference.usable(last_ns + 1));
   const std::int64_t later_ns = last_ns + 3'000'000'000;

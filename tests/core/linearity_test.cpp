@@ -133,8 +133,8 @@ TEST(Linearity, FrictionIsHeldAgainstTheDissipativeForceNotAgainstTheWhole) {
   const ElementsResult result = estimate(rig, evidence);
   EXPECT_GT(result.elements[0].damping.value, 3 * chain.damping[0]);
   ASSERT_EQ(result.warnings.size(), 1u) << all(result.warnings);
-  for (const char* named :
-       {"element 1", "equivalent damping at this amplitude", "damping force 15.7 N", "Friction of about 10 N", " % of r"})
+  for (const char* named : {"element 1", "equivalent damping at this amplitude", "damping force 15.7 N",
+                            "Friction of about 10 N", " % of r"})
     EXPECT_TRUE(says(result, named)) << all(result.warnings);
 }
 

@@ -292,8 +292,7 @@ TEST(Pipeline, OutsideTheSearchNothingIsShownButWhereTheDriveIs) {
   Bench bench(chain, rig, steady_drive(3.3), DrivenChain::Start::steady, {.rate_hz = 100, .sigma = {1e-6, 1e-6, 1e-6}});
   bench.run(20);
   const Dwell dwell = bench.pipeline.current();
-  EXPECT_NE(dwell.settling_reason.find("outside the search range"), std::string::npos)
-      << dwell.settling_reason;
+  EXPECT_NE(dwell.settling_reason.find("outside the search range"), std::string::npos) << dwell.settling_reason;
   EXPECT_TRUE(std::isnan(dwell.frequency_hz.value));
   for (const ChannelPhasor& phasor : dwell.phasors) EXPECT_FALSE(phasor.reason.empty());
 }

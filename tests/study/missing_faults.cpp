@@ -14,23 +14,23 @@ namespace dwell::study {
 namespace {
 
 // Bounds the time of a rig to some seconds.
-constexpr std::size_t kMostReadings = 4000;
+constexpr std::size_t kMostOfMotion = 4000;
 
-std::optional<Unknown> term_of(Fault fault) {
+std::optional<Unknown> term_of(MissingFault fault) {
   switch (fault) {
-    case Fault::mass:
+    case MissingFault::mass:
       return Unknown::mass;
-    case Fault::scale:
+    case MissingFault::scale:
       return Unknown::scale;
-    case Fault::delay:
+    case MissingFault::delay:
       return Unknown::delay;
-    case Fault::ground_damping:
+    case MissingFault::ground_damping:
       return Unknown::ground_damping;
-    case Fault::ground_stiffness:
+    case MissingFault::ground_stiffness:
       return Unknown::ground_stiffness;
-    case Fault::friction:
+    case MissingFault::friction:
       return Unknown::friction;
-    case Fault::cubic:
+    case MissingFault::cubic:
       return Unknown::cubic;
     default:
       return {};
@@ -106,17 +106,17 @@ MotionData recorded(const Case& about, double end_s) {
 }
 
 MotionOptions options_of(const Rig& rig) {
-  return {.most_work = kMostReadings * static_cast<std::size_t>(MotionModel(rig, {}).states())};
+  return {.most_work = kMostOfMotion * static_cast<std::size_t>(MotionModel(rig, {}).states())};
 }
 
-void exchange(Draws& draws, Fault fault, const Rig& rig, MotionData& data, FaultOutcome& out) {
+void exchange(Draws& draws, MissingFault fault, const Rig& rig, MotionData& data, FaultOutcome& out) {
   const int channels = static_cast<int>(rig.channels.size()), a = draws.integer(0, channels - 1);
   const int b = (a + draws.integer(1, channels - 1)) % channels;
   const auto name = [&](int c) { return rig.channels[static_cast<std::size_t>(c)].name; };
-  out.truth = fault == Fault::reversed ? "sign of " + name(a)
-                                       : name(std::min(a, b)) + " and " + name(std::max(a, b)) + " swapped";
+  out.truth = fault == MissingFault::reversed ? "sign of " + name(a)
+                                              : name(std::min(a, b)) + " and " + name(std::max(a, b)) + " swapped";
   for (MotionReading& reading : data.readings) {
-    if (fault == Fault::reversed) {
+    if (fault == MissingFault::reversed) {
       if (reading.channel == a) reading.value = -reading.value;
     } else if (reading.channel == a || reading.channel == b) {
       reading.channel = reading.channel == a ? b : a;
@@ -139,16 +139,16 @@ void judge(const MotionEstimate& estimate, double truth, FaultOutcome& out) {
 
 }  // namespace
 
-const char* name_of(Fault fault) {
-  constexpr const char* names[kFaults] = {
+const char* name_of(MissingFault fault) {
+  constexpr const char* names[kMissingFaults] = {
       "none",     "mass",  "scale",    "delay",  "ground_damping", "ground_stiffness",
       "friction", "cubic", "reversed", "swapped"};
   return names[static_cast<int>(fault)];
 }
 
-FaultOutcome play_fault(Fault fault, std::uint64_t seed, int index, int most, double periods) {
+FaultOutcome play_fault(MissingFault fault, std::uint64_t seed, int index, int most, double periods) {
   FaultOutcome out;
-  const bool linear = fault != Fault::friction && fault != Fault::cubic;
+  const bool linear = fault != MissingFault::friction && fault != MissingFault::cubic;
   const auto kind = linear ? static_cast<TableKind>(index % kTableKinds) : TableKind::dwell;
   Case about = draw_motion_case(kind, seed, index, most);
   about.change_s = 0.0;
@@ -159,7 +159,7 @@ FaultOutcome play_fault(Fault fault, std::uint64_t seed, int index, int most, do
   MotionData data = recorded(about, end_s);
   double value = NAN;
   if (const std::optional<Unknown> what = term_of(fault)) {
-    const MotionCourse course = run_course(about.rig, data, kMostReadings);
+    const MotionCourse course = run_course(about.rig, data, kMostOfMotion);
     if (!course.reason.empty()) return out.skipped = "no estimate: " + course.reason, out;
     const ScoreTest test = score_test(about.rig, course);
     std::vector<Eigen::Index> of;
@@ -181,7 +181,7 @@ FaultOutcome play_fault(Fault fault, std::uint64_t seed, int index, int most, do
             : *what == Unknown::scale ? 1 / truth.sensors[i].gain
             : *what == Unknown::delay ? truth.sensors[i].delay_s
                                       : by;
-  } else if (fault != Fault::none) {
+  } else if (fault != MissingFault::none) {
     exchange(draws, fault, about.rig, data, out);
   }
   const double before = cpu_s();

@@ -8,7 +8,7 @@
 
 namespace dwell::study {
 
-enum class Fault : std::uint8_t {
+enum class MissingFault : std::uint8_t {
   none,
   mass,  // these eight by 7 … 14 standard uncertainties: what is stated and what the readings leave together
   scale,
@@ -20,8 +20,8 @@ enum class Fault : std::uint8_t {
   reversed,  // of any channel
   swapped,
 };
-inline constexpr int kFaults = 10;
-[[nodiscard]] const char* name_of(Fault fault);
+inline constexpr int kMissingFaults = 10;
+[[nodiscard]] const char* name_of(MissingFault fault);
 
 struct FaultOutcome {
   std::string skipped;                                          // why the rig cannot have this fault, or cannot tell it
@@ -36,6 +36,6 @@ struct FaultOutcome {
 
 // The rig of `index` with that fault: a start-up for what is not linear, else a table of a kind that goes with the
 // index.
-[[nodiscard]] FaultOutcome play_fault(Fault fault, std::uint64_t seed, int index, int most, double periods);
+[[nodiscard]] FaultOutcome play_fault(MissingFault fault, std::uint64_t seed, int index, int most, double periods);
 
 }  // namespace dwell::study

@@ -13,7 +13,7 @@ namespace {
 
 using namespace dwell::study;
 
-void print(Fault fault, const std::vector<FaultOutcome>& all, bool list) {
+void print(MissingFault fault, const std::vector<FaultOutcome>& all, bool list) {
   int played = 0, detected = 0, first = 0, named = 0, wrong = 0, inside = 0, valued = 0;
   double seconds = 0.0;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -58,8 +58,8 @@ int main(int argc, char** argv) {
   app.add_option("--only", only, "this rig alone");
   app.add_flag("--list", list, "what was told where the fault is not named");
   CLI11_PARSE(app, argc, argv);
-  for (int k = 0; k < kFaults; ++k) {
-    const auto fault = static_cast<Fault>(k);
+  for (int k = 0; k < kMissingFaults; ++k) {
+    const auto fault = static_cast<MissingFault>(k);
     if (!names.empty() && std::find(names.begin(), names.end(), name_of(fault)) == names.end()) continue;
     std::vector<FaultOutcome> all(static_cast<std::size_t>(only >= 0 ? 1 : rigs));
     for_all(static_cast<int>(all.size()), name_of(fault), [&](int i) {

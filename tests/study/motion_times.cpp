@@ -18,7 +18,7 @@ constexpr double kNormal95 = 1.96;
 constexpr double kGiveUp_periods = 400;
 constexpr double kLongest = 6.0;  // times the bound
 constexpr double kGrid = 1.15, kFineGrid = 1.05;
-constexpr std::size_t kMostReadings = 20'000;
+constexpr std::size_t kMostUntilKnown = 20'000;
 
 // The dwell as it is in the end; its verdict on the axis of the stamps.
 Dwell harmonic(const Case& about) {
@@ -43,7 +43,7 @@ Dwell harmonic(const Case& about) {
 bool reported(const Dwell& dwell, std::size_t e) { return dwell.elements[e].identifiable; }
 
 bool bound_is_wide(const Case& about, const Dwell& dwell, double until_s) {
-  const std::vector<ReadingAt> readings = readings_at(about, about.change_s, until_s, kMostReadings);
+  const std::vector<ReadingAt> readings = readings_at(about, about.change_s, until_s, kMostUntilKnown);
   const bool from_rest = about.remark.find("from rest") != std::string::npos;
   const auto count = static_cast<Eigen::Index>(2 * dwell.elements.size());
   const Eigen::VectorXd u = bound_of(derivatives(world_of(about), readings, from_rest), count);
