@@ -16,7 +16,8 @@ double omega_of(const Rig& rig) { return kTwoPi * rig.excitation.frequency_hz; }
 std::vector<Parameter> missing_candidates(const Rig& rig) {
   std::vector<Parameter> out;
   for (int i = 0; i < rig.mass_count(); ++i)
-    for (const Unknown what : {Unknown::mass, Unknown::ground_damping, Unknown::ground_stiffness})
+    for (const Unknown what :
+         {Unknown::mass, Unknown::ground_damping, Unknown::ground_stiffness, Unknown::ground_friction})
       out.push_back({what, i});
   for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c)
     if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary)
@@ -44,6 +45,7 @@ double natural_size(const Rig& rig, const Parameter& candidate, const ElementSiz
     case Unknown::delay:
       return 1 / omega;
     case Unknown::friction:
+    case Unknown::ground_friction:
       return std::max(force(), least);
     case Unknown::cubic:
       return std::max(force(), least) / std::max(std::pow(elements.deformation(candidate.index), 3), least);
@@ -59,6 +61,7 @@ bool is_possible(const Rig& rig, const Parameter& candidate, double value) {
     case Unknown::ground_stiffness:
     case Unknown::ground_damping:
     case Unknown::friction:
+    case Unknown::ground_friction:
       return value > 0;
     case Unknown::delay:
       return std::abs(value) < 0.5 / omega_of(rig);

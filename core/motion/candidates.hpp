@@ -1,5 +1,5 @@
-// What the model of a rig may lack, one physical term each: a mass, a scale or a delay that is off, a spring or a
-// damper from a mass to ground, Coulomb friction and a cubic stiffness of an element.
+// What the model of a rig may lack, one physical term each: a mass, a scale or a delay that is off; a spring, a damper
+// or Coulomb friction from a mass to ground; Coulomb friction and a cubic stiffness of an element.
 #pragma once
 
 #include <Eigen/Core>

@@ -13,7 +13,8 @@ using Eigen::VectorXd;
 // friction of any sign.
 constexpr double kSticks = 0.02;
 
-// One element's deformation and its rate: just after the reading before, and as predicted for this one.
+// One element's deformation and its rate, or a mass's velocity alone: just after the reading before, and as predicted
+// for this one.
 struct Course {
   std::vector<double> d_before, d_now, v_before, v_now;
 };
@@ -58,13 +59,14 @@ std::vector<MotionInput> element_inputs(const MotionModel& model, const MotionDa
                                         const std::vector<Parameter>& wanted) {
   std::vector<MotionInput> out;
   if (wanted.empty()) return out;
-  const int elements = model.rig().element_count();
-  Eigen::MatrixXd rows(2 * elements, model.states());
+  const int elements = model.rig().element_count(), masses = model.rig().mass_count();
+  Eigen::MatrixXd rows(2 * elements + masses, model.states());
   for (int k = 1; k <= elements; ++k) {
     rows.row(k - 1) = model.deformation_row(k);
     rows.row(elements + k - 1) = model.rate_row(k);
   }
-  std::vector<Course> courses(static_cast<std::size_t>(elements));
+  for (int k = 1; k <= masses; ++k) rows.row(2 * elements + k - 1) = model.velocity_row(k);
+  std::vector<Course> courses(static_cast<std::size_t>(elements + masses));  // of the elements, then of the masses
   PassOptions options{.derivatives = false};
   options.show = [&](const VectorXd& before, const VectorXd& predicted) {
     const VectorXd then = rows * before, now = rows * predicted;
@@ -75,13 +77,19 @@ std::vector<MotionInput> element_inputs(const MotionModel& model, const MotionDa
       course.v_before.push_back(then(elements + e));
       course.v_now.push_back(now(elements + e));
     }
+    for (int k = 0; k < masses; ++k) {
+      Course& course = courses[static_cast<std::size_t>(elements + k)];
+      course.v_before.push_back(then(2 * elements + k));
+      course.v_now.push_back(now(2 * elements + k));
+    }
   };
   (void)evaluate(model, data, at, options);
   for (const Parameter& p : wanted) {
-    Course& course = courses[static_cast<std::size_t>(p.index)];
+    Course& course =
+        courses[static_cast<std::size_t>(p.what == Unknown::ground_friction ? elements + p.index : p.index)];
     for (std::vector<double>* of : {&course.d_before, &course.d_now, &course.v_before, &course.v_now})
       of->resize(data.readings.size(), 0.0);  // where the pass ended early
-    out.push_back(p.what == Unknown::friction ? friction(course) : cube(course, data));
+    out.push_back(p.what == Unknown::cubic ? cube(course, data) : friction(course));
   }
   return out;
 }

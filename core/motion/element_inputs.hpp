@@ -1,5 +1,5 @@
-// What friction and a cubic stiffness make of an element's motion, as inputs of the model (is_input()): the direction
-// of its deformation's rate, and the cube of its deformation.
+// What friction and a cubic stiffness make of the motion, as inputs of the model (is_input()): the direction of an
+// element's rate or of a mass's velocity, and the cube of an element's deformation.
 //
 // Both are taken from the state that the filter predicts, never from a reading that is yet to come. So under a right
 // model the innovations are independent of them, and a test of their amplitude is exact.

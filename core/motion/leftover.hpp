@@ -1,23 +1,28 @@
-// What a fit leaves unexplained: how far the innovations of the chain's channels are from white. The table's own
-// channels are left out, for a poor model of its motion does not convict the chain.
+// What a fit leaves unexplained. Two things show that a chain is wrong: the innovations of its channels, given the
+// table, are correlated; and the table's own channels seem noisier than they are from reading to reading, since the fit
+// then moves the table as the wrong chain would need it.
 #pragma once
 
 #include <vector>
 
 #include "core/motion/likelihood.hpp"
-#include "core/rig/rig.hpp"
 
 namespace dwell {
 
 struct Leftover {
-  double statistic = 0.0;  // Ljung-Box beyond what chance gives, over all these channels
-  double least_p = 1.0;    // of the least white channel
+  // Ljung-Box statistics beyond chance, times the variance of the noise as fitted over that from reading to reading;
+  // of the table's channels the number of readings times the excess of that ratio. A statistic alone saturates where
+  // residuals are large.
+  double power = 0.0;
+  double least_p = 1.0;  // of the least white channel of the chain
 
-  // Whether this is white, or by far whiter than that: most of what was unexplained is explained.
+  // Whether this is white, or by far less than that: most of what was unexplained is explained.
   [[nodiscard]] bool explains_most_of(const Leftover& that) const;
 };
 
-// Of the innovations given the table (core/motion/given_table.hpp). Thread-safe; allocates.
-[[nodiscard]] Leftover leftover(const MotionModel& model, const MotionData& data, const MotionUnknowns& unknowns);
+// noise: per channel from reading to reading, SI, as local_noise(); size: per channel, SI, what is the least to compare
+// with is rounding of it. Thread-safe; allocates.
+[[nodiscard]] Leftover leftover(const MotionModel& model, const MotionData& data, const MotionUnknowns& unknowns,
+                                const std::vector<double>& noise, const std::vector<double>& size);
 
 }  // namespace dwell

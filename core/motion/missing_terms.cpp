@@ -29,6 +29,9 @@ constexpr double kTold = 5.0;
 // The linear test misjudges the gain of a large fault: all within this part of the best are fitted, no more than that
 // many that are not the same.
 constexpr double kWorthFitting = 0.2;
+// A fit that has gone astray leaves so much that any other leaves less. A fit from the start explains the readings
+// where its chain would not be refused, or residuals are a tenth as large.
+constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which large errors are told from one another.
 constexpr std::size_t kScreened = 1500;
@@ -112,14 +115,19 @@ class TermSearch {
     return out;
   }
 
+  [[nodiscard]] MissingTerm told(Index a, const Refit& fit) const {
+    MissingTerm out = missing_term(rig_, candidate(a), fit.value, fit.u, fit.gain);
+    out.moves.assign(fit.moves.begin(), fit.moves.end());
+    return out;
+  }
   // The best and all that have the same effect.
   [[nodiscard]] Explanation named(Index best, const Refit& fit, const std::vector<Index>& likely) const {
-    Explanation out{{missing_term(rig_, candidate(best), fit.value, fit.u, fit.gain)}, fit.left};
+    Explanation out{{told(best, fit)}, fit.left};
     for (const Index a : likely) {
       if (a == best || test_.correlation(a, best) <= kSame || out.terms.size() == kMostNamed) continue;
       const Refit other = refit(a);
       if (!other.converged || !is_possible(rig_, candidate(a), other.value)) continue;
-      out.terms.push_back(missing_term(rig_, candidate(a), other.value, other.u, other.gain));
+      out.terms.push_back(told(a, other));
     }
     sort_by_gain(out.terms);
     return out;
@@ -203,7 +211,8 @@ class AnewSearch {
     return gain >= best - kTold || (one.term && gain >= kSame * kSame * best);
   }
   [[nodiscard]] bool explains(const ChainFit& before, const ChainFit& after, double gained) const {
-    if (gained > gain_by_chance(all_.size()) && after.left.explains_most_of(before.left)) return true;
+    const bool nearly = after.left.least_p >= kContradicted || after.left.power <= kNearly * before.left.power;
+    if (gained > gain_by_chance(all_.size()) && after.left.explains_most_of(before.left) && nearly) return true;
     // A chain that no rig can have is explained by any that one can.
     return !before.possible && after.left.least_p >= kContradicted && gained > -kTold;
   }
@@ -251,10 +260,10 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
   if (converged) {
     const TermSearch search(rig, course);
     out.unchecked = search.not_checked();
-    if (has_noise(rig, course)) best = search.run(now.left);
+    out.tried_inputs = has_noise(rig, course);
+    if (out.tried_inputs) best = search.run(now.left);
     contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
   }
-  out.searched = contradicted;
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {
     Explanation anew = AnewSearch(rig, data, most).run(now);
     if (!anew.terms.empty() && anew.gain() > best.gain() - kTold) best = std::move(anew);

@@ -14,7 +14,7 @@ namespace dwell {
 struct MissingTerms {
   std::vector<MissingTerm> terms;      // likeliest first: one, and those not told from it; empty: none is named
   std::vector<std::string> unchecked;  // what these readings cannot tell
-  bool searched = false;               // the readings contradict the chain, and every explanation was tried
+  bool tried_inputs = false;           // friction and cubic stiffness, which need a fit to begin with
 };
 
 // data: as run_course() was given. contradicted: the chain is refused, or does not converge; then mistakes of the rig

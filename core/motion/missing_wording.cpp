@@ -22,6 +22,7 @@ std::string unit_of(const Rig& rig, const Parameter& term) {
     case Unknown::ground_damping:
       return force_per(rig, "N*s/m", "N*m*s/rad");
     case Unknown::friction:
+    case Unknown::ground_friction:
       return force_per(rig, "N", "N*m");
     case Unknown::cubic:
       return force_per(rig, "N/m3", "N*m/rad3");
@@ -52,6 +53,8 @@ std::string in_words(const Rig& rig, const Parameter& term, const MissingTerm& o
       return "a spring of " + number + " from mass " + mass + " to ground";
     case Unknown::friction:
       return "friction of " + number + " in element " + mass;
+    case Unknown::ground_friction:
+      return "friction of " + number + " between mass " + mass + " and ground";
     default:
       return "a cubic stiffness of " + number + " of element " + mass;
   }

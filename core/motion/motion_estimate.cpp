@@ -38,7 +38,8 @@ class Report {
     for (const Parameter& p : course.parameters) free_ += p.prior_u > 0 ? 0 : 1;
   }
 
-  MotionEstimate make() {
+  // Everything but the elements; with the reason where there are none.
+  MotionEstimate judge() {
     MotionEstimate out;
     out.start_s = to_s(course_.data.readings.front().t_ns);
     out.end_s = to_s(course_.data.readings.back().t_ns);
@@ -51,11 +52,16 @@ class Report {
     given_table_ = innovations_given_table(model, course_.data, course_.fit.at);
     add_channels(out);
     if (out.reason.empty()) refuse_contradicted(out);
-    if (!out.reason.empty()) return out;
+    return out;
+  }
+
+  // Gives the elements; `out` as judge() left it, without a reason. missing: terms that the readings ask for. The
+  // coefficients stay as they are, and their uncertainty covers what such a term would make of them.
+  void give_elements(const std::vector<MissingTerm>& missing, MotionEstimate& out) {
     spread_by_noise();
     widen(out);
+    widen_by(missing);
     add_elements(out);
-    return out;
   }
 
  private:
@@ -133,10 +139,19 @@ class Report {
     return names;
   }
 
+  // Whether no channel has more noise than from reading to reading. A table that is read often enough asks for none,
+  // however it moves; a wrong chain makes its own channels noisy, or the table's.
+  [[nodiscard]] bool only_noise(const MotionEstimate& out) const {
+    return std::all_of(out.channels.begin(), out.channels.end(), [&](const MotionChannel& channel) {
+      const auto c = static_cast<std::size_t>(channel.channel);
+      return channel.u_noise <= kMoreThanNoise * course_.noise[c];
+    });
+  }
+
   void refuse_contradicted(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kContradicted, kDigits);
     if (names.empty()) return;
-    if (strange_table()) {
+    if (only_noise(out) && strange_table()) {
       noise_may_hide_ = strange_;
       return;
     }
@@ -159,6 +174,21 @@ class Report {
       noise_(i, i) += wider;
       covariance_(i, i) += wider;
     }
+  }
+
+  // The term that moves the coefficients most, beside their own uncertainty.
+  void widen_by(const std::vector<MissingTerm>& missing) {
+    double most = 0.0;
+    for (const MissingTerm& term : missing) {
+      if (static_cast<Index>(term.moves.size()) != coefficients_) continue;
+      const VectorXd moves = Eigen::Map<const VectorXd>(term.moves.data(), coefficients_);
+      const double far = moves.cwiseAbs2().cwiseQuotient(covariance_.diagonal()).sum();
+      if (!(far > most)) continue;
+      most = far;
+      moves_ = moves;
+      moved_by_ = term.what;
+    }
+    if (moves_.size() > 0) covariance_ += moves_ * moves_.transpose();
   }
 
   // The part of noise in all variances.
@@ -226,6 +256,7 @@ class Report {
       part.first += std::max(0.0, by_stated_(c, s) * of_stated_(c, s));
       part.second += std::max(0.0, by_stated_(c + 1, s) * of_stated_(c + 1, s));
     }
+    if (moves_.size() > 0) parts[moved_by_ + ", missing"] = {moves_(c) * moves_(c), moves_(c + 1) * moves_(c + 1)};
     double stiffness = 0.0, damping = 0.0;
     for (const auto& [name, part] : parts) {
       stiffness += part.first;
@@ -244,10 +275,12 @@ class Report {
   const MotionCourse& course_;
   Index coefficients_, free_;
   Pass pass_;
-  double strange_ = 0.0;         // Correlation::sum of the chain's channels that are not white, beyond chance
+  double strange_ = 0.0;         // Whiteness::squares of the chain's channels that are not white, beyond chance
   double noise_may_hide_ = 0.0;  // the same, where the chain is not to blame
   std::vector<std::vector<MotionInnovation>> given_table_;
   MatrixXd noise_, covariance_;     // of (c_1, r_1, …): by noise alone, whole
+  VectorXd moves_;                  // of (c, r) by the term that is missing; empty: none is
+  std::string moved_by_;            // its name
   MatrixXd by_stated_, of_stated_;  // ∂(c, r)/∂stated, and that times the covariance of the stated
 };
 
@@ -259,12 +292,14 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
   if (!found.terms.empty()) {
     const std::string with = told_together(found.terms), gain = "(gain " + brief(found.terms.front().gain, 3) + ")";
     if (refused)
-      out.reason += "; with " + with + " it would " + gain;
+      out.reason += "; " + with + " explains it " + gain + " and is not applied: check the rig file";
     else
-      out.warnings.push_back("the readings are better explained with " + with + " " + gain);
-  } else if (refused) {
+      out.warnings.push_back("the readings are better explained with " + with + " " + gain +
+                             ": uncertainties are widened by what it would change");
+  } else if (refused && course.reason.empty()) {
     out.reason += ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, " +
-                  std::string("friction, cubic springs, signs, swapped channels. Check the readings and the rig file");
+                  std::string(found.tried_inputs ? "friction, cubic springs, " : "") +
+                  "signs, swapped channels. Check the readings and the rig file";
   }
   out.missing = std::move(found.terms);
   out.unchecked = std::move(found.unchecked);
@@ -281,8 +316,10 @@ MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const Mot
   const MotionCourse course = run_course(rig, data, most);
   none.reason = course.reason;
   if (course.data.readings.empty()) return none;
-  MotionEstimate out = Report(rig, course).make();
+  Report report(rig, course);
+  MotionEstimate out = report.judge();
   if (options.missing && course.fit.at.theta.size() > 0) name_missing(rig, data, course, most, out);
+  if (out.reason.empty() && !out.channels.empty()) report.give_elements(out.missing, out);
   return out;
 }
 

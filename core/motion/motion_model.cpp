@@ -64,6 +64,8 @@ RowVectorXd MotionModel::rate_row(int k) const {
   return row;
 }
 
+RowVectorXd MotionModel::velocity_row(int k) const { return place_row({}, Quantity::velocity, k); }
+
 RowVectorXd MotionModel::force_row(const Coefficients& of, int k) const {
   if (k > of.stiffness.size()) return RowVectorXd::Zero(states_);
   return of.stiffness(k - 1) * deformation_row(k) + of.damping(k - 1) * rate_row(k);
@@ -215,14 +217,22 @@ LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
   return out;
 }
 
-// A unit force in an element acts as its stiffness does where it is deformed by one.
+// A unit force in an element acts as its stiffness does where it is deformed by one; one between a mass and ground as a
+// spring there does where the table's own displacement, which moves all masses alike, is one.
 void MotionModel::add_inputs(const Coefficients& now, const Parts& here, LinearModel& out) const {
   for (std::size_t a = 0; a < parameters_.size(); ++a)
     if (is_input(parameters_[a].what)) out.inputs.push_back(static_cast<int>(a));
   out.B.resize(states_, static_cast<Eigen::Index>(out.inputs.size()));
   out.D.resize(out.C.rows(), out.B.cols());
   for (Eigen::Index i = 0; i < out.B.cols(); ++i) {
-    const int element = parameters_[static_cast<std::size_t>(out.inputs[static_cast<std::size_t>(i)])].index;
+    const Parameter& input = parameters_[static_cast<std::size_t>(out.inputs[static_cast<std::size_t>(i)])];
+    if (input.what == Unknown::ground_friction) {
+      const Parts by = derivative({Unknown::ground_stiffness, input.index}, now, here);
+      out.B.col(i) = by.A.col(0);
+      out.D.col(i) = by.C.col(0);
+      continue;
+    }
+    const int element = input.index;
     const Parts by = derivative({Unknown::stiffness, element}, now, here);
     const int state = element < n_ ? table_ + element : 0;  // deformation_row() is ±1 there
     const double sign = element < n_ ? 1.0 : -1.0;

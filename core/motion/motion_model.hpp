@@ -54,6 +54,8 @@ class MotionModel {
   // Rows that give the deformation of element k = 1 … and its rate, per s, from the state.
   [[nodiscard]] Eigen::RowVectorXd deformation_row(int k) const;
   [[nodiscard]] Eigen::RowVectorXd rate_row(int k) const;
+  // Row that gives the velocity of mass k = 1 …, in displacement per s, from the state.
+  [[nodiscard]] Eigen::RowVectorXd velocity_row(int k) const;
 
  private:
   struct Coefficients {

@@ -69,8 +69,10 @@ Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& te
   if (!out.converged) return out;
   out.gain = course.fit.V - fit.V;
   out.value = fit.at.theta(a);
+  const Index coefficients = 2 * rig.element_count();
+  out.moves = fit.at.theta.head(coefficients) - course.fit.at.theta.head(coefficients);
   double variance = fit.covariance(a, a);
-  out.left = leftover(model, data, fit.at);
+  out.left = leftover(model, data, fit.at, course.noise, course.size);
   if (fit.pass.blocks >= 8 && out.left.least_p < kNotWhite)
     variance = std::max(variance, fit.covariance.row(a).dot(fit.pass.meat * fit.covariance.col(a)));
   out.u = std::sqrt(variance);

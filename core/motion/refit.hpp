@@ -1,6 +1,8 @@
 // A fit again with one more term free, from where the fit without it ended.
 #pragma once
 
+#include <Eigen/Core>
+
 #include "core/motion/leftover.hpp"
 #include "core/motion/motion_course.hpp"
 
@@ -12,6 +14,7 @@ struct Refit {
   double value = 0.0;  // of the term: departure from what is stated, or its size
   double u = 0.0;      // by the readings alone, wider where the innovations are not white
   Leftover left;
+  Eigen::VectorXd moves;  // change of (c, r) of each element
 };
 
 // course.fit: converged. start: where all else and the term's value are expected, which directions that only priors

@@ -80,7 +80,7 @@ ChainFit chain_fit(const Rig& rig, const MotionCourse& course) {
   ChainFit out;
   if (!course.whole || !std::isfinite(course.fit.V) || course.data.readings.empty()) return out;
   const MotionModel model(rig, course.parameters);
-  out.left = leftover(model, course.data, course.fit.at);
+  out.left = leftover(model, course.data, course.fit.at, course.noise, course.size);
   const Pass pass = evaluate(model, course.data, course.fit.at, {.derivatives = false});
   out.readings = static_cast<double>(course.data.readings.size());
   double V = course.fit.V;  // of SI; a density of the device's numbers is |gain| times that of SI

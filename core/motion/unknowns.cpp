@@ -77,6 +77,8 @@ std::string name_of(const Rig& rig, const Parameter& parameter) {
       return "damping of mass " + number() + " to ground";
     case Unknown::friction:
       return "friction in element " + number();
+    case Unknown::ground_friction:
+      return "friction of mass " + number() + " to ground";
     case Unknown::cubic:
       return "cubic stiffness of element " + number();
   }

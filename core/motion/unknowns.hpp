@@ -26,6 +26,7 @@ enum class Unknown : std::uint8_t {
   ground_stiffness,  // of a spring from mass `index` + 1 to ground, N/m
   ground_damping,    // of a damper there, N·s/m
   friction,          // Coulomb's, in element `index` + 1, N
+  ground_friction,   // Coulomb's, between mass `index` + 1 and ground, N
   cubic,             // force of that element per cube of its deformation, N/m³
 };
 
@@ -38,7 +39,7 @@ struct Parameter {
 // The forces of these are known functions of the motion: in the model they stand as inputs of unknown amplitude
 // (MotionInput of core/motion/likelihood.hpp).
 [[nodiscard]] constexpr bool is_input(Unknown what) noexcept {
-  return what == Unknown::friction || what == Unknown::cubic;
+  return what == Unknown::friction || what == Unknown::ground_friction || what == Unknown::cubic;
 }
 
 // Coefficients, intensities of `stretches` stretches, noise of all channels that count, without priors; then the drive.

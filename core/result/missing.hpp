@@ -16,7 +16,9 @@ struct MissingTerm {
   std::string unit;                  // of both
   double gain = kNaN;                // by which the likelihood's logarithm grows
   std::vector<std::string> or_else;  // terms that the readings do not tell from this one
-  std::string told;                  // as a part of a sentence: "a damper of 2.20 ± 0.10 N·s/m from mass 1 to ground"
+  // By how much (c, r) of each element would change if the model had this term; empty: not known.
+  std::vector<double> moves;
+  std::string told;  // as a part of a sentence: "a damper of 2.20 ± 0.10 N·s/m from mass 1 to ground"
 };
 
 }  // namespace dwell
