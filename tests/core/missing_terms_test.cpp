@@ -128,7 +128,8 @@ TEST(MissingTerms, NamesAReversedLoadCellAndSwappedChannels) {
   const MotionData data = readings_of(rig, FaultyMotion(chain, {}, kAmplitude), 2.0, 100.0, noise_of(rig, chain), 7);
   const MotionEstimate sign = estimate_motion(rig, reversed(data, 3));
   ASSERT_TRUE(named(sign, "sign of reaction")) << told(sign);
-  EXPECT_NE((sign.reason + told(sign)).find("; the opposite sign of reaction explains it"), std::string::npos) << told(sign);
+  EXPECT_NE((sign.reason + told(sign)).find("; the opposite sign of reaction explains it"), std::string::npos)
+      << told(sign);
   const MotionEstimate two = estimate_motion(rig, swapped(data, 1, 2));
   ASSERT_TRUE(named(two, "y1 and y2 swapped")) << told(two);
 }
