@@ -112,6 +112,7 @@ class Sums {
  private:
   static constexpr Index kBatch = 64;
   void flush() {
+    if (used_ == 0) return;  // Eigen divides by the number of columns
     information_.selfadjointView<Eigen::Lower>().rankUpdate(by_e_.leftCols(used_));
     auto corner = information_.topLeftCorner(p_, p_);
     corner.selfadjointView<Eigen::Lower>().rankUpdate(by_S_.leftCols(used_));

@@ -35,6 +35,13 @@ constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which large errors are told from one another.
 constexpr std::size_t kScreened = 1500;
+// The search ends after so many times the work of the estimate itself, that taken as a hundred passes over the readings
+// of a screening at least. A search that has not come to its end names nothing of what it did not try.
+constexpr double kMostWork = 10.0, kLeastTried = 100.0 * kScreened;
+
+double work_of(const MotionCourse& course) {
+  return static_cast<double>(course.passes) * static_cast<double>(course.data.readings.size());
+}
 
 // 2 gain of a candidate without effect is χ² of one degree of freedom: P(gain > g) = erfc(√g).
 double gain_by_chance(std::size_t candidates) {
@@ -148,13 +155,15 @@ struct Hypothesis {
 // Hypotheses, each with the chain fitted anew from its start: first on few readings, the best on all.
 class AnewSearch {
  public:
-  AnewSearch(const Rig& rig, const MotionData& data, std::size_t most) : rig_(rig), data_(data), most_(most) {
+  // tried: what the estimate took to be made, in readings times passes.
+  AnewSearch(const Rig& rig, const MotionData& data, std::size_t most, double tried)
+      : rig_(rig), data_(data), most_(most), left_(kMostWork * std::max(tried, kLeastTried)) {
     for (const RigMistake& mistake : rig_mistakes(rig)) all_.push_back({mistake, {}});
     for (const Parameter& term : missing_candidates(rig))
       if (!is_input(term.what)) all_.push_back({{}, term});
   }
 
-  [[nodiscard]] Explanation run(const ChainFit& before) const {
+  [[nodiscard]] Explanation run(const ChainFit& before) {
     const std::size_t few = std::min(most_, kScreened);
     const ChainFit now = chain_fit(rig_, run_course(rig_, data_, few));
     std::vector<std::pair<double, const Hypothesis*>> likely;
@@ -185,8 +194,10 @@ class AnewSearch {
     ChainFit fit;
     double value = 0.0, u = 0.0;  // of a term
   };
-  [[nodiscard]] Tried fitted(const Hypothesis& one, std::size_t most) const {
+  [[nodiscard]] Tried fitted(const Hypothesis& one, std::size_t most) {
+    if (left_ <= 0.0) return {};
     const MotionCourse course = run_course(rig_, one.term ? data_ : without(rig_, data_, one.mistake), most, one.term);
+    left_ -= work_of(course);
     Tried out{chain_fit(rig_, course)};
     if (!one.term || !out.fit.possible) return out;
     for (std::size_t a = 0; a < course.parameters.size(); ++a)
@@ -234,6 +245,7 @@ class AnewSearch {
   const Rig& rig_;
   const MotionData& data_;
   std::size_t most_;
+  double left_;  // readings times passes that may still be spent
   std::vector<Hypothesis> all_;
 };
 
@@ -265,7 +277,7 @@ MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCo
     contradicted = contradicted || has_impossible_coefficient(rig, course.fit);
   }
   if (contradicted && (best.terms.empty() || best.left.least_p < kNotWhite || !now.possible)) {
-    Explanation anew = AnewSearch(rig, data, most).run(now);
+    Explanation anew = AnewSearch(rig, data, most, work_of(course)).run(now);
     if (!anew.terms.empty() && anew.gain() > best.gain() - kTold) best = std::move(anew);
   }
   out.terms = std::move(best.terms);

@@ -237,6 +237,10 @@ class Report {
       out.reason = "the readings do not determine it";
     } else if (!(u < size / 3)) {
       out.reason = "its uncertainty is " + (size > 0 ? percent(u / size) : "all") + " of its dynamic stiffness";
+    } else if (!(damping.value > damping.U95) || !(stiffness.value > 0)) {
+      // A mode that hides in the noise is found by one of its peaks, with next to no damping: a maximum beside the true
+      // one, whose curvature tells nothing of the distance.
+      out.reason = "its damping is not told from zero, so that the estimate may rest on a peak of the noise";
     } else {
       out.identifiable = true;
       out.stiffness = stiffness;

@@ -42,6 +42,7 @@ class Test {
 
   ScoreTest run() {
     evaluate_all();
+    if (!std::isfinite(pass_.V)) return {};
     const std::vector<Index> fitted = fitted_unknowns();
     out_.information = left_of(fitted, prior(fitted), out_);
     const auto added = static_cast<Index>(parameters_.size() - course_.parameters.size());

@@ -61,6 +61,7 @@ std::vector<std::string> unchecked(const Rig& rig, const ScoreTest& test) {
     const Unknown what = test.candidates[static_cast<std::size_t>(a)].what;
     if (what == Unknown::mass || what == Unknown::scale || what == Unknown::delay) terms.push_back(a);
   }
+  if (terms.empty()) return {};
   std::stable_sort(terms.begin(), terms.end(), [&](Index a, Index b) {
     return test.candidates[static_cast<std::size_t>(a)].what < test.candidates[static_cast<std::size_t>(b)].what;
   });

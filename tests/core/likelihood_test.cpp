@@ -163,5 +163,15 @@ TEST(Likelihood, IsTheSameWithGainsThatAreUsedAgain) {
   EXPECT_LT((steady.information - anew.information).norm(), 1e-5 * anew.information.norm());
 }
 
+// Sums are gathered in batches of 64 readings.
+TEST(Likelihood, AsManyReadingsAsFillABatchAreAsGoodAsAnyOther) {
+  for (const int readings : {63, 64, 65, 128}) {
+    const Setting s = irregular(readings);
+    const Pass pass = evaluate(s.model, s.data, s.at, {});
+    EXPECT_TRUE(std::isfinite(pass.V)) << readings;
+    EXPECT_TRUE(pass.information.allFinite()) << readings;
+  }
+}
+
 }  // namespace
 }  // namespace dwell

@@ -211,5 +211,37 @@ TEST(MotionEstimate, ConvictsNoChainOfATableThatMovesOtherwise) {
   }
 }
 
+TEST(MotionEstimate, ComesToAnEndWhateverTheSizeOfTheReadings) {
+  const Chain chain = clamped_chain();
+  const Rig rig = rig_of(chain, 4.0);
+  for (const double factor : {1e150, 1e-150}) {
+    MotionData data = start_up(rig, chain, {4.0, 0.005, 0.0, 0.2}, 1.0, 200.0, 0.002, 5);
+    for (MotionReading& reading : data.readings) reading.value *= factor;
+    const MotionEstimate found = estimate_motion(rig, data);
+    if (!found.reason.empty()) continue;
+    for (std::size_t e = 0; e < found.elements.size(); ++e)
+      EXPECT_NEAR(found.elements[e].stiffness.value, chain.stiffness[e], 5 * found.elements[e].stiffness.u) << factor;
+  }
+}
+
+// A stiff element whose mode is below the noise: the likelihood has a peak at next to no damping, many u off.
+TEST(MotionEstimate, WithholdsAnElementWhoseDampingIsNotToldFromZero) {
+  const Chain chain{Boundary::free, {4.0, 3.0, 2.0}, {24e3, 8e3, 56e3}, {60.0, 45.0, 40.0}};
+  const Rig rig = rig_of(chain, 4.0);
+  int given = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const MotionEstimate found =
+        estimate_motion(rig, start_up(rig, chain, {4.0, 0.005, 0.0, 0.0}, 4.0, 200.0, 0.01, seed));
+    for (std::size_t e = 0; e < found.elements.size(); ++e) {
+      if (!found.elements[e].identifiable) continue;
+      ++given;
+      EXPECT_GT(found.elements[e].damping.value, found.elements[e].damping.U95);
+      EXPECT_LT(std::abs(found.elements[e].stiffness.value - chain.stiffness[e]), 5 * found.elements[e].stiffness.u);
+      EXPECT_LT(std::abs(found.elements[e].damping.value - chain.damping[e]), 5 * found.elements[e].damping.u);
+    }
+  }
+  EXPECT_GT(given, 0);
+}
+
 }  // namespace
 }  // namespace dwell
