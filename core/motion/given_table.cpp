@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// By how much the logarithm of an intensity or a noise may fall below where it starts: to a thousandth, or to nothing.
+// ln q and ln σ may fall by this much below where they start: to a thousandth.
 constexpr double kLower = 7.0;
 
 // The states that the chain has no part in: the table's, and those of the filters of its transducers.

@@ -31,20 +31,20 @@ class HoldRecord {
     ring_[static_cast<std::size_t>(end_++ % ring_.size())] = reading;
   }
 
-  // A hold begins with the first reading at or after from_ns that is still there. Half of the room is left for what
-  // comes: of many readings a period, those before are fewer. O(readings).
+  // A hold begins with the first reading at or after from_ns that is still there. At most half of the room goes to
+  // readings from before now; older ones are left out. O(readings).
   void begin(std::int64_t from_ns) noexcept {
     roll();
     begin_ = oldest();
     while (begin_ < end_ && (at(begin_).t_ns < from_ns || end_ - begin_ > ring_.size() / 2)) ++begin_;
     holds_ = true;
   }
-  // The hold's readings need not be kept any longer: the newest are, whatever they are.
+  // Ends the hold: the ring overwrites its oldest readings again.
   void roll() noexcept {
     if (passed_over_) first_ = end_;  // a gap: nothing before it may stand beside what comes
     passed_over_ = holds_ = false;
   }
-  // They are needed again. false: some are gone.
+  // Protects the hold's readings again, after roll(). false: some are gone.
   bool resume() noexcept {
     if (begin_ < oldest()) return false;
     holds_ = true;
@@ -75,7 +75,7 @@ class HoldRecord {
   std::vector<Reading> ring_;
   std::uint64_t first_ = 0, begin_ = 0, end_ = 0;  // numbers: nothing older counts; the hold's first; the next
   bool holds_ = false;                             // nothing from begin_ on is overwritten
-  bool passed_over_ = false;                       // since then a reading found no room
+  bool passed_over_ = false;                       // a reading was refused since the last roll()
 };
 
 }  // namespace dwell

@@ -19,24 +19,24 @@ namespace {
 
 using Eigen::Index;
 
-// Chance that a healthy rig is advised wrongly, over all that is tried: five in a hundred of a sweep of 500 rigs. With
-// 30 candidates a gain of 11 is needed, a term of 4.7 standard uncertainties; ten times less chance needs 13.
+// False-alarm probability of a healthy rig, over all candidates: 0.05 false names in 500 rigs. With 30 candidates a
+// gain of 11 is needed, a term of 4.7 standard uncertainties. A tenth of this probability needs 13.
 constexpr double kWrongAdvice = 1e-4;
 // Effects correlated more than this are one effect to these readings: named together.
 constexpr double kSame = 0.95;
 // Two explanations whose gains differ by less are not told apart: odds of 150 to 1.
 constexpr double kTold = 5.0;
-// The linear test misjudges the gain of a large fault: all within this part of the best are fitted, no more than that
-// many that are not the same.
+// The score test is linear and misjudges the gain of a large fault. So every candidate above this part of the best gain
+// is fitted, at most kMostFitted with different effects.
 constexpr double kWorthFitting = 0.2;
-// A fit that has gone astray leaves so much that any other leaves less. A fit from the start explains the readings
-// where its chain would not be refused, or residuals are a tenth as large.
+// A fit that has gone astray leaves so much that any other leaves less. A fit from the start explains the readings only
+// if its chain would not be refused, or if its residuals are a tenth as large.
 constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
-// Readings on which large errors are told from one another.
+// Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
-// The search ends after so many times the work of the estimate itself, that taken as a hundred passes over the readings
-// of a screening at least. A search that has not come to its end names nothing of what it did not try.
+// The search ends after so many times the work of the estimate itself. That work counts as a hundred passes over
+// kScreened readings at least. What was not tried by then is not named.
 constexpr double kMostWork = 10.0, kLeastTried = 100.0 * kScreened;
 
 double work_of(const MotionCourse& course) {
@@ -96,8 +96,8 @@ class TermSearch {
   [[nodiscard]] Refit refit(Index a) const {
     return refit_with(rig_, course_, candidate(a), test_.maximum_with(a, course_.fit.at), test_.value(a));
   }
-  // What V gained, and no more than the value itself stands for: a fit without the term that had not quite reached its
-  // maximum gains by any.
+  // The smaller of the drop of V and ½ (value/u)². If the fit without the term had not reached its maximum, V would
+  // drop with any term.
   [[nodiscard]] double evidence(Index a, const Refit& fit) const {
     double variance = fit.u * fit.u;
     for (const Parameter& p : course_.parameters)
@@ -106,8 +106,8 @@ class TermSearch {
   }
   [[nodiscard]] const Parameter& candidate(Index a) const { return test_.candidates[static_cast<std::size_t>(a)]; }
 
-  // Those with a gain beyond chance and worth a fit, likeliest first. The signs of large effects are right in the
-  // linear test as well.
+  // Candidates with a gain beyond chance, likeliest first. Those whose expected sign is impossible are left out: the
+  // score test foretells the sign of large effects as well.
   [[nodiscard]] std::vector<Index> likeliest() const {
     std::vector<Index> out;
     double most = 0.0;
@@ -216,15 +216,15 @@ class AnewSearch {
     term.gain = gained;
     return term;
   }
-  // Whether it may be named beside the best. Of effects that are correlated by ρ one explains ρ² of what the other
-  // does.
+  // Whether it may be named beside the best. A term whose effect is correlated by ρ with the true one has ρ² of its
+  // gain.
   [[nodiscard]] static bool as_good(const Hypothesis& one, double gain, double best) {
     return gain >= best - kTold || (one.term && gain >= kSame * kSame * best);
   }
   [[nodiscard]] bool explains(const ChainFit& before, const ChainFit& after, double gained) const {
     const bool nearly = after.left.least_p >= kContradicted || after.left.power <= kNearly * before.left.power;
     if (gained > gain_by_chance(all_.size()) && after.left.explains_most_of(before.left) && nearly) return true;
-    // A chain that no rig can have is explained by any that one can.
+    // If the first fit was impossible (a negative coefficient), a possible one that is not refused is enough.
     return !before.possible && after.left.least_p >= kContradicted && gained > -kTold;
   }
   // A fit begun anew may find what the fit before missed, whatever is added: a term must be beyond chance by its value.
@@ -235,7 +235,7 @@ class AnewSearch {
       if (p.what == one.term->what && p.index == one.term->index) variance += p.prior_u * p.prior_u;
     return 0.5 * tried.value * tried.value / variance > gain_by_chance(all_.size());
   }
-  // Where nothing was fitted any fit is better: each reading that is explained counts as one.
+  // Without a first fit there is no V to compare with: the gain is then the number of readings.
   [[nodiscard]] static double gain(const ChainFit& before, const ChainFit& after) {
     if (before.readings == 0.0) return after.readings;
     return std::min(before.readings, after.readings) * (before.per_reading - after.per_reading);

@@ -18,8 +18,8 @@ struct MissingTerms {
 };
 
 // data: as run_course() was given. contradicted: the chain is refused, or does not converge; then mistakes of the rig
-// file are tried as well. Takes a third of the time of the estimate on a healthy rig, some times it on a contradicted
-// one. Thread-safe; allocates.
+// file are tried as well. Takes a third of the time of the estimate on a healthy rig, up to ten times that time on a
+// contradicted one. Thread-safe; allocates.
 [[nodiscard]] MissingTerms find_missing(const Rig& rig, const MotionData& data, const MotionCourse& course,
                                         bool contradicted, std::size_t most);
 

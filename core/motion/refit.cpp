@@ -12,8 +12,8 @@ namespace {
 using Eigen::Index;
 
 constexpr int kPasses = 12;  // from a maximum nearby
-// What drives an input follows from the motion as fitted, at first without it: fitted again until the likelihood gains
-// less than this part more, no more often than …
+// An input depends on the fitted motion, at first that without it. It is made anew and fitted again until the gain
+// grows by less than this part, at most kRounds times.
 constexpr double kSettled = 0.01;
 constexpr int kRounds = 6;
 

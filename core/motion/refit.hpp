@@ -10,16 +10,15 @@ namespace dwell {
 
 struct Refit {
   bool converged = false;
-  double gain = 0.0;   // by which V fell; where the term had a prior, its part is in V before and not after
+  double gain = 0.0;   // by which V fell; V before includes the term's prior, if it had one, V after does not
   double value = 0.0;  // of the term: departure from what is stated, or its size
   double u = 0.0;      // by the readings alone, wider where the innovations are not white
   Leftover left;
   Eigen::VectorXd moves;  // change of (c, r) of each element
 };
 
-// course.fit: converged. start: where all else and the term's value are expected, which directions that only priors
-// determine hardly find by themselves; taken where it is better than the fit without the term. Some five to ten passes
-// with derivatives. Allocates; thread-safe.
+// course.fit: converged. start and value: the maximum that the score test expects; used if V is lower there than at the
+// fit without the term. Some five to ten passes with derivatives. Allocates; thread-safe.
 [[nodiscard]] Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& term,
                                const MotionUnknowns& start, double value);
 

@@ -10,7 +10,8 @@ namespace {
 
 using Eigen::Index;
 
-// Standard uncertainties below zero at which a coefficient is negative: in one of 30 000 healthy ones.
+// A coefficient this many standard uncertainties below zero is impossible. A healthy one near zero gets there once in
+// 30 000.
 constexpr double kNegative = 4.0;
 // Of a channel's rms that may be left over, as where an estimate is refused (core/motion/motion_estimate.cpp).
 constexpr double kMostLeft = 0.1;
@@ -83,7 +84,7 @@ ChainFit chain_fit(const Rig& rig, const MotionCourse& course) {
   out.left = leftover(model, course.data, course.fit.at, course.noise, course.size);
   const Pass pass = evaluate(model, course.data, course.fit.at, {.derivatives = false});
   out.readings = static_cast<double>(course.data.readings.size());
-  double V = course.fit.V;  // of SI; a density of the device's numbers is |gain| times that of SI
+  double V = course.fit.V;  // of readings in SI; below, of the device's numbers, so that swapped channels compare
   for (std::size_t c = 0; c < pass.count.size(); ++c)
     V -= pass.count[c] > 0 ? pass.count[c] * std::log(std::abs(gain_of(rig.channels[c]))) : 0.0;
   out.per_reading = V / out.readings;

@@ -15,8 +15,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of a candidate's own information that must be left once all else is fitted. The inverse of what is fitted leaves
-// eigenvalues out below 1e-11 of the largest: what cancels farther is rounding.
+// A candidate is determined if this part of its information remains once all else is fitted. The inverse leaves out
+// eigenvalues below 1e-11 of the largest, so that a smaller remainder is rounding.
 constexpr double kLeft = 1e-7;
 
 ElementSizes sizes_of(const Rig& rig, const MotionCourse& course) {

@@ -20,13 +20,13 @@ namespace dwell {
 
 struct ScoreTest {
   std::vector<Parameter> candidates;
-  std::vector<bool> told;       // whether the readings tell of it at all, given the rest
+  std::vector<bool> told;       // whether the readings determine it at all, with all else fitted
   Eigen::VectorXd score;        // s̃
   Eigen::MatrixXd information;  // W
-  // W of the readings alone, what is stated neither fitted nor known better: its null directions are what no reading
-  // tells. Both matrices are in the candidates' units; sizes: natural_size() of each.
+  // W without the priors of what is stated. Its null directions are what no reading determines. Both matrices are in
+  // the candidates' units; sizes: natural_size() of each.
   Eigen::MatrixXd alone;
-  Eigen::VectorXd own;  // information of each with all else known; what is left of it below 1e-10 is rounding
+  Eigen::VectorXd own;  // information of each with all else known
   Eigen::VectorXd sizes;
   // H⁻¹ I_ξx and H⁻¹ s_ξ, and which of (θ, initial, bias) each row moves.
   Eigen::MatrixXd response;

@@ -11,16 +11,16 @@
 namespace dwell {
 namespace {
 
-// Periods of the nominal drive before the hold that belong to its stretch: the estimate looks for the onset itself,
-// which the hold's first window holds, and wants a period before it.
+// Periods of the nominal drive before the hold that belong to its stretch: the onset may lie in the hold's first
+// window, and the estimate needs a period before the onset.
 constexpr double kBefore = 1.5;
 // … and after its beginning, before the first estimate: with fewer most rigs' coefficients are not determined.
 constexpr double kFirst = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
 constexpr double kGrowth = 1.5;
-// A hold of so many periods that ends while the dwell settles was one: what follows is another drive. A ramp leaves a
-// hold every period. Longer: an operator's change of the drive goes unnoticed; shorter: a slow ramp is torn.
+// If a hold of so many periods ends while the dwell settles, the drive has changed, and another stretch begins. A ramp
+// leaves a hold every period. Longer: an operator's change of the drive goes unnoticed. Shorter: a slow ramp is torn.
 constexpr double kSteady = 8.0;
 
 std::size_t most_readings(const Rig& rig) {

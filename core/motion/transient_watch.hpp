@@ -1,19 +1,20 @@
 // Coefficients while a dwell settles: when they are estimated from its transient, and from which readings.
 //
-// A stretch begins a little before the hold does. Its readings are estimated by estimate_motion() as soon as they cover
-// two periods of the drive, and again each time they have become half as many more. So all estimates of a stretch
-// together cost three times the last one, however long the rig takes to settle. An idle rig costs nothing.
+// A stretch begins one and a half periods before its first hold. estimate_motion() is given its readings two periods
+// after the hold began, and again each time they have become half as many more. So all estimates of a stretch together
+// cost three times the last one, however long the rig takes to settle. An idle rig costs nothing.
 //
-//   waiting ──> gathering <──> estimating
-//      ^            │ ^            │
-//      │  settled   v │ taken back v  settled
-//      └─────────  taken over
+//   state        what is so                              left for
+//   waiting      no dwell is on                          gathering, when a dwell begins
+//   gathering    the stretch grows                       estimating, when a job is handed over
+//   estimating   it grows, a job is out                  gathering, when the job comes back
+//   taken over   the dwell has settled; the newest       gathering, when the verdict is taken back or a dwell begins
+//                estimate stays, for comparison
 //
-// waiting: no dwell is on. gathering: the stretch grows. estimating: it grows while a job is out. taken over: the dwell
-// has settled; the newest estimate stays, for comparison. Another dwell begins the next stretch, and drops the
-// estimate. So does, within a dwell, a drive that was steady for some periods and then left its hold; the estimate
-// stays until there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with its
-// stretch.
+// From any state the end of a dwell leads to waiting, its verdict to taken over. Another dwell begins another stretch
+// and drops the estimate. Within a dwell a drive that leaves a hold of some periods begins another stretch too, and the
+// estimate stays until there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with
+// its stretch.
 //
 // This class decides and remembers; it does not estimate. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same records and the same calls give the same jobs.
@@ -87,7 +88,7 @@ class TransientWatch {
   double hold_s_ = kNaN;      // … and its newest
   double now_s_ = kNaN;       // of the newest reading
   std::uint64_t stretch_ = 0;
-  std::size_t handed_ = 0;  // readings of the stretch that were handed over last
+  std::size_t handed_ = 0;  // readings of the stretch in the last job
   bool out_ = false;        // a job is
   std::shared_ptr<const TransientEstimate> newest_;
 };

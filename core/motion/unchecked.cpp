@@ -12,16 +12,15 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Information about a direction in natural sizes below which it is not told: an error of a tenth is within 1 u. Common
-// delays come to 20: the process that stands for the table is not quite the same at every instant.
+// A direction with less information than this, in natural sizes, is not determined: its u is above a tenth. Common
+// delays come to 20, since the process that stands for the table is not quite the same at every instant.
 constexpr double kNotTold = 100.0;
 // … or below this part of what a term's own information is: what cancels farther is rounding.
 constexpr double kRounding = 1e-10;
-// Part of a direction below which a term is none of it.
+// Components of a direction below this are ignored.
 constexpr double kNoPart = 0.05;
 
-// Basis of the null space with a one in a column of its own each and zeros in the columns of the others: directions
-// that concern few terms.
+// The reduced row echelon form of a basis of the null space: each direction involves few terms.
 MatrixXd reduced(MatrixXd rows) {
   Index done = 0;
   for (Index column = 0; column < rows.cols() && done < rows.rows(); ++column) {

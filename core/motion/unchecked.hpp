@@ -1,5 +1,5 @@
-// What the readings of a rig cannot tell, whatever they show: directions in which several terms change together and no
-// reading with them. The common scale of all masses of a free chain is one: all coefficients grow with it.
+// Combinations of terms that change no reading, so that no data of the rig can tell them. One is the common scale of
+// all masses of a free chain: all coefficients grow with it.
 #pragma once
 
 #include <string>

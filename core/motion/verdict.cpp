@@ -28,8 +28,7 @@ std::string told(const Off& off) { return "off by " + percent(off.by) + " ± " +
 // How far another motion may be off at most.
 double most(const Off& off, bool consistent) { return (consistent ? 1 : 2) * off.by + off.U; }
 
-// What a channel says of the whole: 2 not adequate, 1 not verified, 0 adequate, or within the accuracy without having
-// been put to the test where most of the others were.
+// What a channel says of the whole: 2 not adequate; 1 not verified; 0 adequate, or to be ignored as judge() says.
 int rank(const ChannelComparison& c, double accuracy, bool consistent, bool others_tested) {
   if (c.verdict == Verdict::not_adequate) return 2;
   if (c.verdict == Verdict::adequate) return 0;

@@ -3,18 +3,18 @@
 // U_as_is of a model whose coefficients and masses are its own numbers, which the standard calls hard-wired.
 //
 //   adequate       off + U_as_is <= accuracy, and <= beyond_steady / kBeyondSteady
-//                  where the statistics leave something unexplained: 2 · error + U, for it may show as much again
+//                  of a model that is not consistent: 2 · error + U, for another motion may show as much again
 //   not adequate   off - U > accuracy
 //   else           not verified yet: the evidence is too weak
 //
-// Whoever uses the model uses these coefficients. How far it is off with them is seen, however well they are known: r
-// known to ± 30 % whose transient is predicted to 1 % serves. What their uncertainty may explain does not condemn the
-// chain: there U stands.
+// A user of the model uses these coefficients, and the comparison shows the error with them. A model whose r is known
+// to ± 30 % and which predicts the transient to 1 % is adequate. The second line takes the whole U: an error that the
+// uncertainty of the coefficients explains does not condemn the chain.
 //
-// Evidence must hold what the coefficients were not fitted to. A channel with the steady phasor ρ against the table
-// would follow a motion without memory as y(t) = Re(ρ) y_0(t) + Im(ρ)/ω y_0'(t). Every chain with that phasor predicts
-// this part, so that it proves nothing. `beyond` is the rms of the prediction less this part; the error must be small
-// beside it too.
+// Evidence must hold what the coefficients were not fitted to. If the chain had no natural oscillations, the steady
+// phasor ρ of a channel against the table would predict y(t) = Re(ρ) y_0(t) + Im(ρ)/ω y_0'(t) for any motion. Every
+// chain with that phasor predicts this part, so that it tests nothing. `beyond_steady` is the rms of the prediction
+// less this part; the error must be small beside it too.
 #pragma once
 
 #include <string>
@@ -33,9 +33,8 @@ inline constexpr double kBeyondSteady = 4.0;
 void judge(ChannelComparison& channel, double accuracy, bool consistent);
 
 // The verdict of the whole from those of its channels: adequate where all are, not adequate where one is. A channel
-// that is within the accuracy, but would be so with any chain of these phasors, has no vote where more than half of all
-// channels are adequate: the evidence did test the model. Fills verdict, seen, U, e_n. names: of the rig's channels,
-// for the reasons.
+// that is within the accuracy, but whose transient is too weak to test the chain, is ignored where more than half of
+// all channels are adequate. Fills verdict, seen, U, e_n. names: of the rig's channels, for the reasons.
 void judge(Verification& verification, const std::vector<std::string>& names);
 
 }  // namespace dwell

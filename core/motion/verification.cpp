@@ -95,8 +95,8 @@ SteadyRatio steady_ratio(const Rig& rig, const Dwell& dwell, int table) {
   return out;
 }
 
-// The sources that touch readings, and what they do to a comparison whose coefficients and masses are the model's own
-// numbers.
+// The sources that act on readings or the clock, without their effect on coefficients and masses: these are the model's
+// own numbers in U_as_is.
 std::vector<CoefficientError> as_read(std::vector<CoefficientError> sources) {
   std::erase_if(sources, [](const CoefficientError& source) { return source.readings.empty() && source.clock_u == 0; });
   for (CoefficientError& source : sources) {
@@ -153,8 +153,9 @@ double mean_square(const MatrixXd& columns) {
   return columns.squaredNorm() / static_cast<double>(std::max<Index>(1, columns.size()));
 }
 
-// By how much √(mean(e²) - mean(n²)) may be too small, n being noise: k = 2. A mean square scatters as its draws do,
-// and by what noise has in common with the error; the noise itself is known from `freedom` readings.
+// Upper limit (k = 2) of the error that noise may hide in √(mean(e²) - mean(n²)), n being noise. Three things scatter:
+// the mean square of noise, as its draws do; its product with the error; and the noise itself, known from `freedom`
+// readings.
 double unseen(const VectorXd& error, const MatrixXd& noise, double freedom) {
   const double samples = static_cast<double>(std::max<Index>(1, error.size()));
   const VectorXd squares = noise.colwise().squaredNorm().transpose() / samples;
@@ -227,8 +228,8 @@ struct ConsistencyTest {
     return weight;
   }
 
-  // The sources, weighted, and an offset of each channel by one standard deviation of a reading: the mean of the
-  // settled data is taken off, which tells the mean of the evidence no better where that is longer.
+  // The sources, weighted, and an offset of each channel by one standard deviation of a reading: the subtracted mean of
+  // the settled data has an error of its own.
   [[nodiscard]] MatrixXd weighted(const VectorXd& weight, const MatrixXd& sources) const {
     MatrixXd out = MatrixXd::Zero(sources.rows(), sources.cols() + static_cast<Index>(stretch.compared.size()));
     out.leftCols(sources.cols()) = weight.asDiagonal() * sources;
@@ -249,7 +250,7 @@ struct ConsistencyTest {
       Consistency tests =
           consistency_of(fit, seen_error, ends_of(stretch), drawn(weight.asDiagonal() * noise, fit.sources()), freedom);
       if (again == kAgain || tests.p() > kMakeSure) return tests;
-      // The error where the sources explain most of it, continued to where they explain nothing by the slopes there.
+      // Extrapolates linearly from the best amplitudes back to zero.
       const VectorXd amplitudes = -fit.amplitudes(seen_error).head(count);
       Assumption there = nominal;
       for (Index i = 0; i < count; ++i) there = there.moved(errors[static_cast<std::size_t>(i)], amplitudes(i));
@@ -320,7 +321,7 @@ Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vec
   }
   out.evidence.push_back("transient from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
                          brief(to_s(stretch.until_ns), 4) + " s");
-  // Of a prediction that is not determined the statistics say nothing.
+  // Consistency is not tested where U is above 100 % of the rms in any channel.
   const bool determined = std::all_of(out.channels.begin(), out.channels.end(),
                                       [](const ChannelComparison& channel) { return channel.U < 1.0; });
   const ConsistencyTest consistency{stretch, table, nominal, errors, seen.noise_error, freedom_of(stretch, dwell)};

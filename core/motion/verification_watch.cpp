@@ -10,7 +10,7 @@
 namespace dwell {
 namespace {
 
-// Readings of all channels together: what verify_transient() takes at most, and what comes before a hold.
+// Readings of all channels together: 60 000 that verify_transient() takes at most, and room for those before a hold.
 constexpr std::size_t kMost = 64'000;
 // Periods of the nominal drive before the hold that belong to the evidence: it begins a period of the slowest natural
 // oscillation before, which may be as slow as this.
@@ -72,7 +72,7 @@ void VerificationWatch::follow(const Dwell& now) {
 void VerificationWatch::ended(const Dwell& dwell) {
   const Hold& of = dwell.index == now_.dwell ? now_ : before_;
   if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s))
-    waiting_ = VerificationJob{of.evidence, {dwell, {}}};  // says more than one that still waits
+    waiting_ = VerificationJob{of.evidence, {dwell, {}}};  // replaces a waiting job: it has more data
 }
 
 VerificationJob VerificationWatch::hand_over() {

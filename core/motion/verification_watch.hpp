@@ -1,8 +1,8 @@
 // A dwell's model put to the test while the dwell is on: when verify_transient() is asked, and with which readings.
 //
-// The readings that count are kept from a little before the hold begins until the dwell has settled. Then they are the
-// evidence: it no longer changes, for the coefficients come from later data. The model is verified when the dwell has
-// settled, each time its data have become twice as long (its coefficients are better known then), and when it ends.
+// The readings that count are kept from ten periods before the hold begins until the dwell has settled. Then they are
+// the evidence, which no longer changes: the coefficients come from later data. The model is verified when the dwell
+// has settled, each time its data have become twice as long (its coefficients are better known then), and when it ends.
 //
 // This class decides and remembers; it does not verify. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same calls give the same jobs.
@@ -72,7 +72,7 @@ class VerificationWatch {
   double period_s_;  // of the nominal drive
   HoldRecord record_;
   std::uint64_t next_ = 0;  // number in the history
-  Hold now_, before_;       // before_: may still end, for a reason that is not known yet
+  Hold now_, before_;       // before_: the dwell before, while its end is not reported
   std::optional<VerificationJob> waiting_;
   bool out_ = false;  // a job is
   std::shared_ptr<const VerifiedDwell> newest_;

@@ -50,7 +50,8 @@ LongWorkThread::LongWorkThread(std::shared_ptr<LongWork> work)
 LongWorkThread::~LongWorkThread() {
   shared_->stop.store(true);
   shared_->work->slot.ring();
-  // Either `busy` is seen here, or the thread sees `stop` before it begins a job: both are sequentially consistent.
+  // Either `busy` is seen here, or the thread sees `stop` before it begins a job: both are sequentially consistent. So
+  // join() never waits for a job that begins after stop.
   if (shared_->busy.load()) {
     thread_.detach();
   } else {

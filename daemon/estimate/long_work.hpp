@@ -1,5 +1,5 @@
-// The thread for what takes seconds: coefficients from a transient, the verification of a model. One at a time, and
-// behind all others: it runs at a lower priority and may fall behind; nobody waits for it.
+// The thread for what takes seconds: coefficients from a transient, the verification of a model. It does one job at a
+// time, at a lower priority than all other threads; nobody waits for it.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,8 @@ using LongJob = std::variant<TransientJob, VerificationJob>;
 struct LongWork {
   LongWork(Rig the_rig, double the_accuracy) : rig(std::move(the_rig)), accuracy(the_accuracy) {}
 
-  // Worker, or a test: does the job that waits; false: none does. Throws nothing: what fails is the job's reason.
+  // Worker, or a test: does the job that waits; false: none does. Throws nothing: a failure is
+  // stored as the job's reason.
   bool work();
 
   const Rig rig;
@@ -32,8 +33,8 @@ class LongWorkThread {
  public:
   // Starts at once.
   explicit LongWorkThread(std::shared_ptr<LongWork> work);
-  // Takes no time: a job that is being done cannot be interrupted, and must not cost the end of the run. Its thread is
-  // left to itself then, with all it needs, and goes when the job is done.
+  // Does not wait: a running job cannot be interrupted and must not hold up the end of the run. Its thread is then
+  // detached, keeps its data alive, and ends with the job.
   ~LongWorkThread();
   LongWorkThread(const LongWorkThread&) = delete;
   LongWorkThread& operator=(const LongWorkThread&) = delete;

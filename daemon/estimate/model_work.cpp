@@ -27,7 +27,7 @@ void ModelWork::turn(const Dwell& now, const SampleHistory* readings) {
   transient_.follow(now);
   verification_.follow(now);
   if (!work_->slot.free()) return;
-  // A transient first: its numbers are waited for, and age.
+  // A transient first: the operator waits for its numbers.
   if (transient_.due()) {
     work_->slot.put(transient_.hand_over());
   } else if (verification_.due()) {

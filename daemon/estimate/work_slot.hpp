@@ -24,7 +24,7 @@ class WorkSlot {
     state_.store(State::waits, std::memory_order_release);
     bell_.release();
   }
-  // Giver: the job that is done, and the slot is free again; none: there is none.
+  // Giver: takes the finished job and frees the slot; none: no job is finished.
   [[nodiscard]] std::optional<Job> collect() {
     if (state_.load(std::memory_order_acquire) != State::done) return std::nullopt;
     std::optional<Job> job = std::exchange(job_, std::nullopt);

@@ -21,8 +21,8 @@ namespace dwell {
 // NaN: there is none to compare.
 [[nodiscard]] double difference(const DwellView& view);
 // Whether both contradict each other: that difference is above 1, and above what noise makes of so many coefficients in
-// 5 % of cases. The first lets pass what the stated uncertainties explain: instants of a polled device are known to its
-// turnaround, and the transient takes them as exact.
+// 5 % of cases. The first condition tolerates differences within the stated U: instants of a polled device are known to
+// its turnaround, and the estimate from the transient ignores that.
 [[nodiscard]] bool contradicts(const DwellView& view);
 // "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; empty: they were not compared.
 [[nodiscard]] std::string agreement_text(const DwellView& view);
