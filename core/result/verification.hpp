@@ -16,7 +16,7 @@ enum class Verdict : std::uint8_t { adequate, not_adequate, not_verified };
 
 [[nodiscard]] const char* to_string(Verdict verdict) noexcept;  // "adequate", "not adequate", "not verified yet"
 
-// M, P and C = √(M² + P²) of Sprague and Geers (core/motion/comparison.hpp).
+// M, P and C = √(M² + P²) of Sprague and Geers (core/verify/comparison.hpp).
 struct SpragueGeers {
   double magnitude = kNaN, phase = kNaN, combined = kNaN;
 };

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/motion/verification_readings.hpp"
 #include "core/result/dwell.hpp"
 #include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/verification_readings.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
 namespace dwell::ctl {

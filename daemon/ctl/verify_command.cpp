@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/motion/verification.hpp"
-#include "core/motion/verification_readings.hpp"
+#include "core/verify/verification.hpp"
+#include "core/verify/verification_readings.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/report/model_files.hpp"

@@ -8,8 +8,8 @@
 #include <variant>
 
 #include "core/motion/transient_watch.hpp"
-#include "core/motion/verification_watch.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/verification_watch.hpp"
 #include "daemon/estimate/work_slot.hpp"
 
 namespace dwell {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "core/motion/transient_watch.hpp"
-#include "core/motion/verification_watch.hpp"
+#include "core/verify/verification_watch.hpp"
 #include "daemon/estimate/long_work.hpp"
 #include "daemon/estimate/snapshot.hpp"
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "core/motion/transient_watch.hpp"
-#include "core/motion/verification_watch.hpp"
 #include "core/result/condition.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
 #include "core/stream/record.hpp"
+#include "core/verify/verification_watch.hpp"
 #include "daemon/acquire/channel_counters.hpp"
 
 namespace dwell {

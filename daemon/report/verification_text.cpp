@@ -40,7 +40,7 @@ Table channel_table(const VerificationView& view) {
   table.add("channel", std::move(names));
   table.add("verdict", std::move(verdicts));
   table.add("rms", std::move(rms), Align::right);
-  table.add("off by", std::move(errors), Align::right);
+  table.add("error", std::move(errors), Align::right);
   table.add("U", std::move(U), Align::left, true);
   table.add("as is", std::move(as_is), Align::left);
   table.add("noise", std::move(noise), Align::right);
@@ -78,7 +78,7 @@ std::string verification_text(const VerificationView& view) {
   if (v.channels.empty()) return text;
   text += "\n" + channel_table(view).text();
   text +=
-      "off by: rms of predicted minus measured; it, U, noise and what the steady phasors do not give (unsteady)\n"
+      "error: rms of predicted minus measured; it, U, noise and what the steady phasors do not give (unsteady)\n"
       "are parts of the channel's rms. U is the expanded uncertainty (k = 2); as is: with the coefficients taken as "
       "they\n"
       "are, and noise taken off. magnitude, phase: Sprague and Geers.\n";

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/motion/virtual_test.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/virtual_test.hpp"
 
 namespace dwell {
 namespace {

@@ -1,6 +1,6 @@
 # The rooms of core, each standing on those before it: a file includes only its own room and those.
 # usage: cmake -DCORE=FOLDER -P rooms.cmake
-set(rooms base result rig model stream fit intake drive transient chain motion dwell)
+set(rooms base result rig model stream fit intake drive transient chain motion verify dwell)
 file(GLOB_RECURSE files RELATIVE ${CORE} ${CORE}/*.hpp ${CORE}/*.cpp)
 if(NOT files)
   message(FATAL_ERROR "no file of core in '${CORE}'")

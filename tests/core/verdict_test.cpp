@@ -1,4 +1,4 @@
-#include "core/motion/verdict.hpp"
+#include "core/verify/verdict.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ TEST(Verdict, IsNotAdequateWhereTheErrorIsBeyondItsUncertainty) {
 TEST(Verdict, WaitsForBetterEvidenceWhereUncertaintyIsWide) {
   const ChannelComparison wide = judged(0.01, 0.06);
   EXPECT_EQ(wide.verdict, Verdict::not_verified);
-  EXPECT_NE(wide.reason.find("too wide"), std::string::npos) << wide.reason;
+  EXPECT_NE(wide.reason.find("too large to decide"), std::string::npos) << wide.reason;
 }
 
 TEST(Verdict, HoldsNoNoiseAgainstTheModel) {

@@ -1,4 +1,4 @@
-#include "core/motion/verification_consistency.hpp"
+#include "core/verify/verification_consistency.hpp"
 
 #include <gtest/gtest.h>
 

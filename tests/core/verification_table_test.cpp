@@ -1,4 +1,4 @@
-#include "core/motion/verification_table.hpp"
+#include "core/verify/verification_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/motion/verification.hpp"
+#include "core/verify/verification.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/instants.hpp"
-#include "core/motion/verification_readings.hpp"
+#include "core/verify/verification_readings.hpp"
 #include "tests/core/bench_rig.hpp"
 
 namespace dwell {

@@ -1,4 +1,4 @@
-#include "core/motion/verification_watch.hpp"
+#include "core/verify/verification_watch.hpp"
 
 #include <gtest/gtest.h>
 

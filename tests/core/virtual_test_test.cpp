@@ -1,4 +1,4 @@
-#include "core/motion/virtual_test.hpp"
+#include "core/verify/virtual_test.hpp"
 
 #include <gtest/gtest.h>
 

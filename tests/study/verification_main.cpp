@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/dwell/pipeline.hpp"
-#include "core/motion/verification.hpp"
-#include "core/motion/verification_readings.hpp"
+#include "core/verify/verification.hpp"
+#include "core/verify/verification_readings.hpp"
 #include "tests/study/case.hpp"
 #include "tests/study/fault.hpp"
 #include "tests/study/pool.hpp"

@@ -9,10 +9,10 @@
 
 #include <vector>
 
-#include "core/motion/verification_stretch.hpp"
 #include "core/result/dwell.hpp"
 #include "core/result/verification.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/verification_stretch.hpp"
 
 namespace dwell {
 

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "core/model/chain.hpp"
-#include "core/motion/verification_stretch.hpp"
-#include "core/motion/verification_table.hpp"
 #include "core/result/coefficient_error.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/verification_stretch.hpp"
+#include "core/verify/verification_table.hpp"
 
 namespace dwell {
 

@@ -1,4 +1,4 @@
-#include "core/motion/virtual_test_input.hpp"
+#include "core/verify/virtual_test_input.hpp"
 
 #include <cassert>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "core/motion/verification_stretch.hpp"
+#include "core/verify/verification_stretch.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/motion/verdict.hpp"
+#include "core/verify/verdict.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ void judge(ChannelComparison& channel, double accuracy, bool consistent) {
   channel.verdict = Verdict::not_verified;
   channel.reason.clear();
   if (!std::isfinite(channel.error) || !std::isfinite(channel.U) || !std::isfinite(channel.U_as_is)) {
-    channel.reason = "nothing moved in it";
+    channel.reason = "no error can be computed: the channel did not move";
     return;
   }
   if (beyond_noise(channel) - channel.U > accuracy) {
@@ -53,14 +53,15 @@ void judge(ChannelComparison& channel, double accuracy, bool consistent) {
   const Off off = off_of(channel, consistent);
   const double at_most = most(off, consistent);
   if (off.by + off.U > accuracy) {
-    channel.reason = told(off) + " (noise: " + percent(channel.noise) + "), too wide to tell " + percent(accuracy);
-  } else if (at_most > accuracy) {
     channel.reason =
-        told(off) + " for a cause that is not known: another motion may show as much again, above " + percent(accuracy);
+        told(off) + " (noise: " + percent(channel.noise) + "): U is too large to decide at " + percent(accuracy);
+  } else if (at_most > accuracy) {
+    channel.reason = told(off) +
+                     ", which noise and stated uncertainties do not explain; it counts twice, and that is above " +
+                     percent(accuracy);
   } else if (!(at_most <= channel.beyond_steady / kBeyondSteady)) {
-    channel.reason = "only " + percent(channel.beyond_steady) +
-                     " of its rms is more than the steady phasors give for any chain: too little beside " +
-                     percent(off.by) + " ± " + percent(off.U);
+    channel.reason = "its transient hardly tests the chain: " + percent(channel.beyond_steady) +
+                     " of its rms depends on it, " + percent(kBeyondSteady * at_most) + " are needed";
   } else {
     channel.verdict = Verdict::adequate;
   }

@@ -1,4 +1,4 @@
-#include "core/motion/virtual_test_steps.hpp"
+#include "core/verify/virtual_test_steps.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/motion/comparison.hpp"
+#include "core/verify/comparison.hpp"
 
 #include <algorithm>
 #include <cmath>

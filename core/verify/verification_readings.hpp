@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/motion/verification_stretch.hpp"
 #include "core/stream/sample_history.hpp"
+#include "core/verify/verification_stretch.hpp"
 
 namespace dwell {
 

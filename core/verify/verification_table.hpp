@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "core/motion/verification_stretch.hpp"
+#include "core/verify/verification_stretch.hpp"
 
 namespace dwell {
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/motion/virtual_test_model.hpp"
+#include "core/verify/virtual_test_model.hpp"
 
 namespace dwell {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/motion/virtual_test.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/virtual_test.hpp"
 
 namespace dwell {
 

@@ -1,4 +1,4 @@
-#include "core/motion/verification.hpp"
+#include "core/verify/verification.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -11,11 +11,11 @@
 #include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
 #include "core/model/forward.hpp"
-#include "core/motion/comparison.hpp"
-#include "core/motion/verdict.hpp"
-#include "core/motion/verification_consistency.hpp"
-#include "core/motion/verification_residuals.hpp"
 #include "core/rig/transducer.hpp"
+#include "core/verify/comparison.hpp"
+#include "core/verify/verdict.hpp"
+#include "core/verify/verification_consistency.hpp"
+#include "core/verify/verification_residuals.hpp"
 
 namespace dwell {
 namespace {
@@ -271,10 +271,11 @@ void tell_consistency(const Consistency& tests, Verification& out) {
   out.p = tests.p();
   out.consistent = out.p >= kLeastP;
   if (*out.consistent) return;
-  out.reasons.push_back("not consistent: " + std::string(tests.p_chi2 < tests.p_white
-                                                             ? "the squares left are " + brief(tests.chi2, 3) +
-                                                                   " times what noise and stated uncertainties leave"
-                                                             : "what is left is not noise, it has a course in time"));
+  out.reasons.push_back("not consistent: " +
+                        std::string(tests.p_chi2 < tests.p_white
+                                        ? "the squares left are " + brief(tests.chi2, 3) +
+                                              " times what noise and stated uncertainties leave"
+                                        : "the residuals are correlated in time, as noise is not"));
 }
 
 }  // namespace

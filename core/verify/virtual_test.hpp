@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/motion/virtual_test_input.hpp"
-#include "core/motion/virtual_test_model.hpp"
+#include "core/verify/virtual_test_input.hpp"
+#include "core/verify/virtual_test_model.hpp"
 
 namespace dwell {
 

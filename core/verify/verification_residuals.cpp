@@ -1,4 +1,4 @@
-#include "core/motion/verification_residuals.hpp"
+#include "core/verify/verification_residuals.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

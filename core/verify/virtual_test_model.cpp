@@ -1,4 +1,4 @@
-#include "core/motion/virtual_test_model.hpp"
+#include "core/verify/virtual_test_model.hpp"
 
 #include <algorithm>
 #include <cmath>

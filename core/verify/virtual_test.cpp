@@ -1,4 +1,4 @@
-#include "core/motion/virtual_test.hpp"
+#include "core/verify/virtual_test.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/instants.hpp"
-#include "core/motion/virtual_test_steps.hpp"
+#include "core/verify/virtual_test_steps.hpp"
 
 namespace dwell {
 namespace {

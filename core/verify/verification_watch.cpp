@@ -1,11 +1,11 @@
-#include "core/motion/verification_watch.hpp"
+#include "core/verify/verification_watch.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "core/base/instants.hpp"
-#include "core/motion/verification.hpp"
+#include "core/verify/verification.hpp"
 
 namespace dwell {
 namespace {
