@@ -255,7 +255,7 @@ void MotionModel::state_row(int c, const VectorXd& theta, const Parts& here, Lin
   }
   const RowVectorXd row = here.C.row(c), slope = row * here.A;
   out.C.row(c) = scale * (row - late * slope);
-  out.D.row(c) *= scale;
+  if (out.D.cols() > 0) out.D.row(c) *= scale;
   for (std::size_t a = 0; a < out.dC.size(); ++a) {
     MatrixXd& dC = out.dC[a];
     if (delays(parameters_[a]) || scales(parameters_[a])) {
