@@ -24,8 +24,8 @@ claim "sync: so is the frequency" dwell_is '.frequency_hz | (.value - 4 | fabs) 
 
 rig_says sync-missing 0.1
 rig_says sync-twice 0.1
-sleep 10
-claim "sync: missed and double pulses are told" dwell_is '.warnings | any(test("of the sync pulses [1-9]"))'
+claim "sync: missed and double pulses are told" eventually 60 dwell_is \
+  '.warnings | any(test("sync pulses in this hold: [1-9][0-9]* used, [1-9][0-9]* missed, [1-9][0-9]* extra"))'
 claim "sync: and the coefficients are right all the same" every_coefficient_is_right 30 60
 
 rig_says sync-missing 1
