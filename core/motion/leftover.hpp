@@ -16,7 +16,8 @@ struct Leftover {
   double power = 0.0;
   double least_p = 1.0;  // of the least white channel of the chain
 
-  // Whether this is white, or by far less than that: most of what was unexplained is explained.
+  // Whether a change of the model from `that` to this explains most of what was unexplained: the residuals are now
+  // white and no larger, or `power` is at most half.
   [[nodiscard]] bool explains_most_of(const Leftover& that) const;
 };
 
