@@ -44,7 +44,6 @@ class RunAudit {
   KnownHeads known_;
   BlockCount count_;
   std::vector<PersonalSignature> signatures_;
-  std::vector<Digest> heads_;  // from `end` on: what a signature may be over
   std::int64_t begin_ns_ = 0, end_seq_ = 0, unsigned_from_ = 0;
 };
 
@@ -78,9 +77,7 @@ Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
   }
   if (Result<void> fits = known_.fits(entry.seq, row.head); !fits) return fits;
   if (end_seq_ != 0) {
-    if (Result<void> taken = take_signature(chain, row); !taken) return taken;
-    heads_.push_back(row.head);
-    return {};
+    return take_signature(chain, row);
   }
   if (unsigned_from_ == 0) unsigned_from_ = entry.seq;
   // Before what it says is looked at: what is not signed need not be anything.
@@ -91,7 +88,6 @@ Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
   if (Result<void> part = take_part(entry); !part) return fails(entry_name(entry.seq) + ": " + part.error());
   if (entry.kind == "end") {
     end_seq_ = entry.seq;
-    heads_.push_back(row.head);
     if (unsigned_from_ != 0) return fails(entry_name(entry.seq) + ": the end is not signed");
   }
   return {};
@@ -152,9 +148,8 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   Result<PersonalSignature> read = parse_personal_signature(row.entry.body);
   if (!read) return fails(place + read.error());
   const PersonalSignature& signature = *read;
-  if (signature.seq < end_seq_ || signature.seq >= row.entry.seq ||
-      signature.head != hex(heads_[static_cast<std::size_t>(signature.seq - end_seq_)]))
-    return fails(place + "signs a head that the file does not have");
+  if (signature.seq != row.entry.seq - 1 || signature.head != audit_.head)
+    return fails(place + "signs another head than that of the entry before it");
   const Result<std::string> text = signature_text(header_.id, signature);
   if (!text) return fails(place + text.error());
 
