@@ -19,7 +19,7 @@ enum class Kind : std::uint8_t {
   edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
   action,         // an operator's action; `flags`: an Action
   tick,           // time goes on, nothing else
-  run,            // the first and the last record of a run; `flags`: a RunEdge
+  run,            // a run begins or ends, or may begin here; `flags`: a RunEdge
   loss,   // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
           // record
   fault,  // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
@@ -68,7 +68,9 @@ enum class Action : std::uint8_t {
   rearm = 1,  // begin the dwell anew
 };
 
-enum class RunEdge : std::uint8_t { begins = 1, ends = 2 };
+// `armed`: a pipeline is born here. A run that begins later may reach back to it. `begins`: the run has begun; `value`:
+// how many records ago its pipeline was born.
+enum class RunEdge : std::uint8_t { begins = 1, ends = 2, armed = 3 };
 
 // Why a sample is not in the stream.
 enum class Loss : std::uint8_t {

@@ -1,0 +1,115 @@
+// What the JSON entries of a run file hold, as plain data. docs/run-file.md, "Kinds of entries". Members that the
+// readers do not know are left alone: newer files stay readable.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/record/keys.hpp"
+
+namespace dwell::record {
+
+// Who did something: a user of the computer, as the control socket's peer credentials tell, or nobody (the drive).
+struct Person {
+  std::uint32_t uid = 0;
+  std::string name;  // empty: unknown to the system
+};
+
+// A file as it was: its bytes are in the run file.
+struct KeptFile {
+  std::string path;    // as the rig file names it
+  std::string sha256;  // hexadecimal
+  std::string text;
+};
+
+struct Plugin {
+  std::string driver;   // "modbus"
+  std::string version;  // as the plugin states it
+};
+
+// Where and with what a run was recorded. What makes the same bits: `build` and `cpu`.
+struct Origin {
+  std::string version;    // of the program
+  std::string build;      // compiler and its version, flags, Eigen, libm
+  std::string cpu;        // features that libm chooses by, sorted: "avx avx2 fma sse4_2"
+  std::string host;       // name
+  std::string time_zone;  // "Europe/Berlin", or "" where unknown
+  bool clock_synchronized = false;
+  double clock_error_s = 0.0;  // at most, as the kernel reckons; not a number: the kernel may not be asked
+};
+// Of this process, now. Reads the environment: while no thread alters it.
+[[nodiscard]] Origin this_origin();
+
+// The body of the `run` entry.
+struct RunHeader {
+  std::int64_t run = 0;  // the ledger's number, from 1 on; 0: a child file, which no ledger knows
+  std::string id;        // 32 hexadecimal digits, random
+  std::string label;     // as the operator gave it; empty: none
+  std::string begun_by;  // "drive", "operator", "service" (which goes on after an interruption), "replay"
+  std::optional<Person> person;
+  std::string comment;
+  std::string start_utc;               // ISO 8601, of the first record
+  std::string previous_head;           // hexadecimal, of the run before on this ledger; empty: there was none
+  std::string parent_id, parent_head;  // of a child: the run it was computed from, and its final head
+  std::string vkey;                    // of the key that signs this file
+  KeptFile rig;
+  std::vector<KeptFile> files;  // that the rig file names
+  std::vector<Plugin> plugins;
+  std::vector<std::string> channels;  // names, by Record::channel
+  Origin origin;
+};
+
+// A published dwell. `dwell` is the JSON object of the public interface, as text; to_json() puts it in as it is.
+struct StoredResult {
+  std::uint64_t position = 0;  // records of the stream before it
+  bool final = false;          // the dwell has ended
+  std::string dwell;
+};
+
+// What happened. `what`: "state", "fault", "loss", "action", "recording", "clock"; `text`: one line for people.
+struct StoredEvent {
+  std::uint64_t position = 0;
+  std::string utc;
+  std::string what;
+  std::string text;
+  std::optional<Person> person;  // of an action
+  std::string before, after, comment;
+};
+
+struct RunEnd {
+  std::string why;  // "drive stopped", "operator", "service stopped", "disk full", …
+  std::uint64_t records = 0, samples = 0;
+  std::string utc;
+};
+
+// A person's signature over the head of entry `seq`.
+struct PersonalSignature {
+  std::string name;     // as the person gives it
+  std::string meaning;  // "reviewed"
+  std::string reason;
+  std::string utc;
+  std::int64_t seq = 0;
+  std::string head;  // hexadecimal
+  // Who vouches: the service for the user of the control socket (then `person`), or a key of the person's own (then
+  // `note`: these lines signed by it, and `vkey`).
+  std::optional<Person> person;
+  std::string vkey, note;
+};
+
+[[nodiscard]] std::string to_json(const RunHeader& header);
+[[nodiscard]] std::string to_json(const StoredResult& result);
+[[nodiscard]] std::string to_json(const StoredEvent& event);
+[[nodiscard]] std::string to_json(const RunEnd& end);
+[[nodiscard]] std::string to_json(const PersonalSignature& signature);
+
+// Each fails with what is missing or wrong, also where the body holds more than 8 MiB or nests deeper than 64. Any
+// bytes may come.
+[[nodiscard]] Result<RunHeader> parse_run_header(const std::string& body);
+[[nodiscard]] Result<StoredResult> parse_result(const std::string& body);
+[[nodiscard]] Result<StoredEvent> parse_event(const std::string& body);
+[[nodiscard]] Result<RunEnd> parse_run_end(const std::string& body);
+[[nodiscard]] Result<PersonalSignature> parse_personal_signature(const std::string& body);
+
+}  // namespace dwell::record
