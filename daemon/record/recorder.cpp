@@ -51,7 +51,7 @@ bool may_bear_request(const Record& record) {
   return record.channel != 0 && (record.kind == Kind::run || record.kind == Kind::action);
 }
 
-std::string seconds_text(std::int64_t ns) {
+std::string stall_text(std::int64_t ns) {
   char text[32];
   std::snprintf(text, sizeof text, "%.0f s", static_cast<double>(ns) * 1e-9);
   return text;
@@ -225,7 +225,7 @@ RecorderState Recorder::state(std::int64_t now_ns) const {
   }
   state.lost_records = impl_->ring.lost_records();
   const std::int64_t still_ns = now_ns - last_turn_ns();
-  if (still_ns > kStall_ns) state.alarms.push_back("the disk has not answered for " + seconds_text(still_ns));
+  if (still_ns > kStall_ns) state.alarms.push_back("the disk has not answered for " + stall_text(still_ns));
   return state;
 }
 

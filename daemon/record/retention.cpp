@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kDay_ns = 86'400e9;
 
-std::string number(double value) {
+std::string limit_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
@@ -34,8 +34,8 @@ std::vector<Deletion> choose_deletions(const ListedRuns& runs, const RetentionPo
     const bool large = policy.gigabytes && total > *policy.gigabytes * 1e9;
     if (!old && !large) continue;
     total -= static_cast<double>(run.bytes);
-    chosen.push_back({run, old ? "older than " + number(*policy.days) + " days"
-                               : "all runs together were larger than " + number(*policy.gigabytes) + " GB"});
+    chosen.push_back({run, old ? "older than " + limit_text(*policy.days) + " days"
+                               : "all runs together were larger than " + limit_text(*policy.gigabytes) + " GB"});
   }
   return chosen;
 }
