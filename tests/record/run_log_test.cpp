@@ -57,9 +57,10 @@ StoredEvent event_of(const std::string& text) {
 
 struct RunLogTest : testing::Test {
   RunLogTest()
-      : log(store,
-            {[] { return RunHeader(); }, [](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"}"; },
-             [this](const Notice& notice) { notices.push_back(notice); }}),
+      : log(store, {[] { return RunHeader(); },
+                    [](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"}"; },
+                    [this](const Notice& notice) { notices.push_back(notice); },
+                    {{"y0", "y1"}, {"amplifier"}}}),
         stream(2, 200.0, [this](const Record& record) {
           log.set_clock({record.t_ns, kUtc_ns + record.t_ns});
           handed.push_back(record);
@@ -300,6 +301,40 @@ TEST_F(RunLogTest, AfterACrashARunThatComesMuchLaterIsTheDrives) {
   stream.play(1.2);
   EXPECT_EQ(store.runs[0].header.begun_by, "drive");
   EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
+}
+
+TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
+  stream.armed();
+  stream.begins();
+  stream.play(0.2);
+  stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 2});
+  const std::uint64_t at = stream.position();
+  for (int i = 0; i < 3; ++i)
+    stream.put({.t_ns = stream.t_ns(), .value = 10.0, .channel = 1, .kind = Kind::loss, .flags = 2});
+  stream.put({.t_ns = stream.t_ns(), .value = 4.0, .channel = 0, .kind = Kind::fault, .flags = 2});
+  stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 0});
+  stream.play(2.0);
+  const auto events = events_of(store.runs[0]);
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[0].text, "channel y1 does not deliver: timeout");
+  EXPECT_EQ(events[0].position, at);
+  EXPECT_EQ(events[1].text, "channel y1: 30 samples lost, older than what had been used");
+  EXPECT_EQ(events[1].position, at + 1);
+  EXPECT_EQ(events[2].text, "device amplifier: timeout, 4 times");
+  EXPECT_EQ(events[3].text, "channel y1 delivers");
+}
+
+TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
+  stream.armed();
+  stream.begins();
+  stream.play(1.0);
+  log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns() + 3'000'000'000});
+  log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns()});
+  stream.play(1.5);
+  const auto events = events_of(store.runs[0]);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].what, "clock");
+  EXPECT_EQ(events[0].text, "the wall clock was set by +3.000 s");
 }
 
 TEST_F(RunLogTest, TheEndOfTheServiceEndsTheRun) {
