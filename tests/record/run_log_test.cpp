@@ -10,7 +10,7 @@
 namespace dwell::record {
 namespace {
 
-struct WrittenRun {
+struct MemoryRun {
   RunHeader header;
   std::vector<NewEntry> entries;
   bool closed = false;
@@ -43,7 +43,7 @@ class MemoryStore final : public RunStore {
     return {};
   }
 
-  std::vector<WrittenRun> runs;
+  std::vector<MemoryRun> runs;
   int commits = 0;
   bool full = false, broken = false;
 };
@@ -67,7 +67,7 @@ struct RunLogTest : testing::Test {
           log.record(record);
         }) {}
 
-  static std::vector<Record> records_of(const WrittenRun& run) {
+  static std::vector<Record> records_of(const MemoryRun& run) {
     std::vector<Record> all, some;
     for (const NewEntry& entry : run.entries) {
       if (entry.kind != "stream") continue;
@@ -76,15 +76,15 @@ struct RunLogTest : testing::Test {
     }
     return all;
   }
-  static std::vector<StoredEvent> events_of(const WrittenRun& run) {
+  static std::vector<StoredEvent> events_of(const MemoryRun& run) {
     std::vector<StoredEvent> events;
     for (const NewEntry& entry : run.entries)
       if (entry.kind == "event") events.push_back(*parse_event(entry.body));
     return events;
   }
-  static RunEnd end_of(const WrittenRun& run) { return *parse_run_end(run.entries.back().body); }
+  static RunEnd end_of(const MemoryRun& run) { return *parse_run_end(run.entries.back().body); }
   // The stream as handed in, from the birth of the run's pipeline on, so many records.
-  void expect_stream(const WrittenRun& run, std::size_t from, std::size_t count) const {
+  void expect_stream(const MemoryRun& run, std::size_t from, std::size_t count) const {
     const auto records = records_of(run);
     ASSERT_EQ(records.size(), count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -121,7 +121,7 @@ TEST_F(RunLogTest, ARunHoldsTheStreamFromTheBirthOfItsPipelineToItsEnd) {
   const std::size_t end = handed.size();
   stream.play(1.1);
   ASSERT_EQ(store.runs.size(), 1u);
-  const WrittenRun& run = store.runs[0];
+  const MemoryRun& run = store.runs[0];
   EXPECT_TRUE(run.closed);
   EXPECT_EQ(run.header.begun_by, "drive");
   expect_stream(run, elder, end - elder);
@@ -168,7 +168,7 @@ TEST_F(RunLogTest, ResultsAndEventsFollowTheBlockOfTheirPositionAndFinalsComeAft
   log.result(stream.position(), true, {});
   stream.play(2.0);
   ASSERT_EQ(store.runs.size(), 1u);
-  const WrittenRun& run = store.runs[0];
+  const MemoryRun& run = store.runs[0];
   std::string kinds;
   for (const NewEntry& entry : run.entries) kinds += entry.kind[0];
   EXPECT_EQ(kinds, "sesrere") << "stream, event, stream, result, event, result, end";
@@ -196,7 +196,7 @@ TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosi
   log.request(stop);
   stream.ends(EndOfRun::by_operator, 4);
   log.finish();
-  const WrittenRun& run = store.runs[0];
+  const MemoryRun& run = store.runs[0];
   EXPECT_EQ(run.header.begun_by, "operator");
   EXPECT_EQ(run.header.label, "oil film");
   EXPECT_EQ(run.header.comment, "second try");
