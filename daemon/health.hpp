@@ -18,7 +18,8 @@ struct Health {
   enum class Status : std::uint8_t { ok, degraded, fault };
   Status status = Status::ok;
   std::vector<std::string> reasons;  // empty with ok
-  bool ready = false;  // a dwell is measured whose coefficients may be relied on; the interlock is not open
+  bool ready = false;       // a dwell is measured whose coefficients may be relied on; the interlock is not open
+  std::string recording{};  // whether a run is recorded: a fact, no fault
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 

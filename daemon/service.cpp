@@ -139,9 +139,8 @@ struct Service::Impl {
   }
 
   std::string control_line(std::string_view line, const Peer& peer) {
-    return control_answer(view(), line, [this, &peer] {
-      log.info("rearm asked for by uid " + std::to_string(peer.uid) + ", pid " + std::to_string(peer.pid));
-      return session->run().rearm();
+    return control_answer(view(), line, [this, &peer](const OperatorRequest& request) {
+      return session->operators().ask(request, {peer.uid, user_name(peer.uid)});
     });
   }
 

@@ -26,6 +26,7 @@ struct Session::Impl {
   std::optional<gpio::GpioThread> gpio;
   std::unique_ptr<Outlet> lamps;
   std::optional<Run> run;
+  std::optional<OperatorRequests> operators;
 };
 
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -33,7 +34,7 @@ Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFile file,
                                                                   const config::SchemaSource& drivers, Log& log,
                                                                   std::function<void()> wake) {
-  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}});
+  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}, {}});
   std::vector<DeviceFeed> feeds;
   for (const config::DeviceSettings& settings : impl->file.devices) {
     const auto table = drivers(settings.driver);
@@ -56,6 +57,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
     impl->lamps = make_lamps(*edges);
   }
   impl->run.emplace(impl->file, std::move(feeds), edges, log, std::move(wake));
+  impl->operators.emplace(*impl->run, log, nullptr);
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
 
@@ -80,6 +82,7 @@ Session::~Session() { end(); }
 
 const config::RigFile& Session::file() const noexcept { return impl_->file; }
 Run& Session::run() noexcept { return *impl_->run; }
+OperatorRequests& Session::operators() noexcept { return *impl_->operators; }
 gpio::Status Session::gpio() const { return impl_->gpio ? impl_->gpio->link().status() : gpio::Status{}; }
 Outlet* Session::lamps() noexcept { return impl_->lamps.get(); }
 

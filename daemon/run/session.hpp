@@ -12,6 +12,7 @@
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/run/operator_requests.hpp"
 #include "daemon/run/run.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -38,6 +39,7 @@ class Session {
 
   [[nodiscard]] const config::RigFile& file() const noexcept;
   [[nodiscard]] Run& run() noexcept;
+  [[nodiscard]] OperatorRequests& operators() noexcept;
 
   // How the rig's GPIO lines stand; none is configured where there is no [gpio].
   [[nodiscard]] gpio::Status gpio() const;
