@@ -12,7 +12,7 @@ bool is_unusable(Condition condition) { return condition == Condition::clipped |
 
 std::string words(const char* what, const std::string& why) { return why.empty() || why == what ? what : why; }
 
-const char* recording_words(const RunView& run) {
+const char* run_words(const RunView& run) {
   if (!run.bracketed) return "not recorded: the rig file has no [recording]";
   if (run.on) return run.by_operator ? "an operator's run goes on" : "a run of the drive goes on";
   if (run.held)
@@ -36,7 +36,7 @@ const char* to_string(Health::Status status) noexcept {
 }
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines, const LogStats& log,
-                    const std::string& trouble) {
+                    const std::string& trouble, const std::vector<std::string>& alarms) {
   Health health;
   if (!trouble.empty()) health.reasons.push_back(trouble);
   for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
@@ -57,7 +57,9 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status
   if (log.failing)
     health.reasons.push_back("the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
 
-  health.recording = recording_words(snapshot.run);
+  for (const std::string& alarm : alarms) health.reasons.push_back("recording: " + alarm);
+
+  health.run = run_words(snapshot.run);
 
   const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
   health.status = !trouble.empty()         ? Health::Status::fault

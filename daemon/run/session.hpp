@@ -1,5 +1,5 @@
-// Everything made from one rig file: the devices' plugin instances, their rings, the GPIO lines, and the run. The
-// server, the log and the watchdog outlive it.
+// Everything made from one rig file: the devices' plugin instances, their rings, the GPIO lines, the recorder, and
+// the run. The server, the log and the watchdog outlive it.
 #pragma once
 
 #include <functional>
@@ -45,6 +45,9 @@ class Session {
   [[nodiscard]] gpio::Status gpio() const;
   // The rig's lamps; null: it has none.
   [[nodiscard]] Outlet* lamps() noexcept;
+  // What records the runs, and what tells it of changes of state; null: nothing is recorded.
+  [[nodiscard]] record::Recorder* recorder() noexcept;
+  [[nodiscard]] Outlet* record_events() noexcept;
 
   // What the watchdog looks at.
   [[nodiscard]] std::vector<WatchedThread> threads() const;

@@ -281,17 +281,17 @@ TEST_F(ApiTest, HealthTellsWhetherARunIsRecordedAndThatIsNoFault) {
   snapshot.channels[0].fault = Fault::none;
   Json health = get("/api/v1/health");
   EXPECT_EQ(health["status"], "ok");
-  EXPECT_EQ(health["recording"]["configured"], false);
-  EXPECT_EQ(health["recording"]["text"], "not recorded: the rig file has no [recording]");
+  EXPECT_EQ(health["run"]["recorded"], false);
+  EXPECT_EQ(health["run"]["text"], "not recorded: the rig file has no [recording]");
   snapshot.run = {true, true, true, false, 3};
   health = get("/api/v1/health");
-  EXPECT_EQ(health["recording"]["run"], "operator");
+  EXPECT_EQ(health["run"]["begun_by"], "operator");
   snapshot.run = {true, false, false, true, 3};
   health = get("/api/v1/health");
   EXPECT_EQ(health["status"], "ok");
-  EXPECT_TRUE(health["recording"]["run"].is_null());
-  EXPECT_EQ(health["recording"]["held"], true);
-  EXPECT_NE(health["recording"]["text"].get<std::string>().find("it was stopped"), std::string::npos);
+  EXPECT_TRUE(health["run"]["begun_by"].is_null());
+  EXPECT_EQ(health["run"]["held"], true);
+  EXPECT_NE(health["run"]["text"].get<std::string>().find("it was stopped"), std::string::npos);
 }
 
 TEST_F(ApiTest, HealthTellsOfTheLinesThatAreConfiguredAndIsDegradedByOneThatDoesNotWork) {
