@@ -28,7 +28,18 @@ struct ServerSettings {
 };
 
 struct RecordingSettings {
+  // Where the head of what has been recorded is kept outside.
+  struct Anchor {
+    double minutes = 10.0;             // between two
+    std::string file;                  // gets a line for each; empty: none
+    std::vector<std::string> command;  // program and arguments, which gets the line on its input; empty: none
+  };
+  bool on = false;                           // the file has a table [recording]: runs are recorded
   std::string directory = "/var/lib/dwell";  // a relative one starts at the rig file's directory
+  double every_s = 1.0;                      // between two stored results of a dwell that goes on
+  // Runs are kept for so long, and so much of them; none: for ever, and all.
+  std::optional<double> retain_days, retain_gigabytes;
+  std::optional<Anchor> anchor;
 };
 
 struct VerificationSettings {
@@ -61,6 +72,7 @@ struct RigFile {
   std::string path;       // as given
   std::string directory;  // of the file: relative paths in it start there
   std::string sha256;     // of the file's bytes, hexadecimal
+  std::string text;       // these bytes
 };
 
 // The driver table of a name, or one line that says why there is none ("no driver \"x\": installed are modbus,

@@ -12,6 +12,15 @@ bool is_unusable(Condition condition) { return condition == Condition::clipped |
 
 std::string words(const char* what, const std::string& why) { return why.empty() || why == what ? what : why; }
 
+const char* run_words(const RunView& run) {
+  if (!run.bracketed) return "not recorded: the rig file has no [recording]";
+  if (run.on) return run.by_operator ? "an operator's run goes on" : "a run of the drive goes on";
+  if (run.held)
+    return "no run goes on: it was stopped; the next begins with \"dwellctl start\", or with the drive once it has "
+           "rested";
+  return "no run goes on: the next begins with the drive, or with \"dwellctl start\"";
+}
+
 }  // namespace
 
 const char* to_string(Health::Status status) noexcept {
@@ -27,7 +36,7 @@ const char* to_string(Health::Status status) noexcept {
 }
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines, const LogStats& log,
-                    const std::string& trouble) {
+                    const std::string& trouble, const std::vector<std::string>& alarms) {
   Health health;
   if (!trouble.empty()) health.reasons.push_back(trouble);
   for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
@@ -47,6 +56,10 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status
   if (dwell.state == State::fault) health.reasons.push_back(words("the data do not suffice", dwell.settling_reason));
   if (log.failing)
     health.reasons.push_back("the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
+
+  for (const std::string& alarm : alarms) health.reasons.push_back("recording: " + alarm);
+
+  health.run = run_words(snapshot.run);
 
   const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
   health.status = !trouble.empty()         ? Health::Status::fault
