@@ -18,6 +18,8 @@ std::string why_text(EndOfRun why) {
       return "operator";
     case EndOfRun::service_stops:
       return "service stopped";
+    case EndOfRun::restarted:
+      return "recording resumed in another run";
   }
   return "unknown";
 }
