@@ -19,7 +19,7 @@ std::string why_text(EndOfRun why) {
     case EndOfRun::service_stops:
       return "service stopped";
     case EndOfRun::restarted:
-      return "recording resumed in another run";
+      return "restarted";
   }
   return "unknown";
 }
