@@ -5,11 +5,15 @@
 #include <unistd.h>
 
 #include <array>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "daemon/record/run_reader.hpp"
+#include "daemon/record/signature.hpp"
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 
 namespace dwell {
@@ -62,7 +66,7 @@ record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint3
   return sign;
 }
 
-std::string sign_answer(const record::Result<record::Signed>& result) {
+std::string sign_answer(const record::Result<Countersigned>& result) {
   if (!result) return dump(Json{{"error", result.error()}});
   return dump(Json{{"run", result->run}, {"signature", Json::parse(record::to_json(result->signature))}});
 }
@@ -123,16 +127,21 @@ void Countersigner::run() {
   }
 }
 
-record::Result<record::Signed> Countersigner::sign(const SignRequest& request) const {
+record::Result<Countersigned> Countersigner::sign(const SignRequest& request) const {
   const auto path = run_file_in(directory_, request.file);
   if (!path) return fail(path.error());
   const User user = user_of(request.uid);
   record::PersonalSignature words = request.words;
   words.person = record::Person{request.uid, user.login};
   if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
-  auto made = record::sign_run(*path, words, key_);
-  if (!made) return fail(*path + ": " + made.error());
-  if (const auto entered = enter_(*made); !entered)
+  if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));
+  words.utc = record::utc_text(std::time(nullptr));
+  auto signature = record::sign_by_service(*path, std::move(words), key_);
+  if (!signature) return fail(signature.error());
+  const auto reader = record::RunReader::open(*path);
+  if (!reader) return fail(reader.error());
+  Countersigned made{reader->header().run, std::move(*signature)};
+  if (const auto entered = enter_(made); !entered)
     return fail(*path + " is signed, but the ledger does not know of it: " + entered.error());
   return made;
 }

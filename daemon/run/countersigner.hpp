@@ -4,6 +4,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -11,7 +12,7 @@
 #include <string_view>
 #include <thread>
 
-#include "daemon/record/personal_signature.hpp"
+#include "daemon/record/run_entries.hpp"
 
 namespace dwell {
 
@@ -21,11 +22,17 @@ struct SignRequest {
   std::uint32_t uid = 0;            // who asks
 };
 
+// What was signed. run: its number on the ledger; 0: a child file.
+struct Countersigned {
+  std::int64_t run = 0;
+  record::PersonalSignature signature;
+};
+
 // A line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}, the last two may be missing.
 // Fails with what was expected.
 [[nodiscard]] record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint32_t uid);
 // {"run":17,"signature":{…}} or {"error":…}
-[[nodiscard]] std::string sign_answer(const record::Result<record::Signed>& result);
+[[nodiscard]] std::string sign_answer(const record::Result<Countersigned>& result);
 
 // The file as it may be signed: a regular file *.dwell that lies in `directory` itself, and is no link. Fails with what
 // was found.
@@ -34,8 +41,8 @@ struct SignRequest {
 class Countersigner {
  public:
   // Enters what was signed into the ledger. Called on the thread of the signatures; may wait.
-  using Enter = std::function<record::Result<void>(const record::Signed&)>;
-  using Done = std::function<void(const record::Result<record::Signed>&)>;
+  using Enter = std::function<record::Result<void>(const Countersigned&)>;
+  using Done = std::function<void(const record::Result<Countersigned>&)>;
 
   // directory: of the recordings. Starts the thread.
   Countersigner(std::string directory, record::SigningKey key, Enter enter);
@@ -54,7 +61,7 @@ class Countersigner {
     Done done;
   };
   void run();
-  [[nodiscard]] record::Result<record::Signed> sign(const SignRequest& request) const;
+  [[nodiscard]] record::Result<Countersigned> sign(const SignRequest& request) const;
 
   const std::string directory_;
   const record::SigningKey key_;
