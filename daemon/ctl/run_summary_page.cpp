@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "daemon/ctl/run_summary.hpp"
-#include "daemon/record/personal_signature.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/line.hpp"
 #include "daemon/report/number_text.hpp"
@@ -172,12 +171,20 @@ Section signature_section(const RunSummary& run, std::size_t columns) {
   if (run.signatures.empty()) return section;
   section.head.push_back({"signatures", Style::title});
   for (const record::PersonalSignature& signature : run.signatures)
-    for (std::string& line : wrapped("  " + printable(record::signature_text(signature)), columns, 4))
+    for (std::string& line : wrapped("  " + printable(signature_text(signature)), columns, 4))
       section.body.push_back({std::move(line)});
   return section;
 }
 
 }  // namespace
+
+std::string signature_text(const record::PersonalSignature& signature) {
+  std::string text = signature.name + ", " + signature.meaning + ", " + signature.utc;
+  if (!signature.reason.empty()) text += ", \"" + signature.reason + "\"";
+  if (signature.person) return text + ": " + person_text(*signature.person) + ", vouched for by the service";
+  const auto key = record::PublicKey::parse(signature.vkey);
+  return text + ": key of their own " + (key ? key->name() + ", " + key->fingerprint() : "that is not readable");
+}
 
 std::string summary_page(const RunSummary& run, std::size_t columns) {
   std::vector<Section> sections{facts(run, columns)};

@@ -5,12 +5,12 @@
 #include <unistd.h>
 
 #include <array>
-#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "daemon/clock.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -135,7 +135,7 @@ record::Result<Countersigned> Countersigner::sign(const SignRequest& request) co
   words.person = record::Person{request.uid, user.login};
   if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
   if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));
-  words.utc = record::utc_text(std::time(nullptr));
+  words.utc = record::iso_utc(utc_now_ns());
   auto signature = record::sign_by_service(*path, std::move(words), key_);
   if (!signature) return fail(signature.error());
   const auto reader = record::RunReader::open(*path);
