@@ -51,6 +51,7 @@ std::string origin_text(const record::Origin& origin) {
   std::string text = "on " + origin.host;
   if (!origin.time_zone.empty()) text += " (" + origin.time_zone + ")";
   if (!origin.clock_synchronized) return text + ", clock not synchronized";
+  if (!std::isfinite(origin.clock_error_s)) return text + ", clock synchronized";
   return text + ", clock synchronized within " + join(number_text(origin.clock_error_s, "s", 2));
 }
 
