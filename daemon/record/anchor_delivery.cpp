@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include "daemon/record/small_file.hpp"
@@ -68,7 +69,11 @@ std::string await_child(pid_t child, std::chrono::milliseconds limit) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (late) return "not done within " + std::to_string(limit.count() / 1000) + " s";
+  if (late) {
+    char text[48];
+    std::snprintf(text, sizeof text, "not done within %g s", static_cast<double>(limit.count()) * 1e-3);
+    return text;
+  }
   return exit_text(status);
 }
 

@@ -218,32 +218,19 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
 
 Result<void> RunFolder::write(std::span<const NewEntry> batch) { return append_and_commit(*impl_->file, batch); }
 
+// The last entries, what moves from the -wal into the file, and the ledger's entry: the reserve is for all of them.
 Result<void> RunFolder::end(std::span<const NewEntry> last) {
   Impl& self = *impl_;
-  auto written = append_and_commit(*self.file, last);
-  if (!written) {
-    self.reserve.release();
-    written = append_and_commit(*self.file, last);
-  }
-  auto result = written;
-  if (written) {
-    result = self.file->close();
-    if (!result) {  // the file grows by what is in its -wal
-      self.reserve.release();
-      result = self.file->close();
-    }
-  }
-  const std::string final_head = hex(self.file->committed_head());
-  auto told = self.signs->ledger.run_ends(self.run, final_head, self.file->committed(), written ? kClosed : kCutOff);
-  if (!told) {
-    self.reserve.release();
-    told = self.signs->ledger.run_ends(self.run, final_head, self.file->committed(), written ? kClosed : kCutOff);
-  }
+  self.reserve.release();
+  const auto written = append_and_commit(*self.file, last);
+  const auto closed = written.and_then([&] { return self.file->close(); });
   self.last_head = head();
+  const auto told = self.signs->ledger.run_ends(self.run, hex(self.last_head->head), self.last_head->seq,
+                                                written ? kClosed : kCutOff);
   self.file.reset();
   self.name.clear();
-  [[maybe_unused]] auto held = self.reserve.hold();
-  return result ? told : result;
+  [[maybe_unused]] auto held = self.reserve.hold();  // where there is no room for it now, ready() tries again
+  return closed ? told : closed;
 }
 
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }

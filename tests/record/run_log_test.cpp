@@ -48,6 +48,13 @@ class MemoryStore final : public RunStore {
   bool full = false, broken = false;
 };
 
+StoredEvent event_of(const std::string& text) {
+  StoredEvent event;
+  event.what = "state";
+  event.text = text;
+  return event;
+}
+
 struct RunLogTest : testing::Test {
   RunLogTest()
       : log(store,
@@ -150,12 +157,12 @@ TEST_F(RunLogTest, NothingOlderThanTheElderPipelineIsKept) {
 TEST_F(RunLogTest, ResultsAndEventsFollowTheBlockOfTheirPositionAndFinalsComeAfterTheEnd) {
   stream.armed();
   stream.play(0.5);
-  log.event({.what = "state", .text = "before the run"});
+  log.event(event_of("before the run"));
   stream.begins();
   stream.play(0.7);
   const std::uint64_t at = stream.position();
   log.result(at, false, {});
-  log.event({.what = "loss", .text = "in the run"});
+  log.event(event_of("in the run"));
   stream.ends();
   log.result(stream.position(), true, {});
   stream.play(2.0);
