@@ -77,16 +77,16 @@ std::string await_child(pid_t child, std::chrono::milliseconds limit) {
   return exit_text(status);
 }
 
-Result<void> run_command(const std::vector<std::string>& command, const std::string& line,
+Result<void> run_command(const std::vector<std::string>& command, const std::string& lines,
                          std::chrono::milliseconds limit) {
   const std::string name = "command " + command.front() + ": ";
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return tl::unexpected(name + std::strerror(errno));
   pid_t child = 0;
   const int error = ChildSetup(ends[0]).spawn(command, child);
-  // A line is far below what a pipe holds, so this never waits; with our reading end open it raises no SIGPIPE. A
+  // A few lines are far below what a pipe holds, so this never waits; with our reading end open it raises no SIGPIPE. A
   // command that does not read it is no failure of ours.
-  [[maybe_unused]] const auto written = write(ends[1], (line + "\n").data(), line.size() + 1);
+  [[maybe_unused]] const auto written = write(ends[1], (lines + "\n").data(), lines.size() + 1);
   close(ends[0]);
   close(ends[1]);
   if (error != 0) return tl::unexpected(name + std::strerror(error));
@@ -96,11 +96,11 @@ Result<void> run_command(const std::vector<std::string>& command, const std::str
 
 }  // namespace
 
-Result<void> deliver_anchor(const AnchorTarget& target, const std::string& line, std::chrono::milliseconds limit) {
+Result<void> deliver_anchor(const AnchorTarget& target, const std::string& lines, std::chrono::milliseconds limit) {
   Result<void> done;
-  if (!target.file.empty()) done = append_line(target.file, line);
+  if (!target.file.empty()) done = append_line(target.file, lines);
   if (!target.command.empty()) {
-    if (auto ran = run_command(target.command, line, limit); !ran) done = ran;
+    if (auto ran = run_command(target.command, lines, limit); !ran) done = ran;
   }
   return done;
 }

@@ -77,17 +77,22 @@ void Housekeeper::list(const ListedRun* recorded) {
 }
 
 void Housekeeper::anchor(const ClockPair& now, bool run_changed) {
-  auto head = folder_.head();
-  if (!head || head->head == anchored_ || (!run_changed && now.raw_ns < next_anchor_ns_)) return;
+  if (!run_changed && now.raw_ns < next_anchor_ns_) return;
   const double minutes = options_.anchor.minutes > 0.0 ? options_.anchor.minutes : kAnchorMinutes;
   next_anchor_ns_ = now.raw_ns + static_cast<std::int64_t>(minutes * 60e9);
-  anchored_ = head->head;
-  head->utc = iso_utc(now.utc_ns);
-  const std::string line = to_line(*head);
-  tell_({Notice::Grade::info, "anchor: " + line, 0, hex(head->head)});
-  if (options_.anchor.file.empty() && options_.anchor.command.empty()) return;
-  const bool posted = jobs_.post([target = options_.anchor, line, outcomes = outcomes_](const auto&) {
-    const auto done = deliver_anchor(target, line);
+  std::string lines;
+  for (Anchor& head : folder_.heads()) {
+    Digest& anchored = anchored_[head.origin];
+    if (std::exchange(anchored, head.head) == head.head) continue;
+    head.utc = iso_utc(now.utc_ns);
+    const std::string line = to_line(head);
+    tell_({Notice::Grade::info, "anchor: " + line, 0, hex(head.head)});
+    lines += (lines.empty() ? "" : "\n") + line;
+  }
+  if (anchored_.size() > kOriginsKnown) anchored_.clear();
+  if (lines.empty() || (options_.anchor.file.empty() && options_.anchor.command.empty())) return;
+  const bool posted = jobs_.post([target = options_.anchor, lines, outcomes = outcomes_](const auto&) {
+    const auto done = deliver_anchor(target, lines);
     outcomes->put({{}, true, done ? std::string() : done.error()});
   });
   if (!posted) outcomes_->put({{}, true, "the anchors before have not arrived yet"});

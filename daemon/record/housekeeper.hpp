@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -43,6 +44,7 @@ class Housekeeper {
   [[nodiscard]] const std::string& anchor_trouble() const noexcept { return anchor_trouble_; }
 
  private:
+  static constexpr std::size_t kOriginsKnown = 1000;  // a head that is forgotten is anchored once more
   struct Outcomes;
 
   void look_at_all(const std::string& running);
@@ -60,7 +62,7 @@ class Housekeeper {
   JobThread jobs_;
   std::string listed_;  // file of the run that goes on
   std::int64_t next_anchor_ns_ = 0, next_retention_ns_ = 0;
-  Digest anchored_{};
+  std::map<std::string, Digest> anchored_;  // newest head by origin
   std::deque<Deletion> deletions_;
   std::string anchor_trouble_;
 };

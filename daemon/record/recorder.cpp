@@ -66,7 +66,7 @@ struct Recorder::Impl {
         ring(ring_records(options.rate_hz)),
         folder(options.folder),
         keeper({options.folder.directory, options.retention, options.anchor}, folder, list, options.tell),
-        log(folder, {options.header, options.dwell_json, options.tell}),
+        log(folder, {options.header, options.dwell_json, options.tell, options.names}),
         thread([this] { run(); }) {}
   ~Impl() {
     {

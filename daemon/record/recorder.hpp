@@ -29,6 +29,7 @@ struct RecorderOptions {
   std::function<RunHeader()> header;  // RunLogOptions; called on the recorder's thread, as is …
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
   Tell tell;  // … this
+  StreamNames names;
 };
 
 // How the recording stands.

@@ -140,6 +140,10 @@ struct RunFolder::Impl {
     return told;
   }
 
+  [[nodiscard]] std::optional<Anchor> head() const {
+    return Anchor{{}, origin, file->committed(), file->committed_head()};
+  }
+
   // The ledger knows a run of which there is no file, and why.
   void give_up(const std::string& why) {
     file.reset();
@@ -224,7 +228,7 @@ Result<void> RunFolder::end(std::span<const NewEntry> last) {
   self.reserve.release();
   const auto written = append_and_commit(*self.file, last);
   const auto closed = written.and_then([&] { return self.file->close(); });
-  self.last_head = head();
+  self.last_head = self.head();
   const auto told = self.signs->ledger.run_ends(self.run, hex(self.last_head->head), self.last_head->seq,
                                                 written ? kClosed : kCutOff);
   self.file.reset();
@@ -236,9 +240,11 @@ Result<void> RunFolder::end(std::span<const NewEntry> last) {
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
 const std::string& RunFolder::file() const noexcept { return impl_->name; }
 
-std::optional<Anchor> RunFolder::head() const {
-  if (impl_->file) return Anchor{{}, impl_->origin, impl_->file->committed(), impl_->file->committed_head()};
-  return impl_->last_head;
+std::vector<Anchor> RunFolder::heads() const {
+  std::vector<Anchor> heads;
+  if (const auto head = impl_->file ? impl_->head() : impl_->last_head) heads.push_back(*head);
+  if (impl_->signs) heads.push_back(impl_->signs->ledger.head());
+  return heads;
 }
 
 Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {

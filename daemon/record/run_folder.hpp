@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "daemon/record/anchor.hpp"
 #include "daemon/record/run_store.hpp"
@@ -52,9 +53,9 @@ class RunFolder final : public RunStore {
   [[nodiscard]] std::optional<CutOffRun> take_cut_off();
   // Of the run that is recorded; empty: none is.
   [[nodiscard]] const std::string& file() const noexcept;
-  // The head of the newest run as of its last commit, also once it has ended; none: there was none since open(). The
-  // caller fills in the instant.
-  [[nodiscard]] std::optional<Anchor> head() const;
+  // What is to be anchored: the head of the newest run since open() as of its last commit, also once it has ended, and
+  // the ledger's. The caller fills in the instant.
+  [[nodiscard]] std::vector<Anchor> heads() const;
   // The run's file may be deleted once the ledger says so.
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
 

@@ -56,7 +56,8 @@ class Notices {
 };
 
 inline RunLogOptions log_options(Notices& notices) {
-  return {rig_header, [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); }, notices.tell()};
+  return {
+      rig_header, [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); }, notices.tell(), {}};
 }
 
 inline RecorderOptions recorder_options(const std::string& directory, Notices& notices) {

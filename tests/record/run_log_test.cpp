@@ -10,7 +10,7 @@
 namespace dwell::record {
 namespace {
 
-struct WrittenRun {
+struct MemoryRun {
   RunHeader header;
   std::vector<NewEntry> entries;
   bool closed = false;
@@ -43,7 +43,7 @@ class MemoryStore final : public RunStore {
     return {};
   }
 
-  std::vector<WrittenRun> runs;
+  std::vector<MemoryRun> runs;
   int commits = 0;
   bool full = false, broken = false;
 };
@@ -57,16 +57,17 @@ StoredEvent event_of(const std::string& text) {
 
 struct RunLogTest : testing::Test {
   RunLogTest()
-      : log(store,
-            {[] { return RunHeader(); }, [](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"}"; },
-             [this](const Notice& notice) { notices.push_back(notice); }}),
+      : log(store, {[] { return RunHeader(); },
+                    [](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"}"; },
+                    [this](const Notice& notice) { notices.push_back(notice); },
+                    {{"y0", "y1"}, {"amplifier"}}}),
         stream(2, 200.0, [this](const Record& record) {
           log.set_clock({record.t_ns, kUtc_ns + record.t_ns});
           handed.push_back(record);
           log.record(record);
         }) {}
 
-  static std::vector<Record> records_of(const WrittenRun& run) {
+  static std::vector<Record> records_of(const MemoryRun& run) {
     std::vector<Record> all, some;
     for (const NewEntry& entry : run.entries) {
       if (entry.kind != "stream") continue;
@@ -75,15 +76,15 @@ struct RunLogTest : testing::Test {
     }
     return all;
   }
-  static std::vector<StoredEvent> events_of(const WrittenRun& run) {
+  static std::vector<StoredEvent> events_of(const MemoryRun& run) {
     std::vector<StoredEvent> events;
     for (const NewEntry& entry : run.entries)
       if (entry.kind == "event") events.push_back(*parse_event(entry.body));
     return events;
   }
-  static RunEnd end_of(const WrittenRun& run) { return *parse_run_end(run.entries.back().body); }
+  static RunEnd end_of(const MemoryRun& run) { return *parse_run_end(run.entries.back().body); }
   // The stream as handed in, from the birth of the run's pipeline on, so many records.
-  void expect_stream(const WrittenRun& run, std::size_t from, std::size_t count) const {
+  void expect_stream(const MemoryRun& run, std::size_t from, std::size_t count) const {
     const auto records = records_of(run);
     ASSERT_EQ(records.size(), count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -120,7 +121,7 @@ TEST_F(RunLogTest, ARunHoldsTheStreamFromTheBirthOfItsPipelineToItsEnd) {
   const std::size_t end = handed.size();
   stream.play(1.1);
   ASSERT_EQ(store.runs.size(), 1u);
-  const WrittenRun& run = store.runs[0];
+  const MemoryRun& run = store.runs[0];
   EXPECT_TRUE(run.closed);
   EXPECT_EQ(run.header.begun_by, "drive");
   expect_stream(run, elder, end - elder);
@@ -167,7 +168,7 @@ TEST_F(RunLogTest, ResultsAndEventsFollowTheBlockOfTheirPositionAndFinalsComeAft
   log.result(stream.position(), true, {});
   stream.play(2.0);
   ASSERT_EQ(store.runs.size(), 1u);
-  const WrittenRun& run = store.runs[0];
+  const MemoryRun& run = store.runs[0];
   std::string kinds;
   for (const NewEntry& entry : run.entries) kinds += entry.kind[0];
   EXPECT_EQ(kinds, "sesrere") << "stream, event, stream, result, event, result, end";
@@ -195,7 +196,7 @@ TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosi
   log.request(stop);
   stream.ends(EndOfRun::by_operator, 4);
   log.finish();
-  const WrittenRun& run = store.runs[0];
+  const MemoryRun& run = store.runs[0];
   EXPECT_EQ(run.header.begun_by, "operator");
   EXPECT_EQ(run.header.label, "oil film");
   EXPECT_EQ(run.header.comment, "second try");
@@ -300,6 +301,40 @@ TEST_F(RunLogTest, AfterACrashARunThatComesMuchLaterIsTheDrives) {
   stream.play(1.2);
   EXPECT_EQ(store.runs[0].header.begun_by, "drive");
   EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
+}
+
+TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
+  stream.armed();
+  stream.begins();
+  stream.play(0.2);
+  stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 2});
+  const std::uint64_t at = stream.position();
+  for (int i = 0; i < 3; ++i)
+    stream.put({.t_ns = stream.t_ns(), .value = 10.0, .channel = 1, .kind = Kind::loss, .flags = 2});
+  stream.put({.t_ns = stream.t_ns(), .value = 4.0, .channel = 0, .kind = Kind::fault, .flags = 2});
+  stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 0});
+  stream.play(2.0);
+  const auto events = events_of(store.runs[0]);
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[0].text, "channel y1 does not deliver: timeout");
+  EXPECT_EQ(events[0].position, at);
+  EXPECT_EQ(events[1].text, "channel y1: 30 samples lost, older than what had been used");
+  EXPECT_EQ(events[1].position, at + 1);
+  EXPECT_EQ(events[2].text, "device amplifier: timeout, 4 times");
+  EXPECT_EQ(events[3].text, "channel y1 delivers");
+}
+
+TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
+  stream.armed();
+  stream.begins();
+  stream.play(1.0);
+  log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns() + 3'000'000'000});
+  log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns()});
+  stream.play(1.5);
+  const auto events = events_of(store.runs[0]);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].what, "clock");
+  EXPECT_EQ(events[0].text, "the wall clock was set by +3.000 s");
 }
 
 TEST_F(RunLogTest, TheEndOfTheServiceEndsTheRun) {
