@@ -44,7 +44,7 @@ std::string begun_text(const record::RunHeader& header) {
   std::string text = header.start_utc + " by the " + header.begun_by;
   if (header.begun_by == "replay") text = header.start_utc + ", computed by replay";
   if (header.person) text += ", " + person_text(*header.person);
-  return header.comment.empty() ? text : text + ": " + header.comment;
+  return text;
 }
 
 std::string origin_text(const record::Origin& origin) {
@@ -52,7 +52,7 @@ std::string origin_text(const record::Origin& origin) {
   if (!origin.time_zone.empty()) text += " (" + origin.time_zone + ")";
   if (!origin.clock_synchronized) return text + ", clock not synchronized";
   if (!std::isfinite(origin.clock_error_s)) return text + ", clock synchronized";
-  return text + ", clock synchronized within " + join(number_text(origin.clock_error_s, "s", 2));
+  return text + ", clock synchronized within " + seconds_text(origin.clock_error_s, 6);
 }
 
 std::string stream_text(const RunSummary& run) {
@@ -69,9 +69,13 @@ Section facts(const RunSummary& run, std::size_t columns) {
   const auto add = [&](const char* label, const std::string& text) { append(section, label, text, columns); };
   add("file", run.file + ", " + bytes_text(static_cast<double>(run.bytes)));
   add("rig", (run.rig.empty() ? "" : run.rig + ", ") + header.rig.path);
-  add("", "SHA-256 " + header.rig.sha256);
-  for (const record::KeptFile& file : header.files) add("with", file.path + ", SHA-256 " + file.sha256);
+  add("SHA-256", header.rig.sha256);
+  for (const record::KeptFile& file : header.files) {
+    add("with", file.path);
+    add("SHA-256", file.sha256);
+  }
   add("begun", begun_text(header));
+  add("comment", header.comment);
   add("ended", run.end ? run.end->utc + ": " + run.end->why : "");
   add("stream", stream_text(run));
   add("channels", list_of(header.channels));

@@ -181,10 +181,10 @@ TEST_F(RecordVerbs, ShowAsJsonHoldsTheEntriesAsTheyAre) {
   EXPECT_EQ(json["key"], key.public_key().fingerprint());
 }
 
-// A file with a hundred times the stream costs no more: its blocks are not read.
+// Its first block alone is looked at, for the instant of the first record.
 TEST_F(RecordVerbs, ShowDoesNotReadTheStream) {
   const std::string run = written("run.dwell");
-  alter(run, "UPDATE entry SET body = zeroblob(1000000) WHERE kind = 'stream'");
+  alter(run, "UPDATE entry SET body = zeroblob(1000000) WHERE kind = 'stream' AND seq > 2");
   const Outcome outcome = test::run({"show", run});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_TRUE(holds(outcome.out, "dwell 1")) << outcome.out;
@@ -205,25 +205,26 @@ TEST_F(RecordVerbs, RunsListsAFolderInTheirOrder) {
   std::getline(lines, title);
   std::getline(lines, first);
   std::getline(lines, second);
-  EXPECT_TRUE(holds(first, " 17  2026-07-01T10:12:00Z")) << first;
+  EXPECT_TRUE(holds(first, " 17  2026-07-01 10:12:00")) << first;
   EXPECT_TRUE(holds(first, "closed")) << first;
-  EXPECT_TRUE(holds(first, "4000")) << first;
+  EXPECT_TRUE(holds(first, "20.0 s")) << first;
   EXPECT_TRUE(holds(second, " 18  ")) << second;
-  EXPECT_TRUE(holds(second, "open")) << second;
+  EXPECT_TRUE(holds(second, "cut off")) << second;
   EXPECT_TRUE(holds(second, "second")) << second;
   EXPECT_FALSE(std::getline(lines, none)) << none;
   const auto json = nlohmann::json::parse(test::run({"runs", "--json", folder.path("")}).out);
   EXPECT_EQ(json["runs"][0]["run"], 17);
-  EXPECT_EQ(json["runs"][1]["state"], "open");
+  EXPECT_EQ(json["runs"][0]["dwells"], 1);
+  EXPECT_EQ(json["runs"][1]["state"], "cut off");
   EXPECT_EQ(test::run({"runs", folder.path("")}).err, "");
 }
 
 TEST_F(RecordVerbs, RunsTellsAFileThatCannotBeReadAndListsTheOthers) {
   (void)written("a.dwell");
-  const std::string bad = folder.file("b.dwell", "no database");
+  (void)folder.file("b.dwell", "no database");
   const Outcome outcome = test::run({"runs", folder.path("")});
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_TRUE(holds(outcome.err, bad)) << outcome.err;
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_TRUE(holds(outcome.out, "unreadable")) << outcome.out;
   EXPECT_TRUE(holds(outcome.out, " 17  ")) << outcome.out;
 }
 

@@ -127,6 +127,7 @@ TEST(SignRequest, NamesWhatIsMissingInALine) {
   EXPECT_EQ(parse_sign_request("x", 0).error(), "not a JSON object");
   EXPECT_NE(parse_sign_request(R"({"verb":"sign"})", 0).error().find("no file"), std::string::npos);
   EXPECT_NE(parse_sign_request(R"({"file":3})", 0).error().find("file: expected a text"), std::string::npos);
+  EXPECT_NE(parse_sign_request(R"({"file":"a.dwell"})", 0).error().find("no meaning"), std::string::npos);
   const auto asked = parse_sign_request(R"({"verb":"sign","file":"a.dwell","meaning":"seen","reason":null})", 7);
   ASSERT_TRUE(asked) << asked.error();
   EXPECT_EQ(asked->uid, 7u);

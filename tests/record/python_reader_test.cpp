@@ -113,6 +113,11 @@ TEST_F(PythonReader, KnowsSignaturesOfBothSorts) {
   ASSERT_EQ(found.json["signatures"].size(), 2u);
   EXPECT_EQ(found.json["signatures"][0]["by"], "the service");
   EXPECT_EQ(found.json["signatures"][1]["by"], own.public_key().vkey());
+  // Words put into the person's mouth: the chain is made good, the person's note is not.
+  alter(
+      "UPDATE entry SET body = CAST(replace(body, 'as agreed', 'gladly') AS BLOB) WHERE seq = (SELECT max(seq) FROM "
+      "entry)");
+  EXPECT_EQ(read().json["state"], "tampered");
 }
 
 TEST_F(PythonReader, FindsWhatWasAltered) {

@@ -37,15 +37,11 @@ def check(condition, what):
         raise Tampered(what)
 
 
-# The chain ----------------------------------------------------------------------------------------------------------
-
 def next_head(before, seq, kind, t_ns, body):
     kind = kind.encode("ascii")
     return hashlib.sha256(b"dwell entry v1\n" + before + struct.pack("<QQ", seq, len(kind)) + kind
                           + struct.pack("<qQ", t_ns, len(body)) + body).digest()
 
-
-# The notes ----------------------------------------------------------------------------------------------------------
 
 class Key:
     """A public key from its vkey, NAME+HASH+BASE64."""
@@ -75,22 +71,20 @@ class Key:
         return text.split("\n")[:-1]
 
 
-# The blocks ---------------------------------------------------------------------------------------------------------
-
 def unzigzag(z):
     return z // 2 if z % 2 == 0 else -((z + 1) // 2)
 
 
+def signed(word):
+    return word - WORD if word >= WORD // 2 else word
+
+
 def float_of(form, word):
     if form == 0:
-        return float(word - WORD if word >= WORD // 2 else word)
+        return float(signed(word))
     if form == 1:
         return struct.unpack("<f", struct.pack("<I", word))[0]
     return struct.unpack("<d", struct.pack("<Q", word))[0]
-
-
-def signed(word):
-    return word - WORD if word >= WORD // 2 else word
 
 
 def records(body):
@@ -122,8 +116,6 @@ def records(body):
         values[key] = (form, word, a)
         yield (signed(t), signed((t + delays[kind]) % WORD), float_of(form, word), halves[key], channel, kind, flags)
 
-
-# The file -----------------------------------------------------------------------------------------------------------
 
 def rows(path, folder):
     """The rows of both tables. The file, and the -wal of one that was cut off, are read from a copy: SQLite would
@@ -165,11 +157,12 @@ class Reader:
             check(self.head == head, f"{where}: the head is not that of the entry")
             self.heads.append(head.hex())
             self.take(where, kind, body)
+            if kind == "signature":
+                self.signature(where, before, json.loads(body))
             if seq in notes:
-                key = self.key
-                lines = key.open(notes.pop(seq), f"note {seq}")
-                expected = [self.origin, str(seq), base64.b64encode(head).decode(), str(t_ns)]
-                check(lines == expected, f"note {seq}: signs something else")
+                lines = self.key.open(notes.pop(seq), f"note {seq}")
+                check(lines == [self.origin, str(seq), base64.b64encode(head).decode(), str(t_ns)],
+                      f"note {seq}: signs something else")
                 self.noted = seq
         check(not notes, f"notes without an entry: {sorted(notes)}")
         check(self.seq > 0, "no entries")
@@ -188,9 +181,19 @@ class Reader:
             self.end = value
         elif kind in ("result", "event"):
             self.result[kind + "s"].append(value)
-        elif kind == "signature":
-            check(self.end is not None, f"{where}: a signature before the end")
-            self.result["signatures"].append(value)
+
+    def signature(self, where, head, value):
+        """Of a person, over the head of the entry before."""
+        check(self.end is not None and self.noted == self.seq - 1, f"{where}: a signature under what is not signed")
+        check(value["seq"] == self.seq - 1 and value["head"] == head.hex(), f"{where}: signs another head")
+        value["by"] = "the service" if "person" in value else value["vkey"]
+        if "person" not in value:  # else the row of `note` tells
+            words = [value["name"], value["meaning"], value.get("reason", ""), value["utc"]]
+            lines = Key(value["vkey"]).open(value["note"], where)
+            check(lines == ["dwell/signature/" + self.result["run"]["id"], str(value["seq"]),
+                            base64.b64encode(head).decode()] + words, f"{where}: its note signs something else")
+            self.noted = self.seq
+        self.result["signatures"].append(value)
 
     def begin(self, run):
         self.result["run"] = run
