@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "daemon/record/directory_lock.hpp"
 #include "daemon/record/small_file.hpp"
 
 namespace dwell::record {
@@ -75,6 +76,8 @@ Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std
 }
 
 Result<PublicKey> change_key(const std::string& directory, const std::string& name) {
+  DirectoryLock lock;
+  if (auto locked = lock.take(directory); !locked) return tl::unexpected(locked.error());
   auto now = open_key_and_ledger(directory, name);
   if (!now) return tl::unexpected(now.error());
   auto next = SigningKey::make(name);

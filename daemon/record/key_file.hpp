@@ -22,7 +22,8 @@ struct KeyAndLedger {
 // where it is not what it should be.
 [[nodiscard]] Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std::string& name);
 
-// Another key signs from now on, of the same name; the old private key is destroyed. Its vkey stays in the ledger and
+// Another key signs from now on, under this name; the old private key is destroyed. Fails while a service records here.
+// The old vkey stays in the ledger and
 // in the files that it signed.
 [[nodiscard]] Result<PublicKey> change_key(const std::string& directory, const std::string& name);
 
