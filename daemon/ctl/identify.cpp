@@ -72,7 +72,7 @@ class Stream {
 // The recording's samples as records, in the order in which the pipeline takes them.
 template <class Take>
 void play(const Rig& rig, const CsvRecording& recording, const Progress& progress, const Take& take) {
-  constexpr std::size_t progress_every = 1U << 18U;
+  constexpr std::size_t progress_every = 1U << 14U;
   const ColumnMatch match = match_columns(rig, recording);
   Stream stream(rig);
   std::size_t until_progress = progress_every;

@@ -2,7 +2,6 @@
 // what tests and benches call.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
 #include "core/verify/verification_readings.hpp"
+#include "daemon/ctl/progress.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
 namespace dwell::ctl {
@@ -21,9 +21,6 @@ struct ColumnMatch {
   std::vector<std::string> missing_channels;  // channels without a column, auxiliary ones left out
 };
 [[nodiscard]] ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording);
-
-// Told now and then which part of the samples has been taken, 0 … 1.
-using Progress = std::function<void(double)>;
 
 // Every dwell of the recording, in order, also those that did not settle; empty: no drive was ever seen. Values are raw
 // (the rig's scale, offset and unit apply); times are on the recording's own t axis. Columns that the rig does not know

@@ -87,7 +87,10 @@ int identify_recording(const IdentifyOptions& options) {
   if (!loaded) return loaded.error();
   const auto& [file, recording] = *loaded;
   std::vector<Dwell> dwells;
-  if (options.method != "motion") dwells = identify(file.rig, recording, progress_of(recording));
+  if (options.method != "motion") {
+    ProgressBar bar("identifying");
+    dwells = identify(file.rig, recording, bar.progress());
+  }
   std::optional<MotionEstimate> motion;
   if (options.method != "harmonic") motion = identify_motion(file.rig, recording);
   print(options, file, dwells, motion);

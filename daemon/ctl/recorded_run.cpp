@@ -1,7 +1,5 @@
 #include "daemon/ctl/recorded_run.hpp"
 
-#include <unistd.h>
-
 #include <cstdio>
 
 #include "daemon/ctl/commands.hpp"
@@ -10,8 +8,6 @@
 
 namespace dwell::ctl {
 namespace {
-
-constexpr std::size_t kLong = 2'000'000;  // samples, from which on it takes so long that progress is shown
 
 std::string names_of(const std::vector<std::string>& names) {
   std::string text;
@@ -49,11 +45,6 @@ tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const s
     tell_error("warning: " + data + ": the rig has no channel " + names_of(match.unknown_columns) + "; ignored");
   }
   return RecordedRun{std::move(*file), std::move(*recording)};
-}
-
-Progress progress_of(const CsvRecording& recording) {
-  if (isatty(STDERR_FILENO) == 0 || recording.samples.size() <= kLong) return {};
-  return [](double part) { std::fprintf(stderr, part < 1.0 ? "\r%3.0f %%" : "\r     \r", 100.0 * part); };
 }
 
 std::string why_nothing_settled(const Rig& rig, const CsvRecording& recording, const std::vector<Dwell>& dwells) {

@@ -21,9 +21,6 @@ void tell_error(const std::string& text);
 // Says on standard error what is wrong, or what is ignored. The error: an exit code.
 [[nodiscard]] tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const std::string& data);
 
-// Shows on a terminal how far a long recording has been taken; empty where nobody looks or it is short.
-[[nodiscard]] Progress progress_of(const CsvRecording& recording);
-
 // Why there is nothing to show of these dwells, in one line.
 [[nodiscard]] std::string why_nothing_settled(const Rig& rig, const CsvRecording& recording,
                                               const std::vector<Dwell>& dwells);

@@ -39,7 +39,11 @@ std::int64_t end_before(const std::vector<Dwell>& dwells, const Dwell& of) {
 // The dwell asked for, by its index; none: the last that settled. The error: an exit code.
 tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<int> index) {
   VerificationReadings readings(run.file.rig.channels.size());
-  const std::vector<Dwell> dwells = identify(run.file.rig, run.recording, progress_of(run.recording), &readings);
+  std::vector<Dwell> dwells;
+  {
+    ProgressBar bar("identifying");
+    dwells = identify(run.file.rig, run.recording, bar.progress(), &readings);
+  }
   const auto asked = [&](const Dwell& dwell) { return index ? dwell.index == index : std::isfinite(dwell.settled_s); };
   const auto found = std::find_if(dwells.rbegin(), dwells.rend(), asked);
   if (found == dwells.rend()) {

@@ -12,7 +12,6 @@
 namespace dwell::record {
 namespace {
 
-std::string key_path(const std::string& directory) { return directory + "/key"; }
 std::string next_path(const std::string& directory) { return directory + "/key.next"; }
 
 bool exists(const std::string& path) {
@@ -67,6 +66,8 @@ Result<KeyAndLedger> open_as_it_is(const std::string& directory, const std::stri
 }
 
 }  // namespace
+
+std::string key_path(const std::string& directory) { return directory + "/key"; }
 
 Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std::string& name) {
   auto opened = exists(next_path(directory)) ? finish_change(directory) : open_as_it_is(directory, name);

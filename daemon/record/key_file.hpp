@@ -11,6 +11,9 @@
 
 namespace dwell::record {
 
+// The file of the private key.
+[[nodiscard]] std::string key_path(const std::string& directory);
+
 // The key that signs here and the ledger it signs.
 struct KeyAndLedger {
   SigningKey key;

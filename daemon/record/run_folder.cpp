@@ -238,4 +238,9 @@ Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& head, c
   return impl_->signs->ledger.run_deleted(run, head, why);
 }
 
+Result<void> RunFolder::run_signed(std::int64_t run, const PersonalSignature& signature) {
+  if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
+  return impl_->signs->ledger.run_signed(run, signature);
+}
+
 }  // namespace dwell::record

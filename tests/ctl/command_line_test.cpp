@@ -8,15 +8,17 @@
 #include "config/rig_file.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/verification_json.hpp"
+#include "tests/ctl/program.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
-#include "tests/ctl/started_program.hpp"
+#include "tests/ctl/small_rig.hpp"
 #include "tests/ctl/temporary.hpp"
 
 namespace dwell {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using test::contents;
 using test::dwell_event;
 using test::http_reply;
 using test::kRig;
@@ -50,11 +52,11 @@ TEST(CommandLine, WrongUsageIsExitCode2) {
 TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
   const Outcome outcome = run({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* verb :
-       {"status", "watch", "channels", "dwells", "start", "stop", "rearm", "check", "identify", "verify", "export"}) {
+  for (const char* verb : {"status", "watch", "channels", "dwells", "start", "stop", "rearm", "check", "identify",
+                           "verify", "export", "audit", "runs", "show", "sign", "keygen"}) {
     EXPECT_NE(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
-  for (const char* verb : {"reload", "tare", "replay", "report", "audit"}) {
+  for (const char* verb : {"reload", "tare", "replay", "report"}) {
     EXPECT_EQ(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
 }

@@ -5,7 +5,8 @@
 #include <sstream>
 #include <string>
 
-#include "tests/ctl/started_program.hpp"
+#include "tests/ctl/program.hpp"
+#include "tests/ctl/small_rig.hpp"
 #include "tests/ctl/temporary.hpp"
 
 namespace dwell {
