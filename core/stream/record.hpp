@@ -17,9 +17,10 @@ enum class Kind : std::uint8_t {
   sample,
   channel_state,  // `channel`; `flags`: a Fault; Fault::none: the channel delivers again
   edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
-  action,         // an operator's action; `flags`: an Action
+  action,         // an operator's action; `flags`: an Action; `channel`: the request's number, 0: it has none
   tick,           // time goes on, nothing else
-  run,            // a run begins or ends, or may begin here; `flags`: a RunEdge
+  run,            // a run begins or ends, or may begin here; `flags`: a RunEdge, which says what `value` and
+                  // `channel` are
   loss,   // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
           // record
   fault,  // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
@@ -68,9 +69,19 @@ enum class Action : std::uint8_t {
   rearm = 1,  // begin the dwell anew
 };
 
-// `armed`: a pipeline is born here. A run that begins later may reach back to it. `begins`: the run has begun; `value`:
-// how many records ago its pipeline was born.
+// armed: a pipeline is born here. A run that begins later may reach back to it.
+// begins: the run has begun. `value`: by how many records the `armed` of its pipeline stands before this one.
+// ends: it ends here, and so does its file. `value`: an EndOfRun.
+// `channel` of begins and ends: the number of the operator's request that did it; 0: nobody's.
 enum class RunEdge : std::uint8_t { begins = 1, ends = 2, armed = 3 };
+
+// Why a run has ended.
+enum class EndOfRun : std::uint8_t {
+  drive_stopped = 1,  // the drive has been idle for long enough
+  drive_unseen = 2,   // nobody has been able to see the drive for longer than that
+  by_operator = 3,    // an operator's stop, or start of another run
+  service_stops = 4,
+};
 
 // Why a sample is not in the stream.
 enum class Loss : std::uint8_t {

@@ -1,0 +1,31 @@
+// What an operator asked of the service, for whoever records who did what and why.
+//
+// A request enters the ordered stream as a record that bears its number in Record::channel: `start` as RunEdge::begins
+// (and as RunEdge::ends of the run that it puts an end to), `stop` as RunEdge::ends, `rearm` as Kind::action. The sink
+// is told before that record can come by, so it always knows the number that it meets there. Requests are numbered in
+// the order of the stream.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::record {
+
+struct Request {
+  enum class Verb : std::uint8_t { start, stop, rearm };
+  Verb verb = Verb::start;
+  std::uint16_t number = 0;  // 1 … 65535, then 1 again
+  std::string label;         // of start: the run's; empty: none
+  StoredEvent event;         // of what == "action"; its position is the record's, which the sink has to fill in
+};
+
+class RequestSink {
+ public:
+  virtual ~RequestSink() = default;
+  // Thread-safe; waits for nothing. Called on the event loop, once for each request that enters the stream.
+  virtual void request(Request request) = 0;
+};
+
+}  // namespace dwell::record
