@@ -30,10 +30,20 @@ struct WatchOptions {
   std::string truth;        // file: the coefficients that the simulated rig really has
 };
 
+// Of a recording: data is a run file, or CSV, which needs a rig.
 struct IdentifyOptions {
   std::string rig;
   std::string data;
   std::string method = "both";  // "harmonic", "motion" or "both"
+  bool json = false;
+};
+
+struct ReplayOptions {
+  std::string file;
+  std::string rig;      // another rig file; empty: the run's own
+  std::string output;   // with a rig: the child file to write; empty: none
+  std::string comment;  // into the child file
+  std::string key;      // file of the private key that signs it; empty: the person's own
   bool json = false;
 };
 
@@ -62,6 +72,7 @@ struct ExportOptions {
 // The newest verification of the running service.
 [[nodiscard]] int verify(const Service& service);
 [[nodiscard]] int identify_recording(const IdentifyOptions& options);
+[[nodiscard]] int replay(const ReplayOptions& options);
 [[nodiscard]] int verify_recording(const VerifyOptions& options);
 [[nodiscard]] int export_model(const ExportOptions& options);
 
