@@ -1,0 +1,70 @@
+// Cuts the stream into blocks of about a second, encoded, and keeps those that a run may yet reach back to.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "core/stream/record.hpp"
+
+namespace dwell::record {
+
+// An encoded stretch of the stream.
+struct Block {
+  std::uint64_t first = 0;  // number of its first record, from 1 on, since the service began
+  std::uint64_t records = 0;
+  std::uint64_t samples = 0;
+  std::int64_t first_t_ns = 0, last_t_ns = 0;
+  std::string body;
+};
+
+// Bound to one thread. Memory: the records of one block, a second's or 2^20 (32 MiB) at most.
+class BlockCutter {
+ public:
+  // Longer: more is lost with the power. Shorter: more commits, and a block compresses less.
+  static constexpr std::int64_t kBlock_ns = 1'000'000'000;
+  static constexpr std::size_t kBlockRecords = 1u << 20;
+
+  // Whether `next` belongs into a new block: take() first.
+  [[nodiscard]] bool is_due_before(const Record& next) const noexcept;
+  void add(const Record& record);
+  [[nodiscard]] bool empty() const noexcept { return records_.empty(); }
+  // The block so far, which must not be empty; a new one begins.
+  [[nodiscard]] Block take();
+  // Forgets the block so far.
+  void clear() noexcept { records_.clear(); }
+  // So many records are missing here: the next one is counted as if they had come. The block must be empty.
+  void skip(std::uint64_t records) noexcept { number_ += records; }
+  // Of the record added last.
+  [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
+
+ private:
+  std::vector<Record> records_;
+  std::uint64_t number_ = 0;
+};
+
+// The blocks since the elder of the two pipelines that wait for a drive was born, so that a run can begin with them.
+// Bound to one thread. Memory: 20 s of the stream, encoded; at most kBytes.
+class KeptBlocks {
+ public:
+  // 20 s of 64 channels at 10 kHz are 77 MB. What exceeds this loses its oldest block.
+  static constexpr std::size_t kBytes = 100'000'000;
+
+  // The next block begins with the birth of a pipeline: what lies before the birth before is dropped.
+  void pipeline_born(std::uint64_t number);
+  void add(Block block);
+  // Hands over everything from record `first` on, and keeps nothing. Empty: `first` is not there.
+  [[nodiscard]] std::deque<Block> take_from(std::uint64_t first);
+  void clear() noexcept;
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
+
+ private:
+  void drop_before(std::uint64_t number);
+
+  std::deque<Block> blocks_;
+  std::size_t bytes_ = 0;
+  std::uint64_t newest_birth_ = 0;
+};
+
+}  // namespace dwell::record

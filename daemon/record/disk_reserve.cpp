@@ -1,0 +1,45 @@
+#include "daemon/record/disk_reserve.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace dwell::record {
+namespace {
+
+std::string reason(int error) {
+  return error == ENOSPC || error == EDQUOT ? "disk full" : std::string(std::strerror(error));
+}
+
+// Whether the blocks are there: a sparse file reserves nothing.
+bool is_held(const std::string& path, std::int64_t bytes) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && status.st_size == bytes && std::int64_t{status.st_blocks} * 512 >= bytes;
+}
+
+}  // namespace
+
+Result<void> DiskReserve::hold() {
+  if (is_held(path_, bytes_)) return {};
+  const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file < 0) return tl::unexpected(path_ + ": " + reason(errno));
+  const int error = posix_fallocate(file, 0, bytes_);
+  close(file);
+  if (error == 0) return {};
+  release();
+  return tl::unexpected(path_ + ": " + reason(error));
+}
+
+void DiskReserve::release() noexcept { unlink(path_.c_str()); }
+
+Result<std::int64_t> free_bytes(const std::string& path) {
+  struct statvfs room {};
+  if (statvfs(path.c_str(), &room) != 0) return tl::unexpected(path + ": " + reason(errno));
+  return static_cast<std::int64_t>(room.f_bavail) * static_cast<std::int64_t>(room.f_frsize);
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,20 @@
+// Names of run files: RIG-RUN-UTC.dwell, for instance "suspension-bench-2-17-20261123T031217Z.dwell".
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace dwell::record {
+
+inline constexpr std::string_view kRunSuffix = ".dwell";
+// A file NAME.dwell.keep beside NAME.dwell protects it: retention never deletes it.
+inline constexpr std::string_view kKeepSuffix = ".keep";
+
+// Letters, digits, "." and "_" of `text`; a "-" for each run of others. At most 64 bytes, neither empty nor hidden.
+[[nodiscard]] std::string tame(std::string_view text);
+
+// `utc`: as compact_utc() writes it.
+[[nodiscard]] std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc);
+
+}  // namespace dwell::record

@@ -1,0 +1,274 @@
+#include "daemon/record/run_log.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace dwell::record {
+namespace {
+
+std::string why_text(EndOfRun why) {
+  switch (why) {
+    case EndOfRun::drive_stopped:
+      return "drive stopped";
+    case EndOfRun::drive_unseen:
+      return "drive unseen";
+    case EndOfRun::by_operator:
+      return "operator";
+    case EndOfRun::service_stops:
+      return "service stopped";
+  }
+  return "unknown";
+}
+
+// Whether an operator's request may stand behind it.
+bool may_be_requested(const Record& record) { return record.kind == Kind::run || record.kind == Kind::action; }
+
+std::string seconds_text(std::int64_t ns) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
+  return text;
+}
+
+NewEntry stream_entry(Block block) { return {"stream", block.last_t_ns, std::move(block.body)}; }
+
+void count(RunProgress& run, const Block& block) {
+  run.records += block.records;
+  run.samples += block.samples;
+  run.last_t_ns = block.last_t_ns;
+}
+
+std::string named(const RunHeader& header) {
+  return "run " + std::to_string(header.run) + (header.label.empty() ? "" : " \"" + header.label + "\"");
+}
+
+}  // namespace
+
+void RunLog::record(const Record& record) {
+  if (cutter_.is_due_before(record)) cut();
+  cutter_.add(record);
+  if (record.kind == Kind::action) note_request(record);
+  if (record.kind != Kind::run) return;
+  switch (static_cast<RunEdge>(record.flags)) {
+    case RunEdge::armed:
+      if (run_ && run_->ending.empty()) return;
+      follows_ = true;
+      kept_.pipeline_born(cutter_.number());
+      return;
+    case RunEdge::begins:
+      return begin(record);
+    case RunEdge::ends:
+      return end(record);
+  }
+}
+
+void RunLog::request(Request request) {
+  if (requests_.size() == kRequests) requests_.pop_front();
+  requests_.push_back(std::move(request));
+}
+
+const Request* RunLog::request_of(const Record& record) const noexcept {
+  const auto newest = std::find_if(requests_.rbegin(), requests_.rend(),
+                                   [&](const Request& request) { return request.number == record.channel; });
+  return record.channel == 0 || !may_be_requested(record) || newest == requests_.rend() ? nullptr : &*newest;
+}
+
+void RunLog::note_request(const Record& record) {
+  if (const Request* request = request_of(record)) event(request->event);
+}
+
+void RunLog::result(std::uint64_t position, bool final, const Dwell& dwell) {
+  if (!run_) return;
+  if (final) ++run_->dwells;
+  notes_.push_back(
+      {"result", 0, to_json(StoredResult{position, final, options_.dwell_json(dwell, run_->header.start_utc)})});
+}
+
+void RunLog::event(StoredEvent event) {
+  if (event.utc.empty()) event.utc = utc_now();
+  if (run_) return note(std::move(event));
+  if (early_.size() == kEarlyEvents) early_.pop_front();
+  early_.push_back({cutter_.number(), std::move(event)});
+}
+
+void RunLog::note(StoredEvent event) {
+  if (event.position == 0) event.position = cutter_.number() + 1 - run_->born;
+  notes_.push_back({"event", 0, to_json(event)});
+}
+
+StoredEvent RunLog::own_event(std::string text) const {
+  StoredEvent event;
+  event.utc = utc_now();
+  event.what = "recording";
+  event.text = std::move(text);
+  return event;
+}
+
+void RunLog::gap(std::uint64_t lost) {
+  const std::string why = "recorder fell behind";
+  const std::string text = why + ": " + std::to_string(lost) + " records of the stream are lost";
+  if (run_) {
+    const std::string run = named(run_->header);
+    note(own_event(text));
+    end_now(why);
+    interrupted(run + " ended: " + text);
+    stop(text);
+  } else {
+    options_.tell({Notice::Grade::error, text, 0, {}});
+  }
+  cutter_.clear();
+  cutter_.skip(lost);
+  kept_.clear();
+  early_.clear();
+  follows_ = false;
+}
+
+// A block is complete: into the file, or to those kept.
+void RunLog::cut() {
+  if (run_ && run_->ending.empty()) return write_block();
+  if (run_) close(take_notes(run_->last_t_ns), run_->ending);
+  if (cutter_.empty()) return;
+  if (follows_) return kept_.add(cutter_.take());
+  cutter_.clear();
+}
+
+void RunLog::write_block() {
+  if (cutter_.empty()) return;
+  std::vector<NewEntry> batch = take_batch();
+  if (auto written = store_.write(batch); !written) return fail(std::move(batch), written.error());
+  run_->committed_ns = now_.raw_ns;
+  for (const NewEntry& entry : batch) run_->bytes += entry.body.size();
+}
+
+// The block so far and what belongs to it.
+std::vector<NewEntry> RunLog::take_batch() {
+  std::vector<NewEntry> batch;
+  if (!cutter_.empty()) {
+    Block block = cutter_.take();
+    count(*run_, block);
+    batch.push_back(stream_entry(std::move(block)));
+  }
+  std::vector<NewEntry> notes = take_notes(run_->last_t_ns);
+  std::move(notes.begin(), notes.end(), std::back_inserter(batch));
+  return batch;
+}
+
+// They tell of the time up to t_ns, as the block beside them does.
+std::vector<NewEntry> RunLog::take_notes(std::int64_t t_ns) {
+  std::vector<NewEntry> notes = std::exchange(notes_, {});
+  for (NewEntry& note : notes) note.t_ns = t_ns;
+  return notes;
+}
+
+RunHeader RunLog::make_header(const Request* request, std::int64_t first_t_ns) {
+  RunHeader header = options_.header();
+  const bool operators = request != nullptr && request->event.person;
+  header.begun_by = operators                         ? "operator"
+                    : now_.raw_ns < goes_on_until_ns_ ? "service"
+                    : request != nullptr              ? "operator"
+                                                      : "drive";
+  if (request != nullptr) {
+    header.label = request->label;
+    header.comment = request->event.comment;
+    header.person = request->event.person;
+  }
+  header.start_utc = iso_utc(utc_of(now_, first_t_ns));
+  return header;
+}
+
+void RunLog::begin(const Record& edge) {
+  if (run_ && run_->ending.empty()) end_now("another run begins");
+  cut();
+  const auto ago = static_cast<std::uint64_t>(std::max(edge.value, 0.0));
+  const std::uint64_t born = cutter_.number() - std::min(ago, cutter_.number());
+  std::deque<Block> blocks = kept_.take_from(born);
+  if (!std::exchange(follows_, false) || blocks.empty()) return stop("the time before the run is not in memory");
+  RunProgress run;
+  run.header = make_header(request_of(edge), blocks.front().first_t_ns);
+  run.born = born;
+  run.first_t_ns = blocks.front().first_t_ns;
+  std::vector<NewEntry> batch;
+  for (Block& block : blocks) {
+    count(run, block);
+    run.bytes += block.body.size();
+    batch.push_back(stream_entry(std::move(block)));
+  }
+  add_early_events(born, batch.back().t_ns, batch);
+  if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) return stop(begun.error());
+  run.committed_ns = now_.raw_ns;
+  run_ = std::move(run);
+  note_request(edge);
+  stopped_.clear();
+  interrupted_.clear();
+  goes_on_until_ns_ = INT64_MIN;
+  options_.tell({Notice::Grade::info,
+                 "recording " + named(run_->header) + ", begun by " + run_->header.begun_by,
+                 run_->header.run,
+                 {}});
+}
+
+void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector<NewEntry>& batch) {
+  for (Early& early : early_) {
+    if (early.number < born) continue;
+    early.event.position = early.number + 1 - born;
+    batch.push_back({"event", t_ns, to_json(early.event)});
+  }
+  early_.clear();
+  if (interrupted_.empty()) return;
+  StoredEvent event = own_event("goes on after an interruption: " + interrupted_);
+  event.position = cutter_.number() + 1 - born;
+  batch.push_back({"event", t_ns, to_json(event)});
+}
+
+// Its last dwell may end with it: the file is closed with the next block that is cut.
+void RunLog::end(const Record& edge) {
+  stopped_.clear();
+  if (!run_ || !run_->ending.empty()) return cut();
+  note_request(edge);
+  write_block();
+  if (run_) run_->ending = why_text(static_cast<EndOfRun>(edge.value));
+}
+
+void RunLog::end_now(const std::string& why) {
+  if (run_->ending.empty()) {
+    close(take_batch(), why);
+  } else {
+    close(take_notes(run_->last_t_ns), run_->ending);
+  }
+}
+
+// What was reserved takes a batch that the disk did not, and the reason.
+void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
+  const std::string run = named(run_->header);
+  StoredEvent event = own_event("recording stops: " + reason);
+  event.position = run_->records;
+  batch.push_back({"event", run_->last_t_ns, to_json(event)});
+  close(std::move(batch), reason);
+  interrupted(run + " ended: " + reason);
+  stop(reason);
+}
+
+void RunLog::close(std::vector<NewEntry> batch, std::string why) {
+  const std::int64_t t_ns = run_->last_t_ns;
+  batch.push_back({"end", t_ns, to_json(RunEnd{why, run_->records, run_->samples, utc_now()})});
+  const auto ended = store_.end(batch);
+  const RunProgress run = *std::exchange(run_, std::nullopt);
+  const std::string text = named(run.header) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
+                           std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";
+  if (ended) return options_.tell({Notice::Grade::info, text, run.header.run, {}});
+  options_.tell({Notice::Grade::error, text + "; its file could not be closed: " + ended.error(), run.header.run, {}});
+}
+
+void RunLog::stop(const std::string& why) {
+  stopped_ = why;
+  stopped_ns_ = now_.raw_ns;
+  kept_.clear();
+  follows_ = false;
+  options_.tell({Notice::Grade::error, "recording stops: " + why + "; measuring goes on", 0, {}});
+}
+
+void RunLog::finish() {
+  if (run_) end_now("service stopped");
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,122 @@
+// Decides what is written when: which blocks a run begins with, when they are committed, how a run ends, what happens
+// when the disk takes nothing more. Pure: its clock is what it is told, its disk a RunStore.
+//
+// While no run goes on, the blocks are kept that a run may reach back to. While one does, each block is written with
+// the results and events that belong to it, in one batch, about once a second. So a loss of power costs the block that
+// was being gathered and what was not committed yet: below two seconds as long as the disk answers within half a
+// second.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result/dwell.hpp"
+#include "core/stream/record.hpp"
+#include "daemon/record/block_cutter.hpp"
+#include "daemon/record/notice.hpp"
+#include "daemon/record/request.hpp"
+#include "daemon/record/run_entries.hpp"
+#include "daemon/record/run_store.hpp"
+#include "daemon/record/utc_text.hpp"
+
+namespace dwell::record {
+
+// The run that is being recorded, as far as it is written.
+struct RunProgress {
+  RunHeader header;
+  std::uint64_t born = 0;  // number of its first record since the service began
+  std::int64_t first_t_ns = 0, last_t_ns = 0;
+  std::uint64_t records = 0, samples = 0, dwells = 0, bytes = 0;  // bytes: of the entries' bodies
+  std::int64_t committed_ns = 0;                                  // the raw clock at the last commit
+  // Why it has ended. Until it is closed, finals of its last dwell may come; empty: it goes on.
+  std::string ending;
+};
+
+struct RunLogOptions {
+  std::function<RunHeader()> header;  // what does not depend on the run; called as one begins
+  // The JSON object of a dwell of the run that began at this instant in UTC.
+  std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
+  Tell tell;
+};
+
+// Bound to one thread. No call throws but for want of memory.
+class RunLog {
+ public:
+  // Requests that may be on their way with their records.
+  static constexpr std::size_t kRequests = 64;
+  // Events before a run that it may begin with.
+  static constexpr std::size_t kEarlyEvents = 64;
+  // A run that the drive begins so soon after an interruption goes on with the one before.
+  static constexpr std::int64_t kGoesOn_ns = 60'000'000'000;
+
+  // The store must outlive it.
+  RunLog(RunStore& store, RunLogOptions options) : store_(store), options_(std::move(options)) {}
+  RunLog(const RunLog&) = delete;
+  RunLog& operator=(const RunLog&) = delete;
+
+  void set_clock(const ClockPair& now) noexcept { now_ = now; }
+  void record(const Record& record);
+  void result(std::uint64_t position, bool final, const Dwell& dwell);
+  // Its position and instant are filled in where they are not given.
+  void event(StoredEvent event);
+  // So many records of the stream are missing here: the run ends.
+  void gap(std::uint64_t lost);
+  // What the record that bears its number was asked for by. Must come before that record.
+  void request(Request request);
+  // Recording was interrupted, for instance by a crash: the next run says so.
+  void interrupted(std::string how) { interrupted_ = std::move(how); }
+  // From now on for kGoesOn_ns a run that no operator begins counts as begun by the service, which goes on.
+  void goes_on() noexcept { goes_on_until_ns_ = now_.raw_ns + kGoesOn_ns; }
+  // The service ends: so does the run.
+  void finish();
+
+  // What is being recorded; null: nothing.
+  [[nodiscard]] const RunProgress* progress() const noexcept { return run_ ? &*run_ : nullptr; }
+  // A run goes on that is not recorded (any more), and why; empty: none does.
+  [[nodiscard]] const std::string& stopped() const noexcept { return stopped_; }
+  [[nodiscard]] std::int64_t stopped_ns() const noexcept { return stopped_ns_; }
+  [[nodiscard]] std::size_t kept_bytes() const noexcept { return kept_.bytes(); }
+
+ private:
+  void cut();
+  void write_block();
+  void begin(const Record& edge);
+  void end(const Record& edge);
+  void end_now(const std::string& why);
+  void stop(const std::string& why);
+  void fail(std::vector<NewEntry> batch, const std::string& reason);
+  void close(std::vector<NewEntry> batch, std::string why);
+  [[nodiscard]] std::vector<NewEntry> take_batch();
+  [[nodiscard]] std::vector<NewEntry> take_notes(std::int64_t t_ns);
+  void note(StoredEvent event);
+  [[nodiscard]] const Request* request_of(const Record& record) const noexcept;
+  void note_request(const Record& record);
+  [[nodiscard]] RunHeader make_header(const Request* request, std::int64_t first_t_ns);
+  void add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector<NewEntry>& batch);
+  [[nodiscard]] StoredEvent own_event(std::string text) const;
+  [[nodiscard]] std::string utc_now() const { return iso_utc(now_.utc_ns); }
+
+  struct Early {
+    std::uint64_t number;  // of the record before it
+    StoredEvent event;
+  };
+
+  RunStore& store_;
+  const RunLogOptions options_;
+  ClockPair now_;
+  BlockCutter cutter_;
+  KeptBlocks kept_;
+  bool follows_ = false;  // the stream since the birth of a waiting pipeline is whole, in kept_ and cutter_
+  std::deque<Early> early_;
+  std::vector<NewEntry> notes_;  // results and events since the last block
+  std::optional<RunProgress> run_;
+  std::deque<Request> requests_;  // newest last
+  std::string stopped_, interrupted_;
+  std::int64_t stopped_ns_ = 0, goes_on_until_ns_ = INT64_MIN;
+};
+
+}  // namespace dwell::record

@@ -1,0 +1,83 @@
+#include "daemon/record/small_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+namespace dwell::record {
+namespace {
+
+tl::unexpected<std::string> failure(const std::string& path) {
+  return tl::unexpected(path + ": " + std::strerror(errno));
+}
+
+// A descriptor that is closed with its owner.
+class Open {
+ public:
+  Open(const std::string& path, int flags, mode_t mode = 0644) : number_(open(path.c_str(), flags | O_CLOEXEC, mode)) {}
+  ~Open() {
+    if (number_ >= 0) close(number_);
+  }
+  Open(const Open&) = delete;
+  Open& operator=(const Open&) = delete;
+  [[nodiscard]] int get() const noexcept { return number_; }
+
+ private:
+  int number_;
+};
+
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+Result<void> write_synchronized(const std::string& path, int flags, std::string_view bytes) {
+  const Open file(path, O_WRONLY | O_CREAT | flags);
+  if (file.get() < 0 || !write_all(file.get(), bytes) || fsync(file.get()) != 0) return failure(path);
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> read_small_file(const std::string& path, std::size_t limit) {
+  const Open file(path, O_RDONLY);
+  if (file.get() < 0) return failure(path);
+  std::string bytes;
+  char part[16384];
+  for (ssize_t count = 0; (count = read(file.get(), part, sizeof part)) != 0;) {
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return failure(path);
+    bytes.append(part, static_cast<std::size_t>(count));
+    if (bytes.size() > limit) return tl::unexpected(path + ": larger than " + std::to_string(limit) + " bytes");
+  }
+  return bytes;
+}
+
+Result<void> replace_small_file(const std::string& path, std::string_view bytes) {
+  const std::string fresh = path + ".new";
+  return write_synchronized(fresh, O_TRUNC, bytes).and_then([&] { return rename_durably(fresh, path); });
+}
+
+Result<void> append_line(const std::string& path, std::string_view line) {
+  return write_synchronized(path, O_APPEND, std::string(line) + "\n");
+}
+
+Result<void> rename_durably(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) return failure(to);
+  const auto parent = std::filesystem::path(to).parent_path();
+  const Open folder(parent.empty() ? "." : parent.string(), O_RDONLY | O_DIRECTORY);
+  if (folder.get() < 0 || fsync(folder.get()) != 0) return failure(to);
+  return {};
+}
+
+}  // namespace dwell::record
