@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 namespace dwell::ctl {
 
@@ -61,6 +62,28 @@ struct ExportOptions {
   std::optional<int> dwell;
 };
 
+struct AuditRequest {
+  std::vector<std::string> files;
+  std::string ledger;                // file; empty: none
+  std::string key;                   // a vkey, or a file that holds one; empty: none pinned
+  std::vector<std::string> anchors;  // files
+  bool json = false;
+};
+
+struct SignOptions {
+  std::string file;
+  std::string meaning;
+  std::string name;    // empty: as the system calls the user
+  std::string reason;  // may be empty
+  std::string key;     // file of a private key of the person's own; empty: the service vouches
+};
+
+struct KeyOptions {
+  std::string file;  // empty: key in $XDG_CONFIG_HOME/dwell or ~/.config/dwell
+  std::string name;  // empty: USER@HOST
+  bool json = false;
+};
+
 [[nodiscard]] int status(const Service& service);
 [[nodiscard]] int watch(const Service& service, const WatchOptions& options);
 [[nodiscard]] int channels(const Service& service);
@@ -75,6 +98,13 @@ struct ExportOptions {
 [[nodiscard]] int replay(const ReplayOptions& options);
 [[nodiscard]] int verify_recording(const VerifyOptions& options);
 [[nodiscard]] int export_model(const ExportOptions& options);
+
+// Run files. directory: empty: the runs of the service.
+[[nodiscard]] int audit_files(const AuditRequest& request);
+[[nodiscard]] int runs(const Service& service, const std::string& directory);
+[[nodiscard]] int show_run(const std::string& file, bool json);
+[[nodiscard]] int sign(const Service& service, const SignOptions& options);
+[[nodiscard]] int make_key(const KeyOptions& options);
 
 // What `rearm` and the key of watch do: the service's answer as JSON text. The error: the exit code, and why.
 struct Refusal {

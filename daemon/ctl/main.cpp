@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
 
 #include "daemon/ctl/commands.hpp"
@@ -31,6 +32,60 @@ void add_control(CLI::App* verb, Service& service) {
       ->envname("DWELL_CONTROL")
       ->capture_default_str();
 }
+
+// The verbs that look at run files and sign them.
+class RecordVerbs {
+ public:
+  // service: what `runs` and `sign` ask; outlives this.
+  RecordVerbs(CLI::App& app, Service& service) : service_(service) {
+    audit_ = app.add_subcommand("audit", "whether run files are as they were recorded; exit 1 if one is tampered with");
+    audit_->add_option("files", auditing_.files, "run files");
+    audit_->add_option("--ledger", auditing_.ledger, "the ledger that knows all runs: shows what was removed");
+    audit_->add_option("--key", auditing_.key, "the key that must have signed: a vkey, or a file that holds it");
+    audit_->add_option("--anchor", auditing_.anchors, "files of heads that were kept elsewhere");
+    add_json(audit_, auditing_.json);
+
+    runs_ = app.add_subcommand("runs", "the runs that have been recorded, by the service or in a folder");
+    runs_->add_option("directory", folder_, "a folder of run files; without one the service is asked");
+    add_service(runs_, service);
+
+    show_ = app.add_subcommand("show", "what a run was: rig, times, dwells, events, signatures");
+    show_->add_option("file", file_, "the run file")->required();
+    add_json(show_, service.json);
+
+    sign_ = app.add_subcommand("sign", "your signature under a run that has ended");
+    sign_->add_option("file", signing_.file, "the run file")->required();
+    sign_->add_option("--meaning", signing_.meaning, "what the signature says, for instance \"reviewed\"")->required();
+    sign_->add_option("--name", signing_.name, "your name; default: as the system knows you");
+    sign_->add_option("--reason", signing_.reason, "why");
+    sign_->add_option("--key", signing_.key, "sign with this private key of your own; default: the service vouches");
+    add_control(sign_, service);
+    add_json(sign_, service.json);
+
+    keygen_ = app.add_subcommand("keygen", "make a key of your own, to sign runs with");
+    keygen_->add_option("--key", key_.file, "file of the private key; default: ~/.config/dwell/key");
+    keygen_->add_option("--name", key_.name, "the key's name; default: USER@HOST");
+    add_json(keygen_, key_.json);
+  }
+
+  // Does the verb of the command line and returns its exit code; nullopt: it is another one.
+  [[nodiscard]] std::optional<int> run() const {
+    if (*audit_) return audit_files(auditing_);
+    if (*runs_) return runs(service_, folder_);
+    if (*show_) return show_run(file_, service_.json);
+    if (*sign_) return sign(service_, signing_);
+    if (*keygen_) return make_key(key_);
+    return std::nullopt;
+  }
+
+ private:
+  const Service& service_;
+  AuditRequest auditing_;
+  SignOptions signing_;
+  KeyOptions key_;
+  std::string folder_, file_;
+  CLI::App *audit_, *runs_, *show_, *sign_, *keygen_;
+};
 
 int run(int argc, char** argv) {
   CLI::App app("Asks the dwell service, and identifies stiffness and damping from recordings.", "dwellctl");
@@ -121,11 +176,14 @@ int run(int argc, char** argv) {
   export_verb->add_option("-o,--output", exporting.folder, "folder that receives the files")->required();
   export_verb->add_option("--dwell", exporting.dwell, "index of the dwell; default: the last that settled");
 
+  RecordVerbs record(app, service);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   }
+  if (const auto code = record.run()) return *code;
   if (*status_verb) return status(service);
   if (*watch_verb) return watch(service, watching);
   if (*channels_verb) return channels(service);

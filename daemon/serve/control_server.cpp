@@ -38,6 +38,7 @@ struct ControlServer::Impl : std::enable_shared_from_this<ControlServer::Impl> {
   const Handler handler;
   Listener<Local> listener;
   std::unordered_set<Caller*> callers;
+  std::unordered_set<std::shared_ptr<Caller>> awaiting;  // an answer that takes time
   std::uint64_t came = 0;
 };
 
@@ -68,6 +69,8 @@ class Caller : public std::enable_shared_from_this<Caller> {
 
   void close() {
     server_->callers.erase(this);
+    const auto self = shared_from_this();
+    server_->awaiting.erase(self);
     error_code ignored;
     socket_.close(ignored);
     deadline_.cancel();
@@ -92,17 +95,32 @@ class Caller : public std::enable_shared_from_this<Caller> {
     asked_ = true;
     std::string_view line(line_.data(), size - 1);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    std::string reply;
+    constexpr const char* kNone = R"({"error":"the answer could not be made"})";
+    ControlReply reply(kNone);
     try {
       reply = server_->handler(line, peer_);
-    } catch (const std::exception&) {
-      reply = R"({"error":"the answer could not be made"})";
+    } catch (const std::exception&) {  // the reply stays as it is
     }
     line_.erase(0, size);
-    answer(std::move(reply), true);
+    if (!reply.later) return answer(std::move(reply.now), true);
+    try {
+      await(reply.later);
+    } catch (const std::exception&) {
+      answer(kNone, true);
+    }
+  }
+
+  // The server keeps this connection until the answer is there.
+  void await(const std::function<void(ControlReply::Answer)>& work) {
+    deadline_.cancel();  // the time that it takes is not the caller's
+    server_->awaiting.insert(shared_from_this());
+    work([weak = weak_from_this()](std::string line) {
+      if (const auto self = weak.lock()) self->answer(std::move(line), true);
+    });
   }
 
   void answer(std::string reply, bool go_on) {
+    server_->awaiting.erase(shared_from_this());
     auto text = std::make_shared<std::string>(std::move(reply));
     text->push_back('\n');
     limit_time();

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <utility>
 
 namespace dwell {
 
@@ -29,10 +30,23 @@ struct Peer {
   pid_t pid = -1;
 };
 
+// What the handler says to a line: the answer's line, or a function that is given the way to answer later.
+struct ControlReply {
+  // Called once, on the loop's thread; the connection may have gone by then, or the server. Not called: the caller
+  // waits until it gives up.
+  using Answer = std::function<void(std::string line)>;
+
+  ControlReply(std::string line) : now(std::move(line)) {}
+  explicit ControlReply(std::function<void(Answer)> work) : later(std::move(work)) {}
+
+  std::string now;
+  std::function<void(Answer)> later;
+};
+
 class ControlServer {
  public:
-  // One line in, without its end, to one line out, without its end.
-  using Handler = std::function<std::string(std::string_view line, const Peer& peer)>;
+  // One line in, without its end, to one line out, without its end. A caller's next line waits for the answer.
+  using Handler = std::function<ControlReply(std::string_view line, const Peer& peer)>;
 
   // Binds (mode 0660) and listens. A socket that a dead process left behind is replaced; one that answers is not.
   static tl::expected<std::unique_ptr<ControlServer>, std::string> make(EventLoop& loop, const ControlOptions& options,

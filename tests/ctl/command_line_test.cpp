@@ -15,6 +15,7 @@
 #include "config/rig_file.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/verification_json.hpp"
+#include "tests/ctl/program.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
 #include "tests/ctl/temporary.hpp"
@@ -23,66 +24,14 @@ namespace dwell {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using test::contents;
 using test::dwell_event;
 using test::http_reply;
+using test::Outcome;
+using test::Program;
 using test::Reply;
+using test::run;
 using test::ScriptedServer;
-
-struct Outcome {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string contents(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-// Starts dwellctl; its outputs go to files, so that neither can block it.
-class Program {
- public:
-  explicit Program(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), DWELLCTL);
-    std::vector<char*> pointers;
-    pointers.reserve(arguments.size() + 1);
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    const std::string out = folder_.path("out");
-    const std::string err = folder_.path("err");
-    process_ = ::fork();
-    if (process_ == 0) {
-      if (std::freopen(out.c_str(), "w", stdout) == nullptr || std::freopen(err.c_str(), "w", stderr) == nullptr)
-        _exit(99);
-      ::unsetenv("DWELL_URL");
-      ::unsetenv("DWELL_CONTROL");
-      ::execv(DWELLCTL, pointers.data());
-      _exit(98);
-    }
-  }
-  ~Program() {
-    if (process_ > 0) (void)wait();
-  }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  void interrupt() const { ::kill(process_, SIGINT); }
-  [[nodiscard]] std::string out() const { return contents(folder_.path("out")); }
-
-  Outcome wait() {
-    int status = 0;
-    ::waitpid(process_, &status, 0);
-    process_ = -1;
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, out(), contents(folder_.path("err"))};
-  }
-
- private:
-  test::TemporaryFolder folder_;
-  pid_t process_ = -1;
-};
-
-Outcome run(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
 
 std::string sample_text() { return to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()); }
 std::string settling_text() { return to_json(test::settling_dwell(), test::sample_rig(), test::sample_run()); }
@@ -107,10 +56,11 @@ TEST(CommandLine, WrongUsageIsExitCode2) {
 TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
   const Outcome outcome = run({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* verb : {"status", "watch", "channels", "dwells", "rearm", "check", "identify", "verify", "export"}) {
+  for (const char* verb : {"status", "watch", "channels", "dwells", "rearm", "check", "identify", "verify", "export",
+                           "audit", "runs", "show", "sign", "keygen"}) {
     EXPECT_NE(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
-  for (const char* verb : {"start", "stop", "reload", "tare", "replay", "report", "audit"}) {
+  for (const char* verb : {"start", "stop", "reload", "tare", "replay", "report"}) {
     EXPECT_EQ(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
 }

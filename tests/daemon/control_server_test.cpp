@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <semaphore>
 
 #include "tests/daemon/sockets.hpp"
 
@@ -87,6 +88,68 @@ TEST_F(ControlServerTest, ACallerThatSaysNothingIsLetGo) {
   Client client = Client::local(options.path);
   client.send("half a li");
   EXPECT_EQ(client.all(), "");
+}
+
+// A server whose answer to "slow" is given by hand, on the loop's thread.
+struct SlowAnswers : ControlServerTest {
+  void begin() {
+    auto made = ControlServer::make(loop, options, [this](std::string_view line, const Peer& peer) {
+      if (line != "slow") return ControlReply(answer(line, peer));
+      return ControlReply([this](ControlReply::Answer way) {
+        slow = std::move(way);
+        asked.release();
+      });
+    });
+    ASSERT_TRUE(made) << made.error();
+    server = std::move(*made);
+    thread.emplace(loop);
+  }
+  // Returns once the server has the question.
+  void ask(Client& client) {
+    client.send("slow\n");
+    asked.acquire();
+  }
+  ControlReply::Answer slow;
+  std::binary_semaphore asked{0};
+};
+
+TEST_F(SlowAnswers, HoldUpNoOtherCallerAndKeepTheOrderOfTheirOwn) {
+  begin();
+  Client patient = Client::local(options.path);
+  ask(patient);
+  patient.send("next\n");
+  Client other = Client::local(options.path);
+  other.send("x\n");
+  EXPECT_EQ(other.until("\n"), "x!\n");
+  loop.post([this] { slow("at last"); });
+  EXPECT_EQ(patient.until("\n"), "at last\n");
+  EXPECT_EQ(patient.until("\n"), "next!\n");
+}
+
+TEST_F(SlowAnswers, AreAwaitedLongerThanACallerMayBeIdle) {
+  options.idle_time = std::chrono::milliseconds(100);
+  begin();
+  Client patient = Client::local(options.path);
+  ask(patient);
+  Client idle = Client::local(options.path);
+  EXPECT_EQ(idle.all(), "");  // let go after the idle time
+  loop.post([this] { slow("at last"); });
+  EXPECT_EQ(patient.until("\n"), "at last\n");
+}
+
+TEST_F(SlowAnswers, MayComeAfterTheCallerOrTheServerHasGone) {
+  begin();
+  {
+    Client hasty = Client::local(options.path);
+    ask(hasty);
+  }
+  loop.post([this] { slow("for nobody"); });
+  Client waiting = Client::local(options.path);
+  ask(waiting);
+  thread.reset();
+  server.reset();
+  slow("for nobody");
+  EXPECT_EQ(waiting.all(), "");
 }
 
 TEST_F(ControlServerTest, TooManyCallersAreTurnedAway) {

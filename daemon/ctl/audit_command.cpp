@@ -1,0 +1,156 @@
+// audit: whether run files are as they were recorded. Needs neither the service nor a private key.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/progress.hpp"
+#include "daemon/ctl/recorded_run.hpp"
+#include "daemon/record/audit.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/json_parts.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+using record::AuditState;
+
+const char* name_of(AuditState state) {
+  switch (state) {
+    case AuditState::intact:
+      return "intact";
+    case AuditState::open:
+      return "open";
+    case AuditState::tampered:
+      break;
+  }
+  return "tampered";
+}
+
+// The key of a file, or the key itself.
+record::Result<record::PublicKey> pinned_key(const std::string& asked) {
+  std::ifstream file(asked);
+  if (!file) {
+    // A vkey holds "+", and so do few paths.
+    if (asked.find('+') == std::string::npos) return tl::unexpected(asked + ": there is no such file");
+    return record::PublicKey::parse(asked);
+  }
+  std::string line;
+  std::getline(file, line);
+  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+  auto key = record::PublicKey::parse(line);
+  if (!key) return tl::unexpected(asked + ": " + key.error());
+  return key;
+}
+
+std::string verdict(const record::Audit& audit) {
+  if (audit.state == AuditState::tampered) return "tampered: " + audit.where;
+  std::string text = "intact";
+  if (audit.state == AuditState::open) {
+    text = "open until " + (audit.until_s ? seconds_text(*audit.until_s, 3) : std::string(kNoNumber));
+    if (!audit.until_utc.empty()) text += " (" + audit.until_utc + ")";
+  }
+  return audit.trusted ? text : text + ", key " + audit.key + " not trusted";
+}
+
+std::string ledger_verdict(const record::LedgerAudit& ledger) {
+  if (!ledger.unbroken) return "broken: " + ledger.where;
+  return ledger.missing.empty() ? "unbroken" : "missing: " + ledger.missing.front();
+}
+
+std::string page(const std::vector<record::Audit>& audits, const AuditRequest& request,
+                 const std::optional<record::LedgerAudit>& ledger) {
+  std::string text;
+  for (const record::Audit& audit : audits) {
+    text += printable(audit.file + ": " + verdict(audit)) + "\n";
+    for (const std::string& line : audit.signatures) text += "  signed: " + printable(line) + "\n";
+  }
+  if (!ledger) return text;
+  if (ledger->unbroken || ledger->missing.empty())
+    text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where)) + "\n";
+  for (const std::string& line : ledger->missing) text += printable(request.ledger + ": missing: " + line) + "\n";
+  for (const std::string& line : ledger->deleted) text += "  deleted: " + printable(line) + "\n";
+  return text;
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json json_of(const record::Audit& audit) {
+  return {{"file", audit.file},
+          {"state", name_of(audit.state)},
+          {"until_s", audit.until_s ? json_number(*audit.until_s) : Json(nullptr)},
+          {"until_utc", text_or_null(audit.until_utc)},
+          {"where", text_or_null(audit.where)},
+          {"run", audit.run > 0 ? Json(audit.run) : Json(nullptr)},
+          {"id", text_or_null(audit.id)},
+          {"samples", audit.samples},
+          {"head", text_or_null(audit.head)},
+          {"key", text_or_null(audit.key)},
+          {"trusted", audit.trusted},
+          {"signatures", audit.signatures}};
+}
+
+Json json_of(const std::vector<record::Audit>& audits, const std::optional<record::LedgerAudit>& ledger) {
+  Json files = Json::array();
+  for (const record::Audit& audit : audits) files.push_back(json_of(audit));
+  Json document{{"files", std::move(files)}, {"ledger", nullptr}};
+  if (ledger) {
+    document["ledger"] = ledger_verdict(*ledger);
+    document["missing"] = ledger->missing;
+    document["deleted"] = ledger->deleted;
+  }
+  return document;
+}
+
+int unusable(const std::string& why) {
+  tell_error(why);
+  return kUsage;
+}
+
+}  // namespace
+
+int audit_files(const AuditRequest& request) {
+  if (request.files.empty() && request.ledger.empty())
+    return unusable("nothing to audit: expected run files, or --ledger FILE");
+  record::AuditOptions options;
+  options.ledger = request.ledger;
+  options.anchors = request.anchors;
+  if (!request.key.empty()) {
+    const auto key = pinned_key(request.key);
+    if (!key) return unusable("--key: " + key.error());
+    options.key = *key;
+  }
+  int code = kDone;
+  std::vector<record::Audit> audits;
+  for (const std::string& file : request.files) {
+    ProgressBar bar("checking " + std::filesystem::path(file).filename().string());
+    options.progress = bar.progress();
+    auto audit = record::audit_run(file, options);
+    if (!audit) {
+      code = unusable(audit.error());
+      continue;
+    }
+    if (audit->state == AuditState::tampered) code = std::max<int>(code, kNo);
+    audits.push_back(std::move(*audit));
+  }
+  std::optional<record::LedgerAudit> ledger;
+  if (!request.ledger.empty()) {
+    ProgressBar bar("checking the ledger");
+    options.progress = bar.progress();
+    const std::filesystem::path folder = std::filesystem::path(request.ledger).parent_path();
+    auto checked = record::audit_ledger(request.ledger, folder.empty() ? "." : folder.string(), options);
+    if (!checked) return unusable(checked.error());
+    if (!checked->unbroken || !checked->missing.empty()) code = std::max<int>(code, kNo);
+    ledger = std::move(*checked);
+  }
+  const std::string text = request.json ? dump(json_of(audits, ledger), 2) + "\n" : page(audits, request, ledger);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return code;
+}
+
+}  // namespace dwell::ctl

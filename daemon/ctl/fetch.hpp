@@ -1,0 +1,18 @@
+// One question to the service over HTTP. Heavy: include it in .cpp only.
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+
+#include "daemon/ctl/commands.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+
+namespace dwell::ctl {
+
+// The document at `path`, or the exit code after having said on standard error why there is none.
+[[nodiscard]] tl::expected<Json, int> fetch(const Service& service, const std::string& path);
+
+// Says that what answers at `url` is not the service, and why; returns the exit code.
+[[nodiscard]] int not_the_service(const std::string& url, const std::string& why);
+
+}  // namespace dwell::ctl

@@ -1,0 +1,51 @@
+// What a run was, without its stream: for a page that people read, and as JSON. Whether it was altered is not checked;
+// `dwellctl audit` does.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/record/run_entries.hpp"
+#include "daemon/report/dwell_view.hpp"
+
+namespace dwell::ctl {
+
+struct RunSummary {
+  std::string file;
+  std::uint64_t bytes = 0;  // on the disk, a -wal included
+  record::RunHeader header;
+  std::string rig;               // its name; empty: the rig file cannot be read as this program reads it
+  std::string key;               // fingerprint
+  std::optional<double> span_s;  // from the first to the last entry of the stream; none: it holds nothing
+  std::optional<record::RunEnd> end;
+  std::vector<DwellView> dwells;  // those that have ended
+  std::vector<record::StoredEvent> events;
+  std::vector<record::PersonalSignature> signatures;
+};
+
+// Fails with "FILE: what is wrong". Cost: a page of the disk for each second of the run, however much it holds.
+[[nodiscard]] record::Result<RunSummary> read_summary(const std::string& file);
+
+// Without dwells, events and signatures, and without the -wal's part of a closed run: for a list of runs.
+[[nodiscard]] record::Result<RunSummary> read_headline(const std::string& file);
+
+// "closed", or "open": it is being recorded, or was cut off.
+[[nodiscard]] const char* state_of(const RunSummary& run) noexcept;
+
+// A page of lines of at most `columns`, as far as tables can be broken.
+[[nodiscard]] std::string summary_page(const RunSummary& run, std::size_t columns);
+[[nodiscard]] nlohmann::ordered_json summary_json(const RunSummary& run);
+
+// "Anna Weber, reviewed, 2026-07-01T10:12:03Z: anna (uid 1000), vouched for by the service". Whether it holds, audit
+// tells.
+[[nodiscard]] std::string signature_text(const record::PersonalSignature& signature);
+
+// "1.2 MB"; powers of ten.
+[[nodiscard]] std::string bytes_text(double bytes);
+// "79.3 s", "12 min 3 s", "3 h 20 min".
+[[nodiscard]] std::string duration_text(double seconds);
+
+}  // namespace dwell::ctl

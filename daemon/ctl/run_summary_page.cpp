@@ -1,0 +1,210 @@
+// The page of `dwellctl show`: what matters most first.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "daemon/ctl/run_summary.hpp"
+#include "daemon/report/dwell_text.hpp"
+#include "daemon/report/line.hpp"
+#include "daemon/report/number_text.hpp"
+#include "daemon/report/table.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+constexpr std::size_t kLabel = 11;       // columns of the words on the left
+constexpr std::size_t kMostEvents = 60;  // on a page for people
+
+std::string person_text(const record::Person& person) {
+  const std::string uid = "uid " + std::to_string(person.uid);
+  return person.name.empty() ? uid : person.name + " (" + uid + ")";
+}
+
+void append(Section& to, const std::string& label, const std::string& text, std::size_t columns) {
+  if (text.empty()) return;
+  for (std::string& line : wrapped(printable(pad_right(label, kLabel) + text), columns, kLabel))
+    to.body.push_back({std::move(line)});
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string title_of(const RunSummary& run) {
+  std::string text = run.header.run > 0 ? "run " + std::to_string(run.header.run) : std::string("child run");
+  if (!run.header.label.empty()) text += " · " + run.header.label;
+  return text + (run.end ? " · closed" : " · open: being recorded, or cut off");
+}
+
+std::string begun_text(const record::RunHeader& header) {
+  std::string text = header.start_utc + " by the " + header.begun_by;
+  if (header.begun_by == "replay") text = header.start_utc + ", computed by replay";
+  if (header.person) text += ", " + person_text(*header.person);
+  return header.comment.empty() ? text : text + ": " + header.comment;
+}
+
+std::string origin_text(const record::Origin& origin) {
+  std::string text = "on " + origin.host;
+  if (!origin.time_zone.empty()) text += " (" + origin.time_zone + ")";
+  if (!origin.clock_synchronized) return text + ", clock not synchronized";
+  return text + ", clock synchronized within " + join(number_text(origin.clock_error_s, "s", 2));
+}
+
+std::string stream_text(const RunSummary& run) {
+  std::string text = run.span_s ? duration_text(*run.span_s) : std::string("nothing");
+  if (run.end)
+    text += ", " + std::to_string(run.end->records) + " records, " + std::to_string(run.end->samples) + " samples";
+  return text;
+}
+
+Section facts(const RunSummary& run, std::size_t columns) {
+  const record::RunHeader& header = run.header;
+  Section section;
+  section.body.push_back({printable(clipped(title_of(run), columns))});
+  const auto add = [&](const char* label, const std::string& text) { append(section, label, text, columns); };
+  add("file", run.file + ", " + bytes_text(static_cast<double>(run.bytes)));
+  add("rig", (run.rig.empty() ? "" : run.rig + ", ") + header.rig.path);
+  add("", "SHA-256 " + header.rig.sha256);
+  for (const record::KeptFile& file : header.files) add("with", file.path + ", SHA-256 " + file.sha256);
+  add("begun", begun_text(header));
+  add("ended", run.end ? run.end->utc + ": " + run.end->why : "");
+  add("stream", stream_text(run));
+  add("channels", list_of(header.channels));
+  add("recorded", origin_text(header.origin));
+  add("program", "dwelld " + header.origin.version + ", " + header.origin.build);
+  add("processor", header.origin.cpu);
+  std::vector<std::string> plugins;
+  for (const record::Plugin& plugin : header.plugins) plugins.push_back(plugin.driver + " " + plugin.version);
+  add("drivers", list_of(plugins));
+  add("parent", header.parent_id.empty() ? "" : "run " + header.parent_id + ", head " + header.parent_head);
+  add("key", run.key);
+  return section;
+}
+
+std::vector<std::string> cells(const Dwell& dwell, Coefficient ElementEstimate::*which, const char* unit) {
+  std::vector<NumberText> numbers;
+  for (const ElementEstimate& e : dwell.elements)
+    numbers.push_back(e.identifiable ? number_text((e.*which).value, (e.*which).U95, unit)
+                                     : NumberText{kNoNumber, "", ""});
+  std::vector<std::string> texts = join_aligned(numbers);
+  for (std::size_t i = 0; i < texts.size(); ++i)
+    if (dwell.elements[i].identifiable) texts[i] += marks(dwell, dwell.elements[i], dwell.elements[i].*which);
+  return texts;
+}
+
+void append_wrapped(Section& to, const std::string& text, std::size_t columns) {
+  for (std::string& line : wrapped(printable(text), columns, 2)) to.body.push_back({std::move(line)});
+}
+
+Section dwell_section(const DwellView& view, std::size_t columns) {
+  const Dwell& dwell = view.dwell;
+  Section section;
+  append_wrapped(section, headline(view), columns);
+  for (const Doubt& doubt : dwell.doubts) append_wrapped(section, doubt_text(doubt), columns);
+  if (std::isfinite(dwell.frequency_hz.value))
+    append(section, "frequency", join(number_text(dwell.frequency_hz.value, kNormal95 * dwell.frequency_hz.u, "Hz")),
+           columns);
+  Table table;
+  std::vector<std::string> numbers;
+  for (const ElementEstimate& e : dwell.elements) numbers.push_back(std::to_string(e.k));
+  table.add("element", numbers, Align::right);
+  table.add("stiffness", cells(dwell, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
+  table.add("damping", cells(dwell, &ElementEstimate::damping, damping_unit(view.motion)));
+  for (Section& part : table.sections(columns))
+    for (std::vector<Line>* lines : {&part.head, &part.body})
+      section.body.insert(section.body.end(), lines->begin(), lines->end());
+  for (const ElementEstimate& e : dwell.elements)
+    if (!e.identifiable)
+      append_wrapped(section, "element " + std::to_string(e.k) + " is not identifiable: " + e.reason, columns);
+  return section;
+}
+
+// An instant without its date where that is the run's.
+std::string instant(const std::string& utc, const record::RunHeader& header) {
+  constexpr std::size_t kDate = 11;  // "2026-07-01T"
+  const bool same = utc.size() > kDate && utc.compare(0, kDate, header.start_utc, 0, kDate) == 0;
+  return same ? utc.substr(kDate) : utc;
+}
+
+std::string event_text(const record::StoredEvent& event) {
+  std::string text = event.text;
+  if (event.person) text += ", by " + person_text(*event.person);
+  if (!event.before.empty() || !event.after.empty()) text += ": " + event.before + " → " + event.after;
+  return event.comment.empty() ? text : text + ": " + event.comment;
+}
+
+Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
+  std::size_t when = 0;
+  std::size_t what = 0;
+  std::size_t left_out = 0;
+  std::vector<const record::StoredEvent*> shown;
+  for (const record::StoredEvent& event : run.events) {
+    if ((event.what == "loss") != losses) continue;
+    if (shown.size() == kMostEvents) {
+      ++left_out;
+      continue;
+    }
+    shown.push_back(&event);
+    when = std::max(when, width(printable(instant(event.utc, run.header))));
+    what = std::max(what, width(printable(event.what)));
+  }
+  Section section;
+  if (shown.empty()) return section;
+  section.head.push_back({losses ? "losses" : "events", Style::title});
+  for (const record::StoredEvent* event : shown) {
+    std::string line = "  " + pad_right(printable(instant(event->utc, run.header)), when) + "  ";
+    if (!losses) line += pad_right(printable(event->what), what) + "  ";
+    const std::size_t indent = width(line);
+    for (std::string& part : wrapped(line + printable(event_text(*event)), columns, indent))
+      section.body.push_back({std::move(part)});
+  }
+  if (left_out > 0) section.body.push_back({"  and " + std::to_string(left_out) + " more, which --json shows"});
+  return section;
+}
+
+Section signature_section(const RunSummary& run, std::size_t columns) {
+  Section section;
+  if (run.signatures.empty()) return section;
+  section.head.push_back({"signatures", Style::title});
+  for (const record::PersonalSignature& signature : run.signatures)
+    for (std::string& line : wrapped("  " + printable(signature_text(signature)), columns, 4))
+      section.body.push_back({std::move(line)});
+  return section;
+}
+
+}  // namespace
+
+std::string signature_text(const record::PersonalSignature& signature) {
+  std::string text = signature.name + ", " + signature.meaning + ", " + signature.utc;
+  if (!signature.reason.empty()) text += ", \"" + signature.reason + "\"";
+  if (signature.person) return text + ": " + person_text(*signature.person) + ", vouched for by the service";
+  const auto key = record::PublicKey::parse(signature.vkey);
+  return text + ": key of their own " + (key ? key->name() + ", " + key->fingerprint() : "that is not readable");
+}
+
+std::string summary_page(const RunSummary& run, std::size_t columns) {
+  std::vector<Section> sections{facts(run, columns)};
+  std::vector<const Dwell*> dwells;
+  for (const DwellView& view : run.dwells) {
+    sections.push_back(dwell_section(view, columns));
+    dwells.push_back(&view.dwell);
+  }
+  Section notes;
+  if (run.dwells.empty()) notes.body.push_back({"no dwell has ended in this run"});
+  for (const std::string& text : legend_of(dwells)) append_wrapped(notes, text, columns);
+  sections.push_back(std::move(notes));
+  for (const bool losses : {true, false}) sections.push_back(event_section(run, losses, columns));
+  sections.push_back(signature_section(run, columns));
+  Section last;
+  append_wrapped(last, "Whether anything was altered: dwellctl audit " + run.file, columns);
+  sections.push_back(std::move(last));
+  sections.erase(std::remove_if(sections.begin(), sections.end(), [](const Section& s) { return s.body.empty(); }),
+                 sections.end());
+  return plain_text(sections);
+}
+
+}  // namespace dwell::ctl

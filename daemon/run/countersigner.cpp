@@ -1,0 +1,149 @@
+#include "daemon/run/countersigner.hpp"
+
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "daemon/clock.hpp"
+#include "daemon/record/run_reader.hpp"
+#include "daemon/record/signature.hpp"
+#include "daemon/record/utc_text.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+
+namespace dwell {
+namespace {
+
+// Files that wait for their turn at most: a control socket has sixteen callers.
+constexpr std::size_t kMostWaiting = 16;
+
+tl::unexpected<std::string> fail(std::string why) { return tl::unexpected(std::move(why)); }
+
+// The user as the system knows it: login name, and the name in full where it states one.
+struct User {
+  std::string login, full;
+};
+
+User user_of(std::uint32_t uid) {
+  passwd entry{};
+  passwd* found = nullptr;
+  std::array<char, 4096> room{};
+  if (getpwuid_r(uid, &entry, room.data(), room.size(), &found) != 0 || found == nullptr) return {};
+  const std::string full = entry.pw_gecos == nullptr ? "" : entry.pw_gecos;
+  return {entry.pw_name, full.substr(0, full.find(','))};
+}
+
+// What the member holds; nullopt: something that is no text.
+std::optional<std::string> text_of(const Json& request, const char* name) {
+  const auto it = request.find(name);
+  if (it == request.end() || it->is_null()) return "";
+  if (!it->is_string()) return std::nullopt;
+  return it->get<std::string>();
+}
+
+}  // namespace
+
+record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint32_t uid) {
+  const Json request = Json::parse(line, nullptr, false);
+  if (!request.is_object()) return fail("not a JSON object");
+  SignRequest sign;
+  sign.uid = uid;
+  for (const auto& [name, to] :
+       std::initializer_list<std::pair<const char*, std::string*>>{{"file", &sign.file},
+                                                                   {"name", &sign.words.name},
+                                                                   {"meaning", &sign.words.meaning},
+                                                                   {"reason", &sign.words.reason}}) {
+    auto text = text_of(request, name);
+    if (!text) return fail(std::string(name) + ": expected a text");
+    *to = std::move(*text);
+  }
+  if (sign.file.empty()) return fail("no file: expected the path of a run file");
+  return sign;
+}
+
+std::string sign_answer(const record::Result<Countersigned>& result) {
+  if (!result) return dump(Json{{"error", result.error()}});
+  return dump(Json{{"run", result->run}, {"signature", Json::parse(record::to_json(result->signature))}});
+}
+
+record::Result<std::string> run_file_in(const std::string& directory, const std::string& file) {
+  namespace fs = std::filesystem;
+  const fs::path asked(file);
+  std::error_code failed;
+  const fs::path folder = fs::canonical(directory, failed);
+  if (failed) return fail(directory + ": " + failed.message());
+  const fs::path parent = asked.has_parent_path() ? fs::canonical(asked.parent_path(), failed) : folder;
+  if (failed || parent != folder)
+    return fail(file + " is not in the recording directory " + folder.string() +
+                ": the service signs the runs there alone; elsewhere sign with a key of your own");
+  const std::string path = (folder / asked.filename()).string();
+  if (asked.extension() != ".dwell") return fail(path + " is no run file, expected NAME.dwell");
+  struct stat is {};
+  if (lstat(path.c_str(), &is) != 0) return fail(path + ": there is no such file");
+  if (!S_ISREG(is.st_mode)) return fail(path + " is no regular file");
+  return path;
+}
+
+Countersigner::Countersigner(std::string directory, record::SigningKey key, Enter enter)
+    : directory_(std::move(directory)), key_(std::move(key)), enter_(std::move(enter)), thread_([this] { run(); }) {}
+
+Countersigner::~Countersigner() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  came_.notify_one();
+  thread_.join();
+  for (const Job& job : jobs_) job.done(fail("the service is stopping"));
+}
+
+void Countersigner::ask(SignRequest request, Done done) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (jobs_.size() < kMostWaiting) {
+      jobs_.push_back({std::move(request), std::move(done)});
+      done = nullptr;
+    }
+  }
+  came_.notify_one();
+  if (done) done(fail("too many files wait to be signed; try again"));
+}
+
+void Countersigner::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    came_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+    if (stopping_) return;
+    const Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    job.done(sign(job.request));
+    lock.lock();
+  }
+}
+
+record::Result<Countersigned> Countersigner::sign(const SignRequest& request) const {
+  const auto path = run_file_in(directory_, request.file);
+  if (!path) return fail(path.error());
+  const User user = user_of(request.uid);
+  record::PersonalSignature words = request.words;
+  words.person = record::Person{request.uid, user.login};
+  if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
+  if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));
+  words.utc = record::iso_utc(utc_now_ns());
+  auto signature = record::sign_by_service(*path, std::move(words), key_);
+  if (!signature) return fail(signature.error());
+  const auto reader = record::RunReader::open(*path);
+  if (!reader) return fail(reader.error());
+  Countersigned made{reader->header().run, std::move(*signature)};
+  if (const auto entered = enter_(made); !entered)
+    return fail(*path + " is signed, but the ledger does not know of it: " + entered.error());
+  return made;
+}
+
+}  // namespace dwell

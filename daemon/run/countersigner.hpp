@@ -1,0 +1,76 @@
+// Signs closed runs for users of this computer who ask over the control socket: their word, vouched for by the
+// service's key. A file's chain is followed before it is signed, which takes as long as reading the file. So this has a
+// thread of its own, which does one file after the other.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell {
+
+struct SignRequest {
+  std::string file;                 // its path, or its name in the recording directory
+  record::PersonalSignature words;  // name (empty: as the system calls the user), meaning, reason
+  std::uint32_t uid = 0;            // who asks
+};
+
+// What was signed. run: its number on the ledger; 0: a child file.
+struct Countersigned {
+  std::int64_t run = 0;
+  record::PersonalSignature signature;
+};
+
+// A line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}, the last two may be missing.
+// Fails with what was expected.
+[[nodiscard]] record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint32_t uid);
+// {"run":17,"signature":{…}} or {"error":…}
+[[nodiscard]] std::string sign_answer(const record::Result<Countersigned>& result);
+
+// The file as it may be signed: a regular file *.dwell that lies in `directory` itself, and is no link. Fails with what
+// was found.
+[[nodiscard]] record::Result<std::string> run_file_in(const std::string& directory, const std::string& file);
+
+class Countersigner {
+ public:
+  // Enters what was signed into the ledger. Called on the thread of the signatures; may wait.
+  using Enter = std::function<record::Result<void>(const Countersigned&)>;
+  using Done = std::function<void(const record::Result<Countersigned>&)>;
+
+  // directory: of the recordings. Starts the thread.
+  Countersigner(std::string directory, record::SigningKey key, Enter enter);
+  // Waits for the file that is being signed; for those behind it `done` is called with the reason why not.
+  ~Countersigner();
+  Countersigner(const Countersigner&) = delete;
+  Countersigner& operator=(const Countersigner&) = delete;
+
+  // Thread-safe, never waits for the disk. done: called once, on the thread of the signatures, or here and now where
+  // too many wait.
+  void ask(SignRequest request, Done done);
+
+ private:
+  struct Job {
+    SignRequest request;
+    Done done;
+  };
+  void run();
+  [[nodiscard]] record::Result<Countersigned> sign(const SignRequest& request) const;
+
+  const std::string directory_;
+  const record::SigningKey key_;
+  const Enter enter_;
+  std::mutex mutex_;  // guards jobs_ and stopping_
+  std::condition_variable came_;
+  std::deque<Job> jobs_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace dwell
