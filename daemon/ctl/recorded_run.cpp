@@ -16,7 +16,7 @@ std::string names_of(const std::vector<std::string>& names) {
   return text;
 }
 
-tl::unexpected<int> refuse(const std::string& why) {
+tl::unexpected<int> unusable(const std::string& why) {
   tell_error(why);
   return tl::unexpected<int>(kUsage);
 }
@@ -49,7 +49,7 @@ tl::expected<RecordedRun, int> RecordedRun::from_csv(const std::string& rig, con
     return tl::make_unexpected(kUsage);
   }
   auto recording = read_csv(data);
-  if (!recording) return refuse(recording.error());
+  if (!recording) return unusable(recording.error());
   const ColumnMatch match = match_columns((*file)->rig, *recording);
   if (!match.missing_channels.empty()) {
     tell_error(data + ": no column for " + names_of(match.missing_channels) + "; there are " +
@@ -66,13 +66,13 @@ tl::expected<RecordedRun, int> RecordedRun::from_csv(const std::string& rig, con
 
 tl::expected<RecordedRun, int> RecordedRun::from_run_file(const std::string& rig, const std::string& data) {
   auto reader = record::RunReader::open(data);
-  if (!reader) return refuse(reader.error());
+  if (!reader) return unusable(reader.error());
   const record::RunHeader& header = reader->header();
-  if (!header.parent_id.empty()) return refuse(why_no_stream(data, header));
+  if (!header.parent_id.empty()) return unusable(why_no_stream(data, header));
   std::unique_ptr<const config::RigFile> file;
   if (rig.empty()) {
     auto own = rig_of(header, data);
-    if (!own) return refuse(own.error());
+    if (!own) return unusable(own.error());
     file = std::make_unique<const config::RigFile>(std::move(*own));
   } else {
     auto other = load_rig(rig);
@@ -80,7 +80,7 @@ tl::expected<RecordedRun, int> RecordedRun::from_run_file(const std::string& rig
     file = std::move(*other);
   }
   auto channels = ChannelMap::between(header, data, file->rig, rig.empty() ? header.rig.path : rig);
-  if (!channels) return refuse(channels.error());
+  if (!channels) return unusable(channels.error());
   RunInfo info{file->sha256, DWELL_VERSION, header.start_utc};
   auto source = std::make_unique<const RunSource>(std::move(*reader), std::move(*channels));
   return RecordedRun(std::move(file), std::move(source), std::move(info));

@@ -24,11 +24,11 @@
 namespace dwell::ctl {
 namespace {
 
-constexpr std::uint64_t kProgressEvery = 1U << 12U;  // records
+constexpr std::uint64_t kShowEvery = 1U << 12U;  // records
 
 using record::Result;
 
-int refuse(const std::string& why) {
+int cannot_replay(const std::string& why) {
   tell_error(why);
   return kUsage;
 }
@@ -52,7 +52,7 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
     replay.take(channels.map(record));
     if (!replay.ended().empty()) keep();
     after(record);
-    if (replay.position() % kProgressEvery == 0) bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
+    if (replay.position() % kShowEvery == 0) bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
     return true;
   });
   if (!played) return tl::unexpected(played.error());
@@ -68,11 +68,11 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
 int check(const ReplayOptions& options, record::RunReader& reader) {
   const record::RunHeader& header = reader.header();
   const auto file = rig_of(header, options.file);
-  if (!file) return refuse(file.error());
+  if (!file) return cannot_replay(file.error());
   const auto channels = ChannelMap::between(header, options.file, file->rig, header.rig.path);
-  if (!channels) return refuse(channels.error());
+  if (!channels) return cannot_replay(channels.error());
   auto stored = StoredResults::open(options.file);
-  if (!stored) return refuse(stored.error());
+  if (!stored) return cannot_replay(stored.error());
   // As the service put it.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
   ReplayCheck check(
@@ -80,9 +80,9 @@ int check(const ReplayOptions& options, record::RunReader& reader) {
       reader.end().has_value());
   Replay replay(file->rig);
   const auto dwells = play(options.file, reader, *channels, replay, [&](const Record&) { check.follow(replay); });
-  if (!dwells) return refuse(dwells.error());
+  if (!dwells) return cannot_replay(dwells.error());
   const auto findings = check.finish();
-  if (!findings) return refuse(findings.error());
+  if (!findings) return cannot_replay(findings.error());
   Printout out = printout(file->rig, {file->sha256, DWELL_VERSION, header.start_utc}, *dwells);
   const ReplayVerdict verdict = judge(*findings, header.origin, record::this_origin());
   add(verdict, *findings, header, out);
@@ -132,13 +132,13 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
   }
   const record::RunHeader header = reader.header();
   const auto channels = ChannelMap::between(header, options.file, file->rig, options.rig);
-  if (!channels) return refuse(channels.error());
+  if (!channels) return cannot_replay(channels.error());
   auto stored = StoredResults::open(options.file);
-  if (!stored) return refuse(stored.error());
+  if (!stored) return cannot_replay(stored.error());
   std::optional<ChildFile> child;
   if (!options.output.empty()) {
     auto begun = begin_child(options, reader, *file);
-    if (!begun) return refuse(begun.error());
+    if (!begun) return cannot_replay(begun.error());
     child.emplace(std::move(*begun));
   }
   const RunInfo info{file->sha256, DWELL_VERSION, header.start_utc};
@@ -153,10 +153,10 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
       if (!stored->now()->final)
         if (const auto current = replay.current()) add_result(record.t_ns, false, *current);
   });
-  if (!dwells) return refuse(dwells.error());
+  if (!dwells) return cannot_replay(dwells.error());
   if (child) {
     if (auto finished = child->finish(reader.end_ns(), {"replay", 0, 0, record::iso_utc(utc_now_ns())}); !finished)
-      return refuse(finished.error());
+      return cannot_replay(finished.error());
   }
   Printout out = printout(file->rig, info, *dwells);
   add_parent(header, options.output, out);
@@ -168,8 +168,8 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
 
 int replay(const ReplayOptions& options) {
   auto reader = record::RunReader::open(options.file);
-  if (!reader) return refuse(reader.error());
-  if (!reader->header().parent_id.empty()) return refuse(why_no_stream(options.file, reader->header()));
+  if (!reader) return cannot_replay(reader.error());
+  if (!reader->header().parent_id.empty()) return cannot_replay(why_no_stream(options.file, reader->header()));
   return options.rig.empty() ? check(options, *reader) : amend(options, *reader);
 }
 

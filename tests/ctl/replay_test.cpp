@@ -79,7 +79,7 @@ struct ReplayTest : testing::Test {
 
 TEST(Replay, GivesEveryPublishedResultAgainToTheBit) {
   const test::TemporaryFolder folder;
-  int finals = 0, settled = 0;
+  int finals = 0, settled = 0, busy = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 rng(seed);
     const SimulatedRig rig = SimulatedRig::random(rng);
@@ -97,9 +97,11 @@ TEST(Replay, GivesEveryPublishedResultAgainToTheBit) {
     EXPECT_TRUE(answer["notes"].empty());
     finals += written.finals;
     settled += written.settled;
+    busy += written.busy;
   }
   EXPECT_GT(finals, 60) << "the streams hold too little";
   EXPECT_GT(settled, 40);
+  EXPECT_GT(busy, 10) << "no long work was in the way of a result";
 }
 
 // The numbers of a dwell, and how to reach them.
@@ -108,12 +110,14 @@ TEST_F(ReplayTest, NamesTheOneNumberOfWhichTheLowestBitIsFlipped) {
        {"/elements/0/stiffness/value", "/elements/1/damping/u", "/phasors/2/phase_rad", "/phasors/0/harmonics/1",
         "/covariance/1/2", "/t_ref_s", "/frequency_hz/value", "/elements/0/budget/0/stiffness_share", "/settled_s"}) {
     std::string stored;
+    Value index;
     const std::string file = write("flipped.dwell", {.result = [&](record::StoredResult& result) {
                                      Value dwell = Value::parse(result.dwell);
                                      if (!result.final || dwell["elements"].empty()) return true;
                                      double& number = dwell.at(Value::json_pointer(at)).get_ref<double&>();
                                      number = std::bit_cast<double>(std::bit_cast<std::uint64_t>(number) ^ 1U);
                                      stored = Value(number).dump();
+                                     index = dwell["index"];
                                      result.dwell = dwell.dump();
                                      return true;
                                    }});
@@ -128,7 +132,7 @@ TEST_F(ReplayTest, NamesTheOneNumberOfWhichTheLowestBitIsFlipped) {
       if (c == '.' || c == '[') c = '/';
     std::erase(path, ']');
     EXPECT_EQ(path, at);
-    EXPECT_EQ(difference["dwell"], 0);
+    EXPECT_EQ(difference["dwell"], index);
     EXPECT_EQ(difference["final"], true);
     EXPECT_EQ(difference["stored"].dump(), stored);
     EXPECT_NE(difference["replayed"].dump(), stored);
@@ -239,7 +243,7 @@ struct AmendTest : ReplayTest {
 TEST_F(AmendTest, AChildHoldsWhatTheOtherRigFileGivesAndTheParentStaysAsItIs) {
   const std::string parent = write("run.dwell"), child = folder.path("child.dwell");
   const std::string before = contents_of(parent);
-  const std::string other = bench().rig_text(1.25);
+  const std::string other = bench().rig_text(1.002);
   const Printed seen = amend(parent, other, child);
   ASSERT_EQ(seen.code, kDone) << seen.err;
   EXPECT_EQ(contents_of(parent), before);
@@ -277,20 +281,20 @@ TEST_F(AmendTest, AChildHoldsWhatTheOtherRigFileGivesAndTheParentStaysAsItIs) {
   EXPECT_EQ(results, static_cast<std::size_t>(written.results));
   const double heavier = expected.at(0).elements.at(0).stiffness.value;
   const double was = computed(parent, bench().rig_text()).at(0).elements.at(0).stiffness.value;
-  EXPECT_GT(std::fabs(heavier - was), 0.01 * was) << "the mass makes no difference";
+  EXPECT_GT(std::fabs(heavier - was), 1e-4 * was) << "the mass makes no difference";
 
   const Printed of_child = replayed(child);
   EXPECT_EQ(of_child.code, kUsage);
   EXPECT_NE(of_child.err.find(written.header.id), std::string::npos) << of_child.err;
 }
 
-TEST_F(AmendTest, ScaleAndDelayOfAChannelCanBeCorrected) {
+TEST_F(AmendTest, TheScaleOfAChannelCanBeCorrected) {
   const std::string parent = write("run.dwell");
   std::string other = bench().rig_text();
   const std::size_t at = other.find("name = \"reaction\"");
-  other.insert(at, "scale = 1.1\n");
+  other.insert(at, "scale = 1.0003\n");
   const auto was = computed(parent, bench().rig_text()), now = computed(parent, other);
-  EXPECT_NEAR(now.at(0).elements.at(1).stiffness.value, 1.1 * was.at(0).elements.at(1).stiffness.value,
+  EXPECT_NEAR(now.at(0).elements.at(1).stiffness.value, 1.0003 * was.at(0).elements.at(1).stiffness.value,
               1e-9 * was.at(0).elements.at(1).stiffness.value);
   const Printed seen = amend(parent, other, "");
   ASSERT_EQ(seen.code, kDone) << seen.err;
@@ -310,7 +314,7 @@ TEST_F(AmendTest, ChannelsMayStandInAnotherOrderButMustBeTheSame) {
   std::string renamed = rig;
   renamed.replace(renamed.find("\"y1\""), 4, "\"z1\"");
   for (const std::string& other :
-       {renamed, rig.substr(0, first) + rig.substr(first, rig.rfind("[[channel]]") - first)}) {
+       {renamed, rig + "[[channel]]\nname = \"oil\"\nmeasures = \"auxiliary\"\nunit = \"K\"\n"}) {
     const Printed seen = amend(parent, other, child);
     EXPECT_EQ(seen.code, kUsage);
     EXPECT_NE(seen.err.find("expected the channels of"), std::string::npos) << seen.err;

@@ -206,7 +206,6 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     must(writer.append("stream", block.back().t_ns, record::encode_block(block)));
     for (const record::StoredResult& result : results)
       must(writer.append("result", block.back().t_ns, to_json(result)));
-    must(writer.commit());
     block.clear();
     results.clear();
   };
@@ -220,12 +219,14 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     measurement.take(record);
     const bool ends = record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends);
     if (ends) measurement.finish();
+    if (!ends && record.t_ns >= publish_ns && measurement.readings() == nullptr) ++run.busy;
     if (!ends && record.t_ns >= publish_ns && measurement.readings() != nullptr) {
       publish_ns = record.t_ns + std::llround(1e9 * kPublish_s);
       store(false, measurement.current());
     }
   }
   cut();
+  must(writer.commit());
   if (!changes.without_end) {
     must(writer.append("end", stream.back().t_ns, to_json(record::RunEnd{"operator", position, samples, ""})));
     must(writer.close());

@@ -73,7 +73,9 @@ struct Changes {
 
 struct WrittenRun {
   record::RunHeader header;
-  int results = 0, finals = 0, settled = 0;  // settled: finals with coefficients
+  int results = 0, finals = 0;
+  int settled = 0;  // finals with coefficients
+  int busy = 0;     // records at which a result was due and long work was going on
 };
 // Writes the run at `path`, results published every 0.25 s of the stream.
 WrittenRun write_run(const std::string& path, const std::string& rig_text, const std::vector<Record>& stream,
