@@ -13,11 +13,11 @@ constexpr int kNewtonSteps = 4;               // of Gauss-Newton, from the windo
 
 void Pipeline::Impl::edge(const Record& record) {
   const bool active = record.value > 0.5;
-  if (record.channel == static_cast<std::uint16_t>(GpioInput::sync)) {
+  if (record.channel == static_cast<std::uint16_t>(Line::sync)) {
     if (active && !(record.flags & kStampReplaced)) reference.pulse(record.t_ns);
     return;
   }
-  if (record.channel != static_cast<std::uint16_t>(GpioInput::interlock)) return;
+  if (record.channel != static_cast<std::uint16_t>(Line::interlock)) return;
   // Edges lost before this one may have opened the interlock.
   const bool lost = !active || (record.flags & kGap) != 0;
   const bool was_open = states.interlocked();

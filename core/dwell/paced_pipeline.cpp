@@ -15,7 +15,7 @@ constexpr double kLongestEarned_s = 1.0;
 
 bool must_not_wait(const Record& record) noexcept {
   return record.kind == Kind::action ||
-         (record.kind == Kind::edge && record.channel == static_cast<std::uint16_t>(GpioInput::interlock));
+         (record.kind == Kind::edge && record.channel == static_cast<std::uint16_t>(Line::interlock));
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ enum class Kind : std::uint8_t {
   // kStampReplaced
   sample,
   channel_state,  // `channel`; `flags`: a Fault; Fault::none: the channel delivers again
-  edge,    // a GPIO edge; `channel`: a GpioInput; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
-  action,  // an operator's action; `flags`: an Action; `channel`: the request's number, 0: it has none
-  tick,    // time goes on, nothing else
-  run,     // a run begins or ends, or may begin here; `flags`: a RunEdge, which says what `value` and
-           // `channel` are
-  loss,    // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
-           // record
-  fault,   // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
+  edge,           // a GPIO edge; `channel`: a Line; `value`: the level after it, 0 or 1; `flags`: kGap, kStampReplaced
+  action,         // an operator's action; `flags`: an Action; `channel`: the request's number, 0: it has none
+  tick,           // time goes on, nothing else
+  run,            // a run begins or ends, or may begin here; `flags`: a RunEdge, which says what `value` and
+                  // `channel` are
+  loss,   // samples of `channel` that are not in the stream; `flags`: a Loss; `value`: how many since the last such
+          // record
+  fault,  // `channel`: an index into Rig::devices; `flags`: a Fault; `value`: how often since the last such record
 };
 
 // Whether the pipeline evaluates records of this kind. The other kinds are for recorders and readers of the stream.
@@ -36,7 +36,7 @@ inline constexpr std::uint8_t kGap = 1;            // samples of this channel we
 inline constexpr std::uint8_t kStampReplaced = 2;  // implausible stamp: t_ns is the host's instant
 
 // The GPIO inputs. Level 1 is the active one, whatever the voltage.
-enum class GpioInput : std::uint16_t {
+enum class Line : std::uint16_t {
   interlock = 0,  // 1: the shaker may run. The first edge tells the level at the start
   sync = 1,       // an edge to 1 for each period of the excitation; edges to 0 make no record
 };

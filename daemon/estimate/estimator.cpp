@@ -87,7 +87,7 @@ void Estimator::take_edges(std::int64_t now_ns) {
   Record edge;
   while (gpio_->pop(edge)) {
     // The interlock is never too late to matter, nor may it wait; a pulse with a wrong instant is worse than none.
-    const bool urgent = edge.channel == static_cast<std::uint16_t>(GpioInput::interlock);
+    const bool urgent = edge.channel == static_cast<std::uint16_t>(Line::interlock);
     if (urgent) edge.t_ns = std::min(edge.t_ns, now_ns);
     if (urgent ? !assembler_.urgent_edge(edge) : assembler_.edge(edge) != Merger::Admission::queued) gpio_->late();
   }

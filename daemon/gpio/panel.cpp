@@ -163,7 +163,7 @@ void Panel::tell_edge(Function function, std::int64_t monotonic_ns, bool level) 
   if (function == Function::sync && !level) return;
   Record record;
   record.kind = Kind::edge;
-  record.channel = static_cast<std::uint16_t>(function == Function::sync ? GpioInput::sync : GpioInput::interlock);
+  record.channel = static_cast<std::uint16_t>(function == Function::sync ? Line::sync : Line::interlock);
   record.value = level ? 1.0 : 0.0;
   record.t_ns = clocks_.raw_ns(monotonic_ns);
   record.t_half_ns = static_cast<std::uint32_t>(clocks_.now().half_ns);

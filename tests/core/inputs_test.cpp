@@ -31,10 +31,10 @@ struct Inputs : testing::Test {
       const double late_s = chance(rng) < 0.1 ? -stall_s * std::log(chance(rng)) : 0.0;
       const double due_s = k / pulse_hz + std::abs(jitter_s * normal(rng)) + std::min(late_s, 0.9 / pulse_hz);
       if (pulsing && chance(rng) >= missing)
-        tell(GpioInput::sync, true, std::min(std::llround(due_s * 1e9), static_cast<long long>(t_ns)));
+        tell(Line::sync, true, std::min(std::llround(due_s * 1e9), static_cast<long long>(t_ns)));
     }
   }
-  void tell(GpioInput line, bool level, std::int64_t t_ns, std::uint8_t flags = 0) {
+  void tell(Line line, bool level, std::int64_t t_ns, std::uint8_t flags = 0) {
     Record record;
     record.kind = Kind::edge;
     record.channel = static_cast<std::uint16_t>(line);
@@ -43,7 +43,7 @@ struct Inputs : testing::Test {
     record.flags = flags;
     bench->push(record);
   }
-  void interlock(bool level, std::uint8_t flags = 0) { tell(GpioInput::interlock, level, last_ns(), flags); }
+  void interlock(bool level, std::uint8_t flags = 0) { tell(Line::interlock, level, last_ns(), flags); }
   [[nodiscard]] std::int64_t last_ns() const { return std::llround((bench->now_s() - 1.0 / 160) * 1e9); }
   [[nodiscard]] bool measuring() const { return bench->pipeline.state() == State::measuring; }
   void run(double for_s) { bench->run(bench->now_s() + for_s); }

@@ -145,10 +145,8 @@ TEST(PacedPipeline, TheInterlockDoesNotWaitForAFit) {
   for (const double level : {1.0, 0.0}) {
     Amid amid;
     ASSERT_TRUE(amid.paced.busy());
-    const Record edge{.t_ns = amid.t_ns,
-                      .value = level,
-                      .channel = static_cast<std::uint16_t>(GpioInput::interlock),
-                      .kind = Kind::edge};
+    const Record edge{
+        .t_ns = amid.t_ns, .value = level, .channel = static_cast<std::uint16_t>(Line::interlock), .kind = Kind::edge};
     std::uint8_t changes = amid.paced.push(edge);
     // One Change a push; then the next is let through.
     for (int i = 0; i < 3 && amid.paced.waiting() > 0; ++i) {

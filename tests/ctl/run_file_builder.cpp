@@ -135,7 +135,7 @@ std::vector<Record> eventful_stream(const SimulatedRig& rig, std::mt19937_64& rn
   const auto chance = [&](double p) { return part(rng) < p; };
   const Drive first{.frequency_hz = rig.frequency_hz, .amplitude = 2e-3, .ramp_s = 0.3};
   StreamBuilder stream(rig, {.frequency_hz = rig.frequency_hz}, rng());
-  if (chance(0.5)) stream.add(Kind::edge, static_cast<std::uint16_t>(GpioInput::interlock), 0, 1.0);
+  if (chance(0.5)) stream.add(Kind::edge, static_cast<std::uint16_t>(Line::interlock), 0, 1.0);
   double t_s = 1.0 + part(rng);
   const auto go_on = [&](double seconds) { stream.run_to(t_s += seconds); };
   stream.run_to(t_s);
@@ -157,9 +157,9 @@ std::vector<Record> eventful_stream(const SimulatedRig& rig, std::mt19937_64& rn
     go_on(4.0);
   }
   if (chance(0.4)) {
-    stream.add(Kind::edge, static_cast<std::uint16_t>(GpioInput::interlock), 0, 0.0);
+    stream.add(Kind::edge, static_cast<std::uint16_t>(Line::interlock), 0, 0.0);
     go_on(1.0 + part(rng));
-    stream.add(Kind::edge, static_cast<std::uint16_t>(GpioInput::interlock), 0, 1.0);
+    stream.add(Kind::edge, static_cast<std::uint16_t>(Line::interlock), 0, 1.0);
     go_on(6.0);
   }
   Drive second = first;

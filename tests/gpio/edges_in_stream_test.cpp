@@ -45,7 +45,7 @@ struct EdgesInStream : testing::Test {
       estimator->turn(now_ns, now_ns + 1);
     }
   }
-  void edge(GpioInput line, std::int64_t t_ns) {
+  void edge(Line line, std::int64_t t_ns) {
     Record record;
     record.kind = Kind::edge;
     record.channel = static_cast<std::uint16_t>(line);
@@ -83,8 +83,8 @@ TEST_F(EdgesInStream, AGpioThreadThatStallsDelaysTheStreamButDoesNotStopIt) {
 
 TEST_F(EdgesInStream, APulseTooLateIsDroppedAndCountedTheInterlockIsNot) {
   go_on(1'000 * kMs_ns);
-  edge(GpioInput::sync, now_ns - 500 * kMs_ns);
-  edge(GpioInput::interlock, now_ns - 500 * kMs_ns);
+  edge(Line::sync, now_ns - 500 * kMs_ns);
+  edge(Line::interlock, now_ns - 500 * kMs_ns);
   go_on(100 * kMs_ns);
   EXPECT_EQ(edges.late_edges(), 1u);
 }

@@ -42,7 +42,7 @@ struct PanelTest : testing::Test {
     for (Record record; link.pop(record);) records.push_back(record);
   }
   [[nodiscard]] LineStatus status(Function function) const { return link.status()[static_cast<std::size_t>(function)]; }
-  static bool is(const Record& record, GpioInput line, double level, std::int64_t monotonic_ns) {
+  static bool is(const Record& record, Line line, double level, std::int64_t monotonic_ns) {
     return record.kind == Kind::edge && record.channel == static_cast<std::uint16_t>(line) && record.value == level &&
            record.t_ns == monotonic_ns + kOffset_ns;
   }
@@ -60,7 +60,7 @@ struct PanelTest : testing::Test {
 TEST_F(PanelTest, TheInterlocksLevelAtTheStartIsTheFirstEdge) {
   start();
   ASSERT_EQ(records.size(), 1u);
-  EXPECT_TRUE(is(records[0], GpioInput::interlock, 1.0, now_ns));
+  EXPECT_TRUE(is(records[0], Line::interlock, 1.0, now_ns));
   EXPECT_EQ(link.seen_to_ns(), now_ns + kOffset_ns - Panel::kLateness_ns);
   EXPECT_EQ(status(Function::interlock).level, true);
 }
@@ -70,7 +70,7 @@ TEST_F(PanelTest, AnEdgeIsToldAtItsOwnInstantOnTheRawClock) {
   lines[0].edge(now_ns + 3'000'000, false);
   turn(5'000'000);
   ASSERT_EQ(records.size(), 2u);
-  EXPECT_TRUE(is(records[1], GpioInput::interlock, 0.0, now_ns - 2'000'000));
+  EXPECT_TRUE(is(records[1], Line::interlock, 0.0, now_ns - 2'000'000));
   EXPECT_EQ(records[1].flags, 0);
   EXPECT_EQ(records[1].t_half_ns, 30u);
 }
@@ -81,7 +81,7 @@ TEST_F(PanelTest, AStampOutsideTheTimeSinceTheLastReadingIsReplacedAndFlagged) {
   for (const std::int64_t stamp_ns : {now_ns - kSecond_ns, now_ns + kSecond_ns}) {
     lines[1].edge(stamp_ns, true);
     turn(5'000'000);
-    EXPECT_TRUE(is(records.back(), GpioInput::sync, 1.0, now_ns));
+    EXPECT_TRUE(is(records.back(), Line::sync, 1.0, now_ns));
     EXPECT_EQ(records.back().flags, kStampReplaced);
   }
 }
@@ -98,7 +98,7 @@ TEST_F(PanelTest, EverySyncPulseIsOneEdgeAndItsEndIsNone) {
     lines[1].edge(now_ns + 6'200'000, false);
     turn(10'000'000);
     ASSERT_EQ(records.size(), 2u + static_cast<std::size_t>(i));
-    EXPECT_TRUE(is(records.back(), GpioInput::sync, 1.0, now_ns - 9'000'000));
+    EXPECT_TRUE(is(records.back(), Line::sync, 1.0, now_ns - 9'000'000));
   }
   EXPECT_EQ(status(Function::sync).edges, 5u);
   EXPECT_EQ(status(Function::sync).bounces, 20u);
@@ -151,7 +151,7 @@ TEST_F(PanelTest, TheLossOfTheInterlockIsToldOnceThereIsRoom) {
   for (Record record; link.pop(record);) {
   }
   turn(1'000'000);
-  EXPECT_TRUE(is(records.back(), GpioInput::interlock, 0.0, now_ns));
+  EXPECT_TRUE(is(records.back(), Line::interlock, 0.0, now_ns));
   EXPECT_EQ(records.back().flags, kGap);
   const std::size_t told = records.size();
   turn(1'000'000);
@@ -171,7 +171,7 @@ TEST_F(PanelTest, AnInterlockEdgeThatNeverCameIsFoundByReadingTheLevel) {
   start();
   lines[0].level = false;
   turn(Panel::kProbe_ns);
-  EXPECT_TRUE(is(records.back(), GpioInput::interlock, 0.0, now_ns));
+  EXPECT_TRUE(is(records.back(), Line::interlock, 0.0, now_ns));
   EXPECT_EQ(status(Function::interlock).lost, 1u);
 }
 
@@ -193,14 +193,14 @@ TEST_F(PanelTest, ALineThatCannotBeHadIsToldAndTriedAgainAndTheRestWorks) {
   lines[0].fault.clear();
   turn(Panel::kRetry_ns);
   EXPECT_TRUE(status(Function::interlock).works);
-  EXPECT_TRUE(is(records.back(), GpioInput::interlock, 1.0, now_ns));
+  EXPECT_TRUE(is(records.back(), Line::interlock, 1.0, now_ns));
 }
 
 TEST_F(PanelTest, AnInterlockThatBreaksCountsAsLost) {
   start();
   lines[0].fault = "the chip has gone";
   turn(5'000'000);
-  EXPECT_TRUE(is(records.back(), GpioInput::interlock, 0.0, now_ns));
+  EXPECT_TRUE(is(records.back(), Line::interlock, 0.0, now_ns));
   EXPECT_FALSE(status(Function::interlock).works);
   EXPECT_EQ(status(Function::interlock).level, std::nullopt);
   EXPECT_FALSE(lines[0].held) << "let go, so that it can be had again";
