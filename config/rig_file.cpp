@@ -100,6 +100,7 @@ Result<RigFile> parse(std::string_view text, const std::string& path, const Sche
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   draft.file.directory = parent.empty() ? std::string(1, '.') : parent.string();
   draft.file.sha256 = sha256(text);
+  draft.file.text = text;
   read_all(document, schemas, draft);
   if (draft.mistakes.count() > 0) return tl::make_unexpected(std::move(draft.mistakes).sorted());
   return std::move(draft.file);

@@ -61,6 +61,7 @@ struct RigFile {
   std::string path;       // as given
   std::string directory;  // of the file: relative paths in it start there
   std::string sha256;     // of the file's bytes, hexadecimal
+  std::string text;       // these bytes
 };
 
 // The driver table of a name, or one line that says why there is none ("no driver \"x\": installed are modbus,

@@ -27,7 +27,7 @@ const char* to_string(Health::Status status) noexcept {
 }
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines, const LogStats& log,
-                    const std::string& trouble) {
+                    const std::string& trouble, const std::vector<std::string>& alarms) {
   Health health;
   if (!trouble.empty()) health.reasons.push_back(trouble);
   for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
@@ -47,6 +47,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status
   if (dwell.state == State::fault) health.reasons.push_back(words("the data do not suffice", dwell.settling_reason));
   if (log.failing)
     health.reasons.push_back("the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
+
+  for (const std::string& alarm : alarms) health.reasons.push_back("recording: " + alarm);
 
   const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
   health.status = !trouble.empty()         ? Health::Status::fault

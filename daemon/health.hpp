@@ -14,7 +14,7 @@ namespace dwell {
 
 struct Health {
   // degraded: a channel does not deliver or delivers nothing usable, a GPIO line does not work, the dwell's data do not
-  // suffice, the log loses lines. fault: the service itself does not work.
+  // suffice, the log loses lines, runs are not recorded as they should. fault: the service itself does not work.
   enum class Status : std::uint8_t { ok, degraded, fault };
   Status status = Status::ok;
   std::vector<std::string> reasons;  // empty with ok
@@ -22,9 +22,10 @@ struct Health {
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
-// trouble: what the watchdog found; empty: nothing. Pure.
+// trouble: what the watchdog found; empty: nothing. alarms: what keeps runs from being recorded. Pure.
 [[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines,
-                                  const LogStats& log, const std::string& trouble);
+                                  const LogStats& log, const std::string& trouble,
+                                  const std::vector<std::string>& alarms = {});
 
 // The reasons in one line, the first few of many; empty with ok.
 [[nodiscard]] std::string reason_of(const Health& health);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/rig/rig.hpp"
@@ -9,6 +11,7 @@
 #include "daemon/gpio/link.hpp"
 #include "daemon/health.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/record/recorder.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/watchdog.hpp"
@@ -26,7 +29,9 @@ struct ServiceView {
   HttpStats http{};
   LogStats log{};
   std::vector<WatchedThread> threads{};
-  gpio::Status gpio{};     // of the lines that are configured
+  gpio::Status gpio{};                               // of the lines that are configured
+  std::optional<record::RecorderState> recorder{};  // none: the service does not record
+  std::shared_ptr<const record::ListedRuns> runs{};  // null: as an empty list
   double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
 };
 

@@ -49,12 +49,6 @@ std::string printed(const char* pattern, double value) {
 
 }  // namespace
 
-Result<RunSummary> read_headline(const std::string& file) {
-  const auto reader = RunReader::open(file);
-  if (!reader) return fail(reader.error());
-  return headline_of(file, *reader);
-}
-
 Result<RunSummary> read_summary(const std::string& file) {
   auto reader = RunReader::open(file);
   if (!reader) return fail(reader.error());

@@ -29,9 +29,6 @@ struct RunSummary {
 // Fails with "FILE: what is wrong". Cost: a page of the disk for each second of the run, however much it holds.
 [[nodiscard]] record::Result<RunSummary> read_summary(const std::string& file);
 
-// Without dwells, events and signatures, and without the -wal's part of a closed run: for a list of runs.
-[[nodiscard]] record::Result<RunSummary> read_headline(const std::string& file);
-
 // "closed", or "open": it is being recorded, or was cut off.
 [[nodiscard]] const char* state_of(const RunSummary& run) noexcept;
 

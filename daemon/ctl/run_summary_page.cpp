@@ -25,7 +25,7 @@ std::string person_text(const record::Person& person) {
 void append(Section& to, const std::string& label, const std::string& text, std::size_t columns) {
   if (text.empty()) return;
   for (std::string& line : wrapped(printable(pad_right(label, kLabel) + text), columns, kLabel))
-    to.body.push_back({std::move(line)});
+    to.body.push_back({std::move(line), Style::plain});
 }
 
 std::string list_of(const std::vector<std::string>& words) {
@@ -44,14 +44,15 @@ std::string begun_text(const record::RunHeader& header) {
   std::string text = header.start_utc + " by the " + header.begun_by;
   if (header.begun_by == "replay") text = header.start_utc + ", computed by replay";
   if (header.person) text += ", " + person_text(*header.person);
-  return header.comment.empty() ? text : text + ": " + header.comment;
+  return text;
 }
 
 std::string origin_text(const record::Origin& origin) {
   std::string text = "on " + origin.host;
   if (!origin.time_zone.empty()) text += " (" + origin.time_zone + ")";
   if (!origin.clock_synchronized) return text + ", clock not synchronized";
-  return text + ", clock synchronized within " + join(number_text(origin.clock_error_s, "s", 2));
+  if (!std::isfinite(origin.clock_error_s)) return text + ", clock synchronized";
+  return text + ", clock synchronized within " + seconds_text(origin.clock_error_s, 6);
 }
 
 std::string stream_text(const RunSummary& run) {
@@ -64,13 +65,17 @@ std::string stream_text(const RunSummary& run) {
 Section facts(const RunSummary& run, std::size_t columns) {
   const record::RunHeader& header = run.header;
   Section section;
-  section.body.push_back({printable(clipped(title_of(run), columns))});
+  section.body.push_back({printable(clipped(title_of(run), columns)), Style::plain});
   const auto add = [&](const char* label, const std::string& text) { append(section, label, text, columns); };
   add("file", run.file + ", " + bytes_text(static_cast<double>(run.bytes)));
   add("rig", (run.rig.empty() ? "" : run.rig + ", ") + header.rig.path);
-  add("", "SHA-256 " + header.rig.sha256);
-  for (const record::KeptFile& file : header.files) add("with", file.path + ", SHA-256 " + file.sha256);
+  add("SHA-256", header.rig.sha256);
+  for (const record::KeptFile& file : header.files) {
+    add("with", file.path);
+    add("SHA-256", file.sha256);
+  }
   add("begun", begun_text(header));
+  add("comment", header.comment);
   add("ended", run.end ? run.end->utc + ": " + run.end->why : "");
   add("stream", stream_text(run));
   add("channels", list_of(header.channels));
@@ -97,7 +102,7 @@ std::vector<std::string> cells(const Dwell& dwell, Coefficient ElementEstimate::
 }
 
 void append_wrapped(Section& to, const std::string& text, std::size_t columns) {
-  for (std::string& line : wrapped(printable(text), columns, 2)) to.body.push_back({std::move(line)});
+  for (std::string& line : wrapped(printable(text), columns, 2)) to.body.push_back({std::move(line), Style::plain});
 }
 
 Section dwell_section(const DwellView& view, std::size_t columns) {
@@ -115,7 +120,7 @@ Section dwell_section(const DwellView& view, std::size_t columns) {
   table.add("stiffness", cells(dwell, &ElementEstimate::stiffness, stiffness_unit(view.motion)));
   table.add("damping", cells(dwell, &ElementEstimate::damping, damping_unit(view.motion)));
   for (Section& part : table.sections(columns))
-    for (std::vector<Line>* lines : {&part.head, &part.body})
+    for (std::vector<TextLine>* lines : {&part.head, &part.body})
       section.body.insert(section.body.end(), lines->begin(), lines->end());
   for (const ElementEstimate& e : dwell.elements)
     if (!e.identifiable)
@@ -160,9 +165,10 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
     if (!losses) line += pad_right(printable(event->what), what) + "  ";
     const std::size_t indent = width(line);
     for (std::string& part : wrapped(line + printable(event_text(*event)), columns, indent))
-      section.body.push_back({std::move(part)});
+      section.body.push_back({std::move(part), Style::plain});
   }
-  if (left_out > 0) section.body.push_back({"  and " + std::to_string(left_out) + " more, which --json shows"});
+  if (left_out > 0)
+    section.body.push_back({"  and " + std::to_string(left_out) + " more, which --json shows", Style::plain});
   return section;
 }
 
@@ -172,7 +178,7 @@ Section signature_section(const RunSummary& run, std::size_t columns) {
   section.head.push_back({"signatures", Style::title});
   for (const record::PersonalSignature& signature : run.signatures)
     for (std::string& line : wrapped("  " + printable(signature_text(signature)), columns, 4))
-      section.body.push_back({std::move(line)});
+      section.body.push_back({std::move(line), Style::plain});
   return section;
 }
 
@@ -194,7 +200,7 @@ std::string summary_page(const RunSummary& run, std::size_t columns) {
     dwells.push_back(&view.dwell);
   }
   Section notes;
-  if (run.dwells.empty()) notes.body.push_back({"no dwell has ended in this run"});
+  if (run.dwells.empty()) notes.body.push_back({"no dwell has ended in this run", Style::plain});
   for (const std::string& text : legend_of(dwells)) append_wrapped(notes, text, columns);
   sections.push_back(std::move(notes));
   for (const bool losses : {true, false}) sections.push_back(event_section(run, losses, columns));

@@ -1,8 +1,10 @@
 // runs: the runs that the service has recorded, or those of a folder.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "daemon/ctl/commands.hpp"
@@ -10,8 +12,9 @@
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/ctl/run_summary.hpp"
+#include "daemon/record/run_list.hpp"
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json_value.hpp"
-#include "daemon/report/json_parts.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -21,17 +24,19 @@ namespace {
 namespace fs = std::filesystem;
 
 // As in the service's answer.
-Json row_of(const RunSummary& run) {
-  return {{"run", run.header.run > 0 ? Json(run.header.run) : Json(nullptr)},
-          {"id", run.header.id},
+Json row_of(const record::ListedRun& run) {
+  return {{"run", run.run},
           {"file", run.file},
-          {"label", run.header.label},
-          {"start_utc", run.header.start_utc},
-          {"span_s", run.span_s ? json_number(*run.span_s) : Json(nullptr)},
-          {"state", state_of(run)},
-          {"why", run.end ? Json(run.end->why) : Json(nullptr)},
-          {"samples", run.end ? Json(run.end->samples) : Json(nullptr)},
-          {"bytes", run.bytes}};
+          {"label", run.label},
+          {"begun_by", run.begun_by},
+          {"begun_utc", run.begun_utc},
+          {"ended_utc", run.ended_utc.empty() ? Json(nullptr) : Json(run.ended_utc)},
+          {"state", run.state},
+          {"bytes", run.bytes},
+          {"samples", run.samples},
+          {"dwells", run.dwells},
+          {"head", run.head.empty() ? Json(nullptr) : Json(run.head)},
+          {"kept", run.kept}};
 }
 
 std::string text_of(const Json& row, const char* name) {
@@ -49,15 +54,29 @@ std::string count_of(const Json& row, const char* name) {
   return it != row.end() && it->is_number_integer() ? it->dump() : kNoNumber;
 }
 
+// "2026-07-01 10:12:20", whole seconds: a row must fit beside others.
+std::string instant(const std::string& utc) {
+  const auto ns = record::parse_utc(utc);
+  if (!ns) return utc.empty() ? kNoNumber : utc;
+  std::string text = record::iso_utc(*ns).substr(0, 19);
+  text[10] = ' ';
+  return text;
+}
+
+std::string length(const std::string& begun, const std::string& ended) {
+  const auto from_ns = record::parse_utc(begun);
+  const auto to_ns = record::parse_utc(ended);
+  return from_ns && to_ns ? duration_text(1e-9 * static_cast<double>(*to_ns - *from_ns)) : kNoNumber;
+}
+
 std::string runs_table(const Json& list) {
-  std::vector<std::string> numbers, starts, spans, states, samples, sizes, labels, files;
+  std::vector<std::string> numbers, starts, lengths, states, dwells, sizes, labels, files;
   for (const Json& row : list) {
     numbers.push_back(count_of(row, "run"));
-    starts.push_back(text_of(row, "start_utc"));
-    const double span_s = number_of(row, "span_s");
-    spans.push_back(std::isfinite(span_s) ? duration_text(span_s) : kNoNumber);
+    starts.push_back(instant(text_of(row, "begun_utc")));
+    lengths.push_back(length(text_of(row, "begun_utc"), text_of(row, "ended_utc")));
     states.push_back(text_of(row, "state"));
-    samples.push_back(count_of(row, "samples"));
+    dwells.push_back(count_of(row, "dwells"));
     const double bytes = number_of(row, "bytes");
     sizes.push_back(std::isfinite(bytes) ? bytes_text(bytes) : kNoNumber);
     labels.push_back(text_of(row, "label"));
@@ -65,10 +84,10 @@ std::string runs_table(const Json& list) {
   }
   Table table;
   table.add("run", std::move(numbers), Align::right);
-  table.add("began", std::move(starts));
-  table.add("lasted", std::move(spans), Align::right);
+  table.add("began (UTC)", std::move(starts));
+  table.add("lasted", std::move(lengths), Align::right);
   table.add("state", std::move(states));
-  table.add("samples", std::move(samples), Align::right);
+  table.add("dwells", std::move(dwells), Align::right);
   table.add("size", std::move(sizes), Align::right);
   table.add("label", std::move(labels));
   table.add("file", std::move(files));
@@ -86,33 +105,25 @@ int print(const Json& document, bool json) {
 
 int runs_in(const std::string& directory, bool json) {
   std::error_code failed;
-  std::vector<std::string> files;
+  std::vector<std::string> names;
   for (fs::directory_iterator it(directory, failed), end; !failed && it != end; it.increment(failed))
-    if (it->path().extension() == ".dwell") files.push_back(it->path().string());
+    if (it->path().extension() == ".dwell") names.push_back(it->path().filename().string());
   if (failed) {
     tell_error(directory + ": " + failed.message());
     return kUsage;
   }
-  std::vector<RunSummary> found;
-  int code = kDone;
+  record::ListedRuns found;
   ProgressBar bar("reading");
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    auto run = read_headline(files[i]);
-    if (run) {
-      found.push_back(std::move(*run));
-    } else {
-      tell_error(run.error());
-      code = kUsage;
-    }
-    bar.show(static_cast<double>(i + 1) / static_cast<double>(files.size()));
+  for (const std::string& name : names) {
+    bar.show(static_cast<double>(found.size()) / static_cast<double>(names.size()));
+    found.push_back(record::look_at_run(directory, name));
   }
-  std::sort(found.begin(), found.end(), [](const RunSummary& a, const RunSummary& b) {
-    return std::tie(a.header.run, a.header.start_utc, a.file) < std::tie(b.header.run, b.header.start_utc, b.file);
+  std::sort(found.begin(), found.end(), [](const record::ListedRun& a, const record::ListedRun& b) {
+    return std::tie(a.run, a.begun_utc, a.file) < std::tie(b.run, b.begun_utc, b.file);
   });
   Json list = Json::array();
-  for (const RunSummary& run : found) list.push_back(row_of(run));
-  (void)print(Json{{"runs", std::move(list)}}, json);
-  return code;
+  for (const record::ListedRun& run : found) list.push_back(row_of(run));
+  return print(Json{{"runs", std::move(list)}}, json);
 }
 
 }  // namespace

@@ -85,6 +85,7 @@ int sign_through_service(const Service& service, const SignOptions& options) {
 }  // namespace
 
 int sign(const Service& service, const SignOptions& options) {
+  if (options.meaning.empty()) return refuse(kUsage, "--meaning is empty: expected for instance \"reviewed\"");
   if (options.key.empty()) return sign_through_service(service, options);
   return sign_with_own_key(options, service.json);
 }

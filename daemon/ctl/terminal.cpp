@@ -134,7 +134,7 @@ std::vector<Key> keys_in(std::string_view typed) {
   return keys;
 }
 
-std::string frame(const std::vector<Line>& lines, bool colour) {
+std::string frame(const std::vector<TextLine>& lines, bool colour) {
   std::string out = "\x1b[H";
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (i > 0) out += "\r\n";
@@ -189,7 +189,7 @@ void Terminal::leave() {
   handle_crashes(false);
 }
 
-void Terminal::show(const std::vector<Line>& lines) {
+void Terminal::show(const std::vector<TextLine>& lines) {
   if (entered_) put(frame(lines, colour_));
 }
 

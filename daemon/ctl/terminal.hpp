@@ -22,7 +22,7 @@ enum class Key : std::uint8_t { pause, next, back, rearm, quit, yes, other };
 
 // The bytes that put the lines onto the screen, from its upper left corner on, and clear what stood there. colour
 // false: old numbers are faint instead of grey, and no colour is used (NO_COLOR); inverse and bold are no colours.
-[[nodiscard]] std::string frame(const std::vector<Line>& lines, bool colour);
+[[nodiscard]] std::string frame(const std::vector<TextLine>& lines, bool colour);
 
 class Terminal {
  public:
@@ -38,7 +38,7 @@ class Terminal {
   void leave();
   void enter();
 
-  void show(const std::vector<Line>& lines);
+  void show(const std::vector<TextLine>& lines);
   [[nodiscard]] static Size size();
 
   // Readable when a key was pressed; -1: no keys can be read.

@@ -10,7 +10,7 @@
 namespace dwell::ctl {
 namespace {
 
-void add(std::vector<Line>& lines, const std::string& text, std::size_t columns, Style style) {
+void add(std::vector<TextLine>& lines, const std::string& text, std::size_t columns, Style style) {
   for (std::string& line : wrapped(printable(text), columns, 2)) lines.push_back({std::move(line), style});
 }
 
@@ -39,8 +39,8 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
 }
 
 // What an operator must know before reading any number.
-std::vector<Line> alarms(const WatchState& state, const Controls& controls, std::size_t columns, double now_s) {
-  std::vector<Line> lines;
+std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, std::size_t columns, double now_s) {
+  std::vector<TextLine> lines;
   if (controls.paused_s) {
     add(lines, "PAUSED for " + age_text(now_s - *controls.paused_s) + "; space goes on", columns, Style::alarm);
   }
@@ -97,21 +97,21 @@ class Pager {
     return first;
   }
 
-  [[nodiscard]] const std::vector<std::vector<Line>>& pages() const { return pages_; }
+  [[nodiscard]] const std::vector<std::vector<TextLine>>& pages() const { return pages_; }
 
  private:
   void turn() {
     if (!pages_.back().empty()) pages_.emplace_back();
   }
-  void put(const std::vector<Line>& lines) {
-    for (const Line& line : lines) {
+  void put(const std::vector<TextLine>& lines) {
+    for (const TextLine& line : lines) {
       if (pages_.back().size() >= rows_) turn();
       pages_.back().push_back(line);
     }
   }
 
   std::size_t rows_;
-  std::vector<std::vector<Line>> pages_;
+  std::vector<std::vector<TextLine>> pages_;
 };
 
 // Long doubts must not push the coefficients they concern off the first page: what is beyond half of it goes below
@@ -119,7 +119,7 @@ class Pager {
 void make_room(std::vector<Section>& sections, std::size_t rows) {
   if (sections.size() < 2 || sections[0].name != kDoubts) return;
   const std::size_t most = std::max<std::size_t>(rows / 2, 2);
-  std::vector<Line>& doubts = sections[0].body;
+  std::vector<TextLine>& doubts = sections[0].body;
   if (doubts.size() <= most) return;
   Section more;
   more.head.push_back({"do not rely on these numbers, continued:", Style::alarm});
@@ -136,8 +136,8 @@ std::string count_of(std::size_t count, const char* what, std::size_t page, std:
   return text;
 }
 
-std::vector<Line> footer(const Controls& controls, std::size_t page, std::size_t pages, std::size_t columns) {
-  std::vector<Line> lines;
+std::vector<TextLine> footer(const Controls& controls, std::size_t page, std::size_t pages, std::size_t columns) {
+  std::vector<TextLine> lines;
   const std::string turned = "page " + std::to_string(page + 1) + " of " + std::to_string(pages);
   if (!controls.question.empty()) {
     add(lines, controls.question + " y n", columns, Style::alarm);
@@ -176,9 +176,9 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   // The header tells the pages of doubts and warnings, and its height decides on which pages they are: the second time
   // round its height is known.
   Page page;
-  std::vector<Line> header;
-  std::vector<Line> keys = footer(controls, 0, 2, columns);
-  std::vector<Line> body;
+  std::vector<TextLine> header;
+  std::vector<TextLine> keys = footer(controls, 0, 2, columns);
+  std::vector<TextLine> body;
   std::size_t warnings_page = 0;
   std::size_t header_rows = 2;
   for (int round = 0; round < 2; ++round) {
@@ -210,7 +210,7 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     } else {
       ctl::add(header, "waiting for the service's first word", columns, Style::plain);
     }
-    for (Line& line : alarms(state, controls, columns, now_s)) header.push_back(std::move(line));
+    for (TextLine& line : alarms(state, controls, columns, now_s)) header.push_back(std::move(line));
     header_rows = header.size();
   }
 
@@ -222,7 +222,7 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   page.lines.resize(rows > keys.size() ? rows - keys.size() : 0);
   page.lines.insert(page.lines.end(), keys.begin(), keys.end());
   if (page.lines.size() > rows) page.lines.resize(rows);
-  for (Line& line : page.lines) line.text = clipped(line.text, size.columns);
+  for (TextLine& line : page.lines) line.text = clipped(line.text, size.columns);
   return page;
 }
 
@@ -231,7 +231,7 @@ std::string last_words(const WatchState& state, const Truth* truth, double now_s
   std::vector<Section> sections = dwell_sections(*state.dwell(), options_of(state, truth, kUnlimited, now_s));
   Section head;
   if (!state.name.empty()) head.body.push_back({printable(state.name), Style::plain});
-  for (Line& line : alarms(state, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
+  for (TextLine& line : alarms(state, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
   head.body.push_back({(state.old(now_s) ? "last seen: " : "") + headline(*state.dwell()), Style::plain});
   sections.insert(sections.begin(), std::move(head));
   return plain_text(sections);

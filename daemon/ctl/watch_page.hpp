@@ -38,8 +38,8 @@ struct Controls {
 };
 
 struct Page {
-  std::vector<Line> lines;  // at most Size::rows, none longer than Size::columns
-  std::size_t page = 0;     // 0 …
+  std::vector<TextLine> lines;  // at most Size::rows, none longer than Size::columns
+  std::size_t page = 0;         // 0 …
   std::size_t pages = 1;
 };
 

@@ -1,5 +1,7 @@
 #include "daemon/record/file_name.hpp"
 
+#include <charconv>
+
 namespace dwell::record {
 namespace {
 
@@ -27,6 +29,18 @@ std::string tame(std::string_view text) {
 
 std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc) {
   return tame(rig) + '-' + std::to_string(run) + '-' + std::string(utc) + std::string(kRunSuffix);
+}
+
+std::int64_t run_of_file_name(std::string_view name) {
+  if (name.size() < kRunSuffix.size() || name.substr(name.size() - kRunSuffix.size()) != kRunSuffix) return 0;
+  const std::size_t before_utc = name.rfind('-');
+  if (before_utc == std::string_view::npos || before_utc == 0) return 0;
+  const std::size_t before_run = name.rfind('-', before_utc - 1);
+  if (before_run == std::string_view::npos) return 0;
+  std::int64_t run = 0;
+  const char* const end = name.data() + before_utc;
+  const auto [stopped, error] = std::from_chars(name.data() + before_run + 1, end, run);
+  return error == std::errc{} && stopped == end && run > 0 ? run : 0;
 }
 
 }  // namespace dwell::record

@@ -17,4 +17,7 @@ inline constexpr std::string_view kKeepSuffix = ".keep";
 // `utc`: as compact_utc() writes it.
 [[nodiscard]] std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc);
 
+// The run that a file's name tells of; 0: none.
+[[nodiscard]] std::int64_t run_of_file_name(std::string_view name);
+
 }  // namespace dwell::record

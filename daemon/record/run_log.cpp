@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 namespace dwell::record {
@@ -44,9 +45,22 @@ std::string named(const RunHeader& header) {
 
 }  // namespace
 
+void RunLog::set_clock(const ClockPair& now) {
+  const std::int64_t step_ns = (now.utc_ns - now_.utc_ns) - (now.raw_ns - now_.raw_ns);
+  const bool first = now_.utc_ns == 0;
+  now_ = now;
+  if (first || std::abs(step_ns) < kClockStep_ns) return;
+  char text[64];
+  std::snprintf(text, sizeof text, "the wall clock was set by %+.3f s", static_cast<double>(step_ns) * 1e-9);
+  StoredEvent event = own_event(text);
+  event.what = "clock";
+  this->event(std::move(event));
+}
+
 void RunLog::record(const Record& record) {
   if (cutter_.is_due_before(record)) cut();
   cutter_.add(record);
+  if (run_ && run_->ending.empty()) told_by_stream_.take(record, cutter_.number() + 1 - run_->born);
   if (record.kind == Kind::action) note_request(record);
   if (record.kind != Kind::run) return;
   switch (static_cast<RunEdge>(record.flags)) {
@@ -155,6 +169,10 @@ std::vector<NewEntry> RunLog::take_batch() {
 
 // They tell of the time up to t_ns, as the block beside them does.
 std::vector<NewEntry> RunLog::take_notes(std::int64_t t_ns) {
+  for (StoredEvent& told : told_by_stream_.drain(options_.names)) {
+    told.utc = utc_now();
+    notes_.push_back({"event", 0, to_json(told)});
+  }
   std::vector<NewEntry> notes = std::exchange(notes_, {});
   for (NewEntry& note : notes) note.t_ns = t_ns;
   return notes;

@@ -21,6 +21,7 @@
 #include "daemon/record/request.hpp"
 #include "daemon/record/run_entries.hpp"
 #include "daemon/record/run_store.hpp"
+#include "daemon/record/stream_events.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -41,6 +42,7 @@ struct RunLogOptions {
   // The JSON object of a dwell of the run that began at this instant in UTC.
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
   Tell tell;
+  StreamNames names;
 };
 
 // Bound to one thread. No call throws but for want of memory.
@@ -50,6 +52,9 @@ class RunLog {
   static constexpr std::size_t kRequests = 64;
   // Events before a run that it may begin with.
   static constexpr std::size_t kEarlyEvents = 64;
+  // The wall clock was set if it has moved so far against the raw clock between two turns: an NTP slew, at most 500
+  // ppm, takes 20 s for it.
+  static constexpr std::int64_t kClockStep_ns = 10'000'000;
   // A run that the drive begins so soon after an interruption goes on with the one before.
   static constexpr std::int64_t kGoesOn_ns = 60'000'000'000;
 
@@ -58,7 +63,8 @@ class RunLog {
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
-  void set_clock(const ClockPair& now) noexcept { now_ = now; }
+  // A wall clock that has been set shows between two calls, and is an event.
+  void set_clock(const ClockPair& now);
   void record(const Record& record);
   void result(std::uint64_t position, bool final, const Dwell& dwell);
   // Its position and instant are filled in where they are not given.
@@ -112,6 +118,7 @@ class RunLog {
   KeptBlocks kept_;
   bool follows_ = false;  // the stream since the birth of a waiting pipeline is whole, in kept_ and cutter_
   std::deque<Early> early_;
+  StreamEvents told_by_stream_;
   std::vector<NewEntry> notes_;  // results and events since the last block
   std::optional<RunProgress> run_;
   std::deque<Request> requests_;  // newest last

@@ -49,8 +49,8 @@ std::string plain_text(const std::vector<Section>& sections) {
   std::string text;
   for (const Section& section : sections) {
     if (!text.empty()) text += "\n";
-    for (const Line& line : section.head) text += line.text + "\n";
-    for (const Line& line : section.body) text += line.text + "\n";
+    for (const TextLine& line : section.head) text += line.text + "\n";
+    for (const TextLine& line : section.body) text += line.text + "\n";
   }
   return text;
 }

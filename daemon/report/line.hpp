@@ -23,15 +23,15 @@ enum class Style : std::uint8_t {
   hint,       // the keys
 };
 
-struct Line {
+struct TextLine {
   std::string text;  // UTF-8, no line end, no control characters
   Style style = Style::plain;
 };
 
 // Lines that belong together. Where they go on overleaf, `head` is repeated above them.
 struct Section {
-  std::vector<Line> head;
-  std::vector<Line> body;
+  std::vector<TextLine> head;
+  std::vector<TextLine> body;
   std::string_view name;  // a literal: what it is, for those who must find it again
   std::size_t notes = 0;  // so many lines at the end of `body` may go overleaf alone, without `head`
 };

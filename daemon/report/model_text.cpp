@@ -19,8 +19,8 @@ std::string stretch_text(const MotionEstimate& m) {
 std::string percent_text(double value) { return std::isfinite(value) ? brief(100 * value, 2) + " %" : kNoNumber; }
 
 // Lines above a table, repeated where it goes on overleaf.
-std::vector<Line> title(const MotionEstimate& m, const TextOptions& options) {
-  std::vector<Line> lines;
+std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options) {
+  std::vector<TextLine> lines;
   const std::string text = "from the transient, " + stretch_text(m) + ", an estimate before the verdict:";
   for (std::string& line : wrapped(text, options.columns, 2))
     lines.push_back({std::move(line), options.age.empty() ? Style::tentative : Style::old});
@@ -66,7 +66,7 @@ std::vector<Section> transient_sections(const DwellView& view, const TextOptions
   table.set_styles(std::vector<Style>(numbers.size(), options.age.empty() ? Style::tentative : Style::old));
   std::vector<Section> sections = table.sections(options.columns);
   if (sections.empty()) return sections;
-  std::vector<Line> head = title(m, options);
+  std::vector<TextLine> head = title(m, options);
   for (Section& section : sections) section.head.insert(section.head.begin(), head.begin(), head.end());
   add_notes(m, options, sections.back());
   return sections;

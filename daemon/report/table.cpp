@@ -30,7 +30,7 @@ std::size_t Table::width_of(const Column& column) {
 }
 
 Section Table::section(const std::vector<const Column*>& columns) const {
-  std::vector<Line> lines(rows() + 1);
+  std::vector<TextLine> lines(rows() + 1);
   for (const Column* column : columns) {
     const std::size_t wide = width_of(*column);
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -40,7 +40,7 @@ Section Table::section(const std::vector<const Column*>& columns) const {
       lines[i].text.append(kBetween, ' ');
     }
   }
-  for (Line& line : lines) line.text.erase(line.text.find_last_not_of(' ') + 1);
+  for (TextLine& line : lines) line.text.erase(line.text.find_last_not_of(' ') + 1);
   for (std::size_t i = 1; i < lines.size() && i <= styles_.size(); ++i) lines[i].style = styles_[i - 1];
   lines.front().style = Style::title;
   Section section;

@@ -63,6 +63,7 @@ record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint3
     *to = std::move(*text);
   }
   if (sign.file.empty()) return fail("no file: expected the path of a run file");
+  if (sign.words.meaning.empty()) return fail("no meaning: expected for instance \"reviewed\"");
   return sign;
 }
 
@@ -122,8 +123,17 @@ void Countersigner::run() {
     const Job job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
-    job.done(sign(job.request));
+    job.done(sign_or_why_not(job.request));
     lock.lock();
+  }
+}
+
+// What throws must not end the thread: memory, or a name of the system that is not UTF-8.
+record::Result<Countersigned> Countersigner::sign_or_why_not(const SignRequest& request) const {
+  try {
+    return sign(request);
+  } catch (const std::exception& error) {
+    return fail(request.file + ": " + error.what());
   }
 }
 

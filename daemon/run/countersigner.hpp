@@ -61,6 +61,7 @@ class Countersigner {
     Done done;
   };
   void run();
+  [[nodiscard]] record::Result<Countersigned> sign_or_why_not(const SignRequest& request) const;
   [[nodiscard]] record::Result<Countersigned> sign(const SignRequest& request) const;
 
   const std::string directory_;

@@ -1,7 +1,6 @@
 #include "daemon/serve/api.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -9,6 +8,8 @@
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/verification_json.hpp"
+#include "daemon/serve/page_query.hpp"
+#include "daemon/serve/recorder_json.hpp"
 
 namespace dwell {
 namespace {
@@ -132,7 +133,8 @@ Json health_json(const ServiceView& view) {
             {"refused", view.http.refused},
             {"displaced", view.http.displaced},
             {"events_dropped", view.http.events_dropped}}},
-          {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}, {"failing", view.log.failing}}}};
+          {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}, {"failing", view.log.failing}}},
+          {"recorder", recorder_json(view)}};
 }
 
 const FinishedDwells& finished(const ServiceView& view) {
@@ -140,43 +142,9 @@ const FinishedDwells& finished(const ServiceView& view) {
   return view.snapshot.finished ? *view.snapshot.finished : kNone;
 }
 
-std::optional<int> integer(std::string_view text) {
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-// Which finished dwells are asked for.
-struct Page {
-  std::optional<int> from;  // index of the first; none: the newest
-  std::size_t count = kDwellsPerAnswer;
-};
-
-std::optional<Page> page_of(std::string_view query) {
-  Page page;
-  bool counted = false;
-  while (!query.empty()) {
-    const std::string_view term = query.substr(0, query.find('&'));
-    query.remove_prefix(std::min(term.size() + 1, query.size()));
-    const auto equals = std::min(term.find('='), term.size());
-    const std::string_view key = term.substr(0, equals);
-    const auto value = integer(term.substr(std::min(equals + 1, term.size())));
-    if (!value) return std::nullopt;
-    if (key == "from" && !page.from) {
-      page.from = *value;
-    } else if (key == "count" && !std::exchange(counted, true) && *value >= 1) {
-      page.count = std::min(static_cast<std::size_t>(*value), kDwellsPerAnswer);
-    } else {
-      return std::nullopt;
-    }
-  }
-  return page;
-}
-
 // Oldest first: those from an index on, or the newest; as many as one answer may hold.
 HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query);
+  const auto page = page_of(query, kDwellsPerAnswer);
   if (!page)
     return http_error(400, "the query is not understood: expected from=INDEX, count=1 to " +
                                std::to_string(kDwellsPerAnswer) + ", or both joined by &");
@@ -212,7 +180,7 @@ HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
 
 // One dwell by its index, finished or current.
 HttpReply dwell_answer(const ServiceView& view, std::string_view index_text) {
-  const auto index = integer(index_text);
+  const auto index = integer_of(index_text);
   if (!index || *index < 1)
     return http_error(404, "expected /api/v1/dwells/INDEX, the index of a dwell: a number from 1");
   if (view.snapshot.dwell.index == *index) return {200, dwell_text_json(view)};
@@ -273,11 +241,12 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
   if (path == "/api/v1/verification") return verification_answer(view);
+  if (path == "/api/v1/runs") return runs_answer(view, query);
   if (path == "/api/v1/health")
     return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
   return http_error(404,
                     "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
-                    "/api/v1/channels, /api/v1/verification, /api/v1/health and /api/v1/stream");
+                    "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/health and /api/v1/stream");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const std::function<bool()>& rearm) {

@@ -57,8 +57,8 @@ TEST(TransientText, FitsANarrowTerminal) {
   TextOptions narrow;
   narrow.columns = 40;
   for (const Section& section : transient_sections(test::settling_view(), narrow)) {
-    for (const Line& line : section.head) EXPECT_LE(width(line.text), 40u) << line.text;
-    for (const Line& line : section.body) EXPECT_LE(width(line.text), 40u) << line.text;
+    for (const TextLine& line : section.head) EXPECT_LE(width(line.text), 40u) << line.text;
+    for (const TextLine& line : section.body) EXPECT_LE(width(line.text), 40u) << line.text;
   }
 }
 

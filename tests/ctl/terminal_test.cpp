@@ -23,7 +23,7 @@ TEST(Terminal, ASequenceThatIsNotKnownIsNoKey) {
 }
 
 TEST(Terminal, OldNumbersAreGreyAndWithoutColoursFaint) {
-  const std::vector<Line> lines{{"± 1", Style::plain}, {"24 kN/m", Style::old}, {"no", Style::alarm}};
+  const std::vector<TextLine> lines{{"± 1", Style::plain}, {"24 kN/m", Style::old}, {"no", Style::alarm}};
   EXPECT_EQ(frame(lines, true), "\x1b[H± 1\x1b[K\r\n\x1b[90m24 kN/m\x1b[0m\x1b[K\r\n\x1b[1;31mno\x1b[0m\x1b[K\x1b[J");
   EXPECT_EQ(frame(lines, false), "\x1b[H± 1\x1b[K\r\n\x1b[2m24 kN/m\x1b[0m\x1b[K\r\n\x1b[1;7mno\x1b[0m\x1b[K\x1b[J");
 }

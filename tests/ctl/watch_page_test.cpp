@@ -43,7 +43,7 @@ WatchState watched(DwellView view) {
 
 std::string text_of(const Page& page) {
   std::string text;
-  for (const Line& line : page.lines) text += line.text + "\n";
+  for (const TextLine& line : page.lines) text += line.text + "\n";
   return text;
 }
 
@@ -224,7 +224,7 @@ TEST(WatchPage, NothingIsLostOnAnySize) {
       std::string all;
       for (const Page& page : all_pages(watched(view), size)) {
         ASSERT_LE(page.lines.size(), size.rows);
-        for (const Line& line : page.lines) {
+        for (const TextLine& line : page.lines) {
           ASSERT_LE(width(line.text), size.columns) << line.text;
           all += line.text + "\n";
         }
@@ -330,7 +330,7 @@ y3        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (
 reaction  778 s  5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
 space pause  n b page 1 of 2  q quit
 )");
-  for (const Line& line : page.lines) {
+  for (const TextLine& line : page.lines) {
     const bool number = line.text.find("± 0") != std::string::npos || line.text.find("measuring") != std::string::npos;
     if (number) {
       EXPECT_EQ(line.style, Style::old) << line.text;
@@ -390,7 +390,8 @@ y1: now timeout: no answer within 0.1 s
 
 space pause  q quit
 )");
-  for (const Line& line : page.lines) EXPECT_EQ(line.style == Style::old, line.text.substr(0, 3) == "y1 ") << line.text;
+  for (const TextLine& line : page.lines)
+    EXPECT_EQ(line.style == Style::old, line.text.substr(0, 3) == "y1 ") << line.text;
 }
 
 TEST(WatchPage, PausedNumbersGrowOldAndTheScreenSaysThatItIsPaused) {
@@ -431,7 +432,7 @@ TEST(WatchPage, AnAbsurdlySmallTerminalDoesNotHarm) {
     for (std::size_t columns = 1; columns < 30; columns += 7) {
       const Page page = at(state, {}, {rows, columns});
       EXPECT_LE(page.lines.size(), rows);
-      for (const Line& line : page.lines) EXPECT_LE(width(line.text), columns);
+      for (const TextLine& line : page.lines) EXPECT_LE(width(line.text), columns);
     }
   }
 }
@@ -461,14 +462,14 @@ TEST(WatchPage, ShowsTheCoefficientsOfTheTransientAboveTheSettlingNotice) {
   const WatchState state = watched(test::settling_view());
   const Page page = at(state, {}, {24, 80});
   const auto title = std::find_if(page.lines.begin(), page.lines.end(),
-                                  [](const Line& line) { return line.text.rfind("from the transient", 0) == 0; });
+                                  [](const TextLine& line) { return line.text.rfind("from the transient", 0) == 0; });
   ASSERT_NE(title, page.lines.end()) << text_of(page);
   EXPECT_EQ(title->text, "from the transient, 40.0 to 43.2 s, an estimate before the verdict:");
   EXPECT_EQ(title->style, Style::tentative);
   EXPECT_EQ((title + 2)->style, Style::tentative);
   EXPECT_LT(text_of(page).find("from the transient"), text_of(page).find("settled    no"));
   const Page old = at(state, {}, {24, 80}, 100.0 + 60.0);
-  for (const Line& line : old.lines) EXPECT_NE(line.style, Style::tentative) << line.text;
+  for (const TextLine& line : old.lines) EXPECT_NE(line.style, Style::tentative) << line.text;
 }
 
 TEST(WatchPage, CountsAContradictionAmongTheWarnings) {

@@ -12,6 +12,19 @@ namespace {
 
 using Json = nlohmann::json;
 
+record::RecorderState recording_a_run() {
+  record::RecorderState state;
+  state.recording = true;
+  state.run.run = 17;
+  state.run.file = "bench-17-20261123T031217Z.dwell";
+  state.run.begun_by = "drive";
+  state.run.begun_utc = "2026-11-23T03:12:17.250000Z";
+  state.run.state = "recording";
+  state.run.bytes = 4711;
+  state.alarms = {"anchor: command send: exit status 1"};
+  return state;
+}
+
 // A service that has everything to tell: channels in every condition, lines, faults, finished dwells.
 struct ApiSchemaTest : testing::Test {
   ApiSchemaTest() {
@@ -64,6 +77,8 @@ struct ApiSchemaTest : testing::Test {
     now.uptime_s = 3.5;
     now.threads = {{"estimate", 1'990'000'000, 1'000'000'000}};
     now.gpio = lines;
+    now.recorder = recording;
+    now.runs = runs;
     now.health = judge_health(rig, snapshot, now.gpio, now.log, "");
     return now;
   }
@@ -76,6 +91,7 @@ struct ApiSchemaTest : testing::Test {
     EXPECT_EQ(schema.faults_of_text("dwells", get("/api/v1/dwells")), "");
     EXPECT_EQ(schema.faults_of_text("channels", get("/api/v1/channels")), "");
     EXPECT_EQ(schema.faults_of_text("verification", get("/api/v1/verification")), "");
+    EXPECT_EQ(schema.faults_of_text("runs", get("/api/v1/runs")), "");
     EXPECT_EQ(schema.faults_of_text("health", get("/api/v1/health")), "");
     EXPECT_EQ(schema.faults_of_text("status", control(R"({"verb":"status"})")), "");
     EXPECT_EQ(schema.faults_of_text("check", control(R"({"verb":"check"})")), "");
@@ -86,6 +102,9 @@ struct ApiSchemaTest : testing::Test {
   RunInfo run = test::sample_run();
   Snapshot snapshot;
   gpio::Status lines{};
+  std::optional<record::RecorderState> recording = recording_a_run();
+  std::shared_ptr<const record::ListedRuns> runs =
+      std::make_shared<const record::ListedRuns>(record::ListedRuns{recording_a_run().run});
 };
 
 TEST_F(ApiSchemaTest, DocumentsEveryMemberAndTheUnitOfEveryNumber) { EXPECT_EQ(schema.undocumented(), ""); }
@@ -106,6 +125,8 @@ TEST_F(ApiSchemaTest, IsMetWhereNothingIsKnownYet) {
   snapshot.devices.resize(1);
   run = {};
   lines = {};
+  recording = record::RecorderState();
+  runs = nullptr;
   expect_all();
   snapshot.dwell = test::settling_dwell();
   expect_all();

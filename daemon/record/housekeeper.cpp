@@ -1,0 +1,150 @@
+#include "daemon/record/housekeeper.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace dwell::record {
+
+// What jobs have to tell, on its way to the recorder's thread.
+struct Housekeeper::Outcomes {
+  struct Outcome {
+    Notice notice;           // empty text: none
+    bool of_anchor = false;  // then `trouble` is how it went
+    std::string trouble;
+  };
+  std::mutex mutex;
+  std::vector<Outcome> waiting;
+  bool listed = false;  // every run of the directory has been looked at
+
+  void put(Outcome outcome) {
+    const std::lock_guard lock(mutex);
+    waiting.push_back(std::move(outcome));
+  }
+  bool all_listed() {
+    const std::lock_guard lock(mutex);
+    return listed;
+  }
+};
+
+Housekeeper::Housekeeper(HousekeepingOptions options, RunFolder& folder, std::shared_ptr<RunList> list, Tell tell)
+    : options_(std::move(options)),
+      folder_(folder),
+      list_(std::move(list)),
+      tell_(std::move(tell)),
+      outcomes_(std::make_shared<Outcomes>()),
+      jobs_("runs") {}
+
+Housekeeper::~Housekeeper() = default;
+
+void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
+  if (next_retention_ns_ == 0) {
+    look_at_all(recorded != nullptr ? recorded->file : std::string());
+    next_retention_ns_ = now.raw_ns;
+  }
+  const bool changed = listed_ != (recorded != nullptr ? recorded->file : std::string());
+  if (changed) {
+    list(recorded);
+    next_retention_ns_ = now.raw_ns;
+  }
+  anchor(now, changed);
+  retain(now);
+  take_outcomes();
+}
+
+void Housekeeper::look_at_all(const std::string& running) {
+  jobs_.post([directory = options_.directory, running, list = list_, outcomes = outcomes_](const auto& stopping) {
+    look_at_runs(
+        directory, running, [&](ListedRun run) { list->put(std::move(run)); }, stopping);
+    const std::lock_guard lock(outcomes->mutex);
+    outcomes->listed = true;
+  });
+}
+
+// Another run is recorded, or none any more: the one before has got its end.
+void Housekeeper::list(const ListedRun* recorded) {
+  if (!listed_.empty())
+    jobs_.post([directory = options_.directory, name = listed_, list = list_](const auto&) {
+      list->put(look_at_run(directory, name));
+    });
+  listed_.clear();
+  if (recorded == nullptr) return;
+  listed_ = recorded->file;
+  list_->put(*recorded);
+}
+
+void Housekeeper::anchor(const ClockPair& now, bool run_changed) {
+  if (!run_changed && now.raw_ns < next_anchor_ns_) return;
+  const double minutes = options_.anchor.minutes > 0.0 ? options_.anchor.minutes : kAnchorMinutes;
+  next_anchor_ns_ = now.raw_ns + static_cast<std::int64_t>(minutes * 60e9);
+  std::string lines;
+  for (Anchor& head : folder_.heads()) {
+    Digest& anchored = anchored_[head.origin];
+    if (std::exchange(anchored, head.head) == head.head) continue;
+    head.utc = iso_utc(now.utc_ns);
+    const std::string line = to_line(head);
+    tell_({Notice::Grade::info, "anchor: " + line, 0, hex(head.head)});
+    lines += (lines.empty() ? "" : "\n") + line;
+  }
+  if (anchored_.size() > kOriginsKnown) anchored_.clear();
+  if (lines.empty() || (options_.anchor.file.empty() && options_.anchor.command.empty())) return;
+  const bool posted = jobs_.post([target = options_.anchor, lines, outcomes = outcomes_](const auto&) {
+    const auto done = deliver_anchor(target, lines);
+    outcomes->put({{}, true, done ? std::string() : done.error()});
+  });
+  if (!posted) outcomes_->put({{}, true, "the anchors before have not arrived yet"});
+}
+
+void Housekeeper::retain(const ClockPair& now) {
+  if (!outcomes_->all_listed()) return;
+  if (now.raw_ns >= next_retention_ns_) {
+    next_retention_ns_ = now.raw_ns + kRetentionPeriod_ns;
+    const auto chosen = choose_deletions(*list_->all(), options_.retention, now.utc_ns);
+    deletions_.assign(chosen.begin(), chosen.end());
+  }
+  // One a turn: each waits for the disk.
+  if (deletions_.empty()) return;
+  const Deletion deletion = std::move(deletions_.front());
+  deletions_.pop_front();
+  erase(deletion);
+}
+
+void Housekeeper::erase(const Deletion& deletion) {
+  const ListedRun& run = deletion.run;
+  if (run.file == listed_ || is_kept(options_.directory, run.file)) return;
+  if (auto told = folder_.run_deleted(run.run, run.head, deletion.why); !told) {
+    tell_({Notice::Grade::warning,
+           run.file + " is not deleted, for the ledger could not be told: " + told.error(),
+           run.run,
+           {}});
+    return;
+  }
+  list_->remove(run.file);
+  const std::string text = run.file + " deleted, " + std::to_string(run.bytes / 1'000'000) + " MB: " + deletion.why;
+  jobs_.post([path = options_.directory + "/" + run.file, text, number = run.run, outcomes = outcomes_](const auto&) {
+    const bool gone = unlink(path.c_str()) == 0;
+    for (const char* part : {"-wal", "-shm"}) unlink((path + part).c_str());
+    const auto grade = gone ? Notice::Grade::info : Notice::Grade::warning;
+    outcomes->put({{grade, gone ? text : path + " could not be deleted", number, {}}, false, {}});
+  });
+}
+
+void Housekeeper::take_outcomes() {
+  std::vector<Outcomes::Outcome> waiting;
+  {
+    const std::lock_guard lock(outcomes_->mutex);
+    waiting.swap(outcomes_->waiting);
+  }
+  for (Outcomes::Outcome& outcome : waiting) {
+    if (!outcome.notice.text.empty()) tell_(outcome.notice);
+    if (!outcome.of_anchor) continue;
+    if (!outcome.trouble.empty() && anchor_trouble_.empty())
+      tell_({Notice::Grade::warning, "anchor: " + outcome.trouble, 0, {}});
+    anchor_trouble_ = std::move(outcome.trouble);
+  }
+}
+
+}  // namespace dwell::record

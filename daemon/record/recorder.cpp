@@ -1,0 +1,235 @@
+#include "daemon/record/recorder.hpp"
+
+#include <pthread.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "daemon/clock.hpp"
+#include "daemon/record/record_ring.hpp"
+
+namespace dwell::record {
+namespace {
+
+// Between two turns. Longer: the buffer holds more, and more is lost with the power. Shorter: more wake-ups.
+constexpr std::chrono::milliseconds kTurn{20};
+// A thread that has not turned for so long waits for the disk: an alarm.
+constexpr std::int64_t kStall_ns = 2'000'000'000;
+
+// What comes in words rather than in the stream, in its order.
+class Inbox {
+ public:
+  using Letter = std::variant<StoredEvent, Request>;
+
+  void put(Letter letter) {
+    const std::lock_guard lock(mutex_);
+    if (letters_.size() == Recorder::kInbox) {
+      lost_.fetch_add(1, std::memory_order_relaxed);
+    } else {
+      letters_.push_back(std::move(letter));
+    }
+  }
+  [[nodiscard]] std::vector<Letter> take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(letters_, {});
+  }
+  [[nodiscard]] std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Letter> letters_;
+  std::atomic<std::uint64_t> lost_{0};
+};
+
+bool may_bear_request(const Record& record) {
+  return record.channel != 0 && (record.kind == Kind::run || record.kind == Kind::action);
+}
+
+std::string stall_text(std::int64_t ns) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f s", static_cast<double>(ns) * 1e-9);
+  return text;
+}
+
+}  // namespace
+
+// The thread last: it uses all the rest.
+struct Recorder::Impl {
+  explicit Impl(RecorderOptions options)
+      : tell(options.tell),
+        ring(ring_records(options.rate_hz)),
+        folder(options.folder),
+        keeper({options.folder.directory, options.retention, options.anchor}, folder, list, options.tell),
+        log(folder, {options.header, options.dwell_json, options.tell, options.names}),
+        thread([this] { run(); }) {}
+  ~Impl() {
+    {
+      const std::lock_guard lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    thread.join();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  const Tell tell;
+  RecordRing ring;
+  Inbox inbox;
+  // The recorder's thread alone, from here …
+  const std::shared_ptr<RunList> list = std::make_shared<RunList>();
+  RunFolder folder;
+  Housekeeper keeper;
+  RunLog log;
+  ListedRun recorded;   // the run that is recorded
+  std::string trouble;  // why no run can be recorded; empty: nothing known
+  std::int64_t next_look_ns = 0;
+  bool open = false;
+  // … to here.
+  std::atomic<bool> restart{false};
+  std::atomic<std::int64_t> turned_ns{raw_now_ns()};
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  bool stop = false;
+  RecorderState state;
+  std::thread thread;
+
+  void run() {
+    pthread_setname_np(pthread_self(), "recorder");
+    for (bool last = false; !last;) {
+      {
+        std::unique_lock lock(mutex);
+        last = wake.wait_for(lock, kTurn, [this] { return stop; });
+      }
+      turn({raw_now_ns(), utc_now_ns()});
+    }
+    log.finish();
+    // The list and the last anchor learn of it.
+    if (open) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
+  }
+
+  void turn(const ClockPair& now) {
+    log.set_clock(now);
+    if (now.raw_ns >= next_look_ns) look(now);
+    read_inbox();
+    ring.drain({[this](const Record& record) {
+                  if (may_bear_request(record)) read_inbox();
+                  log.record(record);
+                },
+                [this](const RingResult& result) { log.result(result.position, result.final, *result.dwell); },
+                [this](std::uint64_t lost) { log.gap(lost); }});
+    refresh_recorded();
+    if (open) keeper.turn(now, recorded.file.empty() ? nullptr : &recorded);
+    publish();
+    turned_ns.store(now.raw_ns, std::memory_order_relaxed);
+  }
+
+  void read_inbox() {
+    for (Inbox::Letter& letter : inbox.take()) {
+      if (auto* request = std::get_if<Request>(&letter)) {
+        log.request(std::move(*request));
+      } else {
+        log.event(std::move(std::get<StoredEvent>(letter)));
+      }
+    }
+  }
+
+  // Could a run be recorded? Where one goes on that is not, a new one is asked for.
+  void look(const ClockPair& now) {
+    next_look_ns = now.raw_ns + (log.progress() != nullptr ? kStall_ns : kRetry_ns);
+    if (log.progress() != nullptr) return trouble.clear();
+    const bool was_open = open;
+    const auto ready = folder.ready();
+    open = open || folder.is_open();
+    if (open && !was_open) opened();
+    if (!ready && trouble.empty())
+      tell({Notice::Grade::error, "runs cannot be recorded: " + ready.error() + "; measuring goes on", 0, {}});
+    if (ready && !trouble.empty()) tell({Notice::Grade::info, "runs can be recorded again", 0, {}});
+    trouble = ready ? std::string() : ready.error();
+    if (!ready || log.stopped().empty() || now.raw_ns - log.stopped_ns() < kRetry_ns) return;
+    log.goes_on();
+    restart.store(true, std::memory_order_relaxed);
+  }
+
+  void opened() {
+    const auto cut_off = folder.take_cut_off();
+    if (!cut_off) return;
+    std::string text = "run " + std::to_string(cut_off->run) + " was cut off";
+    if (!cut_off->until_utc.empty()) text += " at " + cut_off->until_utc;
+    text += cut_off->file.empty() ? ", it has no file" : ", " + cut_off->file;
+    log.interrupted(text);
+    log.goes_on();
+    tell({Notice::Grade::warning, text, cut_off->run, {}});
+  }
+
+  void refresh_recorded() {
+    const RunProgress* progress = log.progress();
+    if (progress == nullptr) {
+      recorded = {};
+      return;
+    }
+    recorded.run = progress->header.run;
+    recorded.file = folder.file();
+    recorded.label = progress->header.label;
+    recorded.begun_by = progress->header.begun_by;
+    recorded.begun_utc = progress->header.start_utc;
+    recorded.state = "recording";
+    recorded.bytes = progress->bytes;
+    recorded.samples = progress->samples;
+    recorded.dwells = progress->dwells;
+  }
+
+  void publish() {
+    RecorderState fresh;
+    fresh.recording = log.progress() != nullptr;
+    if (!fresh.recording) fresh.why_not = !log.stopped().empty() ? log.stopped() : trouble;
+    if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = open ? "no run goes on" : "starting";
+    fresh.run = recorded;
+    fresh.buffer_fill = ring.fill();
+    fresh.buffer_records = ring.capacity();
+    fresh.committed_ns = fresh.recording ? log.progress()->committed_ns : 0;
+    fresh.lost_records = ring.lost_records();
+    fresh.lost_results = ring.lost_results();
+    fresh.lost_events = inbox.lost();
+    if (!log.stopped().empty()) fresh.alarms.push_back("the run is not recorded: " + log.stopped());
+    if (!trouble.empty() && log.stopped() != trouble) fresh.alarms.push_back("runs cannot be recorded: " + trouble);
+    if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back("anchor: " + keeper.anchor_trouble());
+    const std::lock_guard lock(mutex);
+    state = std::move(fresh);
+  }
+};
+
+Recorder::Recorder(RecorderOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Recorder::~Recorder() = default;
+
+void Recorder::record(const Record& record) noexcept { impl_->ring.push(record); }
+void Recorder::result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) {
+  impl_->ring.push(position, final, std::move(dwell));
+}
+void Recorder::request(Request request) { impl_->inbox.put(std::move(request)); }
+void Recorder::event(StoredEvent event) { impl_->inbox.put(std::move(event)); }
+
+bool Recorder::take_restart() noexcept { return impl_->restart.exchange(false, std::memory_order_relaxed); }
+
+RecorderState Recorder::state(std::int64_t now_ns) const {
+  RecorderState state;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    state = impl_->state;
+  }
+  state.lost_records = impl_->ring.lost_records();
+  const std::int64_t still_ns = now_ns - last_turn_ns();
+  if (still_ns > kStall_ns) state.alarms.push_back("the disk has not answered for " + stall_text(still_ns));
+  return state;
+}
+
+std::shared_ptr<const ListedRuns> Recorder::runs() const { return impl_->list->all(); }
+std::int64_t Recorder::last_turn_ns() const noexcept { return impl_->turned_ns.load(std::memory_order_relaxed); }
+
+}  // namespace dwell::record

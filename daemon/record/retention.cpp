@@ -1,0 +1,43 @@
+#include "daemon/record/retention.hpp"
+
+#include <cstdio>
+
+#include "daemon/record/utc_text.hpp"
+
+namespace dwell::record {
+namespace {
+
+constexpr double kDay_ns = 86'400e9;
+
+std::string limit_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+bool may_go(const ListedRun& run) { return !run.kept && (run.state == "closed" || run.state == "cut off"); }
+
+bool is_older(const ListedRun& run, double days, std::int64_t now_utc_ns) {
+  const auto ended_ns = parse_utc(run.ended_utc);
+  return ended_ns && static_cast<double>(now_utc_ns - *ended_ns) > days * kDay_ns;
+}
+
+}  // namespace
+
+std::vector<Deletion> choose_deletions(const ListedRuns& runs, const RetentionPolicy& policy, std::int64_t now_utc_ns) {
+  double total = 0.0;
+  for (const ListedRun& run : runs) total += static_cast<double>(run.bytes);
+  std::vector<Deletion> chosen;
+  for (const ListedRun& run : runs) {
+    if (!may_go(run)) continue;
+    const bool old = policy.days && is_older(run, *policy.days, now_utc_ns);
+    const bool large = policy.gigabytes && total > *policy.gigabytes * 1e9;
+    if (!old && !large) continue;
+    total -= static_cast<double>(run.bytes);
+    chosen.push_back({run, old ? "older than " + limit_text(*policy.days) + " days"
+                               : "all runs together were larger than " + limit_text(*policy.gigabytes) + " GB"});
+  }
+  return chosen;
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,255 @@
+#include "daemon/record/run_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/disk_reserve.hpp"
+#include "daemon/record/file_name.hpp"
+#include "daemon/record/key_file.hpp"
+#include "daemon/record/last_entry.hpp"
+#include "daemon/record/utc_text.hpp"
+
+namespace dwell::record {
+namespace {
+
+constexpr const char* kClosed = "closed";
+constexpr const char* kCutOff = "cut off";
+
+// Held by one process at a time, and given free when it ends however it ends.
+class DirectoryLock {
+ public:
+  DirectoryLock() = default;
+  ~DirectoryLock() {
+    if (file_ >= 0) close(file_);
+  }
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+  [[nodiscard]] Result<void> take(const std::string& directory) {
+    if (file_ < 0) file_ = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file_ < 0) return tl::unexpected(directory + ": " + std::strerror(errno));
+    if (flock(file_, LOCK_EX | LOCK_NB) == 0) return {};
+    return tl::unexpected(directory + ": " +
+                          (errno == EWOULDBLOCK ? "another dwelld records here" : std::strerror(errno)));
+  }
+
+ private:
+  int file_ = -1;
+};
+
+Result<std::string> random_id() {
+  unsigned char bytes[16];
+  if (getrandom(bytes, sizeof bytes, 0) != static_cast<ssize_t>(sizeof bytes))
+    return tl::unexpected(std::string("no random numbers: ") + std::strerror(errno));
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string id;
+  for (const unsigned char byte : bytes) {
+    id += kDigits[byte >> 4];
+    id += kDigits[byte & 15u];
+  }
+  return id;
+}
+
+std::string file_of_run(const std::string& directory, std::int64_t run) {
+  std::error_code failed;
+  for (std::filesystem::directory_iterator entry(directory, failed), none; !failed && entry != none;
+       entry.increment(failed)) {
+    std::string name = entry->path().filename().string();
+    if (run_of_file_name(name) == run) return name;
+  }
+  return {};
+}
+
+Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entries) {
+  for (const NewEntry& entry : entries) {
+    if (auto appended = file.append(entry.kind, entry.t_ns, entry.body); !appended) {
+      file.roll_back();
+      return appended;
+    }
+  }
+  auto committed = file.commit();
+  if (!committed) file.roll_back();
+  return committed;
+}
+
+// What a file that nobody writes any more ends with.
+struct Found {
+  CutOffRun run;
+  std::string head;
+  std::int64_t seq = 0;
+  bool closed = false;
+};
+
+Result<Found> look_into(const std::string& directory, CutOffRun run) {
+  Found found{std::move(run), {}, 0, false};
+  auto reader = ChainReader::open(directory + "/" + found.run.file, ChainSort::run);
+  if (!reader) return tl::unexpected(reader.error());
+  const auto first = reader->next();
+  if (!first) return tl::unexpected(first.error());
+  const auto last = last_entry(*reader);
+  if (!last) return tl::unexpected(last.error());
+  found.head = hex(last->head);
+  found.seq = last->entry.seq;
+  found.closed = last->entry.kind == "end" || last->entry.kind == "signature";
+  if (*first) {
+    const auto header = parse_run_header((*first)->entry.body);
+    const auto began_ns = header ? parse_utc(header->start_utc) : tl::unexpected(header.error());
+    if (began_ns) found.run.until_utc = iso_utc(*began_ns + last->entry.t_ns - (*first)->entry.t_ns);
+  }
+  return found;
+}
+
+}  // namespace
+
+// The lock first: it is given free last.
+struct RunFolder::Impl {
+  explicit Impl(FolderOptions the_options)
+      : options(std::move(the_options)), reserve(options.directory + "/reserve", options.reserve_bytes) {}
+
+  const FolderOptions options;
+  DirectoryLock lock;
+  DiskReserve reserve;
+  std::optional<KeyAndLedger> signs;  // none: not open
+  std::optional<CutOffRun> cut_off;
+  // Of the run that is recorded.
+  std::optional<ChainWriter> file;
+  std::string name, origin;
+  std::int64_t run = 0;
+  std::optional<Anchor> last_head;  // of the run before
+
+  // Writes no byte of the file that was cut off.
+  Result<void> tell_of_cut_off() {
+    Ledger& ledger = signs->ledger;
+    if (ledger.running() == 0) return {};
+    Found found;
+    found.run.run = ledger.running();
+    found.run.file = file_of_run(options.directory, found.run.run);
+    if (!found.run.file.empty()) {
+      if (auto seen = look_into(options.directory, found.run)) found = std::move(*seen);
+    }
+    auto told = ledger.run_ends(found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff);
+    if (told && !found.closed) cut_off = std::move(found.run);
+    return told;
+  }
+
+  [[nodiscard]] std::optional<Anchor> head() const {
+    return Anchor{{}, origin, file->committed(), file->committed_head()};
+  }
+
+  // The ledger knows a run of which there is no file, and why.
+  void give_up(const std::string& why) {
+    file.reset();
+    for (const char* part : {"", "-wal", "-shm"}) unlink((options.directory + "/" + name + part).c_str());
+    reserve.release();
+    [[maybe_unused]] auto told = signs->ledger.run_ends(run, {}, 0, kCutOff).and_then([&] {
+      return signs->ledger.run_deleted(run, {}, "its file could not be made: " + why);
+    });
+    name.clear();
+    [[maybe_unused]] auto held = reserve.hold();
+  }
+
+  Result<void> make_file(const RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
+    auto made = ChainWriter::create(options.directory + "/" + name, ChainSort::run, origin, signs->key);
+    if (!made) return tl::unexpected(made.error());
+    file.emplace(std::move(*made));
+    if (auto appended = file->append("run", t_ns, to_json(header)); !appended) return appended;
+    return append_and_commit(*file, first);
+  }
+};
+
+RunFolder::RunFolder(FolderOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+RunFolder::~RunFolder() = default;
+
+Result<void> RunFolder::open() {
+  Impl& self = *impl_;
+  if (self.signs) return {};
+  std::error_code ignored;  // the lock says what is wrong with the directory
+  std::filesystem::create_directories(self.options.directory, ignored);
+  if (auto locked = self.lock.take(self.options.directory); !locked) return locked;
+  auto signs = open_key_and_ledger(self.options.directory, self.options.key_name);
+  if (!signs) return tl::unexpected(signs.error());
+  self.signs.emplace(std::move(*signs));
+  auto told = self.tell_of_cut_off();
+  if (!told) self.signs.reset();
+  return told;
+}
+
+bool RunFolder::is_open() const noexcept { return impl_->signs.has_value(); }
+
+Result<void> RunFolder::ready() {
+  Impl& self = *impl_;
+  if (auto opened = open(); !opened) return opened;
+  if (self.file) return {};
+  if (auto held = self.reserve.hold(); !held) return held;
+  const auto room = free_bytes(self.options.directory);
+  if (!room) return tl::unexpected(room.error());
+  if (*room >= self.options.room_bytes) return {};
+  return tl::unexpected("disk full: " + std::to_string(*room / 1'000'000) + " MB are free in " +
+                        self.options.directory + ", a run needs " +
+                        std::to_string(self.options.room_bytes / 1'000'000) + " MB to begin");
+}
+
+Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
+  Impl& self = *impl_;
+  if (auto can = ready(); !can) return can;
+  auto id = random_id();
+  if (!id) return tl::unexpected(id.error());
+  header.id = std::move(*id);
+  header.run = self.signs->ledger.next_run();
+  header.previous_head = self.signs->ledger.newest_head();
+  header.vkey = self.signs->key.public_key().vkey();
+  self.run = header.run;
+  self.origin = "dwell/run/" + header.id;
+  self.name = run_file_name(self.options.rig, header.run, compact_utc(header.start_utc));
+  // The ledger first: a file that it does not know would take the number of the next one.
+  auto begun = self.signs->ledger.run_begins(header, self.name);
+  if (!begun) {
+    self.name.clear();
+    return begun;
+  }
+  begun = self.make_file(header, t_ns, first);
+  if (!begun) self.give_up(begun.error());
+  return begun;
+}
+
+Result<void> RunFolder::write(std::span<const NewEntry> batch) { return append_and_commit(*impl_->file, batch); }
+
+// The last entries, what moves from the -wal into the file, and the ledger's entry: the reserve is for all of them.
+Result<void> RunFolder::end(std::span<const NewEntry> last) {
+  Impl& self = *impl_;
+  self.reserve.release();
+  const auto written = append_and_commit(*self.file, last);
+  const auto closed = written.and_then([&] { return self.file->close(); });
+  self.last_head = self.head();
+  const auto told = self.signs->ledger.run_ends(self.run, hex(self.last_head->head), self.last_head->seq,
+                                                written ? kClosed : kCutOff);
+  self.file.reset();
+  self.name.clear();
+  [[maybe_unused]] auto held = self.reserve.hold();  // where there is no room for it now, ready() tries again
+  return closed ? told : closed;
+}
+
+std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
+const std::string& RunFolder::file() const noexcept { return impl_->name; }
+
+std::vector<Anchor> RunFolder::heads() const {
+  std::vector<Anchor> heads;
+  if (const auto head = impl_->file ? impl_->head() : impl_->last_head) heads.push_back(*head);
+  if (impl_->signs) heads.push_back(impl_->signs->ledger.head());
+  return heads;
+}
+
+Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {
+  if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
+  return impl_->signs->ledger.run_deleted(run, head, why);
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,67 @@
+// The recording directory: run files, the ledger that knows them, the service's key, a reserve of room. One service at
+// a time records into one directory.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/record/anchor.hpp"
+#include "daemon/record/run_store.hpp"
+
+namespace dwell::record {
+
+struct FolderOptions {
+  std::string directory;
+  std::string rig;                          // the rig's name, for the files' names
+  std::string key_name;                     // of a key that is made; keys.hpp says what a name may be
+  std::int64_t reserve_bytes = 32'000'000;  // DiskReserve::kBytes; tests take less
+  // Room that must be free beside the reserve before a run begins: 100 s of 64 channels at 10 kHz. Less: recording
+  // stops again at once. More: a small disk is refused although it would do.
+  std::int64_t room_bytes = 256'000'000;
+};
+
+// A run that a crash or a loss of power ended.
+struct CutOffRun {
+  std::int64_t run = 0;
+  std::string file;       // its name in the directory; empty: there is none
+  std::string until_utc;  // of its last entry; empty: not known
+};
+
+// Bound to one thread. Fails with "disk full" or another reason for people.
+class RunFolder final : public RunStore {
+ public:
+  explicit RunFolder(FolderOptions options);
+  ~RunFolder() override;
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+
+  // Makes the directory's parts where they are not there yet, and tells the ledger of a run that was cut off. Harmless
+  // once it is open.
+  [[nodiscard]] Result<void> open();
+  [[nodiscard]] bool is_open() const noexcept;
+
+  [[nodiscard]] Result<void> ready() override;
+  [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;
+  [[nodiscard]] Result<void> write(std::span<const NewEntry> batch) override;
+  [[nodiscard]] Result<void> end(std::span<const NewEntry> last) override;
+
+  // The run that open() found cut off, once.
+  [[nodiscard]] std::optional<CutOffRun> take_cut_off();
+  // Of the run that is recorded; empty: none is.
+  [[nodiscard]] const std::string& file() const noexcept;
+  // What is to be anchored: the head of the newest run since open() as of its last commit, also once it has ended, and
+  // the ledger's. The caller fills in the instant.
+  [[nodiscard]] std::vector<Anchor> heads() const;
+  // The run's file may be deleted once the ledger says so.
+  [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dwell::record

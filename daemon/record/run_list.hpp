@@ -1,0 +1,59 @@
+// The runs of a recording directory, as they are listed to people and machines: kept in memory, so that no question
+// reads a file.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "daemon/record/keys.hpp"
+
+namespace dwell::record {
+
+struct ListedRun {
+  std::int64_t run = 0;  // the ledger's number
+  std::string file;      // its name in the directory
+  std::string label, begun_by;
+  std::string begun_utc;
+  std::string ended_utc;      // of one that was cut off: of its last entry; empty: it goes on
+  std::string state;          // "recording", "closed", "cut off", "unreadable"
+  std::uint64_t bytes = 0;    // on the disk, its -wal included
+  std::uint64_t samples = 0;  // 0 of one that was cut off
+  std::uint64_t dwells = 0;   // that have ended in it
+  std::string head;           // of its last entry, hexadecimal; empty while it goes on
+  bool kept = false;          // protected: retention never deletes it
+};
+
+using ListedRuns = std::vector<ListedRun>;  // oldest first
+
+// Looks into the file `name` of the directory. A file that cannot be read is listed as "unreadable". Milliseconds, and
+// longer for one that was cut off: its results are read.
+[[nodiscard]] ListedRun look_at_run(const std::string& directory, const std::string& name);
+
+// All run files of the directory but `running`, as they are found; `stop` is asked between them.
+void look_at_runs(const std::string& directory, const std::string& running, const std::function<void(ListedRun)>& take,
+                  const std::function<bool()>& stop);
+
+// Whether a file NAME.keep stands beside the run's file.
+[[nodiscard]] bool is_kept(const std::string& directory, const std::string& name);
+
+// Thread-safe: one thread writes, any reads.
+class RunList {
+ public:
+  // The newest so many are listed: 5 MB. Older ones are where they were, and can be read by file.
+  static constexpr std::size_t kListed = 10'000;
+
+  // Adds it, or replaces the entry of the same file.
+  void put(ListedRun run);
+  void remove(const std::string& file);
+  [[nodiscard]] std::shared_ptr<const ListedRuns> all() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<const ListedRuns> runs_ = std::make_shared<const ListedRuns>();
+};
+
+}  // namespace dwell::record

@@ -1,0 +1,78 @@
+#include "daemon/record/stream_events.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dwell::record {
+namespace {
+
+// What a hostile or broken stream can make this hold between two calls.
+constexpr std::size_t kMostStates = 1000;
+
+std::string named(const char* what, const std::vector<std::string>& names, std::size_t index) {
+  return std::string(what) + " " + (index < names.size() ? names[index] : std::to_string(index));
+}
+
+const char* loss_text(Loss loss) {
+  switch (loss) {
+    case Loss::refused:
+      return "no room on their way";
+    case Loss::late:
+      return "older than what had been used";
+    case Loss::ahead:
+      return "stamped ahead of the clock";
+    case Loss::overflow:
+      return "no room to put them in order";
+  }
+  return "unknown";
+}
+
+StoredEvent made(const char* what, std::uint64_t position, std::string text) {
+  StoredEvent event;
+  event.position = position;
+  event.what = what;
+  event.text = std::move(text);
+  return event;
+}
+
+}  // namespace
+
+void StreamEvents::take(const Record& record, std::uint64_t position) {
+  if (record.kind == Kind::channel_state && states_.size() < kMostStates) states_.emplace_back(position, record);
+  if (record.kind != Kind::loss && record.kind != Kind::fault) return;
+  Count& count = counts_[{record.kind, record.channel, record.flags}];
+  if (count.times == 0) count.position = position;
+  count.times += static_cast<std::uint64_t>(std::isfinite(record.value) ? std::max(record.value, 1.0) : 1.0);
+}
+
+std::vector<StoredEvent> StreamEvents::drain(const StreamNames& names) {
+  std::vector<StoredEvent> events;
+  for (const auto& [position, record] : states_) {
+    const auto fault = static_cast<Fault>(record.flags);
+    events.push_back(
+        made("fault", position,
+             named("channel", names.channels, record.channel) +
+                 (fault == Fault::none ? " delivers" : std::string(" does not deliver: ") + to_string(fault))));
+  }
+  for (const auto& [key, count] : counts_) {
+    const auto& [kind, index, flag] = key;
+    const std::string times = std::to_string(count.times);
+    if (kind == Kind::loss) {
+      events.push_back(made("loss", count.position,
+                            named("channel", names.channels, index) + ": " + times + " samples lost, " +
+                                loss_text(static_cast<Loss>(flag))));
+    } else {
+      events.push_back(made("fault", count.position,
+                            named("device", names.devices, index) + ": " + to_string(static_cast<Fault>(flag)) + ", " +
+                                times + " times"));
+    }
+  }
+  states_.clear();
+  counts_.clear();
+  std::stable_sort(events.begin(), events.end(),
+                   [](const StoredEvent& a, const StoredEvent& b) { return a.position < b.position; });
+  return events;
+}
+
+}  // namespace dwell::record

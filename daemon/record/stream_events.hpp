@@ -1,0 +1,39 @@
+// What the stream itself tells of faults, losses and channels that come and go, as events for people.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/stream/record.hpp"
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::record {
+
+// By Rig::channels and Rig::devices.
+struct StreamNames {
+  std::vector<std::string> channels, devices;
+};
+
+// Bound to one thread. A fault or loss that repeats makes one event a block, with the count of all.
+class StreamEvents {
+ public:
+  // `position`: of the record in its run.
+  void take(const Record& record, std::uint64_t position);
+  // What has come since the last call, in the order of the positions; the instants are not filled in.
+  [[nodiscard]] std::vector<StoredEvent> drain(const StreamNames& names);
+
+ private:
+  struct Count {
+    std::uint64_t position = 0;  // of the first
+    std::uint64_t times = 0;
+  };
+  using Key = std::tuple<Kind, std::uint16_t, std::uint8_t>;  // kind, channel or device, fault or loss
+
+  std::map<Key, Count> counts_;
+  std::vector<std::pair<std::uint64_t, Record>> states_;  // with their positions
+};
+
+}  // namespace dwell::record

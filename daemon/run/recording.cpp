@@ -1,0 +1,138 @@
+#include "daemon/run/recording.hpp"
+
+#include <unistd.h>
+
+#include <climits>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "config/sha256.hpp"
+#include "daemon/record/file_name.hpp"
+#include "daemon/record/small_file.hpp"
+#include "daemon/report/dwell_json.hpp"
+#include "daemon/version.hpp"
+
+namespace dwell {
+namespace {
+
+// A larger file that the rig file names is no description of the rig but data, a recording to be replayed for instance:
+// its name alone is kept.
+constexpr std::uintmax_t kKeptFileBytes = 4u << 20;
+// A device that states no rate, a bus for instance, is taken for this many readings of a channel per second.
+constexpr double kUnstatedRate_hz = 1000.0;
+
+// Files among the values that drivers are given.
+std::vector<std::string> files_named(const config::RigFile& file) {
+  std::vector<std::string> names;
+  const auto take = [&](const std::vector<config::Entry>& entries) {
+    for (const config::Entry& entry : entries) {
+      const auto* text = std::get_if<std::string>(&entry.value);
+      std::error_code failed;
+      if (text != nullptr && !text->empty() &&
+          std::filesystem::is_regular_file(std::filesystem::path(file.directory) / *text, failed))
+        names.push_back(*text);
+    }
+  };
+  for (const config::DeviceSettings& device : file.devices) {
+    take(device.entries);
+    for (const config::ChannelSettings& channel : device.channels) take(channel.entries);
+  }
+  return names;
+}
+
+tl::expected<record::KeptFile, std::string> keep(const config::RigFile& file, const std::string& name) {
+  const std::filesystem::path path = std::filesystem::path(file.directory) / name;
+  std::error_code failed;
+  if (std::filesystem::file_size(path, failed) > kKeptFileBytes && !failed) return record::KeptFile{name, {}, {}};
+  auto text = record::read_small_file(path.string(), kKeptFileBytes);
+  if (!text) return tl::unexpected(std::move(text.error()));
+  return record::KeptFile{name, config::sha256(*text), std::move(*text)};
+}
+
+tl::expected<record::RunHeader, std::string> header_of(const config::RigFile& file,
+                                                       const config::SchemaSource& drivers) {
+  record::RunHeader header;
+  header.rig = {file.path, file.sha256, file.text};
+  for (const std::string& name : files_named(file)) {
+    auto kept = keep(file, name);
+    if (!kept) return tl::unexpected(std::move(kept.error()));
+    header.files.push_back(std::move(*kept));
+  }
+  for (const config::DeviceSettings& device : file.devices) {
+    const auto table = drivers ? drivers(device.driver) : tl::unexpected(std::string());
+    const bool states = table && (*table)->version != nullptr;
+    header.plugins.push_back({device.driver, states ? (*table)->version : ""});
+  }
+  for (const Channel& channel : file.rig.channels) header.channels.push_back(channel.name);
+  return header;
+}
+
+double samples_per_second(const config::RigFile& file) {
+  double rate_hz = 0.0;
+  for (const config::DeviceSettings& device : file.devices)
+    rate_hz += static_cast<double>(device.channels.size()) * device.rate_hz.value_or(kUnstatedRate_hz);
+  return rate_hz;
+}
+
+Level level_of(record::Notice::Grade grade) {
+  switch (grade) {
+    case record::Notice::Grade::info:
+      return Level::info;
+    case record::Notice::Grade::warning:
+      return Level::warning;
+    case record::Notice::Grade::error:
+      return Level::error;
+  }
+  return Level::error;
+}
+
+}  // namespace
+
+std::string recording_directory(const config::RigFile& file) {
+  const char* const given = std::getenv("STATE_DIRECTORY");
+  const std::string state = given == nullptr ? "" : given;
+  const bool named = file.recording.directory != config::RecordingSettings().directory;
+  return named || state.empty() ? file.recording.directory : state.substr(0, state.find(':'));
+}
+
+std::string key_name(const config::RigFile& file) {
+  char host[HOST_NAME_MAX + 1] = {};
+  gethostname(host, sizeof host - 1);
+  // At most 100 characters; tame() gives 64.
+  return record::tame("dwell-" + record::tame(file.rig.name) + "-" + host);
+}
+
+tl::expected<std::unique_ptr<record::Recorder>, std::string> make_recorder(const config::RigFile& file,
+                                                                           const config::SchemaSource& drivers,
+                                                                           Log& log) {
+  if (!file.recording.on) return nullptr;
+  auto header = header_of(file, drivers);
+  if (!header) return tl::unexpected(std::move(header.error()));
+  record::RecorderOptions options;
+  options.folder.directory = recording_directory(file);
+  options.folder.rig = file.rig.name;
+  options.folder.key_name = key_name(file);
+  options.retention = {file.recording.retain_days, file.recording.retain_gigabytes};
+  if (const auto& anchor = file.recording.anchor) options.anchor = {anchor->minutes, anchor->file, anchor->command};
+  options.rate_hz = samples_per_second(file);
+  options.header = [base = std::move(*header)] {
+    record::RunHeader fresh = base;
+    fresh.origin = record::this_origin();
+    return fresh;
+  };
+  options.dwell_json = [rig = file.rig, sha256 = file.sha256](const Dwell& dwell, const std::string& start_utc) {
+    return to_json(dwell, rig, RunInfo{sha256, kVersion, start_utc});
+  };
+  options.tell = [&log](const record::Notice& notice) {
+    const std::string run = std::to_string(notice.run);
+    log.write(level_of(notice.grade), notice.text, {{"DWELL_RUN", run}, {"DWELL_HEAD", notice.head}});
+  };
+  for (const Channel& channel : file.rig.channels) options.names.channels.push_back(channel.name);
+  for (const config::DeviceSettings& device : file.devices) options.names.devices.push_back(device.name);
+  return std::make_unique<record::Recorder>(std::move(options));
+}
+
+}  // namespace dwell

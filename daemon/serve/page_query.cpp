@@ -1,0 +1,37 @@
+#include "daemon/serve/page_query.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+namespace dwell {
+
+std::optional<int> integer_of(std::string_view text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<Page> page_of(std::string_view query, std::size_t most) {
+  Page page{std::nullopt, most};
+  bool counted = false;
+  while (!query.empty()) {
+    const std::string_view term = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(term.size() + 1, query.size()));
+    const auto equals = std::min(term.find('='), term.size());
+    const std::string_view key = term.substr(0, equals);
+    const auto value = integer_of(term.substr(std::min(equals + 1, term.size())));
+    if (!value) return std::nullopt;
+    if (key == "from" && !page.from) {
+      page.from = *value;
+    } else if (key == "count" && !std::exchange(counted, true) && *value >= 1) {
+      page.count = std::min(static_cast<std::size_t>(*value), most);
+    } else {
+      return std::nullopt;
+    }
+  }
+  return page;
+}
+
+}  // namespace dwell

@@ -1,0 +1,21 @@
+// The query of an answer that comes in portions: from=INDEX, count=N.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace dwell {
+
+struct Page {
+  std::optional<int> from;  // index of the first; none: the newest
+  std::size_t count = 0;    // at most
+};
+
+// nullopt: not understood. No `count`, or one beyond `most`: as many as `most`.
+[[nodiscard]] std::optional<Page> page_of(std::string_view query, std::size_t most);
+
+// A decimal number and nothing else.
+[[nodiscard]] std::optional<int> integer_of(std::string_view text);
+
+}  // namespace dwell

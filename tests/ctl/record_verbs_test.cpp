@@ -1,0 +1,322 @@
+// The verbs that look at run files and sign them, as their users see them.
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "daemon/ctl/run_summary.hpp"
+#include "daemon/record/ledger.hpp"
+#include "daemon/report/dwell_json.hpp"
+#include "daemon/report/number_text.hpp"
+#include "tests/ctl/program.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+#include "tests/ctl/scripted_server.hpp"
+#include "tests/ctl/temporary.hpp"
+#include "tests/record/sample_run.hpp"
+
+namespace dwell {
+namespace {
+
+using record::sample_key;
+using record::SampleRun;
+using test::Outcome;
+
+bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+struct RecordVerbs : testing::Test {
+  SampleRun make(const std::string& name) const {
+    return record::sample_run_file(folder.path(name), key,
+                                   to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()));
+  }
+  std::string written(const std::string& name) const {
+    const SampleRun run = make(name);
+    write(run, key);
+    return run.path;
+  }
+  void alter(const std::string& path, const std::string& sql) const {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(database);
+  }
+
+  const test::TemporaryFolder folder;
+  const record::SigningKey key = sample_key("bench2");
+};
+
+TEST_F(RecordVerbs, AuditSaysIntactAndWhetherTheKeyIsTheOneAskedFor) {
+  const std::string run = written("run.dwell");
+  const std::string fingerprint = key.public_key().fingerprint();
+  const Outcome unknown = test::run({"audit", run});
+  EXPECT_EQ(unknown.code, 0) << unknown.err;
+  EXPECT_EQ(unknown.out, run + ": intact, key " + fingerprint + " not trusted\n");
+  const std::string vkey = key.public_key().vkey();
+  for (const std::string& pinned : {vkey, folder.file("key.pub", vkey + "\n")}) {
+    const Outcome known = test::run({"audit", run, "--key", pinned});
+    EXPECT_EQ(known.code, 0) << known.err;
+    EXPECT_EQ(known.out, run + ": intact\n");
+  }
+}
+
+TEST_F(RecordVerbs, AuditSaysWhereAFileIsTamperedWithAndGoesOnWithTheOthers) {
+  const std::string bad = written("bad.dwell");
+  alter(bad, "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 4");
+  const std::string good = written("good.dwell");
+  const Outcome outcome = test::run({"audit", bad, good, "--key", key.public_key().vkey()});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_TRUE(holds(outcome.out, bad + ": tampered: ")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "4")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, good + ": intact\n")) << outcome.out;
+}
+
+TEST_F(RecordVerbs, AuditSaysUntilWhenAnOpenFileHolds) {
+  SampleRun run = make("open.dwell");
+  run.closed = false;
+  write(run, key);
+  const Outcome outcome = test::run({"audit", run.path, "--key", key.public_key().vkey()});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.rfind(run.path + ": open until ", 0), 0u) << outcome.out;
+}
+
+TEST_F(RecordVerbs, AuditAsJsonIsAsTheInterfaceSays) {
+  const std::string bad = written("bad.dwell");
+  alter(bad, "DELETE FROM entry WHERE seq = 4");
+  const std::string good = written("good.dwell");
+  const Outcome outcome = test::run({"audit", "--json", good, bad});
+  EXPECT_EQ(outcome.code, 1);
+  const auto json = nlohmann::json::parse(outcome.out);
+  ASSERT_EQ(json["files"].size(), 2u);
+  const auto& intact = json["files"][0];
+  EXPECT_EQ(intact["file"], good);
+  EXPECT_EQ(intact["state"], "intact");
+  EXPECT_EQ(intact["run"], 17);
+  EXPECT_EQ(intact["samples"], 4000);
+  EXPECT_EQ(intact["head"].get<std::string>().size(), 64u);
+  EXPECT_TRUE(intact["where"].is_null());
+  EXPECT_TRUE(intact["until_s"].is_null());
+  EXPECT_EQ(intact["trusted"], false);
+  EXPECT_EQ(json["files"][1]["state"], "tampered");
+  EXPECT_TRUE(json["files"][1]["where"].is_string());
+  EXPECT_TRUE(json["ledger"].is_null());
+}
+
+TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
+  const SampleRun run = make("run.dwell");
+  write(run, key);
+  const std::string ledger = folder.path("ledger.dwell-ledger");
+  {
+    auto made = record::Ledger::open(folder.path(""), key);
+    ASSERT_TRUE(made) << made.error();
+    record::RunHeader first = run.header;
+    first.run = made->next_run();
+    ASSERT_TRUE(made->run_begins(first, "run.dwell"));
+  }
+  const Outcome there = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
+  EXPECT_EQ(there.code, 0) << there.out << there.err;
+  EXPECT_TRUE(holds(there.out, ledger + ": unbroken\n")) << there.out;
+  std::filesystem::remove(run.path);
+  const Outcome gone = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
+  EXPECT_EQ(gone.code, 1);
+  EXPECT_TRUE(holds(gone.out, "missing: ")) << gone.out;
+  const auto json = nlohmann::json::parse(test::run({"audit", "--json", "--ledger", ledger}).out);
+  EXPECT_EQ(json["ledger"].get<std::string>().rfind("missing: ", 0), 0u) << json;
+}
+
+TEST_F(RecordVerbs, UnusableInputIsOneLineAndExitCode2) {
+  const std::string run = written("run.dwell");
+  const std::string text = folder.file("text.dwell", "not a database");
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"audit"},
+                                                {"audit", folder.path("none.dwell")},
+                                                {"audit", run, "--key", "nonsense"},
+                                                {"audit", run, "--key", "a+b+c"},
+                                                {"show"},
+                                                {"show", folder.path("none.dwell")},
+                                                {"show", text},
+                                                {"runs", folder.path("none")},
+                                                {"sign", run},
+                                                {"sign", run, "--meaning", "reviewed", "--key", folder.path("none")}}) {
+    const Outcome outcome = test::run(wrong);
+    EXPECT_EQ(outcome.code, 2) << wrong[0] << ": " << outcome.out << outcome.err;
+    EXPECT_NE(outcome.err, "") << wrong[0];
+    EXPECT_EQ(outcome.out, "") << wrong[0];
+  }
+  EXPECT_EQ(test::run({"audit", text}).code, 1);  // tampered: it claims to be a run
+}
+
+TEST_F(RecordVerbs, ShowTellsWhatTheRunWas) {
+  const std::string run = written("run.dwell");
+  const Outcome outcome = test::run({"show", run});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part : {"run 17 · mount A, 4 Hz · closed", "rig.toml", "anna (uid 1000)", "after the new bearing",
+                           "on bench2 (Europe/Berlin), clock synchronized within", "4000 samples", "y0, reaction",
+                           "dwell 1 · measuring", "stiffness", "kN/m", "3 samples of reaction came too late", "knocked",
+                           "ended      2026-07-01T10:12:20Z: operator"})
+    EXPECT_TRUE(holds(outcome.out, part)) << part << "\n" << outcome.out;
+}
+
+TEST_F(RecordVerbs, ShowLinesUpIn80Columns) {
+  SampleRun run = make("a-name-that-is-rather-long-for-a-file-but-which-somebody-will-give-it-some-day.dwell");
+  run.header.label = std::string(200, 'l');
+  run.events[0].text =
+      "a reason that goes on and on, since whoever wrote it wished to leave no doubt about what it was";
+  write(run, key);
+  std::istringstream lines(test::run({"show", run.path}).out);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(width(line), 80u) << line;
+  EXPECT_GT(count, 20);
+}
+
+TEST_F(RecordVerbs, ShowAsJsonHoldsTheEntriesAsTheyAre) {
+  const std::string run = written("run.dwell");
+  const auto json = nlohmann::json::parse(test::run({"show", "--json", run}).out);
+  EXPECT_EQ(json["state"], "closed");
+  EXPECT_EQ(json["header"]["id"], "0123456789abcdef0123456789abcdef");
+  EXPECT_EQ(json["header"]["rig"]["text"], "# the rig file");
+  EXPECT_EQ(json["end"]["samples"], 4000);
+  EXPECT_EQ(json["events"].size(), 3u);
+  EXPECT_EQ(json["dwells"][0]["index"], 1);
+  EXPECT_EQ(json["key"], key.public_key().fingerprint());
+}
+
+// Its first block alone is looked at, for the instant of the first record.
+TEST_F(RecordVerbs, ShowDoesNotReadTheStream) {
+  const std::string run = written("run.dwell");
+  alter(run, "UPDATE entry SET body = zeroblob(1000000) WHERE kind = 'stream' AND seq > 2");
+  const Outcome outcome = test::run({"show", run});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "dwell 1")) << outcome.out;
+}
+
+TEST_F(RecordVerbs, RunsListsAFolderInTheirOrder) {
+  SampleRun later = make("a.dwell");
+  later.header.run = 18;
+  later.header.label = "second";
+  later.closed = false;
+  write(later, key);
+  (void)written("b.dwell");
+  (void)folder.file("notes.txt", "no run");
+  const Outcome outcome = test::run({"runs", folder.path("")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::istringstream lines(outcome.out);
+  std::string title, first, second, none;
+  std::getline(lines, title);
+  std::getline(lines, first);
+  std::getline(lines, second);
+  EXPECT_TRUE(holds(first, " 17  2026-07-01 10:12:00")) << first;
+  EXPECT_TRUE(holds(first, "closed")) << first;
+  EXPECT_TRUE(holds(first, "20.0 s")) << first;
+  EXPECT_TRUE(holds(second, " 18  ")) << second;
+  EXPECT_TRUE(holds(second, "cut off")) << second;
+  EXPECT_TRUE(holds(second, "second")) << second;
+  EXPECT_FALSE(std::getline(lines, none)) << none;
+  const auto json = nlohmann::json::parse(test::run({"runs", "--json", folder.path("")}).out);
+  EXPECT_EQ(json["runs"][0]["run"], 17);
+  EXPECT_EQ(json["runs"][0]["dwells"], 1);
+  EXPECT_EQ(json["runs"][1]["state"], "cut off");
+  EXPECT_EQ(test::run({"runs", folder.path("")}).err, "");
+}
+
+TEST_F(RecordVerbs, RunsTellsAFileThatCannotBeReadAndListsTheOthers) {
+  (void)written("a.dwell");
+  (void)folder.file("b.dwell", "no database");
+  const Outcome outcome = test::run({"runs", folder.path("")});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_TRUE(holds(outcome.out, "unreadable")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, " 17  ")) << outcome.out;
+}
+
+TEST_F(RecordVerbs, RunsAsksTheService) {
+  test::ScriptedServer server({{test::http_reply(200, R"({"runs":[]})")}});
+  const Outcome outcome = test::run({"runs", "--url", server.url()});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "no run has been recorded\n");
+  EXPECT_TRUE(holds(server.requests().at(0), "GET /api/v1/runs ")) << server.requests().at(0);
+}
+
+TEST_F(RecordVerbs, APersonSignsWithAKeyOfTheirOwn) {
+  const std::string run = written("run.dwell");
+  const std::string own = folder.path("config/key");
+  const Outcome made = test::run({"keygen", "--key", own, "--name", "anna@desk"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string vkey = test::contents(own + ".pub");
+  EXPECT_TRUE(holds(made.out, vkey)) << made.out;
+  struct stat is {};
+  ASSERT_EQ(stat(own.c_str(), &is), 0);
+  EXPECT_EQ(is.st_mode & 0777u, 0600u);
+  EXPECT_EQ(test::run({"keygen", "--key", own}).code, 2);  // never replaces one
+
+  const Outcome outcome = test::run(
+      {"sign", run, "--meaning", "reviewed", "--name", "Anna Weber", "--reason", "for the certificate", "--key", own});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "Anna Weber, reviewed, ")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "key of their own anna@desk")) << outcome.out;
+
+  const Outcome audit = test::run({"audit", run, "--key", key.public_key().vkey()});
+  EXPECT_EQ(audit.code, 0) << audit.out;
+  EXPECT_TRUE(holds(audit.out, ": intact\n  signed: ")) << audit.out;
+  EXPECT_TRUE(holds(audit.out, "Anna Weber")) << audit.out;
+  const Outcome show = test::run({"show", run});
+  EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber, reviewed, ")) << show.out;
+  EXPECT_TRUE(holds(show.out, "for the certificate")) << show.out;
+}
+
+TEST_F(RecordVerbs, WhatHasNotEndedIsNotSigned) {
+  SampleRun run = make("open.dwell");
+  run.closed = false;
+  write(run, key);
+  const std::string own = folder.path("key");
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  const std::string before = test::contents(run.path);
+  const Outcome outcome = test::run({"sign", run.path, "--meaning", "reviewed", "--name", "A", "--key", own});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_TRUE(holds(outcome.err, "ended")) << outcome.err;
+  EXPECT_EQ(test::contents(run.path), before);
+}
+
+TEST_F(RecordVerbs, SigningThroughAServiceThatIsNotThereSaysWhatElseCanBeDone) {
+  const std::string run = written("run.dwell");
+  const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--control", folder.path("none")});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_TRUE(holds(outcome.err, "--key FILE")) << outcome.err;
+}
+
+TEST_F(RecordVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
+  const std::string control = folder.path("control");
+  test::ScriptedServer server(
+      {{R"({"run":17,"signature":{"name":"Anna Weber","meaning":"reviewed","utc":"2026-07-02T08:00:00Z","seq":9,"head":")" +
+        std::string(64, 'a') +
+        R"(","person":{"uid":1000,"name":"anna"}}})"
+        "\n"},
+       {"{\"error\":\"/var/lib/dwell/run.dwell: the run has not ended\"}\n"}},
+      control);
+  const std::vector<std::string> command{"sign", "run.dwell", "--meaning", "reviewed", "--control", control};
+  const Outcome outcome = test::run(command);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(
+      outcome.out,
+      "run.dwell: signed: Anna Weber, reviewed, 2026-07-02T08:00:00Z: anna (uid 1000), vouched for by the service\n");
+  const auto request = nlohmann::json::parse(server.requests().at(0));
+  EXPECT_EQ(request["verb"], "sign");
+  EXPECT_EQ(request["file"], std::filesystem::absolute("run.dwell").string());
+  EXPECT_EQ(request["meaning"], "reviewed");
+  const Outcome refused = test::run(command);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_TRUE(holds(refused.err, "has not ended")) << refused.err;
+}
+
+TEST(RunSummary, TellsSizesAndDurationsAsPeopleDo) {
+  EXPECT_EQ(ctl::bytes_text(0), "0 B");
+  EXPECT_EQ(ctl::bytes_text(999), "999 B");
+  EXPECT_EQ(ctl::bytes_text(1234567), "1.23 MB");
+  EXPECT_EQ(ctl::bytes_text(999.6e3), "1.00 MB");
+  EXPECT_EQ(ctl::bytes_text(10e9), "10.0 GB");
+  EXPECT_EQ(ctl::duration_text(79.33), "79.3 s");
+  EXPECT_EQ(ctl::duration_text(723), "12 min 3 s");
+  EXPECT_EQ(ctl::duration_text(12000), "3 h 20 min");
+}
+
+}  // namespace
+}  // namespace dwell

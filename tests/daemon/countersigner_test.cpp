@@ -1,0 +1,147 @@
+#include "daemon/run/countersigner.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <future>
+#include <nlohmann/json.hpp>
+
+#include "daemon/record/run_reader.hpp"
+#include "tests/record/sample_run.hpp"
+#include "tests/record/scratch.hpp"
+
+namespace dwell {
+namespace {
+
+struct CountersignerTest : testing::Test {
+  record::SampleRun written(const std::string& name, bool closed = true) const {
+    record::SampleRun run = record::sample_run_file(scratch.path(name), key, R"({"index":1})");
+    run.closed = closed;
+    write(run, key);
+    return run;
+  }
+  void begin() {
+    signer.emplace(scratch.path(), key, [this](const Countersigned& made) -> record::Result<void> {
+      if (ledger_fails) return tl::unexpected(std::string("disk full"));
+      entered.push_back(made);
+      return {};
+    });
+  }
+  static SignRequest request(const std::string& file) {
+    SignRequest request;
+    request.file = file;
+    request.words.name = "Anna Weber";
+    request.words.meaning = "reviewed";
+    request.uid = getuid();
+    return request;
+  }
+  // Asks and waits for the answer.
+  record::Result<Countersigned> sign(const SignRequest& asked) {
+    std::promise<record::Result<Countersigned>> answer;
+    signer->ask(asked, [&answer](const record::Result<Countersigned>& made) { answer.set_value(made); });
+    return answer.get_future().get();
+  }
+
+  const record::Scratch scratch;
+  const record::SigningKey key = record::sample_key("bench2");
+  bool ledger_fails = false;
+  std::vector<Countersigned> entered;
+  std::optional<Countersigner> signer;
+};
+
+TEST_F(CountersignerTest, SignsAClosedRunForWhoAsksAndTheLedgerKnows) {
+  const auto run = written("run.dwell");
+  begin();
+  for (const std::string& file : {run.path, std::string("run.dwell")}) {
+    const auto made = sign(request(file));
+    ASSERT_TRUE(made) << made.error();
+    EXPECT_EQ(made->run, 17);
+    ASSERT_TRUE(made->signature.person);
+    EXPECT_EQ(made->signature.person->uid, getuid());
+  }
+  signer.reset();
+  ASSERT_EQ(entered.size(), 2u);
+  EXPECT_EQ(entered[0].signature.name, "Anna Weber");
+  EXPECT_LT(entered[0].signature.seq, entered[1].signature.seq);
+  auto reader = record::RunReader::open(run.path);
+  ASSERT_TRUE(reader) << reader.error();
+  EXPECT_EQ(reader->signatures()->size(), 2u);
+}
+
+TEST_F(CountersignerTest, TakesTheNameOfTheSystemWhereNoneIsGiven) {
+  (void)written("run.dwell");
+  begin();
+  SignRequest asked = request("run.dwell");
+  asked.words.name.clear();
+  const auto made = sign(asked);
+  ASSERT_TRUE(made) << made.error();
+  EXPECT_NE(made->signature.name, "");
+}
+
+TEST_F(CountersignerTest, TouchesNothingButClosedRunsInItsDirectory) {
+  namespace fs = std::filesystem;
+  const record::Scratch elsewhere;
+  record::SampleRun other = record::sample_run_file(elsewhere.path("other.dwell"), key, "{}");
+  write(other, key);
+  const std::string open = written("open.dwell", false).path;
+  const std::string link = scratch.path("link.dwell");
+  fs::create_symlink(other.path, link);
+  fs::create_directory(scratch.path("folder.dwell"));
+  fs::create_directory_symlink(elsewhere.path(), scratch.path("out"));
+  const std::string before = record::Scratch::read(other.path) + record::Scratch::read(open);
+  begin();
+  for (const std::string& file :
+       {other.path, open, link, scratch.path("folder.dwell"), scratch.path("out/other.dwell"),
+        scratch.path("../" + fs::path(elsewhere.path()).filename().string() + "/other.dwell"),
+        scratch.path("none.dwell"), scratch.write("key", "secret"), std::string(".."), std::string(1, '\0')}) {
+    const auto made = sign(request(file));
+    ASSERT_FALSE(made) << file;
+    EXPECT_NE(made.error(), "") << file;
+  }
+  signer.reset();
+  EXPECT_TRUE(entered.empty());
+  EXPECT_EQ(record::Scratch::read(other.path) + record::Scratch::read(open), before);
+}
+
+TEST_F(CountersignerTest, SaysWhereTheLedgerCouldNotBeTold) {
+  (void)written("run.dwell");
+  ledger_fails = true;
+  begin();
+  const auto made = sign(request("run.dwell"));
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().find("the ledger does not know of it: disk full"), std::string::npos) << made.error();
+}
+
+TEST_F(CountersignerTest, AnswersEveryoneWhenItGoes) {
+  (void)written("run.dwell");
+  begin();
+  std::atomic<int> answers = 0;
+  for (int i = 0; i < 40; ++i)
+    signer->ask(request("run.dwell"), [&answers](const record::Result<Countersigned>&) { ++answers; });
+  signer.reset();
+  EXPECT_EQ(answers, 40);
+}
+
+TEST(SignRequest, NamesWhatIsMissingInALine) {
+  EXPECT_EQ(parse_sign_request("x", 0).error(), "not a JSON object");
+  EXPECT_NE(parse_sign_request(R"({"verb":"sign"})", 0).error().find("no file"), std::string::npos);
+  EXPECT_NE(parse_sign_request(R"({"file":3})", 0).error().find("file: expected a text"), std::string::npos);
+  EXPECT_NE(parse_sign_request(R"({"file":"a.dwell"})", 0).error().find("no meaning"), std::string::npos);
+  const auto asked = parse_sign_request(R"({"verb":"sign","file":"a.dwell","meaning":"seen","reason":null})", 7);
+  ASSERT_TRUE(asked) << asked.error();
+  EXPECT_EQ(asked->uid, 7u);
+  EXPECT_EQ(asked->words.meaning, "seen");
+}
+
+TEST(SignRequest, IsAnsweredWithTheSignatureOrTheReason) {
+  EXPECT_EQ(sign_answer(tl::unexpected(std::string("no"))), R"({"error":"no"})");
+  record::PersonalSignature signature;
+  signature.name = "Anna";
+  const auto json = nlohmann::json::parse(sign_answer(Countersigned{3, signature}));
+  EXPECT_EQ(json["run"], 3);
+  EXPECT_EQ(json["signature"]["name"], "Anna");
+}
+
+}  // namespace
+}  // namespace dwell

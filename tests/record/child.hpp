@@ -1,0 +1,34 @@
+// Does something in a child process, for what must not happen to this one.
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <string>
+
+namespace dwell::record {
+
+// What `task` returned; what it says of how the child ended where it did not end by itself.
+inline std::string in_child(const std::function<std::string()>& task) {
+  int ends[2];
+  if (pipe(ends) != 0) return "no pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string said = task();
+    [[maybe_unused]] const auto written = write(ends[1], said.data(), said.size());
+    _exit(0);
+  }
+  close(ends[1]);
+  std::string said;
+  char part[4096];
+  for (ssize_t count = 0; (count = read(ends[0], part, sizeof part)) > 0;)
+    said.append(part, static_cast<std::size_t>(count));
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) said += " (the child ended by itself)";
+  return said;
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,157 @@
+// The independent reader in Python, written from docs/run-file.md alone, against what the record's own code writes.
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/signature.hpp"
+#include "tests/record/sample_run.hpp"
+#include "tests/record/scratch.hpp"
+
+namespace dwell::record {
+namespace {
+
+using PythonJson = nlohmann::json;
+
+struct PythonReader : testing::Test {
+  void SetUp() override {
+    if (std::system("/usr/bin/python3 -c 'import zstandard, cryptography' 2>/dev/null") != 0)
+      GTEST_SKIP() << "python3-zstandard or python3-cryptography is not installed";
+    run = sample_run_file(scratch.path("run.dwell"), key, R"({"index":1})");
+  }
+
+  struct Found {
+    int code = -1;
+    PythonJson json;
+  };
+  // What the reader says of the file.
+  [[nodiscard]] Found read(const std::string& options = "--heads") const {
+    const std::string command = "/usr/bin/python3 " PYTHON_RUN_READER " " + run.path + " " + options;
+    std::FILE* const pipe = popen(command.c_str(), "r");
+    std::string text;
+    char part[4096];
+    for (std::size_t n = 0; (n = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, n);
+    const int status = pclose(pipe);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, PythonJson::parse(text, nullptr, false)};
+  }
+  void alter(const std::string& sql) const {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(run.path.c_str(), &database), SQLITE_OK);
+    char* error = nullptr;
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
+    sqlite3_close(database);
+  }
+
+  const Scratch scratch;
+  const SigningKey key = sample_key("bench2");
+  SampleRun run;
+};
+
+// The line that the reader writes of it.
+std::string line_of(const Record& r) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &r.value, sizeof bits);
+  char text[128];
+  std::snprintf(text, sizeof text, "%lld,%lld,%016llx,%u,%u,%u,%u", static_cast<long long>(r.t_ns),
+                static_cast<long long>(r.stamped_ns), static_cast<unsigned long long>(bits), r.t_half_ns, r.channel,
+                static_cast<unsigned>(r.kind), r.flags);
+  return text;
+}
+
+TEST_F(PythonReader, ReadsEveryRecordToTheLastBitAndEveryHead) {
+  write(run, key);
+  const Found found = read("--heads --records " + scratch.path("records.csv") + " --key " + run.header.vkey);
+  ASSERT_EQ(found.code, 0) << found.json;
+  EXPECT_EQ(found.json["state"], "intact");
+  EXPECT_EQ(found.json["records"], run.stream.size());
+  EXPECT_EQ(found.json["samples"], 4000);
+  EXPECT_EQ(found.json["run"]["label"], run.header.label);
+  EXPECT_EQ(found.json["results"][0]["dwell"]["index"], 1);
+  EXPECT_EQ(found.json["events"][1]["text"], run.events[1].text);
+  EXPECT_EQ(found.json["end"]["why"], "operator");
+
+  std::istringstream lines(Scratch::read(scratch.path("records.csv")));
+  std::string line;
+  for (const Record& record : run.stream) {
+    ASSERT_TRUE(std::getline(lines, line));
+    ASSERT_EQ(line, line_of(record));
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+
+  auto reader = ChainReader::open(run.path, ChainSort::run);
+  ASSERT_TRUE(reader) << reader.error();
+  std::vector<std::string> heads;
+  for (auto row = reader->next(); row && *row; row = reader->next()) heads.push_back(hex((*row)->head));
+  EXPECT_EQ(found.json["heads"].get<std::vector<std::string>>(), heads);
+}
+
+TEST_F(PythonReader, TellsARunThatWasCutOff) {
+  run.closed = false;
+  write(run, key);
+  const Found found = read();
+  EXPECT_EQ(found.code, 0) << found.json;
+  EXPECT_EQ(found.json["state"], "open");
+  EXPECT_EQ(found.json["samples"], 4000);
+}
+
+TEST_F(PythonReader, KnowsSignaturesOfBothSorts) {
+  write(run, key);
+  const SigningKey own = sample_key("anna@desk");
+  PersonalSignature words{"Anna Weber", "reviewed", "", "2026-07-02T08:00:00Z", 0, "", Person{1000, "anna"}, "", ""};
+  ASSERT_TRUE(sign_by_service(run.path, words, key));
+  words.person.reset();
+  words.meaning = "approved";
+  words.reason = "as agreed";
+  ASSERT_TRUE(sign_by_own_key(run.path, words, own));
+  const Found found = read();
+  ASSERT_EQ(found.code, 0) << found.json;
+  ASSERT_EQ(found.json["signatures"].size(), 2u);
+  EXPECT_EQ(found.json["signatures"][0]["by"], "the service");
+  EXPECT_EQ(found.json["signatures"][1]["by"], own.public_key().vkey());
+  // Words put into the person's mouth: the chain is made good, the person's note is not.
+  alter(
+      "UPDATE entry SET body = CAST(replace(body, 'as agreed', 'gladly') AS BLOB) WHERE seq = (SELECT max(seq) FROM "
+      "entry)");
+  EXPECT_EQ(read().json["state"], "tampered");
+}
+
+TEST_F(PythonReader, FindsWhatWasAltered) {
+  for (const char* sql : {
+           "UPDATE entry SET body = CAST(replace(body, 'anna', 'carl') AS BLOB) WHERE seq = 1",
+           "UPDATE entry SET body = CAST(hex(body) AS BLOB) WHERE seq = 5",
+           "UPDATE entry SET body = substr(body, 1, length(body) - 1) WHERE seq = 6",
+           "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 7",
+           "UPDATE entry SET kind = 'result' WHERE kind = 'event'",
+           "DELETE FROM entry WHERE seq = 6",
+           "DELETE FROM entry WHERE kind = 'end'",
+           "DELETE FROM note WHERE seq = (SELECT max(seq) FROM note)",
+           "UPDATE note SET text = replace(text, 'dwell/run/0', 'dwell/run/1')",
+           "UPDATE note SET text = (SELECT text FROM note ORDER BY seq LIMIT 1) WHERE seq = 9",
+           "PRAGMA application_id = 1",
+       }) {
+    std::filesystem::remove(run.path);
+    write(run, key);
+    alter(sql);
+    const Found found = read();
+    EXPECT_EQ(found.code, 1) << sql;
+    EXPECT_EQ(found.json["state"], "tampered") << sql;
+    EXPECT_TRUE(found.json["where"].is_string()) << sql;
+  }
+}
+
+TEST_F(PythonReader, FindsAForgeryByAnotherKeyWhereTheKeyIsPinned) {
+  const std::string pinned = run.header.vkey;
+  const SigningKey forger = sample_key("bench2");
+  run.header.vkey = forger.public_key().vkey();
+  write(run, forger);
+  EXPECT_EQ(read().code, 0);
+  EXPECT_EQ(read("--key " + pinned).code, 1);
+}
+
+}  // namespace
+}  // namespace dwell::record

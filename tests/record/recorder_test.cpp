@@ -1,0 +1,191 @@
+#include "daemon/record/recorder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "daemon/clock.hpp"
+#include "daemon/record/audit.hpp"
+#include "daemon/record/file_name.hpp"
+#include "daemon/record/run_reader.hpp"
+#include "tests/record/recorded_rig.hpp"
+#include "tests/record/scratch.hpp"
+#include "tests/record/synthetic_stream.hpp"
+
+namespace dwell::record {
+namespace {
+
+// Waits for what another thread does; false: not within 20 s.
+template <class Condition>
+bool eventually(const Condition& condition) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < until) {
+    if (condition()) return true;
+    std::this_thread::yield();
+  }
+  return false;
+}
+
+struct RecorderTest : testing::Test {
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(scratch.path()))
+      if (run_of_file_name(entry.path().filename().string()) > 0) paths.push_back(entry.path().string());
+    std::sort(paths.begin(), paths.end());
+    return paths;
+  }
+  // Hands to the recorder and keeps.
+  [[nodiscard]] SyntheticStream stream_to(Recorder& recorder) {
+    return {2, 500.0, [&](const Record& record) {
+              handed.push_back(record);
+              recorder.record(record);
+            }};
+  }
+
+  Scratch scratch;
+  Notices notices;
+  std::vector<Record> handed;
+};
+
+TEST_F(RecorderTest, WhatItIsHandedStandsInTheFileBitForBit) {
+  {
+    Recorder recorder(recorder_options(scratch.path(), notices));
+    SyntheticStream stream = stream_to(recorder);
+    stream.armed();
+    stream.play(1.0);
+    Request start{.verb = Request::Verb::start, .number = 1, .label = "first", .event = {}};
+    start.event.what = "action";
+    start.event.person = Person{1000, "anna"};
+    recorder.request(start);
+    stream.begins(1);
+    stream.play(3.0);
+    recorder.result(stream.position(), false, std::make_shared<const Dwell>());
+    stream.play(1.0);
+    stream.ends(EndOfRun::service_stops);
+    recorder.result(stream.position(), true, std::make_shared<const Dwell>());
+  }
+  ASSERT_EQ(files().size(), 1u) << notices.text();
+  auto reader = RunReader::open(files()[0]);
+  ASSERT_TRUE(reader) << reader.error();
+  EXPECT_EQ(reader->header().label, "first");
+  EXPECT_EQ(reader->header().begun_by, "operator");
+  std::size_t place = 0;
+  ASSERT_TRUE(reader->stream([&](const Record& record) {
+    EXPECT_EQ(std::memcmp(&record, &handed[place], sizeof record), 0) << place;
+    return ++place < handed.size();
+  }));
+  EXPECT_EQ(place, handed.size());
+  std::vector<std::uint64_t> positions;
+  ASSERT_TRUE(reader->results(false, [&](const StoredResult& result) {
+    positions.push_back(result.position);
+    return true;
+  }));
+  ASSERT_EQ(positions.size(), 2u);
+  EXPECT_EQ(positions[1], handed.size());
+  ASSERT_TRUE(reader->end());
+  EXPECT_EQ(reader->end()->why, "service stopped");
+  EXPECT_EQ(reader->end()->records, handed.size());
+  const auto audit = audit_run(files()[0], {});
+  ASSERT_TRUE(audit);
+  EXPECT_EQ(audit->state, AuditState::intact) << audit->where;
+  EXPECT_TRUE(notices.hold("recording run 1 \"first\", begun by operator"));
+  EXPECT_TRUE(notices.hold("anchor: "));
+}
+
+TEST_F(RecorderTest, TellsWhatItRecordsAndListsItsRuns) {
+  Recorder recorder(recorder_options(scratch.path(), notices));
+  SyntheticStream stream = stream_to(recorder);
+  ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).why_not == "no run goes on"; }));
+  stream.armed();
+  stream.begins();
+  stream.play(2.5);
+  ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).run.samples >= 1500; }));
+  const RecorderState state = recorder.state(raw_now_ns());
+  EXPECT_TRUE(state.recording);
+  EXPECT_EQ(state.run.run, 1);
+  EXPECT_EQ(state.run.state, "recording");
+  EXPECT_GT(state.run.bytes, 0u);
+  EXPECT_EQ(state.lost_records, 0u);
+  EXPECT_TRUE(state.alarms.empty());
+  stream.ends();
+  stream.play(1.5);
+  ASSERT_TRUE(eventually([&] {
+    const auto runs = recorder.runs();
+    return runs->size() == 1 && runs->front().state == "closed";
+  }));
+  EXPECT_EQ(recorder.runs()->front().begun_by, "drive");
+}
+
+TEST_F(RecorderTest, ADirectoryThatCannotBeUsedIsAnAlarmAndNothingMore) {
+  Recorder recorder(recorder_options("/proc/nowhere", notices));
+  SyntheticStream stream = stream_to(recorder);
+  stream.armed();
+  stream.begins();
+  stream.play(2.0);
+  ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).alarms.size() == 1; }));
+  const RecorderState state = recorder.state(raw_now_ns());
+  EXPECT_FALSE(state.recording);
+  EXPECT_NE(state.why_not.find("/proc/nowhere"), std::string::npos) << state.why_not;
+  EXPECT_TRUE(notices.hold("runs cannot be recorded: /proc/nowhere"));
+}
+
+TEST_F(RecorderTest, AThreadThatDoesNotTurnIsAnAlarm) {
+  Recorder recorder(recorder_options(scratch.path(), notices));
+  const RecorderState state = recorder.state(raw_now_ns() + 7'000'000'000);
+  ASSERT_FALSE(state.alarms.empty());
+  EXPECT_EQ(state.alarms.back().substr(0, 33), "the disk has not answered for 7 s");
+}
+
+TEST_F(RecorderTest, RetentionDeletesWhatIsTooOldTellsTheLedgerAndSparesWhatIsKept) {
+  for (int run = 0; run < 3; ++run) {
+    Recorder recorder(recorder_options(scratch.path(), notices));
+    SyntheticStream stream = stream_to(recorder);
+    stream.armed();
+    stream.begins();
+    stream.play(1.5);
+  }
+  ASSERT_EQ(files().size(), 3u);
+  const std::string kept = files()[1];
+  std::ofstream(kept + std::string(kKeepSuffix)) << "";
+  {
+    RecorderOptions options = recorder_options(scratch.path(), notices);
+    options.retention.days = 0.0;
+    Recorder recorder(options);
+    EXPECT_TRUE(eventually([&] { return files().size() == 1; }));
+    EXPECT_TRUE(eventually([&] { return recorder.runs()->size() == 1; }));
+    EXPECT_TRUE(eventually([&] { return notices.hold("deleted, 0 MB: older than 0 days"); }));
+  }
+  EXPECT_EQ(files()[0], kept);
+  const auto ledger = audit_ledger(scratch.path("ledger.dwell-ledger"), scratch.path(), {});
+  ASSERT_TRUE(ledger) << ledger.error();
+  EXPECT_TRUE(ledger->unbroken) << ledger->where;
+  EXPECT_EQ(ledger->deleted.size(), 2u);
+  EXPECT_TRUE(ledger->missing.empty());
+}
+
+TEST_F(RecorderTest, ARunsHeadArrivesWhereItIsAnchored) {
+  RecorderOptions options = recorder_options(scratch.path(), notices);
+  options.anchor.file = scratch.path("heads");
+  {
+    Recorder recorder(options);
+    SyntheticStream stream = stream_to(recorder);
+    stream.armed();
+    stream.begins();
+    stream.play(2.5);
+    EXPECT_TRUE(eventually([&] { return std::filesystem::exists(scratch.path("heads")); }));
+  }
+  const auto anchors = read_anchors(scratch.path("heads"));
+  ASSERT_TRUE(anchors) << anchors.error();
+  AuditOptions audit_options;
+  audit_options.anchors = {scratch.path("heads")};
+  const auto audit = audit_run(files()[0], audit_options);
+  ASSERT_TRUE(audit);
+  EXPECT_EQ(audit->state, AuditState::intact) << audit->where;
+}
+
+}  // namespace
+}  // namespace dwell::record

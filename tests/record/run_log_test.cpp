@@ -1,0 +1,350 @@
+#include "daemon/record/run_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "daemon/record/block.hpp"
+#include "tests/record/synthetic_stream.hpp"
+
+namespace dwell::record {
+namespace {
+
+struct MemoryRun {
+  RunHeader header;
+  std::vector<NewEntry> entries;
+  bool closed = false;
+};
+
+// A disk in memory. Where it is full it takes nothing but what the reserve is for.
+class MemoryStore final : public RunStore {
+ public:
+  Result<void> ready() override { return verdict(); }
+  Result<void> begin(RunHeader& header, std::int64_t /*t_ns*/, std::span<const NewEntry> first) override {
+    if (auto can = verdict(); !can) return can;
+    header.run = static_cast<std::int64_t>(runs.size()) + 1;
+    runs.push_back({header, {first.begin(), first.end()}, false});
+    return {};
+  }
+  Result<void> write(std::span<const NewEntry> batch) override {
+    if (auto can = verdict(); !can) return can;
+    runs.back().entries.insert(runs.back().entries.end(), batch.begin(), batch.end());
+    ++commits;
+    return {};
+  }
+  Result<void> end(std::span<const NewEntry> last) override {
+    if (broken) return tl::unexpected(std::string("input/output error"));
+    runs.back().entries.insert(runs.back().entries.end(), last.begin(), last.end());
+    runs.back().closed = true;
+    return {};
+  }
+  Result<void> verdict() const {
+    if (full) return tl::unexpected(std::string("disk full"));
+    return {};
+  }
+
+  std::vector<MemoryRun> runs;
+  int commits = 0;
+  bool full = false, broken = false;
+};
+
+StoredEvent event_of(const std::string& text) {
+  StoredEvent event;
+  event.what = "state";
+  event.text = text;
+  return event;
+}
+
+struct RunLogTest : testing::Test {
+  RunLogTest()
+      : log(store, {[] { return RunHeader(); },
+                    [](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"}"; },
+                    [this](const Notice& notice) { notices.push_back(notice); },
+                    {{"y0", "y1"}, {"amplifier"}}}),
+        stream(2, 200.0, [this](const Record& record) {
+          log.set_clock({record.t_ns, kUtc_ns + record.t_ns});
+          handed.push_back(record);
+          log.record(record);
+        }) {}
+
+  static std::vector<Record> records_of(const MemoryRun& run) {
+    std::vector<Record> all, some;
+    for (const NewEntry& entry : run.entries) {
+      if (entry.kind != "stream") continue;
+      EXPECT_TRUE(decode_block(entry.body, some));
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  }
+  static std::vector<StoredEvent> events_of(const MemoryRun& run) {
+    std::vector<StoredEvent> events;
+    for (const NewEntry& entry : run.entries)
+      if (entry.kind == "event") events.push_back(*parse_event(entry.body));
+    return events;
+  }
+  static RunEnd end_of(const MemoryRun& run) { return *parse_run_end(run.entries.back().body); }
+  // The stream as handed in, from the birth of the run's pipeline on, so many records.
+  void expect_stream(const MemoryRun& run, std::size_t from, std::size_t count) const {
+    const auto records = records_of(run);
+    ASSERT_EQ(records.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(records[i].t_ns, handed[from + i].t_ns) << i;
+      ASSERT_EQ(records[i].kind, handed[from + i].kind) << i;
+      ASSERT_EQ(records[i].value, handed[from + i].value) << i;
+    }
+  }
+  [[nodiscard]] bool told(const std::string& part) const {
+    return std::any_of(notices.begin(), notices.end(),
+                       [&](const Notice& n) { return n.text.find(part) != std::string::npos; });
+  }
+
+  static constexpr std::int64_t kUtc_ns = 1'790'000'000'000'000'000;
+  MemoryStore store;
+  std::vector<Notice> notices;
+  std::vector<Record> handed;
+  RunLog log;
+  SyntheticStream stream;
+};
+
+TEST_F(RunLogTest, ARunHoldsTheStreamFromTheBirthOfItsPipelineToItsEnd) {
+  stream.play(0.3);
+  stream.armed();
+  stream.play(10.0);
+  const std::size_t elder = handed.size();
+  stream.armed();
+  stream.play(10.0);
+  stream.armed();
+  stream.play(5.0);
+  stream.begins();
+  stream.play(3.2);
+  stream.ends();
+  const std::size_t end = handed.size();
+  stream.play(1.1);
+  ASSERT_EQ(store.runs.size(), 1u);
+  const MemoryRun& run = store.runs[0];
+  EXPECT_TRUE(run.closed);
+  EXPECT_EQ(run.header.begun_by, "drive");
+  expect_stream(run, elder, end - elder);
+  EXPECT_EQ(end_of(run).why, "drive stopped");
+  EXPECT_EQ(end_of(run).records, end - elder);
+  EXPECT_EQ(run.header.start_utc, iso_utc(kUtc_ns + handed[elder].t_ns));
+}
+
+TEST_F(RunLogTest, WhatIsNotWrittenIsNeverOlderThanASecond) {
+  stream.armed();
+  stream.begins();
+  for (int i = 0; i < 500; ++i) {
+    stream.play(0.013);
+    const std::int64_t written_ns = store.runs[0].entries.back().t_ns;
+    ASSERT_LE(stream.t_ns() - written_ns, BlockCutter::kBlock_ns + 20'000'000);
+  }
+  EXPECT_LE(store.commits, 7) << "6.5 s of stream";
+}
+
+TEST_F(RunLogTest, NothingOlderThanTheElderPipelineIsKept) {
+  for (int i = 0; i < 20; ++i) {
+    stream.armed();
+    stream.play(10.0);
+  }
+  const std::size_t kept = log.kept_bytes();
+  for (int i = 0; i < 20; ++i) {
+    stream.armed();
+    stream.play(10.0);
+  }
+  EXPECT_GT(kept, 0u);
+  EXPECT_NEAR(static_cast<double>(log.kept_bytes()), static_cast<double>(kept), 0.1 * static_cast<double>(kept));
+}
+
+TEST_F(RunLogTest, ResultsAndEventsFollowTheBlockOfTheirPositionAndFinalsComeAfterTheEnd) {
+  stream.armed();
+  stream.play(0.5);
+  log.event(event_of("before the run"));
+  stream.begins();
+  stream.play(0.7);
+  const std::uint64_t at = stream.position();
+  log.result(at, false, {});
+  log.event(event_of("in the run"));
+  stream.ends();
+  log.result(stream.position(), true, {});
+  stream.play(2.0);
+  ASSERT_EQ(store.runs.size(), 1u);
+  const MemoryRun& run = store.runs[0];
+  std::string kinds;
+  for (const NewEntry& entry : run.entries) kinds += entry.kind[0];
+  EXPECT_EQ(kinds, "sesrere") << "stream, event, stream, result, event, result, end";
+  EXPECT_EQ(events_of(run)[0].text, "before the run");
+  EXPECT_EQ(events_of(run)[1].position, at);
+  EXPECT_EQ(parse_result(run.entries[3].body)->position, at);
+  EXPECT_TRUE(parse_result(run.entries[5].body)->final);
+  EXPECT_TRUE(std::is_sorted(run.entries.begin(), run.entries.end(),
+                             [](const NewEntry& a, const NewEntry& b) { return a.t_ns < b.t_ns; }));
+}
+
+TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosition) {
+  Request start{.verb = Request::Verb::start, .number = 3, .label = "oil film", .event = {}};
+  start.event.what = "action";
+  start.event.text = "start";
+  start.event.comment = "second try";
+  start.event.person = Person{1000, "anna"};
+  stream.armed();
+  log.request(start);
+  stream.begins(3);
+  const std::uint64_t began = stream.position();
+  stream.play(2.0);
+  Request stop{.verb = Request::Verb::stop, .number = 4, .label = {}, .event = {}};
+  stop.event.text = "stop";
+  log.request(stop);
+  stream.ends(EndOfRun::by_operator, 4);
+  log.finish();
+  const MemoryRun& run = store.runs[0];
+  EXPECT_EQ(run.header.begun_by, "operator");
+  EXPECT_EQ(run.header.label, "oil film");
+  EXPECT_EQ(run.header.comment, "second try");
+  EXPECT_EQ(run.header.person->name, "anna");
+  ASSERT_EQ(events_of(run).size(), 2u);
+  EXPECT_EQ(events_of(run)[0].position, began);
+  EXPECT_EQ(events_of(run)[1].text, "stop");
+  EXPECT_EQ(end_of(run).why, "operator");
+}
+
+TEST_F(RunLogTest, AFullDiskEndsTheRunWithItsReasonAndTheNextRunSaysSo) {
+  stream.armed();
+  stream.begins();
+  stream.play(5.0);
+  store.full = true;
+  const std::size_t before = handed.size();
+  stream.play(1.5);
+  ASSERT_TRUE(store.runs[0].closed) << "the reserve takes the last entries";
+  EXPECT_EQ(end_of(store.runs[0]).why, "disk full");
+  EXPECT_EQ(events_of(store.runs[0]).back().text, "recording stops: disk full");
+  EXPECT_GE(records_of(store.runs[0]).size(), before - 500) << "no more than the block that was being gathered is lost";
+  EXPECT_EQ(log.stopped(), "disk full");
+  EXPECT_TRUE(told("recording stops: disk full"));
+  stream.play(60.0);
+  EXPECT_EQ(log.kept_bytes(), 0u) << "the stream of a run that is not recorded is not kept";
+  store.full = false;
+  log.goes_on();
+  stream.ends(EndOfRun::by_operator);
+  stream.armed();
+  stream.begins();
+  stream.play(2.0);
+  ASSERT_EQ(store.runs.size(), 2u);
+  EXPECT_EQ(log.stopped(), "");
+  EXPECT_EQ(store.runs[1].header.begun_by, "service");
+  EXPECT_EQ(events_of(store.runs[1])[0].text, "goes on after an interruption: run 1 ended: disk full");
+}
+
+TEST_F(RunLogTest, ADiskThatIsFullAsTheRunBeginsIsToldAndTheRunIsNotRecorded) {
+  store.full = true;
+  stream.armed();
+  stream.play(1.0);
+  stream.begins();
+  stream.play(5.0);
+  EXPECT_TRUE(store.runs.empty());
+  EXPECT_EQ(log.stopped(), "disk full");
+}
+
+TEST_F(RunLogTest, ADiskThatTakesNotEvenTheEndIsToldAsAnError) {
+  stream.armed();
+  stream.begins();
+  stream.play(3.0);
+  store.full = store.broken = true;
+  stream.play(2.0);
+  EXPECT_FALSE(store.runs[0].closed);
+  EXPECT_TRUE(told("its file could not be closed: input/output error"));
+  EXPECT_EQ(log.stopped(), "disk full");
+}
+
+TEST_F(RunLogTest, WhereRecordsAreMissingTheRunEndsWithTheirCount) {
+  stream.armed();
+  stream.begins();
+  stream.play(2.5);
+  log.gap(1234);
+  stream.play(10.0);
+  ASSERT_TRUE(store.runs[0].closed);
+  EXPECT_EQ(end_of(store.runs[0]).why, "recorder fell behind");
+  EXPECT_EQ(events_of(store.runs[0]).back().text, "recorder fell behind: 1234 records of the stream are lost");
+  EXPECT_EQ(store.runs.size(), 1u) << "not from the middle: its replay would be another";
+  EXPECT_NE(log.stopped(), "");
+}
+
+TEST_F(RunLogTest, ARunNeverReachesBackOverAGap) {
+  stream.armed();
+  stream.play(3.0);
+  log.gap(10);
+  stream.play(3.0);
+  stream.begins();
+  stream.play(2.0);
+  EXPECT_TRUE(store.runs.empty());
+  EXPECT_EQ(log.stopped(), "the time before the run is not in memory");
+}
+
+TEST_F(RunLogTest, AfterACrashTheFirstRunGoesOnByTheServiceIfItComesSoon) {
+  log.set_clock({stream.t_ns(), kUtc_ns});
+  log.interrupted("run 7 was cut off");
+  log.goes_on();
+  stream.armed();
+  stream.play(12.0);
+  stream.begins();
+  stream.play(1.2);
+  EXPECT_EQ(store.runs[0].header.begun_by, "service");
+  EXPECT_EQ(events_of(store.runs[0])[0].text, "goes on after an interruption: run 7 was cut off");
+}
+
+TEST_F(RunLogTest, AfterACrashARunThatComesMuchLaterIsTheDrives) {
+  log.set_clock({stream.t_ns(), kUtc_ns});
+  log.interrupted("run 7 was cut off");
+  log.goes_on();
+  stream.play(70.0);
+  stream.armed();
+  stream.begins();
+  stream.play(1.2);
+  EXPECT_EQ(store.runs[0].header.begun_by, "drive");
+  EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
+}
+
+TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
+  stream.armed();
+  stream.begins();
+  stream.play(0.2);
+  stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 2});
+  const std::uint64_t at = stream.position();
+  for (int i = 0; i < 3; ++i)
+    stream.put({.t_ns = stream.t_ns(), .value = 10.0, .channel = 1, .kind = Kind::loss, .flags = 2});
+  stream.put({.t_ns = stream.t_ns(), .value = 4.0, .channel = 0, .kind = Kind::fault, .flags = 2});
+  stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 0});
+  stream.play(2.0);
+  const auto events = events_of(store.runs[0]);
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[0].text, "channel y1 does not deliver: timeout");
+  EXPECT_EQ(events[0].position, at);
+  EXPECT_EQ(events[1].text, "channel y1: 30 samples lost, older than what had been used");
+  EXPECT_EQ(events[1].position, at + 1);
+  EXPECT_EQ(events[2].text, "device amplifier: timeout, 4 times");
+  EXPECT_EQ(events[3].text, "channel y1 delivers");
+}
+
+TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
+  stream.armed();
+  stream.begins();
+  stream.play(1.0);
+  log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns() + 3'000'000'000});
+  log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns()});
+  stream.play(1.5);
+  const auto events = events_of(store.runs[0]);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].what, "clock");
+  EXPECT_EQ(events[0].text, "the wall clock was set by +3.000 s");
+}
+
+TEST_F(RunLogTest, TheEndOfTheServiceEndsTheRun) {
+  stream.armed();
+  stream.begins();
+  stream.play(2.5);
+  log.finish();
+  EXPECT_EQ(end_of(store.runs[0]).why, "service stopped");
+  expect_stream(store.runs[0], 0, handed.size());
+}
+
+}  // namespace
+}  // namespace dwell::record
