@@ -111,6 +111,63 @@ void read_gpio(Section& section, Draft& draft) {
   section.refuse_rest();
 }
 
+void read_retention(const toml::table& table, RecordingSettings& recording, MistakeList& mistakes) {
+  Section retain(table, "\"retain\"", mistakes);
+  double days = 0.0, gigabytes = 0.0;
+  constexpr double kMost = 1e6;
+  if (retain.real("days", days, {"a number above 0, at most 1e6 (days)", 0.0, kMost, true}))
+    recording.retain_days = days;
+  if (retain.real("gigabytes", gigabytes, {"a number above 0, at most 1e6 (10^9 bytes)", 0.0, kMost, true}))
+    recording.retain_gigabytes = gigabytes;
+  retain.refuse_rest();
+}
+
+// The program and its arguments, as they are: no shell looks at them.
+void read_command(Section& anchor, std::vector<std::string>& command) {
+  constexpr const char* kCommand =
+      "a program by its whole path and its arguments, for instance [\"/usr/local/bin/send-head\", \"lab\"]";
+  const toml::array* given = anchor.array("command", kCommand);
+  if (given == nullptr) return;
+  for (const toml::node& node : *given) {
+    const auto* word = node.as_string();
+    if (word == nullptr || !printable(word->get()))
+      return anchor.wrong("command", "\"command\" holds " + shown(node) + ": expected " + kCommand);
+    command.push_back(word->get());
+  }
+  if (command.empty() || command.front().front() != '/')
+    anchor.wrong("command", "\"command\" names no program by its whole path: expected " + std::string(kCommand));
+}
+
+void read_anchor(const toml::table& table, Draft& draft) {
+  Section section(table, "\"anchor\"", draft.mistakes);
+  RecordingSettings::Anchor& anchor = draft.file.recording.anchor.emplace();
+  section.real("minutes", anchor.minutes, {"a number from 1 to 10080 (minutes)", 1.0, 10080.0});
+  std::string file;
+  if (section.text("file", file, "a file that gets a line for each anchor, a path"))
+    anchor.file = (std::filesystem::path(draft.file.directory) / file).string();
+  read_command(section, anchor.command);
+  const bool has_file = section.peek("file") != nullptr, has_command = section.peek("command") != nullptr;
+  if (has_file == has_command)
+    section.wrong(has_file ? "command" : "",
+                  has_file ? "\"anchor\" has a \"file\" and a \"command\": expected one of them"
+                           : "\"anchor\" has neither \"file\" nor \"command\": expected one of them");
+  section.refuse_rest();
+}
+
+void read_recording(Section& section, Draft& draft) {
+  RecordingSettings& recording = draft.file.recording;
+  recording.on = true;
+  std::string directory;
+  if (section.text("directory", directory, "the directory of the recordings, a path"))
+    recording.directory = (std::filesystem::path(draft.file.directory) / directory).string();
+  section.real("every", recording.every_s, {"a number from 0.1 to 3600 (s)", 0.1, 3600.0});
+  if (const toml::table* table = section.table("retain", "a table { days, gigabytes }"))
+    read_retention(*table, recording, draft.mistakes);
+  if (const toml::table* table = section.table("anchor", "a table { minutes, file } or { minutes, command }"))
+    read_anchor(*table, draft);
+  section.refuse_rest();
+}
+
 }  // namespace
 
 void read_service(Section& root, Draft& draft) {
@@ -125,11 +182,7 @@ void read_service(Section& root, Draft& draft) {
   }
   if (const toml::table* table = root.table("recording", "a table [recording]")) {
     Section section(*table, "[recording]", draft.mistakes);
-    std::string directory;
-    if (section.text("directory", directory, "the directory of the recordings, a path")) {
-      draft.file.recording.directory = (std::filesystem::path(draft.file.directory) / directory).string();
-    }
-    section.refuse_rest();
+    read_recording(section, draft);
   }
   if (const toml::table* table = root.table("gpio", "a table [gpio]")) {
     draft.gpio.emplace(*table, "[gpio]", draft.mistakes);

@@ -12,6 +12,15 @@ bool is_unusable(Condition condition) { return condition == Condition::clipped |
 
 std::string words(const char* what, const std::string& why) { return why.empty() || why == what ? what : why; }
 
+const char* run_words(const RunView& run) {
+  if (!run.bracketed) return "not recorded: the rig file has no [recording]";
+  if (run.on) return run.by_operator ? "an operator's run goes on" : "a run of the drive goes on";
+  if (run.held)
+    return "no run goes on: it was stopped; the next begins with \"dwellctl start\", or with the drive once it has "
+           "rested";
+  return "no run goes on: the next begins with the drive, or with \"dwellctl start\"";
+}
+
 }  // namespace
 
 const char* to_string(Health::Status status) noexcept {
@@ -49,6 +58,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status
     health.reasons.push_back("the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
 
   for (const std::string& alarm : alarms) health.reasons.push_back("recording: " + alarm);
+
+  health.run = run_words(snapshot.run);
 
   const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
   health.status = !trouble.empty()         ? Health::Status::fault

@@ -19,6 +19,7 @@ struct Health {
   Status status = Status::ok;
   std::vector<std::string> reasons;  // empty with ok
   bool ready = false;  // a dwell is measured whose coefficients may be relied on; the interlock is not open
+  std::string run{};   // whether a run goes on and is recorded: a fact, no fault
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 

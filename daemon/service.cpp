@@ -99,12 +99,17 @@ struct Service::Impl {
     now.threads = session->threads();
     now.gpio = session->gpio();
     now.accuracy = session->file().verification.accuracy;
-    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, watch.trouble());
+    if (record::Recorder* const recorder = session->recorder()) {
+      now.recorder = recorder->state(now.now_ns);
+      now.runs = recorder->runs();
+    }
+    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, watch.trouble(),
+                              now.recorder ? now.recorder->alarms : std::vector<std::string>());
     return now;
   }
 
   void each_outlet(const std::function<void(Outlet&)>& call) {
-    call_each({log_lines.get(), session->lamps(), systemd.get(), http.get()}, call);
+    call_each({log_lines.get(), session->record_events(), session->lamps(), systemd.get(), http.get()}, call);
   }
   void tell_events() {
     for (RunEvent event; session->run().next_event(event);)
@@ -126,6 +131,8 @@ struct Service::Impl {
   // The loop turns, or this would not be called; the rest is looked at.
   void look() {
     watch.look(raw_now_ns(), session->threads(), session->rings());
+    if (record::Recorder* const recorder = session->recorder(); recorder != nullptr && recorder->take_restart())
+      (void)session->run().restart();
     show();
     if (watch.trouble().empty()) notifier.feed_watchdog();
   }
@@ -139,9 +146,8 @@ struct Service::Impl {
   }
 
   std::string control_line(std::string_view line, const Peer& peer) {
-    return control_answer(view(), line, [this, &peer] {
-      log.info("rearm asked for by uid " + std::to_string(peer.uid) + ", pid " + std::to_string(peer.pid));
-      return session->run().rearm();
+    return control_answer(view(), line, [this, &peer](const OperatorRequest& request) {
+      return session->operators().ask(request, {peer.uid, user_name(peer.uid)});
     });
   }
 

@@ -81,6 +81,7 @@ enum class EndOfRun : std::uint8_t {
   drive_unseen = 2,   // nobody has been able to see the drive for longer than that
   by_operator = 3,    // an operator's stop, or start of another run
   service_stops = 4,
+  restarted = 5,  // the recorder asked for another run: it could not record this one to its end
 };
 
 // Why a sample is not in the stream.

@@ -88,9 +88,12 @@ struct KeyOptions {
 [[nodiscard]] int watch(const Service& service, const WatchOptions& options);
 [[nodiscard]] int channels(const Service& service);
 [[nodiscard]] int dwells(const Service& service);
+// What an operator asks of the service. rearm: to end the dwell and to settle anew. start_run, stop_run: to begin and
+// to end a recorded run. comment: empty: none.
+[[nodiscard]] int rearm(const Service& service, const std::string& comment);
+[[nodiscard]] int start_run(const Service& service, const std::string& label, const std::string& comment);
+[[nodiscard]] int stop_run(const Service& service, const std::string& comment);
 // rig: a rig file, whose devices are probed directly; empty: the running service is asked.
-// Asks the service to end the dwell and to settle anew.
-[[nodiscard]] int rearm(const Service& service);
 [[nodiscard]] int check(const Service& service, const std::string& rig);
 // The newest verification of the running service.
 [[nodiscard]] int verify(const Service& service);

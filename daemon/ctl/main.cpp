@@ -122,7 +122,24 @@ int run(int argc, char** argv) {
   CLI::App* dwells_verb = app.add_subcommand("dwells", "the dwells that have been completed");
   add_service(dwells_verb, service);
 
+  std::string label, comment;
+  const auto add_comment = [&comment](CLI::App* verb) {
+    verb->add_option("--comment", comment, "why, for the record; at most 4000 bytes");
+  };
+  CLI::App* start_verb = app.add_subcommand(
+      "start", "begin a recorded run here; exit 1 if one started so goes on, or nothing is recorded");
+  start_verb->add_option("--label", label, "what the run is; at most 200 bytes")->required();
+  add_comment(start_verb);
+  add_control(start_verb, service);
+  add_json(start_verb, service.json);
+
+  CLI::App* stop_verb = app.add_subcommand("stop", "end the recorded run here; exit 1 if none goes on");
+  add_comment(stop_verb);
+  add_control(stop_verb, service);
+  add_json(stop_verb, service.json);
+
   CLI::App* rearm_verb = app.add_subcommand("rearm", "end the dwell here and settle anew");
+  add_comment(rearm_verb);
   add_control(rearm_verb, service);
   add_json(rearm_verb, service.json);
 
@@ -188,7 +205,9 @@ int run(int argc, char** argv) {
   if (*watch_verb) return watch(service, watching);
   if (*channels_verb) return channels(service);
   if (*dwells_verb) return dwells(service);
-  if (*rearm_verb) return rearm(service);
+  if (*start_verb) return start_run(service, label, comment);
+  if (*stop_verb) return stop_run(service, comment);
+  if (*rearm_verb) return rearm(service, comment);
   if (*check_verb) return check(service, rig);
   if (*verify_verb) {
     verifying.json = service.json;

@@ -237,14 +237,15 @@ void DeviceIntake::find_untimely(std::int64_t now_ns) {
   }
 }
 
-void DeviceIntake::settle(const Measurement& measurement) {
+void DeviceIntake::settle(const StreamAccounts& accounts) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    const Measurement::Fate fate = measurement.fate(channels_[i].index);
+    const Measurement::Fate fate = accounts.fate(channels_[i].index);
     feed_.link->counters(static_cast<int>(i)).settle(fate.used, fate.rejected);
   }
 }
 
-void DeviceIntake::show(const Rig& rig, const Pipeline& pipeline, std::int64_t now_ns, Snapshot& to) {
+void DeviceIntake::show(const Rig& rig, const Pipeline& pipeline, const StreamAccounts& accounts, std::int64_t now_ns,
+                        Snapshot& to) {
   DeviceView& device = to.devices[index_];
   device.name = feed_.link->name();
   device.driver = feed_.driver;
@@ -268,7 +269,7 @@ void DeviceIntake::show(const Rig& rig, const Pipeline& pipeline, std::int64_t n
     view.rate_hz = from.watch.rate_hz();
     view.clock = clock_view(rig.devices[index_], assembler_.figures(index_, from.index));
     view.half_width_s = from.half_width_s;
-    view.gaps = now.gaps;
+    view.gaps = accounts.gaps(from.index);
     view.tally = feed_.link->counters(static_cast<int>(i)).read();
     device.up = device.up || view.fault == Fault::none;
   }

@@ -14,8 +14,8 @@
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/device_lines.hpp"
 #include "daemon/estimate/lost_and_faulty.hpp"
-#include "daemon/estimate/measurement.hpp"
 #include "daemon/estimate/snapshot.hpp"
+#include "daemon/estimate/stream_accounts.hpp"
 #include "daemon/log/log.hpp"
 
 namespace dwell {
@@ -52,13 +52,14 @@ class DeviceIntake {
   void stop(std::int64_t now_ns);
 
   // Counts what became of its samples so far.
-  void settle(const Measurement& measurement);
+  void settle(const StreamAccounts& accounts);
   // Faults that no line of the log has told of yet.
   void tell_counted_faults(std::int64_t now_ns);
   // The run has ended.
   void tell_end();
   // Fills in its device and its channels.
-  void show(const Rig& rig, const Pipeline& pipeline, std::int64_t now_ns, Snapshot& to);
+  void show(const Rig& rig, const Pipeline& pipeline, const StreamAccounts& accounts, std::int64_t now_ns,
+            Snapshot& to);
 
  private:
   struct Heard {

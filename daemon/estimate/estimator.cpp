@@ -30,20 +30,18 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
                      std::function<void()> wake, std::int64_t now_ns)
     : rig_(rig),
       gpio_(options.gpio),
-      show_(options.show),
       assembler_(sources_of(rig, devices), options.hold_back_ns, merger_capacity(devices)),
       publisher_(std::move(wake)),
-      measurement_(rig, KeptDwells(options.kept_dwells, options.kept_bytes),
-                   [this](RunEvent event) { tell(std::move(event)); }),
+      cycle_(rig, options.runs, KeptDwells(options.kept_dwells, options.kept_bytes), options.long_work,
+             [this](RunEvent event) { publisher_.tell(std::move(event)); }),
       next_publish_ns_(now_ns) {
-  if (options.long_work) model_work_.emplace(options.long_work);
   devices_.reserve(devices.size());
   for (DeviceFeed& device : devices)
     devices_.emplace_back(devices_.size(), std::move(device), rig_, assembler_, options.hold_back_ns, log, now_ns);
 }
 
 void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t skipped) {
-  if (start_utc_ns_ == 0) start_utc_ns_ = utc_ns;
+  cycle_.set_clocks(now_ns, utc_ns);
   skipped_ += skipped;
   assembler_.set_now(now_ns);
   for (DeviceIntake& device : devices_) device.offer_states();
@@ -54,7 +52,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   take_actions(now_ns);
   for (DeviceIntake& device : devices_) device.account(now_ns);
   assembler_.tick(now_ns);
-  for (Record record; assembler_.next(record);) take(record);
+  for (Record record; assembler_.next(record);) cycle_.take(record);
   settle();
   if (now_ns >= next_publish_ns_) {
     const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
@@ -73,8 +71,7 @@ void Estimator::finish(std::int64_t now_ns, std::int64_t utc_ns) {
     device.account(now_ns);
   }
   release();
-  measurement_.finish();
-  show_run(RunEdge::ends, std::max(now_ns, shown_ns_));
+  cycle_.finish(now_ns);
   settle();
   publish(now_ns);
   for (DeviceIntake& device : devices_) device.tell_end();
@@ -96,54 +93,30 @@ void Estimator::take_edges(std::int64_t now_ns) {
 
 void Estimator::take_actions(std::int64_t now_ns) {
   while (actions_.read_available() > 0) {
-    const Record record{.t_ns = now_ns, .kind = Kind::action, .flags = static_cast<std::uint8_t>(actions_.front())};
+    Record record = actions_.front();
+    record.t_ns = now_ns;
     if (!assembler_.action(record)) return;  // no room: at the next turn
     actions_.pop();
   }
 }
 
-void Estimator::show_run(RunEdge edge, std::int64_t t_ns) {
-  if (show_) show_({.t_ns = t_ns, .kind = Kind::run, .flags = static_cast<std::uint8_t>(edge)});
-}
-
-// What has been stamped before the run began, as the level of the interlock, still comes after the record that says so.
-void Estimator::take(const Record& record) {
-  if (shown_ns_ == INT64_MIN) show_run(RunEdge::begins, record.t_ns);
-  shown_ns_ = record.t_ns;
-  if (show_) show_(record);
-  if (model_work_) model_work_->take(record);
-  measurement_.take(record);
-}
-
-void Estimator::tell(RunEvent event) {
-  if (model_work_ && event.kind == RunEvent::Kind::dwell_finished) model_work_->ended(*event.dwell);
-  publisher_.tell(std::move(event));
-}
-
 // Everything, without waiting for anybody.
 void Estimator::release() {
-  for (Record record; assembler_.flush(record);) take(record);
+  for (Record record; assembler_.flush(record);) cycle_.take(record);
 }
 
 void Estimator::settle() {
-  for (DeviceIntake& device : devices_) device.settle(measurement_);
+  for (DeviceIntake& device : devices_) device.settle(cycle_.accounts());
 }
 
 void Estimator::publish(std::int64_t now_ns) {
   Snapshot& to = publisher_.next();
   to.t_ns = now_ns;
-  to.start_utc_ns = start_utc_ns_;
-  to.dwell = measurement_.current();
-  if (model_work_) {
-    model_work_->turn(to.dwell, measurement_.readings());
-    model_work_->show(to.dwell, to);
-  }
-  to.finished = measurement_.finished().list();
-  to.forgotten = measurement_.finished().forgotten();
+  cycle_.show(to);
   to.skipped_turns = skipped_;
   to.channels.resize(rig_.channels.size());
   to.devices.resize(devices_.size());
-  for (DeviceIntake& device : devices_) device.show(rig_, measurement_.pipeline(), now_ns, to);
+  for (DeviceIntake& device : devices_) device.show(rig_, cycle_.pipeline(), cycle_.accounts(), now_ns, to);
   publisher_.publish();
 }
 

@@ -3,22 +3,21 @@
 //
 // Virtual time: turn() is one pass at the instant it is given; EstimationThread calls it every 10 ms. All members are
 // bound to the one thread that calls turn() and finish(), except latest(), refresh() and next_event(), which belong to
-// the one reader, and rearm(), which belongs to one thread as well (in dwelld the event loop for all four).
+// the one reader, and rearm(), begin_run() and end_run(), which belong to one thread as well (in dwelld the event loop
+// for all).
 #pragma once
 
 #include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/rig/rig.hpp"
 #include "core/stream/assembler.hpp"
 #include "daemon/estimate/device_intake.hpp"
-#include "daemon/estimate/measurement.hpp"
-#include "daemon/estimate/model_work.hpp"
 #include "daemon/estimate/publisher.hpp"
+#include "daemon/estimate/run_cycle.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
 
@@ -33,9 +32,7 @@ struct EstimatorOptions {
   gpio::Link* gpio = nullptr;  // where edges come from; must outlive the estimator; null: none
   // Where coefficients from transients and verifications are computed; null: nowhere, there are none.
   std::shared_ptr<LongWork> long_work = nullptr;
-  // Is shown every record of the ordered stream, as the pipeline sees it, on the estimation thread; empty: nobody is.
-  // The first says that the run begins, the last that it ends.
-  std::function<void(const Record&)> show = {};
+  RunOptions runs = {};
 };
 
 class Estimator {
@@ -54,8 +51,20 @@ class Estimator {
   // The run ends: what is waiting is used, the current dwell completes, a last snapshot is published.
   void finish(std::int64_t now_ns, std::int64_t utc_ns);
 
-  // The operator's rearm, entering the stream with the next turn; false: too many at once.
-  bool rearm() noexcept { return actions_.push(Action::rearm); }
+  // What an operator asks for, entering the stream with the next turn; false: too many at once. request: its number
+  // (Record::channel). begin_run() and end_run() have no effect where runs are not bracketed. begin_run(0): the
+  // recorder asks for another run in place of the one that goes on.
+  bool rearm(std::uint16_t request = 0) noexcept {
+    return ask(Kind::action, static_cast<std::uint8_t>(Action::rearm), request);
+  }
+  bool begin_run(std::uint16_t request) noexcept {
+    return ask(Kind::run, static_cast<std::uint8_t>(RunEdge::begins), request);
+  }
+  bool end_run(std::uint16_t request) noexcept {
+    return ask(Kind::run, static_cast<std::uint8_t>(RunEdge::ends), request);
+  }
+  // Whether one more can be asked for.
+  [[nodiscard]] bool has_room() const noexcept { return actions_.write_available() > 0; }
 
   // The reader: moves on to the newest snapshot; false: there was no newer one.
   bool refresh() noexcept { return publisher_.refresh(); }
@@ -68,25 +77,21 @@ class Estimator {
 
   void take_edges(std::int64_t now_ns);
   void take_actions(std::int64_t now_ns);
-  void take(const Record& record);
+  bool ask(Kind kind, std::uint8_t flags, std::uint16_t request) noexcept {
+    return actions_.push({.channel = request, .kind = kind, .flags = flags});
+  }
   void release();
-  void show_run(RunEdge edge, std::int64_t t_ns);
-  void tell(RunEvent event);
   void settle();
   void publish(std::int64_t now_ns);
 
   const Rig rig_;
   gpio::Link* const gpio_;
-  const std::function<void(const Record&)> show_;
-  std::int64_t shown_ns_ = INT64_MIN;  // of the record shown last; INT64_MIN: the run has not begun
   Assembler assembler_;
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;
-  Measurement measurement_;
-  std::optional<ModelWork> model_work_;
-  boost::lockfree::spsc_queue<Action, boost::lockfree::capacity<kActions>> actions_;
+  RunCycle cycle_;
+  boost::lockfree::spsc_queue<Record, boost::lockfree::capacity<kActions>> actions_;  // their instants come later
   std::int64_t next_publish_ns_;
-  std::int64_t start_utc_ns_ = 0;
   std::uint64_t skipped_ = 0;
 };
 

@@ -40,6 +40,11 @@ class Measurement {
   [[nodiscard]] const SampleHistory* readings() const noexcept {
     return pipeline_.busy() ? nullptr : &pipeline().readings();
   }
+  // The state that was told last.
+  [[nodiscard]] State state() const noexcept { return state_; }
+  // Whether a long piece of work goes on; how many records wait for it.
+  [[nodiscard]] bool busy() const noexcept { return pipeline_.busy(); }
+  [[nodiscard]] std::size_t waiting() const noexcept { return pipeline_.waiting(); }
   [[nodiscard]] const KeptDwells& finished() const noexcept { return finished_; }
   [[nodiscard]] Fate fate(std::size_t channel) const noexcept;
 

@@ -15,23 +15,28 @@ void ModelWork::take(const Record& record) noexcept {
   transient_.take(record, record.t_ns - origin_ns_);
 }
 
-void ModelWork::turn(const Dwell& now, const SampleHistory* readings) {
-  if (auto job = work_->slot.collect()) {
+void ModelWork::gather(const SampleHistory* readings) noexcept {
+  if (readings != nullptr && origin_ns_ != INT64_MIN) verification_.take(*readings, origin_ns_);
+}
+
+void ModelWork::turn(const Dwell& now) {
+  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) {
     if (auto* const transient = std::get_if<TransientJob>(&*job)) {
       transient_.take_back(std::move(*transient));
     } else {
       verification_.take_back(std::move(std::get<VerificationJob>(*job)));
     }
   }
-  if (readings != nullptr && origin_ns_ != INT64_MIN) verification_.take(*readings, origin_ns_);
   transient_.follow(now);
   verification_.follow(now);
   if (!work_->slot.free()) return;
   // A transient first: the operator waits for its numbers.
   if (transient_.due()) {
     work_->slot.put(transient_.hand_over());
+    out_ = true;
   } else if (verification_.due()) {
     work_->slot.put(verification_.hand_over());
+    out_ = true;
   }
 }
 

@@ -22,9 +22,11 @@ class ModelWork {
   void take(const Record& record) noexcept;
   // A dwell has ended.
   void ended(const Dwell& dwell) { verification_.ended(dwell); }
-  // A few times a second: the dwell as it stands, and the readings that count (null: not to be had now). What is done
-  // is taken back, what is due handed over: a millisecond at most.
-  void turn(const Dwell& now, const SampleHistory* readings);
+  // A few times a second: the readings that count; null: not to be had now.
+  void gather(const SampleHistory* readings) noexcept;
+  // A few times a second, of the one whose work it is to be: the dwell as it stands. What is done is taken back, what
+  // is due handed over: a millisecond at most. A job that another one has handed over before is dropped.
+  void turn(const Dwell& now);
 
   void show(const Dwell& now, Snapshot& to) const;
 
@@ -33,6 +35,7 @@ class ModelWork {
   TransientWatch transient_;
   VerificationWatch verification_;
   std::int64_t origin_ns_ = INT64_MIN;  // of the run's axis of time; INT64_MIN: nothing has come yet
+  bool out_ = false;                    // the job in the slot is this one's
 };
 
 }  // namespace dwell

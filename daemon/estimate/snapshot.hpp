@@ -53,12 +53,22 @@ struct DeviceView {
   std::uint64_t foreign = 0;                        // readings of channels that are not the device's
 };
 
+// How the run stands.
+struct RunView {
+  bool bracketed = false;    // runs begin and end within the session, and are recorded
+  bool on = false;           // one goes on
+  bool by_operator = false;  // an operator has begun it
+  bool held = false;         // an operator has stopped one: none begins by itself before the drive has rested
+  std::uint32_t number = 0;  // runs of the session so far
+};
+
 using FinishedDwells = std::vector<std::shared_ptr<const Dwell>>;
 
 struct Snapshot {
   std::uint64_t sequence = 0;     // 0: nothing published yet
   std::int64_t t_ns = 0;          // CLOCK_MONOTONIC_RAW
-  std::int64_t start_utc_ns = 0;  // when the run began; 0: not yet
+  std::int64_t start_utc_ns = 0;  // t = 0 of the dwells; 0: not yet
+  RunView run;
   Dwell dwell;
   // Coefficients from the transient of `dwell`; null: none yet. Made by the worker, handed on unchanged: whoever holds
   // the pointer may read it on any thread.

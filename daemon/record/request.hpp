@@ -18,7 +18,7 @@ struct Request {
   Verb verb = Verb::start;
   std::uint16_t number = 0;  // 1 … 65535, then 1 again
   std::string label;         // of start: the run's; empty: none
-  StoredEvent event;         // of what == "action"; its position is the record's, which the sink has to fill in
+  StoredEvent event;         // of what == "action"; its position and instant are the record's: the sink fills them in
 };
 
 class RequestSink {

@@ -24,21 +24,24 @@ std::string iso_utc(std::int64_t utc_ns) {
   return text;
 }
 
-EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges, std::shared_ptr<LongWork> work) {
+EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges, std::shared_ptr<LongWork> work,
+                             record::StreamSink* sink) {
   EstimatorOptions options;
   options.hold_back_ns = hold_back_ns(file);
   options.gpio = edges;
   options.long_work = std::move(work);
+  options.runs = {file.recording.on, sink, file.recording.every_s, true};
   return options;
 }
 
 }  // namespace
 
 Run::Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
-         std::function<void()> wake)
-    : info_{file.sha256, kVersion, {}},
+         std::function<void()> wake, record::StreamSink* sink)
+    : bracketed_(file.recording.on),
+      info_{file.sha256, kVersion, {}},
       long_work_(std::make_shared<LongWork>(file.rig, file.verification.accuracy)),
-      estimator_(file.rig, std::move(devices), options_for(file, edges, long_work_), log, std::move(wake),
+      estimator_(file.rig, std::move(devices), options_for(file, edges, long_work_, sink), log, std::move(wake),
                  raw_now_ns()) {}
 
 void Run::start() {
@@ -53,8 +56,20 @@ void Run::end() {
 
 bool Run::refresh() {
   const bool newer = estimator_.refresh();
-  if (info_.start_utc.empty() && latest().start_utc_ns != 0) info_.start_utc = iso_utc(latest().start_utc_ns);
+  if (latest().start_utc_ns != start_utc_ns_) info_.start_utc = iso_utc(start_utc_ns_ = latest().start_utc_ns);
   return newer;
+}
+
+bool Run::ask(record::Request::Verb verb, std::uint16_t request) noexcept {
+  switch (verb) {
+    case record::Request::Verb::start:
+      return estimator_.begin_run(request);
+    case record::Request::Verb::stop:
+      return estimator_.end_run(request);
+    case record::Request::Verb::rearm:
+      return estimator_.rearm(request);
+  }
+  return false;
 }
 
 std::optional<WatchedThread> Run::thread() const {

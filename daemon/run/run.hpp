@@ -1,7 +1,8 @@
-// One run: the estimation from its start to its end, and what all its dwells have in common. Dwell indices and t = 0
-// are the run's.
+// The estimation of a session from its start to its end, with its threads. Where the rig file has a [recording], runs
+// begin and end within it; else it is one run.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "daemon/estimate/estimation_thread.hpp"
 #include "daemon/estimate/estimator.hpp"
 #include "daemon/estimate/long_work.hpp"
+#include "daemon/record/request.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -19,10 +21,10 @@ namespace dwell {
 // Bound to one thread, in dwelld the event loop's.
 class Run {
  public:
-  // devices, edges (null: none) and log must outlive this. wake: called on the estimation thread when there is a new
-  // snapshot or event; must not block.
+  // devices, edges (null: none), log and sink must outlive this. wake: called on the estimation thread when there is a
+  // new snapshot or event; must not block. sink: where the record goes; null: nowhere.
   Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
-      std::function<void()> wake);
+      std::function<void()> wake, record::StreamSink* sink = nullptr);
 
   void start();
   // Ends the run: the current dwell completes. What was published last can still be read. Harmless a second time.
@@ -33,15 +35,23 @@ class Run {
   [[nodiscard]] const Snapshot& latest() const noexcept { return estimator_.latest(); }
   // What happened next; false: nothing more so far.
   bool next_event(RunEvent& out) { return estimator_.next_event(out); }
-  // The operator's rearm; false: too many at once.
+  // What an operator asks for, with the request's number; false: too many at once.
+  bool ask(record::Request::Verb verb, std::uint16_t request) noexcept;
   bool rearm() noexcept { return estimator_.rearm(); }
+  // The recorder asks for another run in place of the one that goes on; false: too many at once.
+  bool restart() noexcept { return estimator_.begin_run(0); }
+  [[nodiscard]] bool has_room() const noexcept { return estimator_.has_room(); }
+  // Runs begin and end within the session, and are recorded.
+  [[nodiscard]] bool bracketed() const noexcept { return bracketed_; }
 
   [[nodiscard]] const RunInfo& info() const noexcept { return info_; }
   // For the watchdog; none while the run is not going on.
   [[nodiscard]] std::optional<WatchedThread> thread() const;
 
  private:
+  const bool bracketed_;
   RunInfo info_;
+  std::int64_t start_utc_ns_ = 0;              // as info_ tells it
   const std::shared_ptr<LongWork> long_work_;  // shared by the two threads
   Estimator estimator_;
   std::optional<EstimationThread> thread_;

@@ -9,6 +9,7 @@
 #include "daemon/gpio/gpio_thread.hpp"
 #include "daemon/gpio/kernel_lines.hpp"
 #include "daemon/log/driver_lines.hpp"
+#include "daemon/run/recording.hpp"
 #include "daemon/run/stop_together.hpp"
 
 namespace dwell {
@@ -16,16 +17,21 @@ namespace {
 
 constexpr std::chrono::seconds kStopWithin{1};  // the interface asks for half of that
 constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
+// A disk may hold the recorder up; its buffer lasts for longer than this, and the health says so beyond it.
+constexpr std::int64_t kRecordBound_ns = 10'000'000'000;
 
 }  // namespace
 
 struct Session::Impl {
   config::RigFile file;
   Log& log;
+  std::unique_ptr<record::Recorder> recorder;        // null: nothing is recorded
+  std::unique_ptr<Outlet> record_events;             // into the recorder
   std::vector<std::shared_ptr<DeviceHost>> devices;  // by RigFile::devices
   std::optional<gpio::GpioThread> gpio;
   std::unique_ptr<Outlet> lamps;
   std::optional<Run> run;
+  std::optional<OperatorRequests> operators;
 };
 
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -33,7 +39,11 @@ Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFile file,
                                                                   const config::SchemaSource& drivers, Log& log,
                                                                   std::function<void()> wake) {
-  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}});
+  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}, {}, {}, {}});
+  auto recorder = make_recorder(impl->file, drivers, log);
+  if (!recorder) return tl::unexpected(std::move(recorder.error()));
+  impl->recorder = std::move(*recorder);
+  if (impl->recorder) impl->record_events = make_record_events(*impl->recorder);
   std::vector<DeviceFeed> feeds;
   for (const config::DeviceSettings& settings : impl->file.devices) {
     const auto table = drivers(settings.driver);
@@ -55,7 +65,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
     edges = &impl->gpio->link();
     impl->lamps = make_lamps(*edges);
   }
-  impl->run.emplace(impl->file, std::move(feeds), edges, log, std::move(wake));
+  impl->run.emplace(impl->file, std::move(feeds), edges, log, std::move(wake), impl->recorder.get());
+  impl->operators.emplace(*impl->run, log, impl->recorder.get());
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
 
@@ -80,13 +91,17 @@ Session::~Session() { end(); }
 
 const config::RigFile& Session::file() const noexcept { return impl_->file; }
 Run& Session::run() noexcept { return *impl_->run; }
+OperatorRequests& Session::operators() noexcept { return *impl_->operators; }
 gpio::Status Session::gpio() const { return impl_->gpio ? impl_->gpio->link().status() : gpio::Status{}; }
 Outlet* Session::lamps() noexcept { return impl_->lamps.get(); }
+record::Recorder* Session::recorder() noexcept { return impl_->recorder.get(); }
+Outlet* Session::record_events() noexcept { return impl_->record_events.get(); }
 
 std::vector<WatchedThread> Session::threads() const {
   std::vector<WatchedThread> threads;
   if (impl_->gpio) threads.push_back({"gpio", impl_->gpio->last_turn_ns(), kGpioBound_ns});
   if (const auto estimation = impl_->run->thread()) threads.push_back(*estimation);
+  if (impl_->recorder) threads.push_back({"record", impl_->recorder->last_turn_ns(), kRecordBound_ns, false});
   const std::vector<DeviceView>& views = impl_->run->latest().devices;
   for (std::size_t i = 0; i < impl_->devices.size(); ++i) {
     if (i < views.size() && views[i].ended) continue;

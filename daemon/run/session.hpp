@@ -1,5 +1,5 @@
-// Everything made from one rig file: the devices' plugin instances, their rings, the GPIO lines, and the run. The
-// server, the log and the watchdog outlive it.
+// Everything made from one rig file: the devices' plugin instances, their rings, the GPIO lines, the recorder, and
+// the run. The server, the log and the watchdog outlive it.
 #pragma once
 
 #include <functional>
@@ -12,6 +12,7 @@
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/run/operator_requests.hpp"
 #include "daemon/run/run.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -38,11 +39,15 @@ class Session {
 
   [[nodiscard]] const config::RigFile& file() const noexcept;
   [[nodiscard]] Run& run() noexcept;
+  [[nodiscard]] OperatorRequests& operators() noexcept;
 
   // How the rig's GPIO lines stand; none is configured where there is no [gpio].
   [[nodiscard]] gpio::Status gpio() const;
   // The rig's lamps; null: it has none.
   [[nodiscard]] Outlet* lamps() noexcept;
+  // What records the runs, and what tells it of changes of state; null: nothing is recorded.
+  [[nodiscard]] record::Recorder* recorder() noexcept;
+  [[nodiscard]] Outlet* record_events() noexcept;
 
   // What the watchdog looks at.
   [[nodiscard]] std::vector<WatchedThread> threads() const;

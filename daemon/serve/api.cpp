@@ -104,6 +104,14 @@ Json gpio_json(const ServiceView& view) {
   return lines;
 }
 
+Json run_json(const ServiceView& view) {
+  const RunView& run = view.snapshot.run;
+  return {{"recorded", run.bracketed},
+          {"begun_by", run.bracketed && run.on ? Json(run.by_operator ? "operator" : "drive") : Json(nullptr)},
+          {"held", run.held},
+          {"text", view.health.run}};
+}
+
 Json health_json(const ServiceView& view) {
   const Health& health = view.health;
   const Json stale = stale_json(view);
@@ -116,6 +124,7 @@ Json health_json(const ServiceView& view) {
   return {{"status", to_string(health.status)},
           {"reason", health.reasons.empty() ? Json(nullptr) : Json(reason_of(health))},
           {"ready", health.ready},
+          {"run", run_json(view)},
           {"state", to_string(view.snapshot.dwell.state)},
           {"rig", view.rig.name},
           {"rig_sha256", view.run.rig_sha256},
@@ -230,6 +239,31 @@ std::string check_answer(const ServiceView& view) {
   return dump(Json{{"rig", view.rig.name}, {"channels", std::move(list)}});
 }
 
+// Longer ones belong into a document beside the run.
+constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
+
+// A text of the request, which may be left out; fails with what is wrong.
+tl::expected<std::string, std::string> text_of(const Json& request, const char* key, std::size_t most) {
+  const auto given = request.find(key);
+  if (given == request.end()) return {};
+  const auto* text = given->get_ptr<const std::string*>();
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (text == nullptr || text->size() > most || std::any_of(text->begin(), text->end(), control))
+    return tl::unexpected("\"" + std::string(key) + "\" is not fit: expected text of at most " + std::to_string(most) +
+                          " bytes without control characters");
+  return *text;
+}
+
+std::string operator_answer(const Json& request, record::Request::Verb verb, const Operate& operate) {
+  const auto label = text_of(request, "label", kLabelBytes), comment = text_of(request, "comment", kCommentBytes);
+  if (!label) return control_error(label.error());
+  if (!comment) return control_error(comment.error());
+  if (verb == record::Request::Verb::start && label->empty())
+    return control_error("no label: expected {\"verb\":\"start\",\"label\":\"what is measured\"}");
+  const auto done = operate({verb, *label, *comment});
+  return done ? dump(Json{{"done", true}}) : control_error(done.error());
+}
+
 }  // namespace
 
 std::string dwell_text_json(const ServiceView& view) { return to_json(live_dwell(view)); }
@@ -249,7 +283,7 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
                     "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/health and /api/v1/stream");
 }
 
-std::string control_answer(const ServiceView& view, std::string_view line, const std::function<bool()>& rearm) {
+std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate) {
   // Depth first: the parser recurses, and a line may hold 64 KiB of brackets.
   if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64)
     return control_error("the line is too deeply nested");
@@ -264,11 +298,11 @@ std::string control_answer(const ServiceView& view, std::string_view line, const
     return reply;
   }
   if (name == "check") return check_answer(view);
-  if (name == "rearm") {
-    if (!rearm()) return control_error("too many at once; try again");
-    return dump(Json{{"done", true}});
-  }
-  return control_error("unknown verb \"" + name + "\"; there are status, check and rearm");
+  using Verb = record::Request::Verb;
+  if (name == "rearm") return operator_answer(request, Verb::rearm, operate);
+  if (name == "start") return operator_answer(request, Verb::start, operate);
+  if (name == "stop") return operator_answer(request, Verb::stop, operate);
+  return control_error("unknown verb \"" + name + "\"; there are status, check, start, stop and rearm");
 }
 
 }  // namespace dwell

@@ -6,7 +6,9 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 
+#include "daemon/run/operator_requests.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/service_view.hpp"
 
@@ -21,9 +23,11 @@ inline constexpr std::size_t kBytesOfDwells = 4'000'000;
 // GET `path`.
 [[nodiscard]] HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query);
 
-// One line of the control socket. rearm: the operator's action; false: too many at once.
-[[nodiscard]] std::string control_answer(const ServiceView& view, std::string_view line,
-                                         const std::function<bool()>& rearm);
+// Does what an operator asks for, or fails with why not.
+using Operate = std::function<tl::expected<void, std::string>(const OperatorRequest&)>;
+
+// One line of the control socket.
+[[nodiscard]] std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate);
 
 // The dwell object of the snapshot, one line.
 [[nodiscard]] std::string dwell_text_json(const ServiceView& view);

@@ -86,7 +86,10 @@ TEST(RigFile, GivesTheServiceWhatTheFileSays) {
   EXPECT_EQ(file.server.listen, "[::1]:9000");
   EXPECT_EQ(file.server.host, "::1");
   EXPECT_EQ(file.server.port, 9000);
+  EXPECT_TRUE(file.recording.on);
   EXPECT_EQ(file.recording.directory, "/etc/dwell/runs");
+  EXPECT_EQ(file.recording.every_s, 1.0);
+  EXPECT_FALSE(file.recording.retain_days || file.recording.retain_gigabytes || file.recording.anchor);
   EXPECT_EQ(good(kGoodRig, "rig.toml").directory, ".");
   const RigFile lamps =
       good(edited("",
@@ -177,11 +180,31 @@ unit = "N"
   EXPECT_EQ(file.server.listen, "127.0.0.1:8380");
   EXPECT_EQ(file.server.host, "127.0.0.1");
   EXPECT_EQ(file.server.port, 8380);
+  EXPECT_FALSE(file.recording.on) << "without the table nothing is recorded";
   EXPECT_EQ(file.recording.directory, "/var/lib/dwell");
   EXPECT_FALSE(file.gpio.sync);
   EXPECT_EQ(rig.channels[0].device, 0) << "of one device the name may be left out";
   EXPECT_EQ(rig.channels[0].lowpass.kind, FilterKind::none);
   EXPECT_FALSE(rig.channels[1].force_on_mass);
+}
+
+TEST(RigFile, SaysHowRunsAreKept) {
+  const auto with = [](const std::string& more) {
+    return good(edited("directory = \"runs\"", "directory = \"runs\"\n" + more).text).recording;
+  };
+  const RecordingSettings kept = with(
+      "every = 0.5\nretain = { days = 400, gigabytes = 50.5 }\nanchor = { minutes = 5, file = \"/mnt/lab/heads\" }\n");
+  EXPECT_EQ(kept.every_s, 0.5);
+  EXPECT_EQ(kept.retain_days, 400.0);
+  EXPECT_EQ(kept.retain_gigabytes, 50.5);
+  ASSERT_TRUE(kept.anchor);
+  EXPECT_EQ(kept.anchor->minutes, 5.0);
+  EXPECT_EQ(kept.anchor->file, "/mnt/lab/heads");
+  EXPECT_TRUE(kept.anchor->command.empty());
+  EXPECT_EQ(with("anchor = { file = \"heads\" }").anchor->file, "/etc/dwell/heads") << "as every path in the file";
+  EXPECT_EQ(with("anchor = { command = [\"/bin/send\", \"a b\"] }").anchor->command,
+            (std::vector<std::string>{"/bin/send", "a b"}));
+  EXPECT_EQ(with("anchor = { command = [\"/bin/send\"] }").anchor->minutes, 10.0);
 }
 
 TEST(RigFile, WithARecordingNeedsNoDevices) {

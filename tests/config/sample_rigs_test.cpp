@@ -104,6 +104,8 @@ TEST(Manual, NamesEveryKeyOfEveryTable) {
       {"", "[verification]\nxxxxxxxxxx = 1\n"},
       {"[server]\n", "[server]\nxxxxxxxxxx = 1\n"},
       {"[recording]\n", "[recording]\nxxxxxxxxxx = 1\n"},
+      {"directory = \"runs\"", "retain = { xxxxxxxxxx = 1 }"},
+      {"directory = \"runs\"", "anchor = { file = \"f\", xxxxxxxxxx = 1 }"},
       {"", "[gpio]\nxxxxxxxxxx = 1\n"},
       {"", "[gpio]\nsync = { chip = \"c\", line = 1, xxxxxxxxxx = 1 }\n"},
       {"port = 1502", "xxxxxxxxxx = 1"},

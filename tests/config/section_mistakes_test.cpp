@@ -215,6 +215,24 @@ TEST(RigFileMistakes, OfRecording) {
   expect_mistake("\"runs\"", "@\"\"", "\"directory\" is empty: expected the directory of the recordings, a path");
   expect_mistake("directory = \"runs\"", "@dirctory = \"runs\"",
                  "unknown key \"dirctory\" in [recording]: did you mean \"directory\"?");
+  const auto wrong = [](const std::string& with, const std::string& message) {
+    expect_mistake("directory = \"runs\"", "directory = \"runs\"\n" + with, message);
+  };
+  wrong("every = @0", "\"every\" is 0: expected a number from 0.1 to 3600 (s)");
+  wrong("retain = @30", "\"retain\" is an integer: expected a table { days, gigabytes }");
+  wrong("retain = { days = @0 }", "\"days\" is 0: expected a number above 0, at most 1e6 (days)");
+  wrong("retain = { gigabytes = @-1 }", "\"gigabytes\" is -1: expected a number above 0, at most 1e6 (10^9 bytes)");
+  wrong("retain = { @weeks = 4 }", "unknown key \"weeks\" in \"retain\": expected days, gigabytes");
+  wrong("anchor = @{ minutes = 5 }", "\"anchor\" has neither \"file\" nor \"command\": expected one of them");
+  wrong("anchor = { file = \"a\", command = @[\"/bin/cat\"] }",
+        "\"anchor\" has a \"file\" and a \"command\": expected one of them");
+  wrong("anchor = { minutes = @0.5, file = \"a\" }", "\"minutes\" is 0.5: expected a number from 1 to 10080 (minutes)");
+  const std::string command =
+      ": expected a program by its whole path and its arguments, for instance [\"/usr/local/bin/send-head\", \"lab\"]";
+  wrong("anchor = { command = @\"/bin/cat\" }", "\"command\" is a string" + command);
+  wrong("anchor = { command = @[\"cat\"] }", "\"command\" names no program by its whole path" + command);
+  wrong("anchor = { command = @[] }", "\"command\" names no program by its whole path" + command);
+  wrong("anchor = { command = @[\"/bin/cat\", 3] }", "\"command\" holds 3" + command);
 }
 
 TEST(RigFileMistakes, OfGpioLines) {

@@ -56,11 +56,11 @@ TEST(CommandLine, WrongUsageIsExitCode2) {
 TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
   const Outcome outcome = run({"--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* verb : {"status", "watch", "channels", "dwells", "rearm", "check", "identify", "verify", "export",
-                           "audit", "runs", "show", "sign", "keygen"}) {
+  for (const char* verb : {"status", "watch", "channels", "dwells", "start", "stop", "rearm", "check", "identify",
+                           "replay", "verify", "export", "audit", "runs", "show", "sign", "keygen"}) {
     EXPECT_NE(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
-  for (const char* verb : {"start", "stop", "reload", "tare", "replay", "report"}) {
+  for (const char* verb : {"reload", "tare", "report"}) {
     EXPECT_EQ(outcome.out.find("\n  " + std::string(verb) + " "), std::string::npos) << verb;
   }
 }
@@ -144,6 +144,29 @@ TEST(CommandLine, RearmAsksTheServiceAndSaysWhatCameOfIt) {
   EXPECT_NE(refused.err.find("too many at once; try again"), std::string::npos);
   EXPECT_EQ(run(rearm).code, 3);
   EXPECT_EQ(run({"rearm", "--control", "/nonexistent/control"}).code, 3);
+}
+
+TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
+  const test::TemporaryFolder folder;
+  const Reply done{"{\"done\":true}\n", true}, no{"{\"error\":\"nothing to stop: no run goes on\"}\n", true};
+  ScriptedServer server({done, done, done, no}, folder.path("control"));
+  const std::vector<std::string> at{"--control", folder.path("control")};
+  const auto with = [&at](std::vector<std::string> words) {
+    words.insert(words.end(), at.begin(), at.end());
+    return run(words);
+  };
+  const Outcome started = with({"start", "--label", "sweep 3", "--comment", "new damper"});
+  EXPECT_EQ(started.code, 0) << started.err;
+  EXPECT_EQ(started.out, "started: run \"sweep 3\" begins here and ends with \"dwellctl stop\"\n");
+  EXPECT_EQ(server.requests().at(0), R"({"comment":"new damper","label":"sweep 3","verb":"start"})");
+  EXPECT_EQ(with({"start", "--label", "a", "--json"}).out, "{\"done\":true}\n");
+  EXPECT_EQ(with({"stop"}).out, "stopped: the run ends here\n");
+  EXPECT_EQ(server.requests().at(2), R"({"verb":"stop"})");
+  const Outcome refused = with({"stop", "--comment", "done"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("nothing to stop: no run goes on"), std::string::npos) << refused.err;
+  EXPECT_EQ(run({"start", "--label", "a", "--control", "/nonexistent/control"}).code, 3);
+  EXPECT_EQ(with({"start"}).code, 2) << "a run has a label";
 }
 
 TEST(CommandLine, AnswersThatAreNotTheServicesAreExitCode3) {

@@ -84,7 +84,7 @@ struct ApiSchemaTest : testing::Test {
   }
   [[nodiscard]] std::string get(const std::string& path) const { return http_answer(view(), path, "").body; }
   [[nodiscard]] std::string control(const std::string& line) const {
-    return control_answer(view(), line, [] { return true; });
+    return control_answer(view(), line, [](const OperatorRequest&) { return tl::expected<void, std::string>(); });
   }
   void expect_all() const {
     EXPECT_EQ(schema.faults_of_text("dwell", get("/api/v1/dwell")), "");

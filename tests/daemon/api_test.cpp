@@ -45,7 +45,10 @@ struct ApiTest : testing::Test {
     return Json::parse(reply.body);
   }
   [[nodiscard]] Json control(const std::string& line) {
-    return Json::parse(control_answer(view(), line, [this] { return ++rearmed < 3; }));
+    return Json::parse(control_answer(view(), line, [this](const OperatorRequest& request) {
+      asked.push_back(request);
+      return refusal.empty() ? tl::expected<void, std::string>() : tl::unexpected(refusal);
+    }));
   }
   void finish(int dwells) {
     auto list = std::make_shared<FinishedDwells>();
@@ -62,7 +65,8 @@ struct ApiTest : testing::Test {
   Rig rig;
   RunInfo run{"abc", "0.1.0", ""};
   Snapshot snapshot;
-  int rearmed = 0;
+  std::vector<OperatorRequest> asked;
+  std::string refusal;  // of what an operator asks for; empty: it is done
 };
 
 TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
@@ -247,20 +251,47 @@ TEST_F(ApiTest, ControlAnswersItsVerbs) {
   EXPECT_EQ(check["device"], "amplifier");
   EXPECT_TRUE(check["latency_s"].is_null()) << "nothing received yet";
   EXPECT_EQ(control(R"({"verb":"rearm"})")["done"], true);
+  EXPECT_EQ(control(R"({"verb":"start","label":"sweep 3","comment":"ä new damper"})")["done"], true);
+  EXPECT_EQ(control(R"({"verb":"stop"})")["done"], true);
+  ASSERT_EQ(asked.size(), 3u);
+  EXPECT_EQ(asked[1].verb, record::Request::Verb::start);
+  EXPECT_EQ(asked[1].label, "sweep 3");
+  EXPECT_EQ(asked[1].comment, "ä new damper");
+  EXPECT_EQ(asked[2].verb, record::Request::Verb::stop);
 }
 
 TEST_F(ApiTest, ControlSaysWhatIsWrongWithALine) {
   for (const std::string& line :
        {std::string(), std::string("{"), std::string("[]"), std::string("{}"), std::string(R"({"verb":1})"),
-        std::string(R"({"verb":"stop"})"), std::string("\xff\xfe"), std::string(60'000, '['),
-        std::string("{\"verb\":\"\xff\"}")})
+        std::string(R"({"verb":"halt"})"), std::string(R"({"verb":"start"})"),
+        std::string(R"({"verb":"start","label":3})"), std::string(R"({"verb":"stop","comment":"a\nb"})"),
+        R"({"verb":"start","label":")" + std::string(201, 'x') + "\"}", std::string("\xff\xfe"),
+        std::string(60'000, '['), std::string("{\"verb\":\"\xff\"}")})
     EXPECT_TRUE(control(line)["error"].is_string()) << line.substr(0, 40);
-  EXPECT_EQ(rearmed, 0);
+  EXPECT_TRUE(asked.empty());
 }
 
-TEST_F(ApiTest, ARearmThatCannotBeTakenIsSaid) {
-  rearmed = 10;
-  EXPECT_TRUE(control(R"({"verb":"rearm"})").contains("error"));
+TEST_F(ApiTest, WhatAnOperatorAsksForInVainIsSaid) {
+  refusal = "too many at once; try again";
+  for (const char* line : {R"({"verb":"rearm"})", R"({"verb":"start","label":"a"})", R"({"verb":"stop"})"})
+    EXPECT_EQ(control(line)["error"], refusal);
+}
+
+TEST_F(ApiTest, HealthTellsWhetherARunIsRecordedAndThatIsNoFault) {
+  snapshot.channels[0].fault = Fault::none;
+  Json health = get("/api/v1/health");
+  EXPECT_EQ(health["status"], "ok");
+  EXPECT_EQ(health["run"]["recorded"], false);
+  EXPECT_EQ(health["run"]["text"], "not recorded: the rig file has no [recording]");
+  snapshot.run = {true, true, true, false, 3};
+  health = get("/api/v1/health");
+  EXPECT_EQ(health["run"]["begun_by"], "operator");
+  snapshot.run = {true, false, false, true, 3};
+  health = get("/api/v1/health");
+  EXPECT_EQ(health["status"], "ok");
+  EXPECT_TRUE(health["run"]["begun_by"].is_null());
+  EXPECT_EQ(health["run"]["held"], true);
+  EXPECT_NE(health["run"]["text"].get<std::string>().find("it was stopped"), std::string::npos);
 }
 
 TEST_F(ApiTest, HealthTellsOfTheLinesThatAreConfiguredAndIsDegradedByOneThatDoesNotWork) {

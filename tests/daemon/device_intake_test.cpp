@@ -40,7 +40,7 @@ struct DeviceIntakeTest : testing::Test {
     const Pipeline pipeline(rig);
     shown.channels.resize(2);
     shown.devices.resize(1);
-    intake->show(rig, pipeline, now_ns, shown);
+    intake->show(rig, pipeline, StreamAccounts(rig.channels.size()), now_ns, shown);
     return shown.devices[0];
   }
 

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <random>
 
+#include "tests/daemon/collecting_sink.hpp"
 #include "tests/durations.hpp"
 
 namespace dwell {
@@ -183,9 +185,10 @@ TEST_F(EstimatorTest, ASampleFromBeforeWhatWasUsedIsLateAndCountedAndAGap) {
 
 // Whoever keeps the stream can account for every sample: received = in the stream + lost, by reason.
 TEST_F(EstimatorTest, TheStreamBeginsAndEndsWithItsRunAndTellsOfEverySampleThatIsNotInIt) {
-  std::vector<Record> stream;
+  test::CollectingSink sink;
+  const std::vector<Record>& stream = sink.records;
   EstimatorOptions shown;
-  shown.show = [&](const Record& record) { stream.push_back(record); };
+  shown.runs.sink = &sink;
   begin(shown);
   go_on(1'000 * kMs_ns);
   scan(now_ns - 500 * kMs_ns);    // late
@@ -201,7 +204,8 @@ TEST_F(EstimatorTest, TheStreamBeginsAndEndsWithItsRunAndTellsOfEverySampleThatI
   const auto flagged = [&](const Record& record, Kind kind, auto flags) {
     return record.kind == kind && record.flags == static_cast<std::uint8_t>(flags);
   };
-  EXPECT_TRUE(flagged(stream.front(), Kind::run, RunEdge::begins));
+  EXPECT_TRUE(flagged(stream.front(), Kind::run, RunEdge::armed));
+  EXPECT_TRUE(flagged(stream[1], Kind::run, RunEdge::begins));
   EXPECT_TRUE(flagged(stream.back(), Kind::run, RunEdge::ends));
   EXPECT_TRUE(
       std::is_sorted(stream.begin(), stream.end(), [](const Record& a, const Record& b) { return a.t_ns < b.t_ns; }));
@@ -227,12 +231,10 @@ TEST_F(EstimatorTest, TheStreamBeginsAndEndsWithItsRunAndTellsOfEverySampleThatI
 TEST_F(EstimatorTest, TheStreamKeepsTheDriversStampBesideTheRecoveredOne) {
   rig.devices[0].clock = Clock::device;
   rig.devices[0].rate_hz = 200.0;
-  std::vector<Record> samples;
+  test::CollectingSink sink;
   EstimatorOptions shown;
   shown.hold_back_ns = ScanClocks::kHoldBack_ns;
-  shown.show = [&](const Record& record) {
-    if (record.kind == Kind::sample) samples.push_back(record);
-  };
+  shown.runs.sink = &sink;
   begin(shown);
   std::mt19937_64 random(7);
   std::uniform_int_distribution<std::int64_t> late_ns(0, 2 * kMs_ns);
@@ -246,6 +248,9 @@ TEST_F(EstimatorTest, TheStreamKeepsTheDriversStampBesideTheRecoveredOne) {
     estimator->turn(now_ns, now_ns);
   }
   estimator->finish(now_ns, now_ns);
+  std::vector<Record> samples;
+  std::copy_if(sink.records.begin(), sink.records.end(), std::back_inserter(samples),
+               [](const Record& record) { return record.kind == Kind::sample; });
   ASSERT_EQ(samples.size(), 2 * stamps.size());
   std::size_t moved = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -1,0 +1,116 @@
+// Which pipeline takes the stream: when runs begin and end, and what is shown meanwhile.
+//
+// Without bracketing there is one run, as long as the session. With it, runs begin and end with the drive, or as an
+// operator says:
+//
+//   waiting   no run goes on. Two pipelines live, born one span apart (record/stream_sink.hpp). As soon as the elder
+//             sees the drive, a run begins; it reaches back to that pipeline's birth
+//   running   one pipeline. A run of the drive ends when the drive has been idle for a span. A run of an operator ends
+//             with `stop` alone
+//   held      waiting, after an operator has stopped a run while the drive was on. No run begins before the drive has
+//             been idle for a span: else the stop would be undone within a second
+//
+// `start` ends the run that goes on, if any, and begins one with a new pipeline. The recorder may ask for the same; the
+// run then stays the drive's or the operator's. Requests come as records of Kind::run, at their place in the stream;
+// what leaves for the record are the Kind::run records made here.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+#include "daemon/estimate/known_states.hpp"
+#include "daemon/estimate/long_work.hpp"
+#include "daemon/estimate/nursery.hpp"
+#include "daemon/estimate/run_pipeline.hpp"
+#include "daemon/estimate/run_tap.hpp"
+#include "daemon/estimate/snapshot.hpp"
+#include "daemon/estimate/stream_accounts.hpp"
+
+namespace dwell {
+
+struct RunOptions {
+  bool bracketed = false;              // whether runs begin and end within the session
+  record::StreamSink* sink = nullptr;  // is given the stream and the results; must outlive the estimation; null: nobody
+  double every_s = 1.0;                // of the stream's time, between two results of a dwell that goes on
+  bool births_aside = false;           // a thread makes the pipelines; false: virtual time
+};
+
+// Bound to the estimation thread, but for its making. Real-time safe but where a dwell, a state or a run ends or an
+// operator starts a run.
+class RunCycle {
+ public:
+  using Tell = std::function<void(RunEvent)>;
+
+  // How long before the drive's beginning a run begins at least, and after how long an idle drive ends it. 10 s, and 8
+  // periods of the slowest drive looked for: the drive is recognized within 4 (two windows of two periods). Half as
+  // many: a slow drive's beginning may fall between two pipelines, and a pause between two dwells ends the run.
+  [[nodiscard]] static std::int64_t span_ns(const Rig& rig) noexcept;
+  // A drive that cannot be seen (State::fault: its transducer or its pulses are missing) ends its run only after so
+  // many spans, a minute: time to plug a cable in again. More: a rig that is switched off is recorded for longer.
+  static constexpr std::int64_t kUnseenSpans = 6;
+
+  // The rig must be valid. kept: the finished dwells of a run that stay in memory. tell: the events of the run that is
+  // shown.
+  RunCycle(const Rig& rig, const RunOptions& options, const KeptDwells& kept, const std::shared_ptr<LongWork>& work,
+           Tell tell);
+
+  // The two clocks at one instant, before the records of a turn.
+  void set_clocks(std::int64_t now_ns, std::int64_t utc_ns) noexcept;
+  // The next record of the stream, as merged.
+  void take(const Record& record);
+  // The end of the session, at t_ns: the run ends, the current dwell completes.
+  void finish(std::int64_t t_ns);
+
+  // Fills in the run, its dwells, and what belongs to them; gives the work beside the model its turn. A few times a
+  // second.
+  void show(Snapshot& to);
+  // What is live of the channels.
+  [[nodiscard]] const Pipeline& pipeline() const noexcept { return live_.front()->measurement().pipeline(); }
+  [[nodiscard]] const StreamAccounts& accounts() const noexcept { return accounts_; }
+
+ private:
+  // What the run before has left for the view, until the next one begins.
+  struct Past {
+    std::shared_ptr<const FinishedDwells> finished;  // null: there is no run before
+    std::uint64_t forgotten = 0;
+    Dwell
+        last;  // the dwell that ended last, as it ended, or without one as it stood at the end; its reason is the stop
+    std::int64_t start_utc_ns = 0;
+    std::unique_ptr<ModelWork> model;  // the last dwell's verification may not be done yet
+  };
+
+  void give(const Record& record);
+  void follow_course();
+  void obey(const Record& request);
+  void begin(std::uint16_t request);
+  void end(EndOfRun why, std::uint16_t request);
+  void renew();
+  void add(std::unique_ptr<RunPipeline> newborn);
+  void announce_birth();
+  // All that live go, and this one comes. A run must have ended before.
+  void replace(std::unique_ptr<RunPipeline> newborn);
+  [[nodiscard]] static Past left_by(RunPipeline& run);
+  void drop(std::size_t pipeline);
+  void told(RunPipeline& by, RunEvent event);
+  void tell_state();
+  [[nodiscard]] bool nothing_waits() const noexcept;
+
+  const bool bracketed_;
+  const std::int64_t span_ns_;
+  const Tell tell_;
+  RunTap tap_;
+  Nursery nursery_;
+  std::vector<std::unique_ptr<RunPipeline>> live_;  // the elder first, which is the one shown; never empty
+  StreamAccounts accounts_;
+  KnownStates states_;
+  RunView run_;
+  Past past_;
+  State told_ = State::idle;
+  std::int64_t newest_ns_ = 0;  // of the stream
+  std::int64_t first_utc_ns_ = 0, utc_less_now_ns_ = 0;
+};
+
+}  // namespace dwell

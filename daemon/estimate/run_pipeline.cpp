@@ -1,0 +1,31 @@
+#include "daemon/estimate/run_pipeline.hpp"
+
+#include <utility>
+
+namespace dwell {
+
+RunPipeline::RunPipeline(const Rig& rig, KeptDwells kept, const std::shared_ptr<LongWork>& work, Tell tell)
+    : measurement_(rig, std::move(kept),
+                   [this, tell = std::move(tell)](RunEvent event) { tell(*this, std::move(event)); }),
+      model_(work ? std::make_unique<ModelWork>(work) : nullptr),
+      samples_before_(rig.channels.size()) {}
+
+void RunPipeline::born(std::int64_t t_ns, std::int64_t start_utc_ns, const std::vector<std::uint64_t>& given) noexcept {
+  born_ns_ = not_idle_ns_ = seen_ns_ = t_ns;
+  start_utc_ns_ = start_utc_ns;
+  samples_before_ = given;  // of one size: no allocation
+}
+
+void RunPipeline::take(const Record& record) {
+  ++position_;
+  if (model_) model_->take(record);
+  measurement_.take(record);
+  if (measurement_.state() != State::idle) not_idle_ns_ = record.t_ns;
+  if (sees_drive()) seen_ns_ = record.t_ns;
+}
+
+bool RunPipeline::sees_drive() const noexcept {
+  return measurement_.state() == State::settling || measurement_.state() == State::measuring;
+}
+
+}  // namespace dwell

@@ -1,0 +1,66 @@
+// One pipeline from its birth on, with what goes with it: the work beside its model, its place in the stream, and since
+// when it sees no drive.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+#include "daemon/estimate/measurement.hpp"
+#include "daemon/estimate/model_work.hpp"
+
+namespace dwell {
+
+// Bound to one thread at a time. The constructor allocates everything: for 64 channels 56 MB, which takes 25 ms where
+// the memory is new to the process. So pipelines are made ahead (nursery.hpp).
+class RunPipeline {
+ public:
+  using Tell = std::function<void(RunPipeline&, RunEvent)>;
+
+  // The rig must be valid. work: where what takes seconds is done; null: nowhere.
+  RunPipeline(const Rig& rig, KeptDwells kept, const std::shared_ptr<LongWork>& work, Tell tell);
+  RunPipeline(const RunPipeline&) = delete;
+  RunPipeline& operator=(const RunPipeline&) = delete;
+
+  // It is born before the next record, at t_ns. start_utc_ns: the same instant. given: by Rig::channels index, samples
+  // of the stream so far.
+  void born(std::int64_t t_ns, std::int64_t start_utc_ns, const std::vector<std::uint64_t>& given) noexcept;
+
+  // The next record of the stream; the first is RunEdge::armed.
+  void take(const Record& record);
+  // The end of the run: what waits is done, the current dwell completes.
+  void finish() { measurement_.finish(); }
+
+  // Records taken: the position of the newest one.
+  [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
+  [[nodiscard]] std::int64_t start_utc_ns() const noexcept { return start_utc_ns_; }
+  // Samples of a channel that were in the stream before it was born.
+  [[nodiscard]] std::uint64_t samples_before(std::size_t channel) const noexcept { return samples_before_[channel]; }
+
+  // A dwell is on.
+  [[nodiscard]] bool sees_drive() const noexcept;
+  // At t_ns: its age; for how long it has been in State::idle; for how long no dwell has been on. Of the stream's time,
+  // ns.
+  [[nodiscard]] std::int64_t age_ns(std::int64_t t_ns) const noexcept { return t_ns - born_ns_; }
+  [[nodiscard]] std::int64_t idle_for_ns(std::int64_t t_ns) const noexcept { return t_ns - not_idle_ns_; }
+  [[nodiscard]] std::int64_t unseen_for_ns(std::int64_t t_ns) const noexcept { return t_ns - seen_ns_; }
+
+  [[nodiscard]] Measurement& measurement() noexcept { return measurement_; }
+  [[nodiscard]] const Measurement& measurement() const noexcept { return measurement_; }
+  [[nodiscard]] ModelWork* model() noexcept { return model_.get(); }  // null: there is none
+  [[nodiscard]] std::unique_ptr<ModelWork> release_model() noexcept { return std::move(model_); }
+
+ private:
+  Measurement measurement_;
+  std::unique_ptr<ModelWork> model_;
+  std::vector<std::uint64_t> samples_before_;
+  std::uint64_t position_ = 0;
+  std::int64_t born_ns_ = 0, start_utc_ns_ = 0;
+  std::int64_t not_idle_ns_ = 0;  // of the newest record that left it in another state
+  std::int64_t seen_ns_ = 0;      // of the newest record that left it with a dwell on
+};
+
+}  // namespace dwell

@@ -1,0 +1,42 @@
+// Where the record is taken from the estimation: hands on the stream and, at positions of it, the dwells.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "daemon/estimate/run_pipeline.hpp"
+#include "daemon/record/stream_sink.hpp"
+
+namespace dwell {
+
+// Bound to the estimation thread.
+class RunTap {
+ public:
+  // sink: may be null; then nothing is handed on. every_s: of the stream's time, between two looks at a dwell.
+  RunTap(record::StreamSink* sink, double every_s) : sink_(sink), every_ns_(static_cast<std::int64_t>(every_s * 1e9)) {}
+
+  // A record, before any pipeline takes it.
+  void record(const Record& record) noexcept {
+    if (sink_ != nullptr) sink_->record(record);
+  }
+  // A run begins with this record: the first look is due once `every_s` has passed.
+  void begin(std::int64_t t_ns) noexcept { next_ns_ = t_ns + every_ns_; }
+  // The run's pipeline has taken the record of t_ns. While it is busy with a long piece of work, the look waits.
+  void look(RunPipeline& run, std::int64_t t_ns) {
+    if (sink_ == nullptr || t_ns < next_ns_ || run.measurement().busy()) return;
+    next_ns_ = std::max(next_ns_ + every_ns_, t_ns);
+    sink_->result(run.position(), false, std::make_shared<const Dwell>(run.measurement().current()));
+  }
+  // A dwell of the run has ended with the record taken last.
+  void ended(const RunPipeline& run, std::shared_ptr<const Dwell> dwell) {
+    if (sink_ != nullptr) sink_->result(run.position(), true, std::move(dwell));
+  }
+
+ private:
+  record::StreamSink* sink_;
+  std::int64_t every_ns_;
+  std::int64_t next_ns_ = 0;
+};
+
+}  // namespace dwell

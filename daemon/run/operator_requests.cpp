@@ -1,0 +1,78 @@
+#include "daemon/run/operator_requests.hpp"
+
+#include <pwd.h>
+
+#include <utility>
+#include <vector>
+
+namespace dwell {
+namespace {
+
+using Verb = record::Request::Verb;
+
+std::string words(const record::Person& by) {
+  const std::string uid = "uid " + std::to_string(by.uid);
+  return by.name.empty() ? uid : by.name + " (" + uid + ")";
+}
+
+std::string words(const OperatorRequest& request) {
+  switch (request.verb) {
+    case Verb::start:
+      return "run \"" + request.label + "\" started";
+    case Verb::stop:
+      return "run stopped";
+    case Verb::rearm:
+      return "dwell re-armed";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string user_name(uid_t uid) {
+  std::vector<char> room(16 * 1024);
+  passwd entry{};
+  passwd* found = nullptr;
+  if (getpwuid_r(uid, &entry, room.data(), room.size(), &found) != 0 || found == nullptr) return {};
+  return found->pw_name;
+}
+
+std::string OperatorRequests::obstacle(Verb verb) const {
+  if (!run_.has_room()) return "too many at once; try again";
+  if (verb == Verb::rearm) return {};
+  if (!run_.bracketed())
+    return "not recording: the rig file has no [recording], and one run lasts as long as the service";
+  if (verb == Verb::start && !operators_run_.empty())
+    return operators_run_ + " goes on: stop it first, with dwellctl stop";
+  if (verb == Verb::stop && operators_run_.empty() && !run_.latest().run.on) return "nothing to stop: no run goes on";
+  return {};
+}
+
+std::string OperatorRequests::standing() const {
+  if (!operators_run_.empty()) return operators_run_;
+  return run_.latest().run.on ? "a run of the drive" : "no run";
+}
+
+tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& request, const record::Person& by) {
+  run_.refresh();
+  if (std::string why = obstacle(request.verb); !why.empty()) return tl::unexpected(std::move(why));
+  number_ = number_ == UINT16_MAX ? std::uint16_t{1} : static_cast<std::uint16_t>(number_ + 1);
+  record::Request told;
+  told.verb = request.verb;
+  told.number = number_;
+  told.label = request.label;
+  told.event.what = "action";
+  told.event.text = words(request) + " by " + words(by);
+  told.event.person = by;
+  told.event.before = standing();
+  told.event.comment = request.comment;
+  if (request.verb == Verb::start) operators_run_ = "run \"" + request.label + "\", started by " + words(by);
+  if (request.verb == Verb::stop) operators_run_.clear();
+  told.event.after = request.verb == Verb::stop ? "no run" : standing();
+  log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));
+  if (recorder_ != nullptr) recorder_->request(std::move(told));
+  run_.ask(request.verb, number_);
+  return {};
+}
+
+}  // namespace dwell

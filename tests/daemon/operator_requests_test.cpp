@@ -1,0 +1,111 @@
+// What operators ask for: whether it can be done, and what the record is told of it.
+#include "daemon/run/operator_requests.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <vector>
+
+#include "tests/daemon/log_to_read.hpp"
+
+namespace dwell {
+namespace {
+
+using Verb = record::Request::Verb;
+
+struct OperatorRequestsTest : testing::Test {
+  struct Sink final : record::RequestSink {
+    void request(record::Request request) override { requests.push_back(std::move(request)); }
+    std::vector<record::Request> requests;
+  };
+
+  // Its threads do not run: what is asked for stays in the queue.
+  void begin(bool recording) {
+    config::RigFile file;
+    file.recording.on = recording;
+    file.rig.masses = {2.0};
+    file.rig.excitation.frequency_hz = 10.0;
+    file.rig.excitation.search_low_hz = 9.8;
+    file.rig.excitation.search_high_hz = 10.2;
+    file.rig.excitation.minimum = 1e-5;
+    for (int at = 0; at < 2; ++at) file.rig.channels.emplace_back().at = at;
+    run.emplace(file, std::vector<DeviceFeed>{}, nullptr, log, [] {});
+    operators.emplace(*run, log, &sink);
+  }
+  // The reason why not; empty: it is done.
+  std::string ask(Verb verb, const std::string& label = {}, const std::string& comment = {}) {
+    const auto done = operators->ask({verb, label, comment}, {1000, "anna"});
+    return done ? "" : done.error();
+  }
+
+  test::LogToRead log{"operators"};
+  Sink sink;
+  std::optional<dwell::Run> run;
+  std::optional<OperatorRequests> operators;
+};
+
+TEST_F(OperatorRequestsTest, TheRecordLearnsWhoAskedForWhatAndWhyBeforeTheStreamDoes) {
+  begin(true);
+  EXPECT_EQ(ask(Verb::start, "sweep 3", "new damper"), "");
+  EXPECT_EQ(ask(Verb::rearm, "", "specimen touched"), "");
+  EXPECT_EQ(ask(Verb::stop), "");
+  ASSERT_EQ(sink.requests.size(), 3u);
+  const record::Request &start = sink.requests[0], &rearm = sink.requests[1], &stop = sink.requests[2];
+  EXPECT_EQ(start.verb, Verb::start);
+  EXPECT_EQ(start.number, 1);
+  EXPECT_EQ(start.label, "sweep 3");
+  EXPECT_EQ(start.event.what, "action");
+  EXPECT_EQ(start.event.text, "run \"sweep 3\" started by anna (uid 1000)");
+  EXPECT_EQ(start.event.person->uid, 1000u);
+  EXPECT_EQ(start.event.before, "no run");
+  EXPECT_EQ(start.event.after, "run \"sweep 3\", started by anna (uid 1000)");
+  EXPECT_EQ(start.event.comment, "new damper");
+  EXPECT_EQ(rearm.number, 2);
+  EXPECT_EQ(rearm.event.before, rearm.event.after);
+  EXPECT_EQ(rearm.event.comment, "specimen touched");
+  EXPECT_EQ(stop.number, 3);
+  EXPECT_EQ(stop.event.before, start.event.after);
+  EXPECT_EQ(stop.event.after, "no run");
+  EXPECT_EQ(log.lines(), (std::vector<std::string>{"info run \"sweep 3\" started by anna (uid 1000): new damper",
+                                                   "info dwell re-armed by anna (uid 1000): specimen touched",
+                                                   "info run stopped by anna (uid 1000)"}));
+}
+
+TEST_F(OperatorRequestsTest, AnOperatorsRunIsNotReplacedByAnother) {
+  begin(true);
+  EXPECT_EQ(ask(Verb::start, "a"), "");
+  EXPECT_EQ(ask(Verb::start, "b"), "run \"a\", started by anna (uid 1000) goes on: stop it first, with dwellctl stop");
+  EXPECT_EQ(ask(Verb::stop), "");
+  EXPECT_EQ(ask(Verb::start, "b"), "");
+  EXPECT_EQ(sink.requests.size(), 3u) << "what is refused is not told of";
+}
+
+TEST_F(OperatorRequestsTest, WithoutARunThereIsNothingToStop) {
+  begin(true);
+  EXPECT_EQ(ask(Verb::stop), "nothing to stop: no run goes on");
+  EXPECT_TRUE(sink.requests.empty());
+}
+
+TEST_F(OperatorRequestsTest, WithoutRecordingThereIsNothingToStartOrToStop) {
+  begin(false);
+  for (const Verb verb : {Verb::start, Verb::stop}) EXPECT_NE(ask(verb, "a").find("not recording"), std::string::npos);
+  EXPECT_EQ(ask(Verb::rearm), "");
+}
+
+TEST_F(OperatorRequestsTest, MoreThanTheStreamTakesAtOnceIsRefusedAndNotToldOf) {
+  begin(true);
+  std::size_t done = 0;
+  for (int i = 0; i < 100; ++i) done += ask(Verb::rearm).empty();
+  EXPECT_GE(done, 1u);
+  EXPECT_LE(done, 16u);
+  EXPECT_EQ(sink.requests.size(), done);
+  EXPECT_EQ(ask(Verb::rearm), "too many at once; try again");
+}
+
+TEST(UserName, IsWhatTheSystemKnows) {
+  EXPECT_EQ(user_name(0), "root");
+  EXPECT_EQ(user_name(4'000'000'000u), "");
+}
+
+}  // namespace
+}  // namespace dwell
