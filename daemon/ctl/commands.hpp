@@ -31,25 +31,35 @@ struct WatchOptions {
   std::string truth;        // file: the coefficients that the simulated rig really has
 };
 
+// Of a recording: data is a run file, or CSV, which needs a rig.
 struct IdentifyOptions {
-  std::string rig;
-  std::string data;
+  std::string rig = {};
+  std::string data = {};
   std::string method = "both";  // "harmonic", "motion" or "both"
   bool json = false;
 };
 
+struct ReplayOptions {
+  std::string file = {};
+  std::string rig = {};      // another rig file; empty: the run's own
+  std::string output = {};   // with a rig: the child file to write; empty: none
+  std::string comment = {};  // into the child file
+  std::string key = {};      // file of the private key that signs it; empty: the person's own
+  bool json = false;
+};
+
 struct VerifyOptions {
-  std::string rig;
-  std::string data;
-  std::optional<int> dwell;  // its index; none: the last that settled
+  std::string rig = {};
+  std::string data = {};
+  std::optional<int> dwell = {};  // its index; none: the last that settled
   bool json = false;
 };
 
 struct ExportOptions {
-  std::string rig;
-  std::string data;
-  std::string folder;
-  std::optional<int> dwell;
+  std::string rig = {};
+  std::string data = {};
+  std::string folder = {};
+  std::optional<int> dwell = {};
 };
 
 struct AuditRequest {
@@ -88,6 +98,7 @@ struct KeyOptions {
 // The newest verification of the running service.
 [[nodiscard]] int verify(const Service& service);
 [[nodiscard]] int identify_recording(const IdentifyOptions& options);
+[[nodiscard]] int replay(const ReplayOptions& options);
 [[nodiscard]] int verify_recording(const VerifyOptions& options);
 [[nodiscard]] int export_model(const ExportOptions& options);
 

@@ -3,13 +3,14 @@
 #pragma once
 
 #include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "core/result/dwell.hpp"
 #include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
 #include "core/verify/verification_readings.hpp"
-#include "daemon/ctl/progress.hpp"
+#include "daemon/ctl/record_source.hpp"
 #include "drivers/replay/csv_recording.hpp"
 
 namespace dwell::ctl {
@@ -23,13 +24,17 @@ struct ColumnMatch {
 [[nodiscard]] ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording);
 
 // Every dwell of the recording, in order, also those that did not settle; empty: no drive was ever seen. Values are raw
-// (the rig's scale, offset and unit apply); times are on the recording's own t axis. Columns that the rig does not know
-// are ignored. The rig must be valid. readings: receives those that
-// count, if given. The pipeline's cost per sample; bound to one thread.
-[[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording, const Progress& progress = {},
-                                          VerificationReadings* readings = nullptr);
+// (the rig's scale, offset and unit apply); times are on the recording's own axis. readings: receives those that
+// count, if given. The rig must be valid. The pipeline's cost per sample; bound to one thread.
+[[nodiscard]] tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const RecordSource& source,
+                                                                     const Progress& progress = {},
+                                                                     VerificationReadings* readings = nullptr);
 
-// The coefficients of any motion from a recording, on its own t axis. Takes seconds.
+// The coefficients of any motion from a recording. Takes seconds.
+[[nodiscard]] tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source);
+
+// The same of a recording as text, on its own t axis.
+[[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording);
 [[nodiscard]] MotionEstimate identify_motion(const Rig& rig, const CsvRecording& recording);
 
 }  // namespace dwell::ctl

@@ -14,6 +14,10 @@ using namespace dwell::ctl;
 constexpr const char* kExitCodes =
     "Exit codes: 0 done, 1 the answer is no, 2 wrong usage or unusable input, 3 the service cannot be reached.";
 
+constexpr const char* kRigHelp =
+    "the rig file; its devices are not needed. A run file holds its own; for it another one may be given";
+constexpr const char* kDataHelp = "a run file, or a recording as CSV: t,NAME,… or t,channel,value";
+
 void add_json(CLI::App* verb, bool& json) { verb->add_flag("--json", json, "print JSON"); }
 
 void add_service(CLI::App* verb, Service& service) {
@@ -145,23 +149,36 @@ int run(int argc, char** argv) {
   add_json(check_verb, service.json);
 
   CLI::App* identify_verb = app.add_subcommand("identify", "coefficients from a recording; exit 1 if no dwell settled");
-  identify_verb->add_option("--rig", identifying.rig, "the rig file; its devices are not needed")->required();
-  identify_verb->add_option("data", identifying.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
+  identify_verb->add_option("--rig", identifying.rig, kRigHelp);
+  identify_verb->add_option("data", identifying.data, kDataHelp)->required();
   identify_verb
       ->add_option("--method", identifying.method,
                    "harmonic: steady dwells; motion: maximum likelihood on any motion; both (default)")
       ->check(CLI::IsMember({"harmonic", "motion", "both"}));
   add_json(identify_verb, identifying.json);
 
+  ReplayOptions replaying;
+  CLI::App* replay_verb =
+      app.add_subcommand("replay", "a run computed again from its stream; exit 1 if that differs from what was stored");
+  replay_verb->add_option("file", replaying.file, "the run file")->required();
+  CLI::Option* const replay_rig = replay_verb->add_option(
+      "--rig", replaying.rig,
+      "compute with this rig file instead, and compare nothing; it must have the run's channels");
+  CLI::Option* const child =
+      replay_verb->add_option("-o,--output", replaying.output, "the child file to write")->needs(replay_rig);
+  replay_verb->add_option("--comment", replaying.comment, "why, into the child file")->needs(child);
+  replay_verb
+      ->add_option("--key", replaying.key, "file of the private key that signs the child file; default: your own")
+      ->needs(child);
+  add_json(replay_verb, replaying.json);
+
   VerifyOptions verifying;
   CLI::App* verify_verb = app.add_subcommand(
       "verify", "the model against transients it never saw, live or of a recording; exit 1 if it is not adequate");
-  CLI::Option* const verify_rig =
-      verify_verb->add_option("--rig", verifying.rig, "the recording's rig file; its devices are not needed");
-  CLI::Option* const verify_data = verify_verb->add_option(
-      "data", verifying.data, "a recording, CSV: t,NAME,… or t,channel,value; without one the service is asked");
+  CLI::Option* const verify_rig = verify_verb->add_option("--rig", verifying.rig, kRigHelp);
+  CLI::Option* const verify_data =
+      verify_verb->add_option("data", verifying.data, std::string(kDataHelp) + "; without one the service is asked");
   verify_rig->needs(verify_data);
-  verify_data->needs(verify_rig);
   verify_verb
       ->add_option("--dwell", verifying.dwell, "index of the dwell of a recording; default: the last that settled")
       ->needs(verify_data);
@@ -171,8 +188,8 @@ int run(int argc, char** argv) {
   bool model = false;
   CLI::App* export_verb = app.add_subcommand("export", "the model of a recording as files for other programs");
   export_verb->add_flag("--model", model, "matrices as Matrix Market, a state-space model as JSON")->required();
-  export_verb->add_option("--rig", exporting.rig, "the rig file; its devices are not needed")->required();
-  export_verb->add_option("data", exporting.data, "the recording, CSV: t,NAME,… or t,channel,value")->required();
+  export_verb->add_option("--rig", exporting.rig, kRigHelp);
+  export_verb->add_option("data", exporting.data, kDataHelp)->required();
   export_verb->add_option("-o,--output", exporting.folder, "folder that receives the files")->required();
   export_verb->add_option("--dwell", exporting.dwell, "index of the dwell; default: the last that settled");
 
@@ -196,6 +213,7 @@ int run(int argc, char** argv) {
     verifying.json = service.json;
     return verifying.data.empty() ? verify(service) : verify_recording(verifying);
   }
+  if (*replay_verb) return replay(replaying);
   if (*export_verb) return export_model(exporting);
   return identify_recording(identifying);
 }

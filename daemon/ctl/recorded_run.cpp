@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/run_source.hpp"
 #include "daemon/ctl/table_motion.hpp"
 #include "daemon/report/number_text.hpp"
 
@@ -15,27 +16,41 @@ std::string names_of(const std::vector<std::string>& names) {
   return text;
 }
 
+tl::unexpected<int> unusable(const std::string& why) {
+  tell_error(why);
+  return tl::unexpected<int>(kUsage);
+}
+
+tl::expected<std::unique_ptr<const config::RigFile>, int> load_rig(const std::string& path) {
+  auto file = config::load(path, {});
+  if (file) return std::make_unique<const config::RigFile>(std::move(*file));
+  std::fputs(config::to_string(path, file.error()).c_str(), stderr);
+  return tl::make_unexpected(kUsage);
+}
+
 }  // namespace
 
 void tell_error(const std::string& text) { std::fprintf(stderr, "dwellctl: %s\n", printable(text).c_str()); }
 
-tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const std::string& data) {
-  auto file = config::load(rig, {});
-  if (!file) {
-    std::fputs(config::to_string(rig, file.error()).c_str(), stderr);
+tl::expected<RecordedRun, int> RecordedRun::load(const std::string& rig, const std::string& data) {
+  return is_run_file(data) ? from_run_file(rig, data) : from_csv(rig, data);
+}
+
+tl::expected<RecordedRun, int> RecordedRun::from_csv(const std::string& rig, const std::string& data) {
+  if (rig.empty()) {
+    tell_error(data + " is no run file; a recording as text needs its rig file: --rig RIG.toml");
     return tl::make_unexpected(kUsage);
   }
-  if (file->rig.excitation.reference == Reference::sync) {
+  auto file = load_rig(rig);
+  if (!file) return tl::make_unexpected(file.error());
+  if ((*file)->rig.excitation.reference == Reference::sync) {
     tell_error(rig + ": the reference is \"sync\", and a recording as text holds no pulses: expected \"tracked\" or " +
                "\"fixed\" there");
     return tl::make_unexpected(kUsage);
   }
   auto recording = read_csv(data);
-  if (!recording) {
-    tell_error(recording.error());
-    return tl::make_unexpected(kUsage);
-  }
-  const ColumnMatch match = match_columns(file->rig, *recording);
+  if (!recording) return unusable(recording.error());
+  const ColumnMatch match = match_columns((*file)->rig, *recording);
   if (!match.missing_channels.empty()) {
     tell_error(data + ": no column for " + names_of(match.missing_channels) + "; there are " +
                names_of(recording->channels));
@@ -44,11 +59,35 @@ tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const s
   if (!match.unknown_columns.empty()) {
     tell_error("warning: " + data + ": the rig has no channel " + names_of(match.unknown_columns) + "; ignored");
   }
-  return RecordedRun{std::move(*file), std::move(*recording)};
+  auto source = std::make_unique<const CsvSource>((*file)->rig, std::move(*recording));
+  RunInfo info{(*file)->sha256, DWELL_VERSION, ""};
+  return RecordedRun(std::move(*file), std::move(source), std::move(info));
 }
 
-std::string why_nothing_settled(const Rig& rig, const CsvRecording& recording, const std::vector<Dwell>& dwells) {
-  if (dwells.empty()) return why_no_dwell(rig, table_motion(rig, recording));
+tl::expected<RecordedRun, int> RecordedRun::from_run_file(const std::string& rig, const std::string& data) {
+  auto reader = record::RunReader::open(data);
+  if (!reader) return unusable(reader.error());
+  const record::RunHeader& header = reader->header();
+  if (!header.parent_id.empty()) return unusable(why_no_stream(data, header));
+  std::unique_ptr<const config::RigFile> file;
+  if (rig.empty()) {
+    auto own = rig_of(header, data);
+    if (!own) return unusable(own.error());
+    file = std::make_unique<const config::RigFile>(std::move(*own));
+  } else {
+    auto other = load_rig(rig);
+    if (!other) return tl::make_unexpected(other.error());
+    file = std::move(*other);
+  }
+  auto channels = ChannelMap::between(header, data, file->rig, rig.empty() ? header.rig.path : rig);
+  if (!channels) return unusable(channels.error());
+  RunInfo info{file->sha256, DWELL_VERSION, header.start_utc};
+  auto source = std::make_unique<const RunSource>(std::move(*reader), std::move(*channels));
+  return RecordedRun(std::move(file), std::move(source), std::move(info));
+}
+
+std::string why_nothing_settled(const Rig& rig, const RecordSource& source, const std::vector<Dwell>& dwells) {
+  if (dwells.empty()) return why_no_dwell(rig, table_motion(rig, source));
   for (auto dwell = dwells.rbegin(); dwell != dwells.rend(); ++dwell) {
     if (!dwell->settling_reason.empty()) return "no dwell settled: " + dwell->settling_reason;
     if (!dwell->warnings.empty()) return "no dwell settled: " + dwell->warnings.front();

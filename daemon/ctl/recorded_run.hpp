@@ -1,28 +1,47 @@
-// A rig file and a recording that goes with it, read and checked: what `identify`, `verify` and `export` begin with.
+// A recording and the rig file that goes with it, read and checked: what `identify`, `verify` and `export` begin with.
+// A run file holds both; a recording as text (CSV) needs a rig file beside it.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <tl/expected.hpp>
 
 #include "config/rig_file.hpp"
 #include "daemon/ctl/identify.hpp"
-#include "drivers/replay/csv_recording.hpp"
+#include "daemon/ctl/record_source.hpp"
+#include "daemon/report/dwell_view.hpp"
 
 namespace dwell::ctl {
 
-struct RecordedRun {
-  config::RigFile file;
-  CsvRecording recording;
+// Bound to one thread.
+class RecordedRun {
+ public:
+  // data: a run file or CSV. rig: of a run file another one than that of its run, or empty. Says on standard error what
+  // is wrong, or what is ignored. The error: an exit code.
+  [[nodiscard]] static tl::expected<RecordedRun, int> load(const std::string& rig, const std::string& data);
+
+  [[nodiscard]] const config::RigFile& file() const noexcept { return *file_; }
+  [[nodiscard]] const Rig& rig() const noexcept { return file_->rig; }
+  [[nodiscard]] const RecordSource& source() const noexcept { return *source_; }
+  // What the results are computed with.
+  [[nodiscard]] const RunInfo& info() const noexcept { return info_; }
+
+ private:
+  RecordedRun(std::unique_ptr<const config::RigFile> file, std::unique_ptr<const RecordSource> source, RunInfo info)
+      : file_(std::move(file)), source_(std::move(source)), info_(std::move(info)) {}
+  static tl::expected<RecordedRun, int> from_csv(const std::string& rig, const std::string& data);
+  static tl::expected<RecordedRun, int> from_run_file(const std::string& rig, const std::string& data);
+
+  std::unique_ptr<const config::RigFile> file_;  // the source refers to its rig
+  std::unique_ptr<const RecordSource> source_;
+  RunInfo info_;
 };
 
 // One line on standard error, without control characters.
 void tell_error(const std::string& text);
 
-// Says on standard error what is wrong, or what is ignored. The error: an exit code.
-[[nodiscard]] tl::expected<RecordedRun, int> load_recorded_run(const std::string& rig, const std::string& data);
-
 // Why there is nothing to show of these dwells, in one line.
-[[nodiscard]] std::string why_nothing_settled(const Rig& rig, const CsvRecording& recording,
+[[nodiscard]] std::string why_nothing_settled(const Rig& rig, const RecordSource& source,
                                               const std::vector<Dwell>& dwells);
 
 }  // namespace dwell::ctl

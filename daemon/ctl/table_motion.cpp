@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "config/units.hpp"
+#include "core/stream/record.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -35,15 +36,18 @@ const Channel* table_channel(const Rig& rig) {
   return nullptr;
 }
 
-Readings readings_of(const Channel& channel, const CsvRecording& recording) {
+Readings readings_of(const Rig& rig, const Channel& channel, const RecordSource& source) {
   Readings readings;
-  for (const CsvRecording::Sample& sample : recording.samples) {
-    if (recording.channels[sample.column] != channel.name) continue;
-    const double value = channel.scale * sample.value + channel.offset;
+  const auto index = &channel - rig.channels.data();
+  // What is wrong with the recording was told where it was identified.
+  (void)source.play({}, [&](const Record& record) {
+    if (record.kind != Kind::sample || record.channel != index) return;
+    const double value = channel.scale * record.value + channel.offset;
     const bool beyond =
         (channel.range_low && value < *channel.range_low) || (channel.range_high && value > *channel.range_high);
-    if (std::isfinite(value) && !beyond) readings.push_back({sample.t_s, channel.si_per_unit * value});
-  }
+    const double t_s = 1e-9 * static_cast<double>(record.t_ns);
+    if (std::isfinite(value) && !beyond) readings.push_back({t_s, channel.si_per_unit * value});
+  });
   return readings;
 }
 
@@ -126,12 +130,12 @@ std::string percent(double part) {
 
 }  // namespace
 
-TableMotion table_motion(const Rig& rig, const CsvRecording& recording) {
+TableMotion table_motion(const Rig& rig, const RecordSource& source) {
   TableMotion motion;
   const Channel* channel = table_channel(rig);
   if (channel == nullptr) return motion;
   motion.channel = channel->name;
-  const Readings readings = readings_of(*channel, recording);
+  const Readings readings = readings_of(rig, *channel, source);
   const int derivatives = channel->measures == Quantity::displacement ? 0
                           : channel->measures == Quantity::velocity   ? 1
                                                                       : 2;

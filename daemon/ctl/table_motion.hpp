@@ -7,7 +7,7 @@
 
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
-#include "drivers/replay/csv_recording.hpp"
+#include "daemon/ctl/record_source.hpp"
 
 namespace dwell::ctl {
 
@@ -20,8 +20,8 @@ struct TableMotion {
 };
 
 // Cost: a few passes over the table's readings. Readings that are not finite or beyond the channel's range do not
-// count.
-[[nodiscard]] TableMotion table_motion(const Rig& rig, const CsvRecording& recording);
+// count. Those before a mistake in the recording, where it has one.
+[[nodiscard]] TableMotion table_motion(const Rig& rig, const RecordSource& source);
 
 // One sentence: what was seen, what was expected.
 [[nodiscard]] std::string why_no_dwell(const Rig& rig, const TableMotion& motion);

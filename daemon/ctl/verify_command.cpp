@@ -38,27 +38,31 @@ std::int64_t end_before(const std::vector<Dwell>& dwells, const Dwell& of) {
 
 // The dwell asked for, by its index; none: the last that settled. The error: an exit code.
 tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<int> index) {
-  VerificationReadings readings(run.file.rig.channels.size());
-  std::vector<Dwell> dwells;
-  {
+  VerificationReadings readings(run.rig().channels.size());
+  const auto found_dwells = [&] {
     ProgressBar bar("identifying");
-    dwells = identify(run.file.rig, run.recording, bar.progress(), &readings);
+    return identify(run.rig(), run.source(), bar.progress(), &readings);
+  }();
+  if (!found_dwells) {
+    tell_error(found_dwells.error());
+    return tl::make_unexpected(kUsage);
   }
+  const std::vector<Dwell>& dwells = *found_dwells;
   const auto asked = [&](const Dwell& dwell) { return index ? dwell.index == index : std::isfinite(dwell.settled_s); };
   const auto found = std::find_if(dwells.rbegin(), dwells.rend(), asked);
   if (found == dwells.rend()) {
     tell_error(index ? "the recording has no dwell " + std::to_string(*index) + "; there are " +
                            std::to_string(dwells.size())
-                     : why_nothing_settled(run.file.rig, run.recording, dwells));
+                     : why_nothing_settled(run.rig(), run.source(), dwells));
     return tl::make_unexpected(index ? kUsage : kNo);
   }
-  const Rig& rig = run.file.rig;
+  const Rig& rig = run.rig();
   std::vector<OtherDwell> others;
   for (const Dwell& dwell : dwells)
     if (std::isfinite(dwell.settled_s) && dwell.index != found->index)
       others.push_back({dwell, readings.between(end_before(dwells, dwell), to_ns(dwell.end_s))});
   const std::vector<ChannelReadings> before = readings.since(end_before(dwells, *found));
-  VerifiedDwell out{*found, verify_model(rig, *found, before, run.file.verification.accuracy, others)};
+  VerifiedDwell out{*found, verify_model(rig, *found, before, run.file().verification.accuracy, others)};
   if (asks_for_causes(out.verification, out.dwell))
     tell_causes(find_causes(rig, before, to_ns(found->verdict_s)), out.verification);
   return out;
@@ -76,11 +80,11 @@ bool written(const std::filesystem::path& path, const std::string& text) {
 }  // namespace
 
 int verify_recording(const VerifyOptions& options) {
-  const auto run = load_recorded_run(options.rig, options.data);
+  const auto run = RecordedRun::load(options.rig, options.data);
   if (!run) return run.error();
   const auto seen = verified(*run, options.dwell);
   if (!seen) return seen.error();
-  const Rig& rig = run->file.rig;
+  const Rig& rig = run->rig();
   const std::string text = options.json ? dump(json_value(seen->verification, rig, seen->dwell), 2) + "\n"
                                         : verification_text(make_view(seen->verification, rig, seen->dwell));
   std::fwrite(text.data(), 1, text.size(), stdout);
@@ -88,11 +92,11 @@ int verify_recording(const VerifyOptions& options) {
 }
 
 int export_model(const ExportOptions& options) {
-  const auto run = load_recorded_run(options.rig, options.data);
+  const auto run = RecordedRun::load(options.rig, options.data);
   if (!run) return run.error();
   const auto seen = verified(*run, options.dwell);
   if (!seen) return seen.error();
-  const auto files = model_files(run->file.rig, {run->file.sha256, DWELL_VERSION, ""}, seen->dwell, seen->verification);
+  const auto files = model_files(run->rig(), run->info(), seen->dwell, seen->verification);
   if (!files) {
     tell_error(files.error());
     return kNo;

@@ -141,7 +141,8 @@ TEST(Identify, AMissingColumnMattersUnlessItsChannelIsAuxiliary) {
 
 TEST(Identify, TellsHowFarItIs) {
   std::vector<double> parts;
-  (void)identify(mount(), recorded(0.0), [&parts](double part) { parts.push_back(part); });
+  const Rig rig = mount();
+  ASSERT_TRUE(identify(rig, CsvSource(rig, recorded(0.0)), [&parts](double part) { parts.push_back(part); }));
   EXPECT_EQ(parts, std::vector<double>{1.0});
 }
 

@@ -42,7 +42,7 @@ double sine(double amplitude, double frequency_hz, double t_s) {
 
 std::string why(const std::function<double(double)>& value, double duration_s = 40.0) {
   const Rig rig = rig_at_4_hz();
-  return why_no_dwell(rig, table_motion(rig, recording_of(duration_s, value)));
+  return why_no_dwell(rig, table_motion(rig, CsvSource(rig, recording_of(duration_s, value))));
 }
 
 // "nowhere did the table move by more than 1e-6" was said of a table that moved by 6 mm for 40 s.
@@ -75,8 +75,8 @@ TEST(TableMotion, AnAccelerometersReadingsAreToldAsDisplacement) {
   rig.channels[0].measures = Quantity::acceleration;
   rig.channels[0].si_per_unit = 1.0;
   const double omega = 2.0 * std::numbers::pi * 2.0;
-  const TableMotion motion =
-      table_motion(rig, recording_of(40.0, [omega](double t_s) { return sine(0.005 * omega * omega, 2.0, t_s); }));
+  const TableMotion motion = table_motion(
+      rig, CsvSource(rig, recording_of(40.0, [omega](double t_s) { return sine(0.005 * omega * omega, 2.0, t_s); })));
   EXPECT_NEAR(motion.amplitude, 0.005, 1e-4);
   EXPECT_NEAR(motion.frequency_hz, 2.0, 0.01);
 }
@@ -87,8 +87,9 @@ TEST(TableMotion, OddRecordingsDoNotHarm) {
     EXPECT_NE(why([](double t_s) { return sine(5.0, 4.0, t_s); }, duration_s), "");
   EXPECT_NE(why([](double) { return std::nan(""); }), "");
   EXPECT_NE(why([](double t_s) { return t_s; }), "");
-  EXPECT_NE(why_no_dwell(rig, table_motion(rig, CsvRecording{})), "");
-  EXPECT_EQ(why_no_dwell(rig, table_motion(Rig{}, CsvRecording{})),
+  EXPECT_NE(why_no_dwell(rig, table_motion(rig, CsvSource(rig, {}))), "");
+  const Rig none;
+  EXPECT_EQ(why_no_dwell(rig, table_motion(none, CsvSource(none, {}))),
             "no dwell: no channel measures the motion of the table");
 }
 

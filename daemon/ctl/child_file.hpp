@@ -1,0 +1,45 @@
+// A child file: what a run would have said with another rig file. It carries the parent's head, results and events, and
+// no stream: that is in the parent, which stays as it is.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::ctl {
+
+// The head of the entry that ended a run, hexadecimal; of one that did not end, of its last entry.
+[[nodiscard]] record::Result<std::string> final_head(const std::string& path);
+
+// The header of a child of this run, begun now by whoever runs this program. rig: as given; text: of the rig file.
+[[nodiscard]] record::RunHeader child_header(const record::RunHeader& parent, std::string parent_head,
+                                             record::KeptFile rig);
+
+// Bound to one thread. A file that is not finished is removed again.
+class ChildFile {
+ public:
+  // Fails where there is such a file already. t_ns: of the parent's first record.
+  [[nodiscard]] static record::Result<ChildFile> create(const std::string& path, const record::RunHeader& header,
+                                                        const record::SigningKey& key, std::int64_t t_ns);
+  ChildFile(ChildFile&& other) noexcept;
+  ChildFile& operator=(ChildFile&&) = delete;
+  ~ChildFile();
+
+  // t_ns: of the parent's record at that position. Once one fails all do, and finish() says why.
+  void add(std::int64_t t_ns, const record::StoredResult& result) { append("result", t_ns, to_json(result)); }
+  void add(std::int64_t t_ns, const record::StoredEvent& event) { append("event", t_ns, to_json(event)); }
+  [[nodiscard]] record::Result<void> finish(std::int64_t t_ns, const record::RunEnd& end);
+
+ private:
+  ChildFile(std::string path, record::ChainWriter writer) : path_(std::move(path)), writer_(std::move(writer)) {}
+  void append(const char* kind, std::int64_t t_ns, const std::string& body);
+
+  std::string path_;  // empty: finished
+  record::ChainWriter writer_;
+  int uncommitted_ = 0;
+  std::string error_;
+};
+
+}  // namespace dwell::ctl

@@ -1,0 +1,34 @@
+#include "daemon/ctl/replay.hpp"
+
+namespace dwell::ctl {
+
+void Replay::take(const Record& record) {
+  ++position_;
+  if (!ended_.empty()) ended_.clear();
+  state_changed_ = false;
+  note(pipeline_.push(record));
+  if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends)) finish();
+}
+
+void Replay::break_off() {
+  ended_.clear();
+  if (!finished_) finish();
+}
+
+void Replay::finish() {
+  finished_ = true;
+  for (std::uint8_t change = pipeline_.flush(); change != kNothing; change = pipeline_.flush()) note(change);
+  note(pipeline_.finish());
+}
+
+std::optional<Dwell> Replay::current() const {
+  if (pipeline_.busy()) return std::nullopt;
+  return pipeline_.pipeline().current();
+}
+
+void Replay::note(std::uint8_t change) {
+  if ((change & kCompleted) != 0) ended_.push_back(pipeline_.pipeline().completed());
+  if ((change & kStateChanged) != 0) state_changed_ = true;
+}
+
+}  // namespace dwell::ctl

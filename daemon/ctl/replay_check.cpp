@@ -1,0 +1,87 @@
+#include "daemon/ctl/replay_check.hpp"
+
+#include <utility>
+
+#include "daemon/report/dwell_json_value.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+std::string index_in(const std::string& dwell) {
+  const Json value = Json::parse(dwell, nullptr, false);
+  const auto index = value.is_object() ? value.find("index") : value.end();
+  return value.is_object() && index != value.end() && index->is_number_integer() ? index->dump() : "none";
+}
+
+// Of a result as a whole.
+Difference whole(std::string stored, std::string replayed) {
+  return {"result", std::move(stored), std::move(replayed), kNaN, false};
+}
+
+}  // namespace
+
+void ReplayCheck::look(const Replay& replay) {
+  std::size_t ended = 0;
+  for (; stored_.now() != nullptr && stored_.now()->position <= replay.position(); stored_.next()) {
+    const record::StoredResult& stored = *stored_.now();
+    ++(stored.final ? findings_.finals : findings_.results);
+    if (stored.position < replay.position()) {
+      find(stored, whole("stored after a result of a later record", ""));
+    } else if (stored.final) {
+      if (ended < replay.ended().size())
+        compare(stored, to_json_(replay.ended()[ended++]));
+      else
+        find(stored, whole("a dwell ends here", "none does"));
+    } else if (const auto current = replay.current()) {
+      compare(stored, to_json_(*current));
+    } else {
+      find(stored, whole("published here", "nothing: the pipeline is in a long piece of work"));
+    }
+  }
+  for (; ended < replay.ended().size(); ++ended) {
+    const std::string dwell = to_json_(replay.ended()[ended]);
+    if (!closed_ && stored_.now() == nullptr)
+      note("the run was cut off before dwell " + index_in(dwell) + ", which ended there, was stored");
+    else
+      find({replay.position(), true, dwell}, whole("none", "a dwell ends here"));
+  }
+}
+
+record::Result<ReplayFindings> ReplayCheck::finish() {
+  for (; stored_.now() != nullptr; stored_.next()) {
+    const record::StoredResult& stored = *stored_.now();
+    const std::string at = "record " + std::to_string(stored.position);
+    if (closed_)
+      find(stored, whole("a result at " + at, "the stream ends before"));
+    else
+      note("the run was cut off before " + at + ", at which a result is stored");
+  }
+  if (!stored_.error().empty()) return tl::unexpected(stored_.error());
+  for (Finding& finding : tolerable_)
+    if (findings_.listed.size() < ReplayFindings::kListed) findings_.listed.push_back(std::move(finding));
+  return std::move(findings_);
+}
+
+void ReplayCheck::compare(const record::StoredResult& stored, const std::string& replayed) {
+  auto comparison = compare_results(stored.dwell, replayed);
+  if (!comparison) return find(stored, whole(comparison.error(), ""));
+  findings_.numbers += comparison->numbers;
+  for (Difference& difference : comparison->differences) find(stored, std::move(difference));
+}
+
+void ReplayCheck::find(const record::StoredResult& stored, Difference difference) {
+  ++findings_.different;
+  Finding finding{stored.position, stored.final, index_in(stored.dwell), std::move(difference)};
+  if (finding.difference.tolerable) {
+    if (finding.difference.in_u > findings_.largest.difference.in_u || findings_.largest.position == 0)
+      if (finding.difference.in_u >= 0.0) findings_.largest = finding;
+    if (tolerable_.size() < ReplayFindings::kListed) tolerable_.push_back(std::move(finding));
+    return;
+  }
+  ++findings_.intolerable;
+  if (findings_.listed.size() < ReplayFindings::kListed) findings_.listed.push_back(std::move(finding));
+}
+
+void ReplayCheck::note(const std::string& text) { findings_.notes.push_back(text); }
+
+}  // namespace dwell::ctl

@@ -1,0 +1,69 @@
+// Compares what a replay gives with what its run file holds, at the position of each stored result.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "daemon/ctl/replay.hpp"
+#include "daemon/ctl/result_comparison.hpp"
+#include "daemon/ctl/stored_results.hpp"
+
+namespace dwell::ctl {
+
+// A difference, and the result that it is in.
+struct Finding {
+  std::uint64_t position = 0;
+  bool final = false;
+  std::string dwell;  // the index as stored, "none" while idle
+  Difference difference;
+};
+
+struct ReplayFindings {
+  static constexpr std::size_t kListed = 1000;  // findings kept at most
+
+  std::uint64_t results = 0, finals = 0;  // compared
+  std::uint64_t numbers = 0;              // in them
+  std::uint64_t different = 0;            // of the numbers and other members
+  std::uint64_t intolerable = 0;          // of these, beyond what another build may change
+  Finding largest;                        // of the tolerable ones with an uncertainty, the one that is most of it
+  std::vector<Finding> listed;            // the first, those beyond what is tolerable before the others
+  std::vector<std::string> notes;         // what could not be compared, and why that is no difference
+
+  [[nodiscard]] bool identical() const noexcept { return different == 0; }
+};
+
+// Bound to one thread.
+class ReplayCheck {
+ public:
+  // The JSON object of a dwell as the recording service wrote it.
+  using ToJson = std::function<std::string(const Dwell&)>;
+
+  // closed: the run has ended, so that nothing may be missing. In one that was cut off, results at its very end may be
+  // stored without their records, and the other way round.
+  ReplayCheck(StoredResults stored, ToJson to_json, bool closed)
+      : stored_(std::move(stored)), to_json_(std::move(to_json)), closed_(closed) {}
+
+  // After each record that the replay has taken.
+  void follow(const Replay& replay) {
+    const record::StoredResult* const next = stored_.now();
+    if ((next != nullptr && next->position <= replay.position()) || !replay.ended().empty()) look(replay);
+  }
+  // After the last one. Fails where the results could not be read to their end.
+  [[nodiscard]] record::Result<ReplayFindings> finish();
+
+ private:
+  void look(const Replay& replay);
+  void compare(const record::StoredResult& stored, const std::string& replayed);
+  void find(const record::StoredResult& stored, Difference difference);
+  void note(const std::string& text);
+
+  StoredResults stored_;
+  ToJson to_json_;
+  bool closed_;
+  std::vector<Finding> tolerable_;
+  ReplayFindings findings_;
+};
+
+}  // namespace dwell::ctl

@@ -1,0 +1,176 @@
+// replay: a run's stream through the pipeline once more. With the run's own rig file what comes of it is compared with
+// what was stored; with another one it is new, and may go into a child file.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/clock.hpp"
+#include "daemon/ctl/child_file.hpp"
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/personal_key.hpp"
+#include "daemon/ctl/printout.hpp"
+#include "daemon/ctl/recorded_run.hpp"
+#include "daemon/ctl/replay_check.hpp"
+#include "daemon/ctl/replay_printout.hpp"
+#include "daemon/ctl/run_source.hpp"
+#include "daemon/record/utc_text.hpp"
+#include "daemon/report/dwell_json.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+constexpr std::uint64_t kShowEvery = 1U << 12U;  // records
+
+using record::Result;
+
+int cannot_replay(const std::string& why) {
+  tell_error(why);
+  return kUsage;
+}
+
+bool begins_a_run(const Record& record) {
+  return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::armed);
+}
+
+// Hands every record to the replay, and tells of each. Returns the dwells that ended, the one at a broken-off end
+// included. after: void(const Record&).
+template <class After>
+Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& reader, const ChannelMap& channels,
+                                Replay& replay, const After& after) {
+  ProgressBar bar("replaying");
+  std::vector<Dwell> dwells;
+  const auto keep = [&] { dwells.insert(dwells.end(), replay.ended().begin(), replay.ended().end()); };
+  const double begin_ns = static_cast<double>(reader.begin_ns());
+  const double length_ns = static_cast<double>(reader.end_ns()) - begin_ns + 1.0;
+  const auto played = reader.stream([&](const Record& record) {
+    if (replay.position() == 0 && !begins_a_run(record)) return false;
+    replay.take(channels.map(record));
+    if (!replay.ended().empty()) keep();
+    after(record);
+    if (replay.position() % kShowEvery == 0) bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
+    return true;
+  });
+  if (!played) return tl::unexpected(played.error());
+  if (replay.position() == 0)
+    return tl::unexpected(file + ": expected a stream that begins where its pipeline was armed; there is " +
+                          (reader.begin_ns() == reader.end_ns() ? "none" : "another first record"));
+  replay.break_off();
+  keep();
+  return dwells;
+}
+
+// The run's own rig file.
+int check(const ReplayOptions& options, record::RunReader& reader) {
+  const record::RunHeader& header = reader.header();
+  const auto file = rig_of(header, options.file);
+  if (!file) return cannot_replay(file.error());
+  const auto channels = ChannelMap::between(header, options.file, file->rig, header.rig.path);
+  if (!channels) return cannot_replay(channels.error());
+  auto stored = StoredResults::open(options.file);
+  if (!stored) return cannot_replay(stored.error());
+  // As the service put it.
+  const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
+  ReplayCheck check(
+      std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
+      reader.end().has_value());
+  Replay replay(file->rig);
+  const auto dwells = play(options.file, reader, *channels, replay, [&](const Record&) { check.follow(replay); });
+  if (!dwells) return cannot_replay(dwells.error());
+  const auto findings = check.finish();
+  if (!findings) return cannot_replay(findings.error());
+  Printout out = printout(file->rig, {file->sha256, DWELL_VERSION, header.start_utc}, *dwells);
+  const ReplayVerdict verdict = judge(*findings, header.origin, record::this_origin());
+  add(verdict, *findings, header, out);
+  print(out, options.json);
+  return verdict.same ? kDone : kNo;
+}
+
+Result<std::string> text_of(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  if (!text) return tl::unexpected(path + " cannot be read");
+  return text.str();
+}
+
+// The person's key, told of where it is new.
+Result<record::SigningKey> signing_key(const std::string& given) {
+  const Result<std::string> path = given.empty() ? personal_key_path() : given;
+  if (!path) return tl::unexpected(path.error());
+  if (!given.empty()) return record::SigningKey::load(given);
+  auto key = load_or_make_key(*path);
+  if (!key) return tl::unexpected(key.error());
+  if (key->made) tell_error("a key of your own was made: " + *path + ", public " + key->key.public_key().vkey());
+  return std::move(key->key);
+}
+
+Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& reader, const config::RigFile& rig) {
+  auto head = final_head(options.file);
+  if (!head) return tl::unexpected(head.error());
+  auto text = text_of(options.rig);
+  if (!text) return tl::unexpected(text.error());
+  const auto key = signing_key(options.key);
+  if (!key) return tl::unexpected(key.error());
+  record::RunHeader header =
+      child_header(reader.header(), std::move(*head), {options.rig, rig.sha256, std::move(*text)});
+  header.comment = options.comment;
+  header.channels.clear();
+  for (const Channel& channel : rig.rig.channels) header.channels.push_back(channel.name);
+  return ChildFile::create(options.output, header, *key, reader.begin_ns());
+}
+
+// Another rig file: where the run published a result, and where a dwell ends now.
+int amend(const ReplayOptions& options, record::RunReader& reader) {
+  const auto file = config::load(options.rig, {});
+  if (!file) {
+    std::fputs(config::to_string(options.rig, file.error()).c_str(), stderr);
+    return kUsage;
+  }
+  const record::RunHeader header = reader.header();
+  const auto channels = ChannelMap::between(header, options.file, file->rig, options.rig);
+  if (!channels) return cannot_replay(channels.error());
+  auto stored = StoredResults::open(options.file);
+  if (!stored) return cannot_replay(stored.error());
+  std::optional<ChildFile> child;
+  if (!options.output.empty()) {
+    auto begun = begin_child(options, reader, *file);
+    if (!begun) return cannot_replay(begun.error());
+    child.emplace(std::move(*begun));
+  }
+  const RunInfo info{file->sha256, DWELL_VERSION, header.start_utc};
+  Replay replay(file->rig);
+  const auto add_result = [&](std::int64_t t_ns, bool final, const Dwell& dwell) {
+    child->add(t_ns, record::StoredResult{replay.position(), final, to_json(dwell, file->rig, info)});
+  };
+  const auto dwells = play(options.file, reader, *channels, replay, [&](const Record& record) {
+    if (!child) return;
+    for (const Dwell& dwell : replay.ended()) add_result(record.t_ns, true, dwell);
+    for (; stored->now() != nullptr && stored->now()->position <= replay.position(); stored->next())
+      if (!stored->now()->final)
+        if (const auto current = replay.current()) add_result(record.t_ns, false, *current);
+  });
+  if (!dwells) return cannot_replay(dwells.error());
+  if (child) {
+    if (auto finished = child->finish(reader.end_ns(), {"replay", 0, 0, record::iso_utc(utc_now_ns())}); !finished)
+      return cannot_replay(finished.error());
+  }
+  Printout out = printout(file->rig, info, *dwells);
+  add_parent(header, options.output, out);
+  print(out, options.json);
+  return judge(file->rig, RunSource(std::move(reader), *channels), *dwells);
+}
+
+}  // namespace
+
+int replay(const ReplayOptions& options) {
+  auto reader = record::RunReader::open(options.file);
+  if (!reader) return cannot_replay(reader.error());
+  if (!reader->header().parent_id.empty()) return cannot_replay(why_no_stream(options.file, reader->header()));
+  return options.rig.empty() ? check(options, *reader) : amend(options, *reader);
+}
+
+}  // namespace dwell::ctl

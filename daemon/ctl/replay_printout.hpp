@@ -1,0 +1,24 @@
+// What `replay` says beyond what `identify` does. Heavy: include it in .cpp only.
+#pragma once
+
+#include <string>
+
+#include "daemon/ctl/printout.hpp"
+#include "daemon/ctl/replay_check.hpp"
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::ctl {
+
+struct ReplayVerdict {
+  bool same_origin = false;  // program, build and CPU features are those that recorded: every bit must be the same
+  bool same = false;         // nothing differs by more than it may
+  record::Origin here;
+};
+[[nodiscard]] ReplayVerdict judge(const ReplayFindings& findings, const record::Origin& recorded, record::Origin here);
+
+void add(const ReplayVerdict& verdict, const ReplayFindings& findings, const record::RunHeader& run, Printout& to);
+
+// Of a replay with another rig file. child: file that was written; empty: none.
+void add_parent(const record::RunHeader& parent, const std::string& child, Printout& to);
+
+}  // namespace dwell::ctl

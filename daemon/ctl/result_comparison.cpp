@@ -1,0 +1,157 @@
+#include "daemon/ctl/result_comparison.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "daemon/report/dwell_json_value.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+constexpr double kTiny = 1e-300;  // a relative difference from zero is none
+
+double real(const Json& object, std::string_view name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_number() ? found->get<double>() : kNaN;
+}
+
+// The member of the same object that holds a number's standard uncertainty; empty: it has none.
+std::string_view uncertainty_of(std::string_view member) {
+  struct Pair {
+    std::string_view member, u;
+  };
+  static constexpr std::array<Pair, 8> pairs{{{"value", "u"},
+                                              {"U95", "u"},
+                                              {"amplitude", "u_amplitude"},
+                                              {"phase_rad", "u_phase_rad"},
+                                              {"mean", "u_amplitude"},
+                                              {"harmonics", "u_amplitude"},
+                                              {"u", "u"},
+                                              {"u_amplitude", "u_amplitude"}}};
+  for (const Pair& pair : pairs)
+    if (pair.member == member) return pair.u;
+  if (member.substr(0, 2) == "u_") return member;
+  return {};
+}
+
+// Durations that the pipeline estimates; every other "…_s" is an instant.
+bool is_instant(std::string_view member) {
+  const bool seconds = member.size() > 2 && member.substr(member.size() - 2) == "_s";
+  return seconds && member.substr(0, 6) != "memory" && member != "settles_in_s";
+}
+
+// Where a number stands: what its difference is measured in.
+struct Scale {
+  double u = kNaN;        // its standard uncertainty; NaN: none
+  double allowed = kNaN;  // difference that another build may make; NaN: a part of the number itself
+};
+
+Scale scale_of(const Json& object, std::string_view member) {
+  Scale scale;
+  std::string_view name = uncertainty_of(member);
+  if (member == "amplitude" && object.find("u_amplitude") == object.end()) name = "u";  // of a deformation
+  if (!name.empty()) scale.u = std::fabs(real(object, name));
+  if (is_instant(member)) scale.allowed = kInstantTolerance_s;
+  if (scale.u > 0.0) scale.allowed = kReplayTolerance * scale.u;
+  return scale;
+}
+
+// A value in few words; what was stored may be nested to any depth.
+std::string told(const Json& value) {
+  if (value.is_object()) return "an object";
+  if (value.is_array()) return "an array";
+  return dump(value);
+}
+
+class Walk {
+ public:
+  void values(const std::string& path, const Json& stored, const Json& replayed, const Scale& scale) {
+    if (stored.is_number() && replayed.is_number()) return numbers(path, stored, replayed, scale);
+    if (stored.type() != replayed.type()) return differ(path, told(stored), told(replayed));
+    if (stored.is_object()) return objects(path, stored, replayed);
+    if (stored.is_array()) return arrays(path, stored, replayed, scale);
+    if (stored != replayed) differ(path, told(stored), told(replayed));
+  }
+
+  Comparison result;
+
+ private:
+  void objects(const std::string& path, const Json& stored, const Json& replayed) {
+    const std::string front = path.empty() ? "" : path + ".";
+    for (const auto& [name, value] : stored.items()) {
+      const auto other = replayed.find(name);
+      if (other == replayed.end()) {
+        differ(front + name, told(value), "");
+      } else if (name == "covariance" && value.is_array()) {
+        covariances(front + name, value, *other);
+      } else {
+        values(front + name, value, *other, scale_of(stored, name));
+      }
+    }
+    for (const auto& [name, value] : replayed.items())
+      if (stored.find(name) == stored.end()) differ(front + name, "", told(value));
+  }
+
+  void arrays(const std::string& path, const Json& stored, const Json& replayed, const Scale& scale) {
+    if (stored.size() != replayed.size())
+      return differ(path, std::to_string(stored.size()) + " entries", std::to_string(replayed.size()) + " entries");
+    for (std::size_t i = 0; i < stored.size(); ++i) values(at(path, i), stored[i], replayed[i], scale);
+  }
+
+  // An entry C_ij is measured in √(C_ii·C_jj), which is u² on the diagonal.
+  void covariances(const std::string& path, const Json& stored, const Json& replayed) {
+    const auto sd = [&stored](std::size_t i) {
+      const Json& row = stored[i];
+      return row.is_array() && i < row.size() && row[i].is_number() ? std::sqrt(std::fabs(row[i].get<double>())) : kNaN;
+    };
+    if (!replayed.is_array() || stored.size() != replayed.size()) return values(path, stored, replayed, {});
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+      const Json &row = stored[i], &other = replayed[i];
+      if (!row.is_array() || !other.is_array() || row.size() != other.size() || row.size() != stored.size()) {
+        values(at(path, i), row, other, {});
+        continue;
+      }
+      for (std::size_t j = 0; j < row.size(); ++j) {
+        const double u = sd(i) * sd(j);
+        values(at(at(path, i), j), row[j], other[j], u > 0.0 ? Scale{u, kReplayTolerance * u} : Scale{});
+      }
+    }
+  }
+
+  void numbers(const std::string& path, const Json& stored, const Json& replayed, const Scale& scale) {
+    ++result.numbers;
+    const bool whole = stored.is_number_integer() && replayed.is_number_integer();
+    const auto a = stored.get<double>(), b = replayed.get<double>();
+    if (whole ? stored == replayed
+              : stored.type() == replayed.type() && std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b))
+      return;
+    Difference difference{path, dump(stored), dump(replayed)};
+    const double off = std::fabs(a - b);
+    if (scale.u > 0.0) difference.in_u = off / scale.u;
+    const double allowed =
+        std::isfinite(scale.allowed) ? scale.allowed : kReplayTolerance * std::max({std::fabs(a), std::fabs(b), kTiny});
+    difference.tolerable = !whole && off <= allowed;
+    result.differences.push_back(std::move(difference));
+  }
+
+  void differ(const std::string& path, std::string stored, std::string replayed) {
+    result.differences.push_back({path, std::move(stored), std::move(replayed)});
+  }
+
+  static std::string at(const std::string& path, std::size_t i) { return path + "[" + std::to_string(i) + "]"; }
+};
+
+}  // namespace
+
+tl::expected<Comparison, std::string> compare_results(std::string_view stored, std::string_view replayed) {
+  const Json a = Json::parse(stored, nullptr, false), b = Json::parse(replayed, nullptr, false);
+  if (!a.is_object()) return tl::unexpected(std::string("the stored result is not a JSON object"));
+  if (!b.is_object()) return tl::unexpected(std::string("the replayed result is not a JSON object"));
+  Walk walk;
+  walk.values("", a, b, {});
+  return std::move(walk.result);
+}
+
+}  // namespace dwell::ctl
