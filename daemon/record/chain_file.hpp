@@ -17,8 +17,9 @@ enum class ChainSort : std::uint32_t {
   ledger = 0x44574c47,  // "DWLG"
 };
 
-// Appends. Bound to one thread. Every failure is returned with the reason ("disk full" among them) and leaves what has
-// been committed as it was.
+// Appends. Bound to one thread. Every failure is returned with the reason ("disk full" among them), takes back what was
+// not committed, and leaves what has been committed as it was. While a writer lives no other program's SQLite gets at
+// the file; ChainReader does.
 class ChainWriter {
  public:
   // A new file; fails where there is one. `origin` is the first line of its notes, for instance "dwell/run/<id>".
@@ -27,6 +28,12 @@ class ChainWriter {
   // An existing one, to append to it; its chain is followed from the start, its last note must be by `key`.
   [[nodiscard]] static Result<ChainWriter> open(const std::string& path, ChainSort sort, std::string origin,
                                                 const SigningKey& key);
+  // The same where the last note is by another key, `last`: after a change of keys.
+  [[nodiscard]] static Result<ChainWriter> open(const std::string& path, ChainSort sort, std::string origin,
+                                                const SigningKey& key, const PublicKey& last);
+  // The same without a private key: its commits carry no note. For a `signature` entry that is signed in itself.
+  [[nodiscard]] static Result<ChainWriter> open_without_key(const std::string& path, ChainSort sort, std::string origin,
+                                                            const PublicKey& last);
   ChainWriter(ChainWriter&&) noexcept;
   ChainWriter& operator=(ChainWriter&&) noexcept;
   ~ChainWriter();  // what was not committed is lost
@@ -38,7 +45,8 @@ class ChainWriter {
   [[nodiscard]] Result<void> commit();
   // Takes back what was appended since the last commit.
   void roll_back();
-  // Commits and turns the file into one without -wal. Nothing can be appended after.
+  // Commits and turns the file into one without -wal. Nothing can be appended after. Where this fails, all that was
+  // committed is in the file and its -wal.
   [[nodiscard]] Result<void> close();
 
   // Of the last commit. Before the first: 0, and 32 zero bytes.
@@ -51,11 +59,14 @@ class ChainWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// Reads, without altering a byte of the file or its -wal. Bound to one thread. Entries are read one at a time; an entry
-// of more than kMaxBody bytes is an error.
+// Reads what was committed when it was opened, without altering a byte of the file or its -wal, from a read-only place
+// too. While it lives, a writer leaves the -wal as it is, up to kMaxWal bytes; beyond, and where the file is closed
+// meanwhile, reading fails with "written to while it was read: read it again". Bound to one thread. Entries are read
+// one at a time; an entry of more than kMaxBody bytes is an error.
 class ChainReader {
  public:
   static constexpr std::int64_t kMaxBody = 64 << 20;
+  static constexpr std::int64_t kMaxWal = 512 << 20;
 
   // Fails with the reason where the file cannot be read or is not of this sort.
   [[nodiscard]] static Result<ChainReader> open(const std::string& path, ChainSort sort);

@@ -2,8 +2,10 @@
 
 #include <openssl/evp.h>
 
+#include <charconv>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 namespace dwell::record {
 namespace {
@@ -51,6 +53,29 @@ std::string base64(std::string_view bytes) {
                       reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
   out.resize(static_cast<std::size_t>(length));
   return out;
+}
+
+std::optional<Digest> from_hex(std::string_view text) {
+  Digest digest{};
+  if (text.size() != 2 * digest.size()) return std::nullopt;
+  for (std::size_t i = 0; i < digest.size(); ++i) {
+    const auto [end, error] = std::from_chars(text.data() + 2 * i, text.data() + 2 * i + 2, digest[i], 16);
+    if (error != std::errc() || end != text.data() + 2 * i + 2) return std::nullopt;
+  }
+  // Capitals have a second form.
+  return hex(digest) == text ? std::optional(digest) : std::nullopt;
+}
+
+std::optional<std::string> from_base64(std::string_view text) {
+  std::string out(text.size() / 4 * 3, '\0');
+  const int length =
+      EVP_DecodeBlock(reinterpret_cast<unsigned char*>(out.data()), reinterpret_cast<const unsigned char*>(text.data()),
+                      static_cast<int>(text.size()));
+  if (length < 0) return std::nullopt;
+  out.resize(static_cast<std::size_t>(length));
+  for (std::size_t i = text.size(); i > 0 && text[i - 1] == '=' && !out.empty(); --i) out.pop_back();
+  // libcrypto forgives spaces and bits beyond the last byte.
+  return base64(out) == text ? std::optional(std::move(out)) : std::nullopt;
 }
 
 }  // namespace dwell::record

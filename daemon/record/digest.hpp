@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -25,5 +26,8 @@ struct Entry {
 // 64 hexadecimal digits; standard base64 with padding.
 [[nodiscard]] std::string hex(const Digest& digest);
 [[nodiscard]] std::string base64(std::string_view bytes);
+// Back. nullopt: not what hex() and base64() write.
+[[nodiscard]] std::optional<Digest> from_hex(std::string_view text);
+[[nodiscard]] std::optional<std::string> from_base64(std::string_view text);
 
 }  // namespace dwell::record

@@ -32,14 +32,14 @@ struct Plugin {
 // Where and with what a run was recorded. What makes the same bits: `build` and `cpu`.
 struct Origin {
   std::string version;    // of the program
-  std::string build;      // compiler and its version, flags, libm
-  std::string cpu;        // features that libm and Eigen choose by, sorted: "avx avx2 fma sse4_2"
+  std::string build;      // compiler and its version, flags, Eigen, libm
+  std::string cpu;        // features that libm chooses by, sorted: "avx avx2 fma sse4_2"
   std::string host;       // name
   std::string time_zone;  // "Europe/Berlin", or "" where unknown
   bool clock_synchronized = false;
-  double clock_error_s = 0.0;  // as the kernel estimates it
+  double clock_error_s = 0.0;  // at most, as the kernel reckons; not a number: the kernel may not be asked
 };
-// Of this process, now.
+// Of this process, now. Reads the environment: while no thread alters it.
 [[nodiscard]] Origin this_origin();
 
 // The body of the `run` entry.
@@ -61,7 +61,7 @@ struct RunHeader {
   Origin origin;
 };
 
-// A published dwell. `dwell` is the JSON object of the public interface, as text.
+// A published dwell. `dwell` is the JSON object of the public interface, as text; to_json() puts it in as it is.
 struct StoredResult {
   std::uint64_t position = 0;  // records of the stream before it
   bool final = false;          // the dwell has ended
@@ -104,7 +104,8 @@ struct PersonalSignature {
 [[nodiscard]] std::string to_json(const RunEnd& end);
 [[nodiscard]] std::string to_json(const PersonalSignature& signature);
 
-// Each fails with what is missing or wrong.
+// Each fails with what is missing or wrong, also where the body holds more than 16 MiB or nests deeper than 64. Any
+// bytes may come.
 [[nodiscard]] Result<RunHeader> parse_run_header(const std::string& body);
 [[nodiscard]] Result<StoredResult> parse_result(const std::string& body);
 [[nodiscard]] Result<StoredEvent> parse_event(const std::string& body);
