@@ -1,0 +1,40 @@
+// The two tables of a chain file, for those who read and write them. docs/run-file.md, "The container".
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/sqlite.hpp"
+
+namespace dwell::record {
+
+inline constexpr const char* kEntryTable =
+    "CREATE TABLE entry (seq INTEGER PRIMARY KEY, kind TEXT NOT NULL, t_ns INTEGER NOT NULL, body BLOB NOT NULL, head "
+    "BLOB NOT NULL) STRICT";
+inline constexpr const char* kNoteTable = "CREATE TABLE note (seq INTEGER PRIMARY KEY, text TEXT NOT NULL) STRICT";
+inline constexpr int kFormatVersion = 1;  // user_version
+
+// That the database is a chain file of this sort, with these two tables and nothing else. Fails with what it has
+// instead.
+[[nodiscard]] Result<void> check_tables(sqlite3* database, ChainSort sort);
+
+// The text that the note on an entry signs. docs/run-file.md, "The notes".
+[[nodiscard]] std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns);
+
+// Rows in the order of seq. Borrows the database. Bound to one thread.
+class ChainRows {
+ public:
+  explicit ChainRows(sqlite3* database);
+  // As ChainReader's.
+  void seek(std::int64_t seq, const std::string& kind);
+  // Fails with the reason, without the path.
+  [[nodiscard]] Result<std::optional<ChainReader::Row>> next();
+
+ private:
+  sqlite3* database_;
+  Statement all_, of_kind_;
+  sqlite3_stmt* current_ = nullptr;
+};
+
+}  // namespace dwell::record

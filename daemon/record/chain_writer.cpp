@@ -1,0 +1,304 @@
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/chain_tables.hpp"
+#include "daemon/record/sqlite.hpp"
+
+namespace dwell::record {
+namespace {
+
+// Bytes of a page. Blocks are of some 10 kB to some MB: larger pages make fewer links to follow; each commit writes
+// about three pages that were written before, once a second.
+constexpr const char* kPageSize = "PRAGMA page_size = 16384";
+
+// Frames of the log after which its pages go into the database: 16 MB, some seconds of the largest rig.
+constexpr int kCheckpointFrames = 1000;
+constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / 16384);
+
+tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+// While the connection lives, no other one gets at the file, and SQLite needs no -shm.
+bool set_up(sqlite3* database) {
+  return execute(database, "PRAGMA locking_mode = EXCLUSIVE") &&
+         first_text(database, "PRAGMA journal_mode = WAL") == "wal" &&
+         execute(database, "PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 0");
+}
+
+Database open_database(const std::string& path, int flags) {
+  sqlite3* opened = nullptr;
+  sqlite3_open_v2(path.c_str(), &opened, flags | SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
+  if (opened != nullptr) sqlite3_extended_result_codes(opened, 0);
+  return Database(opened);
+}
+
+// That what the directory now says of its files survives a loss of power.
+void synchronize_directory(const std::string& path) {
+  const std::string directory = std::filesystem::path(path).parent_path().string();
+  const int folder = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  ::fsync(folder);
+  ::close(folder);
+}
+
+// An empty chain at `path`, whole from the instant at which it has that name.
+Result<void> make_file(const std::string& path, ChainSort sort) {
+  const std::string unfinished = path + ".new";
+  std::error_code ignored;
+  if (std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) return fails(path + ": exists already");
+  // What a crash left of an earlier try; a log without its file would be taken for the new file's.
+  for (const std::string& old :
+       {unfinished, unfinished + "-journal", unfinished + "-wal", path + "-wal", path + "-shm", path + "-journal"})
+    std::filesystem::remove(old, ignored);
+  const std::string set =
+      std::string(kPageSize) + "; PRAGMA locking_mode = EXCLUSIVE; BEGIN; PRAGMA application_id = " +
+      std::to_string(static_cast<std::uint32_t>(sort)) + "; PRAGMA user_version = " + std::to_string(kFormatVersion) +
+      "; " + kEntryTable + "; " + kNoteTable + "; COMMIT";
+  Database database = open_database(unfinished, SQLITE_OPEN_CREATE);
+  if (!execute(database.get(), set.c_str()) || first_text(database.get(), "PRAGMA journal_mode = WAL") != "wal") {
+    std::string error = sqlite_error(database.get(), path);
+    database.reset();
+    std::filesystem::remove(unfinished, ignored);
+    return fails(std::move(error));
+  }
+  database.reset();
+  if (std::rename(unfinished.c_str(), path.c_str()) != 0) {
+    const int error = errno;
+    std::filesystem::remove(unfinished, ignored);
+    return fails(path + ": " + std::strerror(error));
+  }
+  synchronize_directory(path);
+  return {};
+}
+
+// The end of a chain that holds.
+struct Tail {
+  std::int64_t seq = 0;
+  Digest head{};
+};
+
+// Follows the chain from its start; its last note must be by `signer`, and only signatures may come after.
+Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& origin, const PublicKey& signer) {
+  Result<ChainReader> reader = ChainReader::open(path, sort);
+  if (!reader) return fails(std::move(reader.error()));
+  Tail tail;
+  ChainReader::Row noted;  // the last entry with a note, without its body
+  for (;;) {
+    Result<std::optional<ChainReader::Row>> row = reader->next();
+    if (!row) return fails(std::move(row.error()));
+    if (!*row) break;
+    const Entry& entry = (*row)->entry;
+    const std::string place = path + ": entry " + std::to_string(entry.seq) + ": ";
+    if (entry.seq != tail.seq + 1) return fails(place + "expected entry " + std::to_string(tail.seq + 1));
+    tail = {entry.seq, next_head(tail.head, entry)};
+    if ((*row)->head != tail.head) return fails(place + "the chain does not hold");
+    if ((*row)->note.empty()) {
+      if (entry.kind != "signature") noted.note.clear();
+      continue;
+    }
+    noted = std::move(**row);
+    noted.entry.body.clear();
+  }
+  if (tail.seq == 0) return tail;
+  if (noted.note.empty()) return fails(path + ": its last entries are not signed");
+  const Result<std::string> text = signer.open(noted.note);
+  const std::string place = path + ": the note on entry " + std::to_string(noted.entry.seq) + ": ";
+  if (!text) return fails(place + text.error());
+  if (*text != note_text(origin, noted.entry.seq, noted.head, noted.entry.t_ns))
+    return fails(place + "it signs something else");
+  return tail;
+}
+
+}  // namespace
+
+struct ChainWriter::Impl {
+  std::string path, origin;
+  std::optional<SigningKey> key;  // none: commits carry no note
+  Database database;
+  Statement insert_entry, insert_note;
+  Tail pending, committed;
+  std::int64_t t_ns = 0;   // of the last entry appended
+  int frames = 0;          // of the log, after the last commit
+  int wal_file = -1;       // for its flock: Snapshot
+  bool stale_log = false;  // frames of a transaction that failed may lie behind the log's end
+
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    insert_entry.reset();
+    insert_note.reset();
+    database.reset();
+    if (wal_file >= 0) ::close(wal_file);
+  }
+
+  [[nodiscard]] tl::unexpected<std::string> failed() {
+    std::string error = sqlite_error(database.get(), path);
+    roll_back();
+    return fails(std::move(error));
+  }
+
+  Result<void> connect() {
+    database = open_database(path, 0);
+    if (!database || !set_up(database.get())) return fails(sqlite_error(database.get(), path));
+    insert_entry = prepare(database.get(), "INSERT INTO entry (seq, kind, t_ns, body, head) VALUES (?, ?, ?, ?, ?)");
+    insert_note = prepare(database.get(), "INSERT INTO note (seq, text) VALUES (?, ?)");
+    if (!insert_entry || !insert_note) return fails(sqlite_error(database.get(), path));
+    sqlite3_wal_hook(
+        database.get(),
+        [](void* own, sqlite3*, const char*, int count) {
+          static_cast<Impl*>(own)->frames = count;
+          return SQLITE_OK;
+        },
+        this);
+    return {};
+  }
+
+  void roll_back() {
+    // Cannot fail: a failure of SQLite's own has rolled back already.
+    if (database && sqlite3_get_autocommit(database.get()) == 0) (void)execute(database.get(), "ROLLBACK");
+    stale_log = stale_log || pending.seq != committed.seq;
+    pending = committed;
+  }
+
+  static bool run(sqlite3_stmt* statement) {
+    const int code = sqlite3_step(statement);
+    sqlite3_reset(statement);
+    sqlite3_clear_bindings(statement);
+    return code == SQLITE_DONE;
+  }
+
+  bool add_note() {
+    if (!key) return true;
+    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns));
+    sqlite3_bind_int64(insert_note.get(), 1, pending.seq);
+    sqlite3_bind_text(insert_note.get(), 2, note.data(), static_cast<int>(note.size()), SQLITE_STATIC);
+    return run(insert_note.get());
+  }
+
+  // Moves the log into the database, where it is long enough and nobody reads. Failing costs nothing but room: what
+  // was committed is in the log, and the next commit tries again.
+  void checkpoint() {
+    if (frames < kCheckpointFrames && !stale_log) return;
+    if (wal_file < 0) wal_file = ::open((path + "-wal").c_str(), O_RDONLY | O_CLOEXEC);
+    const bool alone = wal_file >= 0 && ::flock(wal_file, LOCK_EX | LOCK_NB) == 0;
+    if (alone || frames >= kMostFrames) {
+      if (sqlite3_wal_checkpoint_v2(database.get(), nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr) ==
+          SQLITE_OK) {
+        frames = 0;
+        stale_log = false;
+      }
+    }
+    if (alone) ::flock(wal_file, LOCK_UN);
+  }
+};
+
+ChainWriter::ChainWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ChainWriter::ChainWriter(ChainWriter&&) noexcept = default;
+ChainWriter& ChainWriter::operator=(ChainWriter&&) noexcept = default;
+ChainWriter::~ChainWriter() = default;
+
+Result<ChainWriter> ChainWriter::create(const std::string& path, ChainSort sort, std::string origin,
+                                        const SigningKey& key) {
+  if (Result<void> made = make_file(path, sort); !made) return fails(std::move(made.error()));
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  impl->origin = std::move(origin);
+  impl->key = key;
+  if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
+  return ChainWriter(std::move(impl));
+}
+
+Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, std::string origin,
+                                      const SigningKey& key) {
+  return open(path, sort, std::move(origin), key, key.public_key());
+}
+
+Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, std::string origin,
+                                      const SigningKey& key, const PublicKey& last) {
+  Result<ChainWriter> writer = open_without_key(path, sort, std::move(origin), last);
+  if (writer) writer->impl_->key = key;
+  return writer;
+}
+
+Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, ChainSort sort, std::string origin,
+                                                  const PublicKey& last) {
+  const Result<Tail> tail = follow(path, sort, origin, last);
+  if (!tail) return fails(tail.error());
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  impl->origin = std::move(origin);
+  impl->pending = impl->committed = *tail;
+  if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
+  // Between the two looks somebody else may have written.
+  const std::string now =
+      first_text(impl->database.get(), "SELECT seq || ' ' || lower(hex(head)) FROM entry ORDER BY seq DESC LIMIT 1");
+  if (now != (tail->seq == 0 ? "" : std::to_string(tail->seq) + " " + hex(tail->head)))
+    return fails(path + ": somebody else has just written to it; try again");
+  return ChainWriter(std::move(impl));
+}
+
+Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::string_view body) {
+  Impl& own = *impl_;
+  if (!own.database) return fails(own.path + ": is closed");
+  if (body.size() > static_cast<std::size_t>(ChainReader::kMaxBody)) {
+    own.roll_back();
+    return fails(own.path + ": an entry of " + std::to_string(body.size()) + " bytes; at most " +
+                 std::to_string(ChainReader::kMaxBody) + " fit");
+  }
+  if (sqlite3_get_autocommit(own.database.get()) != 0 && !execute(own.database.get(), "BEGIN IMMEDIATE"))
+    return own.failed();
+  const Entry entry{.seq = own.pending.seq + 1, .kind = std::string(kind), .t_ns = t_ns, .body = std::string(body)};
+  const Digest head = next_head(own.pending.head, entry);
+  sqlite3_stmt* insert = own.insert_entry.get();
+  sqlite3_bind_int64(insert, 1, entry.seq);
+  sqlite3_bind_text(insert, 2, entry.kind.data(), static_cast<int>(entry.kind.size()), SQLITE_STATIC);
+  sqlite3_bind_int64(insert, 3, entry.t_ns);
+  sqlite3_bind_blob64(insert, 4, entry.body.data(), entry.body.size(), SQLITE_STATIC);
+  sqlite3_bind_blob(insert, 5, head.data(), static_cast<int>(head.size()), SQLITE_STATIC);
+  if (!Impl::run(insert)) return own.failed();
+  own.pending = {entry.seq, head};
+  own.t_ns = t_ns;
+  return {};
+}
+
+Result<void> ChainWriter::commit() {
+  Impl& own = *impl_;
+  if (own.pending.seq == own.committed.seq) return {};
+  if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
+  own.committed = own.pending;
+  own.checkpoint();
+  return {};
+}
+
+void ChainWriter::roll_back() { impl_->roll_back(); }
+
+Result<void> ChainWriter::close() {
+  Impl& own = *impl_;
+  if (!own.database) return {};
+  if (Result<void> done = commit(); !done) return done;
+  own.insert_entry.reset();
+  own.insert_note.reset();
+  if (first_text(own.database.get(), "PRAGMA journal_mode = DELETE") != "delete") {
+    std::string error = sqlite_error(own.database.get(), own.path);
+    own.database.reset();
+    return fails(std::move(error));
+  }
+  own.database.reset();
+  synchronize_directory(own.path);
+  return {};
+}
+
+std::int64_t ChainWriter::committed() const noexcept { return impl_->committed.seq; }
+const Digest& ChainWriter::committed_head() const noexcept { return impl_->committed.head; }
+
+}  // namespace dwell::record

@@ -1,0 +1,43 @@
+// A file system for SQLite that shows a database together with its -wal as one file that nobody can write. A page comes
+// from the log where a committed frame holds it, else from the database. Nothing is locked, created or altered.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <string>
+
+#include "daemon/record/wal_view.hpp"
+
+namespace dwell::record {
+
+// Registered with SQLite while it lives; outlives the connection that uses it. Bound to one thread.
+class OverlayVfs {
+ public:
+  // wal_file: an open log, owned by the caller; -1: there is none. It is read when SQLite opens the database.
+  explicit OverlayVfs(int wal_file);
+  OverlayVfs(const OverlayVfs&) = delete;
+  OverlayVfs& operator=(const OverlayVfs&) = delete;
+  ~OverlayVfs();
+
+  [[nodiscard]] const char* name() const noexcept { return name_.c_str(); }
+  // Why the database could not be opened; empty: SQLite knows.
+  [[nodiscard]] const std::string& error() const noexcept { return error_; }
+  // What no crash leaves behind in the log, or a log that does not belong to the database; empty: nothing.
+  [[nodiscard]] const std::string& altered() const noexcept { return altered_; }
+
+ private:
+  struct File;
+  static int open(sqlite3_vfs* vfs, const char* path, sqlite3_file* file, int flags, int* out_flags);
+  static int read(sqlite3_file* file, void* to, int size, sqlite3_int64 offset);
+  static int size(sqlite3_file* file, sqlite3_int64* bytes);
+  static const sqlite3_io_methods& methods();
+  int take_log(sqlite3_file* database);
+
+  sqlite3_vfs* parent_;
+  sqlite3_vfs vfs_;
+  int wal_file_;
+  std::string name_, error_, altered_;
+  WalView wal_;
+};
+
+}  // namespace dwell::record

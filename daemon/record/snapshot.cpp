@@ -1,0 +1,124 @@
+#include "daemon/record/snapshot.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/overlay_vfs.hpp"
+#include "daemon/record/sqlite.hpp"
+
+namespace dwell::record {
+namespace {
+
+using WalHeader = std::array<unsigned char, 32>;
+
+WalHeader header_of(int wal_file) {
+  WalHeader header{};
+  if (wal_file >= 0 && ::pread(wal_file, header.data(), header.size(), 0) < 0) header.fill(0xff);
+  return header;
+}
+
+bool same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_size == b.st_size &&
+         a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
+}
+
+// Opens that a writer may break before reading is given up: it closes a file once.
+constexpr int kTries = 5;
+
+}  // namespace
+
+struct Snapshot::Impl {
+  std::string path;
+  int wal_file = -1;
+  struct stat database_status {};
+  WalHeader wal_header{};  // zero: the log is empty
+  std::unique_ptr<OverlayVfs> vfs;
+  Database database;
+
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    database.reset();
+    vfs.reset();
+    if (wal_file >= 0) ::close(wal_file);
+  }
+
+  // Locks the log, if there is one, and notes what must stay as it is.
+  Result<void> hold() {
+    const std::string wal = path + "-wal";
+    wal_file = ::open(wal.c_str(), O_RDONLY | O_CLOEXEC);
+    if (wal_file < 0 && errno != ENOENT) return tl::unexpected(wal + ": " + std::strerror(errno));
+    // Where the file system knows no locks there is no writer of ours either.
+    while (wal_file >= 0 && ::flock(wal_file, LOCK_SH) != 0 && errno == EINTR) continue;
+    if (::stat(path.c_str(), &database_status) != 0) return tl::unexpected(path + ": " + std::strerror(errno));
+    wal_header = header_of(wal_file);
+    return {};
+  }
+
+  Result<void> connect() {
+    vfs = std::make_unique<OverlayVfs>(wal_file);
+    sqlite3* opened = nullptr;
+    const int code = sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, vfs->name());
+    database.reset(opened);
+    if (code != SQLITE_OK)
+      return tl::unexpected(vfs->error().empty() ? sqlite_error(opened, path) : path + ": " + vfs->error());
+    // What the file itself defines is never run, and no value allocates more than an entry may hold.
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, static_cast<int>(ChainReader::kMaxBody) + 65536);
+    // The first statement reads the header, and with it the log.
+    if (!execute(opened, "PRAGMA cell_size_check = ON; PRAGMA user_version"))
+      return tl::unexpected(vfs->error().empty() ? sqlite_error(opened, path) : path + ": " + vfs->error());
+    return {};
+  }
+
+  [[nodiscard]] bool unchanged() const {
+    struct stat now {
+    }, wal_now{};
+    if (::stat(path.c_str(), &now) != 0 || !same_file(now, database_status)) return false;
+    // A log that came after belongs to later states.
+    if (wal_file < 0) return true;
+    return ::fstat(wal_file, &wal_now) == 0 && wal_now.st_nlink > 0 &&
+           (wal_header == WalHeader{} || header_of(wal_file) == wal_header);
+  }
+};
+
+Snapshot::Snapshot(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Snapshot::Snapshot(Snapshot&&) noexcept = default;
+Snapshot& Snapshot::operator=(Snapshot&&) noexcept = default;
+Snapshot::~Snapshot() = default;
+
+Result<Snapshot> Snapshot::open(const std::string& path) {
+  std::error_code code;
+  // The log lies beside the file itself, not beside a link to it.
+  const std::filesystem::path real = std::filesystem::canonical(path, code);
+  if (code) return tl::unexpected(path + ": " + code.message());
+  for (int tries = 1;; ++tries) {
+    auto impl = std::make_unique<Impl>();
+    impl->path = real.string();
+    Result<void> done = impl->hold();
+    if (done) done = impl->connect();
+    if (impl->unchanged()) {
+      if (!done) return tl::unexpected(std::move(done.error()));
+      return Snapshot(std::move(impl));
+    }
+    if (tries == kTries) return tl::unexpected(path + ": " + kReadAgain);
+  }
+}
+
+sqlite3* Snapshot::database() const noexcept { return impl_->database.get(); }
+const std::string& Snapshot::path() const noexcept { return impl_->path; }
+bool Snapshot::unchanged() const noexcept { return impl_->unchanged(); }
+const std::string& Snapshot::altered() const noexcept { return impl_->vfs->altered(); }
+
+}  // namespace dwell::record

@@ -1,0 +1,39 @@
+// What a write-ahead log of SQLite ("-wal") holds, read without SQLite: which page of the database lies where. SQLite
+// itself would write while it reads one. The format is SQLite's own, fileformat2.html, section 4.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+
+#include "daemon/record/keys.hpp"
+
+namespace dwell::record {
+
+class WalView {
+ public:
+  // Frames of a log at most: bounds the memory that a hostile file can take, 80 MB.
+  static constexpr std::uint64_t kMaxFrames = 1u << 21;
+
+  // Of an open file; reads all of it. Takes what SQLite's recovery would: the frames up to the last commit before the
+  // first frame whose checksum or salt is wrong. Fails where the file cannot be read.
+  [[nodiscard]] static Result<WalView> read(int file);
+
+  // Where the page lies in the log; 0: not in it. Pages count from 1.
+  [[nodiscard]] std::uint64_t offset_of(std::uint32_t page) const;
+  [[nodiscard]] bool empty() const noexcept { return offsets_.empty(); }
+  [[nodiscard]] std::uint32_t page_size() const noexcept { return page_size_; }
+  // Of the database, with the log.
+  [[nodiscard]] std::uint32_t pages() const noexcept { return pages_; }
+  // What no crash leaves behind: bytes altered before the end of the log. Empty: none. Where power is lost, only what
+  // was written since the last synchronized commit may be missing.
+  [[nodiscard]] const std::string& altered() const noexcept { return altered_; }
+
+ private:
+  std::unordered_map<std::uint32_t, std::uint64_t> offsets_;
+  std::string altered_;
+  std::uint32_t page_size_ = 0;
+  std::uint32_t pages_ = 0;
+};
+
+}  // namespace dwell::record
