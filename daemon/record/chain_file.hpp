@@ -46,7 +46,7 @@ class ChainWriter {
   // Takes back what was appended since the last commit.
   void roll_back();
   // Commits and turns the file into one without -wal. Nothing can be appended after. Where this fails, all that was
-  // committed is in the file and its -wal.
+  // committed is in the file and its -wal, and it may be tried again.
   [[nodiscard]] Result<void> close();
 
   // Of the last commit. Before the first: 0, and 32 zero bytes.

@@ -249,7 +249,7 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
 
 Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::string_view body) {
   Impl& own = *impl_;
-  if (!own.database) return fails(own.path + ": is closed");
+  if (!own.insert_entry) return fails(own.path + ": is closed");
   if (body.size() > static_cast<std::size_t>(ChainReader::kMaxBody)) {
     own.roll_back();
     return fails(own.path + ": an entry of " + std::to_string(body.size()) + " bytes; at most " +
@@ -288,11 +288,8 @@ Result<void> ChainWriter::close() {
   if (Result<void> done = commit(); !done) return done;
   own.insert_entry.reset();
   own.insert_note.reset();
-  if (first_text(own.database.get(), "PRAGMA journal_mode = DELETE") != "delete") {
-    std::string error = sqlite_error(own.database.get(), own.path);
-    own.database.reset();
-    return fails(std::move(error));
-  }
+  if (first_text(own.database.get(), "PRAGMA journal_mode = DELETE") != "delete")
+    return fails(sqlite_error(own.database.get(), own.path));
   own.database.reset();
   synchronize_directory(own.path);
   return {};

@@ -1,0 +1,144 @@
+#include "daemon/record/ledger.hpp"
+
+#include <openssl/rand.h>
+#include <time.h>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/ledger_book.hpp"
+#include "daemon/record/utc_text.hpp"
+
+namespace dwell::record {
+namespace {
+
+tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+std::int64_t utc_now_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+Result<std::string> random_id() {
+  Digest bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1)
+    return fails("the system yields no random numbers");
+  return hex(bytes).substr(0, 32);
+}
+
+// The id is in the first entry, and the origin of the notes names it: so entries before notes.
+Result<LedgerBook> read_book(const std::string& path) {
+  LedgerBook book;
+  Result<ChainReader> reader = ChainReader::open(path, ChainSort::ledger);
+  if (!reader) return fails(std::move(reader.error()));
+  for (;;) {
+    const auto row = reader->next();
+    if (!row) return fails(row.error());
+    if (!*row) return book;
+    if (const Result<void> taken = book.take((*row)->entry); !taken)
+      return fails(path + ": entry " + std::to_string((*row)->entry.seq) + ": " + taken.error());
+  }
+}
+
+}  // namespace
+
+struct Ledger::Impl {
+  std::string path;
+  LedgerBook book;
+  std::optional<ChainWriter> file;
+  bool key_changed = false;
+
+  // The book first: it refuses what a reader would.
+  Result<void> add(const char* kind, const std::string& body, std::int64_t t_ns) {
+    if (key_changed) return fails(path + ": the key has changed: open the ledger with the new one");
+    LedgerBook next = book;
+    const Entry entry{.seq = file->committed() + 1, .kind = kind, .t_ns = t_ns, .body = body};
+    if (Result<void> taken = next.take(entry); !taken) return fails(path + ": " + taken.error());
+    Result<void> done = file->append(kind, t_ns, body);
+    if (done) done = file->commit();
+    if (done) book = std::move(next);
+    return done;
+  }
+
+  Result<void> begin(const SigningKey& key) {
+    Result<std::string> id = random_id();
+    if (!id) return fails(std::move(id.error()));
+    const std::string origin = "dwell/ledger/" + *id;
+    Result<ChainWriter> made = std::filesystem::exists(path)
+                                   ? ChainWriter::open(path, ChainSort::ledger, origin, key)
+                                   : ChainWriter::create(path, ChainSort::ledger, origin, key);
+    if (!made) return fails(std::move(made.error()));
+    file.emplace(std::move(*made));
+    const std::int64_t now_ns = utc_now_ns();
+    return add("ledger", ledger_opens(*id, key.public_key(), iso_utc(now_ns)), now_ns);
+  }
+};
+
+Ledger::Ledger(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Ledger::Ledger(Ledger&&) noexcept = default;
+Ledger& Ledger::operator=(Ledger&&) noexcept = default;
+Ledger::~Ledger() = default;
+
+Result<Ledger> Ledger::open(const std::string& directory, const SigningKey& key) {
+  auto impl = std::make_unique<Impl>();
+  impl->path = (std::filesystem::path(directory) / "ledger.dwell-ledger").string();
+  if (std::filesystem::exists(impl->path)) {
+    Result<LedgerBook> book = read_book(impl->path);
+    if (!book) return fails(std::move(book.error()));
+    impl->book = std::move(*book);
+  }
+  // Also where a crash came between making the file and its first entry.
+  if (impl->book.empty()) {
+    if (Result<void> begun = impl->begin(key); !begun) return fails(std::move(begun.error()));
+    return Ledger(std::move(impl));
+  }
+  if (!(impl->book.keys().back() == key.public_key()))
+    return fails(impl->path + ": is signed by the key " + impl->book.keys().back().fingerprint() + ", not by " +
+                 key.public_key().fingerprint());
+  Result<ChainWriter> file =
+      ChainWriter::open(impl->path, ChainSort::ledger, impl->book.origin(), key, impl->book.last_signer());
+  if (!file) return fails(std::move(file.error()));
+  impl->file.emplace(std::move(*file));
+  return Ledger(std::move(impl));
+}
+
+std::int64_t Ledger::next_run() const noexcept { return impl_->book.next_run(); }
+const std::string& Ledger::newest_head() const noexcept { return impl_->book.newest_head(); }
+std::int64_t Ledger::running() const noexcept { return impl_->book.running(); }
+
+Anchor Ledger::head() const {
+  return {{}, impl_->book.origin(), impl_->file->committed(), impl_->file->committed_head()};
+}
+
+Result<void> Ledger::run_begins(const RunHeader& header, const std::string& file) {
+  const std::int64_t now_ns = utc_now_ns();
+  return impl_->add("begins", ledger_begins(header, file, iso_utc(now_ns)), now_ns);
+}
+
+Result<void> Ledger::run_ends(std::int64_t run, const std::string& head, std::int64_t seq, const std::string& state) {
+  const std::int64_t now_ns = utc_now_ns();
+  return impl_->add("ends", ledger_ends(run, {head, seq, state, iso_utc(now_ns)}), now_ns);
+}
+
+Result<void> Ledger::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {
+  const std::int64_t now_ns = utc_now_ns();
+  return impl_->add("deleted", ledger_deleted(run, head, why, iso_utc(now_ns)), now_ns);
+}
+
+Result<void> Ledger::run_signed(std::int64_t run, const PersonalSignature& signature) {
+  const std::int64_t now_ns = utc_now_ns();
+  return impl_->add("signed", ledger_signed(run, signature, iso_utc(now_ns)), now_ns);
+}
+
+Result<void> Ledger::key_changes(const PublicKey& next) {
+  const std::int64_t now_ns = utc_now_ns();
+  const Result<void> done = impl_->add("key", ledger_key(next, iso_utc(now_ns)), now_ns);
+  impl_->key_changed = impl_->key_changed || done.has_value();
+  return done;
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,72 @@
+// What the entries of a ledger tell, one after the other; docs/run-file.md, "The ledger". Checks that each fits those
+// before it. Does not check chain and notes.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/record/digest.hpp"
+#include "daemon/record/keys.hpp"
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::record {
+
+// A run as the ledger knows it.
+struct LedgerRun {
+  struct End {
+    std::string head;  // hexadecimal; empty: nothing was committed
+    std::int64_t seq = 0;
+    std::string state;  // "closed", "cut off"
+    std::string utc;
+  };
+  struct Deleted {
+    std::string why, utc;
+  };
+  std::int64_t run = 0;
+  std::string id, file, label, start_utc, previous_head;
+  std::string vkey;  // that signs it
+  std::optional<End> end;
+  std::optional<Deleted> deleted;
+  std::vector<PersonalSignature> signatures;
+};
+
+// Bound to one thread. Memory: some 500 bytes a run.
+class LedgerBook {
+ public:
+  // The next entry. Fails with what does not fit; then the book is as it was.
+  [[nodiscard]] Result<void> take(const Entry& entry);
+
+  [[nodiscard]] bool empty() const noexcept { return keys_.empty(); }
+  [[nodiscard]] const std::string& id() const noexcept { return id_; }
+  [[nodiscard]] std::string origin() const { return "dwell/ledger/" + id_; }
+  // The keys that have signed, in their order; the last one signs now.
+  [[nodiscard]] const std::vector<PublicKey>& keys() const noexcept { return keys_; }
+  // That signed the last entry: where that changed the key, the one before.
+  [[nodiscard]] const PublicKey& last_signer() const { return keys_[keys_.size() - (key_just_changed_ ? 2 : 1)]; }
+  [[nodiscard]] const std::map<std::int64_t, LedgerRun>& runs() const noexcept { return runs_; }
+  [[nodiscard]] std::int64_t next_run() const noexcept { return static_cast<std::int64_t>(runs_.size()) + 1; }
+  [[nodiscard]] const std::string& newest_head() const noexcept { return newest_head_; }
+  [[nodiscard]] std::int64_t running() const noexcept { return running_; }
+
+ private:
+  struct Taker;
+  std::string id_, newest_head_;
+  std::vector<PublicKey> keys_;
+  std::map<std::int64_t, LedgerRun> runs_;  // 1, 2, 3 …
+  std::int64_t running_ = 0;
+  bool key_just_changed_ = false;
+};
+
+// Bodies of the entries. `utc`: now.
+[[nodiscard]] std::string ledger_opens(const std::string& id, const PublicKey& key, const std::string& utc);
+[[nodiscard]] std::string ledger_key(const PublicKey& next, const std::string& utc);
+[[nodiscard]] std::string ledger_begins(const RunHeader& header, const std::string& file, const std::string& utc);
+[[nodiscard]] std::string ledger_ends(std::int64_t run, const LedgerRun::End& end);
+[[nodiscard]] std::string ledger_deleted(std::int64_t run, const std::string& head, const std::string& why,
+                                         const std::string& utc);
+[[nodiscard]] std::string ledger_signed(std::int64_t run, const PersonalSignature& signature, const std::string& utc);
+
+}  // namespace dwell::record

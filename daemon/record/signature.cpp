@@ -1,0 +1,94 @@
+#include "daemon/record/signature.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "daemon/record/chain_file.hpp"
+
+namespace dwell::record {
+namespace {
+
+tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+// The header of a run that has ended, and its clock's last instant.
+struct EndedRun {
+  RunHeader header;
+  PublicKey key;
+  std::int64_t t_ns = 0;
+  std::string origin() const { return "dwell/run/" + header.id; }
+};
+
+Result<EndedRun> read_ended(const std::string& path) {
+  Result<ChainReader> reader = ChainReader::open(path, ChainSort::run);
+  if (!reader) return fails(std::move(reader.error()));
+  const auto first = reader->next();
+  if (!first) return fails(first.error());
+  if (!*first) return fails(path + ": is empty");
+  Result<RunHeader> header = parse_run_header((*first)->entry.body);
+  if (!header) return fails(path + ": " + header.error());
+  Result<PublicKey> key = PublicKey::parse(header->vkey);
+  if (!key) return fails(path + ": its key: " + key.error());
+  reader->seek(1, "end");
+  const auto end = reader->next();
+  if (!end) return fails(end.error());
+  if (!*end) return fails(path + ": the run has not ended; only a closed run can be signed");
+  return EndedRun{std::move(*header), std::move(*key), (*end)->entry.t_ns};
+}
+
+Result<PersonalSignature> append(ChainWriter& file, const EndedRun& run, const PersonalSignature& signature) {
+  Result<void> done = file.append("signature", run.t_ns, to_json(signature));
+  if (done) done = file.close();
+  if (!done) return fails(std::move(done.error()));
+  return signature;
+}
+
+}  // namespace
+
+Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature) {
+  const std::optional<Digest> head = from_hex(signature.head);
+  if (!head) return fails("the head of a signature is 64 hexadecimal digits");
+  std::string text = "dwell/signature/" + run_id + "\n" + std::to_string(signature.seq) + "\n" +
+                     base64({reinterpret_cast<const char*>(head->data()), head->size()}) + "\n";
+  for (const std::string* part : {&signature.name, &signature.meaning, &signature.reason, &signature.utc}) {
+    if (std::any_of(part->begin(), part->end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }))
+      return fails("name, meaning and reason are one line each, without control characters");
+    text += *part + "\n";
+  }
+  return text;
+}
+
+Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSignature signature,
+                                          const SigningKey& service) {
+  if (!signature.person) return fails("the service signs only for a user of this computer");
+  const Result<EndedRun> run = read_ended(path);
+  if (!run) return fails(run.error());
+  if (!(run->key == service.public_key()))
+    return fails(path + ": was recorded with the key " + run->key.fingerprint() +
+                 ", which is no longer the service's; sign with a key of your own");
+  Result<ChainWriter> file = ChainWriter::open(path, ChainSort::run, run->origin(), service);
+  if (!file) return fails(std::move(file.error()));
+  signature.seq = file->committed();
+  signature.head = hex(file->committed_head());
+  signature.vkey.clear();
+  signature.note.clear();
+  if (const Result<std::string> text = signature_text(run->header.id, signature); !text) return fails(text.error());
+  return append(*file, *run, signature);
+}
+
+Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature, const SigningKey& own) {
+  const Result<EndedRun> run = read_ended(path);
+  if (!run) return fails(run.error());
+  Result<ChainWriter> file = ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key);
+  if (!file) return fails(std::move(file.error()));
+  signature.seq = file->committed();
+  signature.head = hex(file->committed_head());
+  signature.person.reset();
+  const Result<std::string> text = signature_text(run->header.id, signature);
+  if (!text) return fails(text.error());
+  signature.vkey = own.public_key().vkey();
+  signature.note = own.sign(*text);
+  return append(*file, *run, signature);
+}
+
+}  // namespace dwell::record

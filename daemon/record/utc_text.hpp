@@ -1,0 +1,28 @@
+// Instants in UTC as text. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "daemon/record/keys.hpp"
+
+namespace dwell::record {
+
+// CLOCK_MONOTONIC_RAW and UTC, read together.
+struct ClockPair {
+  std::int64_t raw_ns = 0;
+  std::int64_t utc_ns = 0;
+};
+
+// "2026-11-23T03:12:17.250000Z"
+[[nodiscard]] std::string iso_utc(std::int64_t utc_ns);
+// The same, of iso_utc()'s text, to the second and for file names: "20261123T031217Z".
+[[nodiscard]] std::string compact_utc(const std::string& iso);
+// The way back from iso_utc(); fails with what was expected.
+[[nodiscard]] Result<std::int64_t> parse_utc(const std::string& iso);
+// Of an instant of the raw clock.
+[[nodiscard]] inline std::int64_t utc_of(const ClockPair& now, std::int64_t raw_ns) noexcept {
+  return now.utc_ns - (now.raw_ns - raw_ns);
+}
+
+}  // namespace dwell::record
