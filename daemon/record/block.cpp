@@ -14,7 +14,7 @@ namespace {
 
 using Byte = std::uint8_t;
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kBlockVersion = 1;
 constexpr std::size_t kPreamble = 8;  // version, number of records
 // Level 1 yields up to 7 % more bytes and takes at best three quarters of the time; level 9 takes three times as long
 // and saves at most 1 %.
@@ -234,7 +234,7 @@ void compress(const std::vector<Byte>& planes, std::string& out) {
 std::string encode_block(std::span<const Record> records) {
   const std::size_t n = records.size();
   std::string out;
-  put_number(out, kVersion);
+  put_number(out, kBlockVersion);
   put_number(out, static_cast<std::uint32_t>(n));
   std::vector<Byte> planes(kPlanes * n);
   Predictor predictor;
@@ -276,9 +276,9 @@ Result<void> decode_block(std::string_view bytes, std::vector<Record>& out) {
   if (bytes.size() < kPreamble)
     return tl::unexpected("block of " + std::to_string(bytes.size()) + " bytes: a block has at least " +
                           std::to_string(kPreamble));
-  if (const std::uint32_t version = number_at(bytes, 0); version != kVersion)
-    return tl::unexpected("block of version " + std::to_string(version) + ": only version " + std::to_string(kVersion) +
-                          " is known");
+  if (const std::uint32_t version = number_at(bytes, 0); version != kBlockVersion)
+    return tl::unexpected("block of version " + std::to_string(version) + ": only version " +
+                          std::to_string(kBlockVersion) + " is known");
   const std::size_t n = number_at(bytes, 4);
   if (n > kMaxBlockRecords)
     return tl::unexpected("block of " + std::to_string(n) + " records: at most " + std::to_string(kMaxBlockRecords) +

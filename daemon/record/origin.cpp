@@ -60,7 +60,7 @@ std::string time_zone() {
 
 Origin this_origin() {
   Origin origin;
-  origin.version = kVersion;
+  origin.version = dwell::kVersion;
   origin.build = std::string(kBuild) + ", glibc " + ::gnu_get_libc_version();
   origin.cpu = cpu_features();
   origin.host = host_name();

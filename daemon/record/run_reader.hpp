@@ -25,17 +25,22 @@ class RunReader {
   [[nodiscard]] const RunHeader& header() const noexcept;
   // How the run ended; none: it is being recorded, or was cut off.
   [[nodiscard]] const std::optional<RunEnd>& end() const noexcept;
-  // Of the first and the last entry of the stream; both 0: it has none. What lies between is for progress bars.
+  // The instant of the first record, and the one up to which the last entry of the stream tells; both 0: it has none.
+  // What lies between is for progress bars.
   [[nodiscard]] std::int64_t begin_ns() const noexcept;
   [[nodiscard]] std::int64_t end_ns() const noexcept;
 
-  // Hands every record of the stream to `take`, in order, as long as that returns true.
+  // Each hands what it reads to `take`, in order, as long as that returns true. take must not call this reader.
+  // Fails with "FILE: entry N: what is wrong"; what was taken before stands.
+  //
+  // Every record of the stream. Cost: about 0.03 µs a record.
   [[nodiscard]] Result<void> stream(const std::function<bool(const Record&)>& take);
-  // The same from the block that holds the instant t_ns on.
+  // The same from the block on that holds the instant t_ns; none where the stream ends before.
   [[nodiscard]] Result<void> stream_from(std::int64_t t_ns, const std::function<bool(const Record&)>& take);
   // finals: only those of dwells that have ended.
   [[nodiscard]] Result<void> results(bool finals, const std::function<bool(const StoredResult&)>& take);
   [[nodiscard]] Result<void> events(const std::function<bool(const StoredEvent&)>& take);
+  // Fails where there are more than 1000.
   [[nodiscard]] Result<std::vector<PersonalSignature>> signatures();
 
  private:

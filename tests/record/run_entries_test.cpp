@@ -175,7 +175,7 @@ TEST(RunEntries, AHostileBodyIsAnError) {
 
 TEST(Origin, NamesWhatMakesTheSameBits) {
   const Origin origin = this_origin();
-  EXPECT_FALSE(origin.version.empty());
+  EXPECT_NE(origin.version.find("0."), std::string::npos) << origin.version;
   EXPECT_NE(origin.build.find("glibc 2."), std::string::npos) << origin.build;
   EXPECT_NE(origin.build.find("Eigen 3."), std::string::npos) << origin.build;
   EXPECT_FALSE(origin.cpu.empty());

@@ -1,0 +1,195 @@
+#include "daemon/record/run_reader.hpp"
+
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "daemon/record/block.hpp"
+#include "daemon/record/chain_file.hpp"
+
+namespace dwell::record {
+namespace {
+
+using Row = ChainReader::Row;
+
+// People sign a run a few times; bounds what a hostile file can make a reader allocate.
+constexpr std::size_t kMostSignatures = 1000;
+
+}  // namespace
+
+struct RunReader::Impl {
+  std::string path;
+  ChainReader chain;
+  RunHeader header = {};
+  std::optional<RunEnd> end = std::nullopt;
+  std::int64_t begin_ns = 0, end_ns = 0;
+  std::int64_t first_block = 0, last_block = 0;  // seq; 0: there is none
+
+  // Errors of `chain` name the file already.
+  [[nodiscard]] tl::unexpected<std::string> fails(const Entry& entry, const std::string& what) const {
+    return tl::unexpected(path + ": entry " + std::to_string(entry.seq) + ": " + what);
+  }
+
+  // The first entry of this kind from `seq` on.
+  [[nodiscard]] Result<std::optional<Row>> find(std::int64_t seq, const char* kind) {
+    chain.seek(seq, kind);
+    return chain.next();
+  }
+
+  // Hands every entry of this kind from `seq` on to take(entry), which returns whether to go on.
+  template <class Take>
+  [[nodiscard]] Result<void> each(std::int64_t seq, const char* kind, const Take& take) {
+    chain.seek(seq, kind);
+    for (;;) {
+      const auto row = chain.next();
+      if (!row) return tl::unexpected(row.error());
+      if (!row->has_value()) return {};
+      const Result<bool> more = take((*row)->entry);
+      if (!more) return fails((*row)->entry, more.error());
+      if (!*more) return {};
+    }
+  }
+
+  [[nodiscard]] Result<void> read_header() {
+    const auto row = find(1, "");
+    if (!row) return tl::unexpected(row.error());
+    if (!row->has_value()) return tl::unexpected(path + ": holds no entry, but what the run is was expected");
+    const Entry& entry = (*row)->entry;
+    if (entry.kind != "run")
+      return fails(entry, "is of the kind \"" + entry.kind + "\", but the first is always \"run\"");
+    auto parsed = parse_run_header(entry.body);
+    if (!parsed) return fails(entry, parsed.error());
+    header = std::move(*parsed);
+    return {};
+  }
+
+  // The last entry of the stream, in ever larger steps and then in ever smaller ones: a walk would read the whole file.
+  [[nodiscard]] Result<void> find_last_block() {
+    constexpr std::int64_t kMostStep = std::int64_t{1} << 61U;
+    std::int64_t step = 1;
+    bool grows = true;
+    while (step > 0) {
+      const bool beyond = last_block > std::numeric_limits<std::int64_t>::max() - step;
+      const auto row = beyond ? std::nullopt : find(last_block + step, "stream");
+      if (!row) return tl::unexpected(row.error());
+      if (row->has_value()) {
+        last_block = (*row)->entry.seq;
+        end_ns = (*row)->entry.t_ns;
+      }
+      grows = grows && row->has_value() && step < kMostStep;
+      step = grows ? step * 2 : step / 2;
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> read_bounds() {
+    const auto row = find(1, "stream");
+    if (!row) return tl::unexpected(row.error());
+    if (row->has_value()) {
+      const Entry& entry = (*row)->entry;
+      std::vector<Record> records;
+      if (const auto decoded = decode_block(entry.body, records); !decoded) return fails(entry, decoded.error());
+      begin_ns = records.empty() ? entry.t_ns : records.front().t_ns;
+      first_block = last_block = entry.seq;
+      end_ns = entry.t_ns;
+      if (const auto found = find_last_block(); !found) return found;
+    }
+    return each(last_block, "end", [&](const Entry& entry) -> Result<bool> {
+      auto parsed = parse_run_end(entry.body);
+      if (!parsed) return tl::unexpected(parsed.error());
+      end = std::move(*parsed);
+      return false;
+    });
+  }
+
+  [[nodiscard]] Result<void> stream(std::int64_t seq, const std::function<bool(const Record&)>& take) {
+    std::vector<Record> records;
+    return each(seq, "stream", [&](const Entry& entry) -> Result<bool> {
+      if (const auto decoded = decode_block(entry.body, records); !decoded) return tl::unexpected(decoded.error());
+      for (const Record& record : records) {
+        if (!take(record)) return false;
+      }
+      return true;
+    });
+  }
+
+  // The seq of the first block that tells up to t_ns or beyond; t_ns is at most end_ns.
+  [[nodiscard]] Result<std::int64_t> block_of(std::int64_t t_ns) {
+    std::int64_t low = first_block, high = last_block;
+    while (low < high) {
+      const std::int64_t middle = low + (high - low) / 2;
+      const auto row = find(middle, "stream");
+      if (!row) return tl::unexpected(row.error());
+      if (!row->has_value() || (*row)->entry.t_ns >= t_ns || (*row)->entry.seq >= high) {
+        high = middle;
+      } else {
+        low = (*row)->entry.seq + 1;
+      }
+    }
+    return low;
+  }
+};
+
+RunReader::RunReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RunReader::RunReader(RunReader&&) noexcept = default;
+RunReader& RunReader::operator=(RunReader&&) noexcept = default;
+RunReader::~RunReader() = default;
+
+Result<RunReader> RunReader::open(const std::string& path) {
+  auto chain = ChainReader::open(path, ChainSort::run);
+  if (!chain) return tl::unexpected(chain.error());
+  std::unique_ptr<Impl> impl(new Impl{.path = path, .chain = std::move(*chain)});
+  if (const auto read = impl->read_header(); !read) return tl::unexpected(read.error());
+  if (const auto read = impl->read_bounds(); !read) return tl::unexpected(read.error());
+  return RunReader(std::move(impl));
+}
+
+const RunHeader& RunReader::header() const noexcept { return impl_->header; }
+const std::optional<RunEnd>& RunReader::end() const noexcept { return impl_->end; }
+std::int64_t RunReader::begin_ns() const noexcept { return impl_->begin_ns; }
+std::int64_t RunReader::end_ns() const noexcept { return impl_->end_ns; }
+
+Result<void> RunReader::stream(const std::function<bool(const Record&)>& take) { return impl_->stream(1, take); }
+
+Result<void> RunReader::stream_from(std::int64_t t_ns, const std::function<bool(const Record&)>& take) {
+  if (t_ns > impl_->end_ns) return {};
+  const auto seq = impl_->block_of(t_ns);
+  if (!seq) return tl::unexpected(seq.error());
+  return impl_->stream(*seq, take);
+}
+
+Result<void> RunReader::results(bool finals, const std::function<bool(const StoredResult&)>& take) {
+  return impl_->each(1, "result", [&](const Entry& entry) -> Result<bool> {
+    // As dwelld writes it. Most results are not the last of their dwell: they need not be parsed to be left out.
+    const std::string_view front = std::string_view(entry.body).substr(0, entry.body.find("\"dwell\""));
+    if (finals && front.find("\"final\":false") != std::string_view::npos) return true;
+    const auto result = parse_result(entry.body);
+    if (!result) return tl::unexpected(result.error());
+    return (finals && !result->final) || take(*result);
+  });
+}
+
+Result<void> RunReader::events(const std::function<bool(const StoredEvent&)>& take) {
+  return impl_->each(1, "event", [&](const Entry& entry) -> Result<bool> {
+    const auto event = parse_event(entry.body);
+    if (!event) return tl::unexpected(event.error());
+    return take(*event);
+  });
+}
+
+Result<std::vector<PersonalSignature>> RunReader::signatures() {
+  std::vector<PersonalSignature> signatures;
+  const auto read = impl_->each(impl_->last_block, "signature", [&](const Entry& entry) -> Result<bool> {
+    auto signature = parse_personal_signature(entry.body);
+    if (!signature) return tl::unexpected(signature.error());
+    if (signatures.size() == kMostSignatures)
+      return tl::unexpected("signature " + std::to_string(kMostSignatures + 1) + ": at most " +
+                            std::to_string(kMostSignatures) + " are read");
+    signatures.push_back(std::move(*signature));
+    return true;
+  });
+  if (!read) return tl::unexpected(read.error());
+  return signatures;
+}
+
+}  // namespace dwell::record
