@@ -185,9 +185,12 @@ std::string report_audit(const Selection& selection, const RunStory& story, cons
     rows.push_back({s.name, s.meaning, s.reason, s.utc,
                     s.person ? "the service, for " + person_text(*s.person) : std::string("a key of their own"),
                     Markup::made("entry " + std::to_string(s.seq) + " " + hash(s.head.substr(0, 16)).html() + "…")});
-  html += rows.empty() ? html_paragraph("None in the file.")
-                       : html_table({{"name"}, {"meaning"}, {"reason"}, {"when"}, {"vouched for by"}, {"over"}}, rows) +
-                             html_list(audit.signatures, "notes");
+  if (rows.empty()) {
+    if (audit.signatures.empty()) html += html_paragraph("None in the file.");
+  } else {
+    html += html_table({{"name"}, {"meaning"}, {"reason"}, {"when"}, {"vouched for by"}, {"over"}}, rows);
+  }
+  html += html_list(audit.signatures, "notes");
   return html;
 }
 

@@ -43,8 +43,18 @@ int specific_type(const Channel& channel) {
   return 0;
 }
 
+std::string ascii(std::string_view text) {
+  std::string clean;
+  for (const char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xC0U) == 0x80U) continue;  // one sign per character of UTF-8
+    clean += c >= ' ' && c <= '~' ? c : '?';
+  }
+  return clean;
+}
+
 std::string axis(int type, int length, int force, const std::string& label, const std::string& unit) {
-  return uff_line(format("%10d%5d%5d%5d %-20.20s %-20.20s", type, length, force, 0, label.c_str(), unit.c_str()));
+  return uff_line(
+      format("%10d%5d%5d%5d %-20.20s %-20.20s", type, length, force, 0, ascii(label).c_str(), ascii(unit).c_str()));
 }
 
 std::string ordinate(const Channel& channel, Motion motion) {
@@ -56,15 +66,6 @@ std::string ordinate(const Channel& channel, Motion motion) {
   if (force && rotation) label = "torque";
   const int length = auxiliary ? 0 : force ? (rotation ? 1 : 0) : (rotation ? 0 : 1);
   return axis(specific_type(channel), length, force ? 1 : 0, label, unit.empty() ? "NONE" : unit);
-}
-
-std::string ascii(std::string_view text) {
-  std::string clean;
-  for (const char c : text) {
-    if ((static_cast<unsigned char>(c) & 0xC0U) == 0x80U) continue;  // one sign per character of UTF-8
-    clean += c >= ' ' && c <= '~' ? c : '?';
-  }
-  return clean;
 }
 
 }  // namespace
