@@ -59,21 +59,29 @@ std::string axes(const Frame& f) {
   return svg;
 }
 
-// The bins with readings that follow one another as one outline: along the maxima, back along the minima.
+// The bins with readings that follow one another as one outline: along the maxima, back along the minima. Where there
+// are fewer readings than bins, bins without one stand between them.
 std::string outline(const Trace& trace, const Frame& f) {
   const auto& bins = trace.bins();
   const double wide = (f.end_s - f.begin_s) / static_cast<double>(Trace::kBins);
+  const std::size_t bridged = trace.count() == 0 ? 0 : 2 * Trace::kBins / trace.count();
   std::string path;
-  for (std::size_t from = 0; from < bins.size();) {
-    std::size_t to = from;
-    while (to < bins.size() && bins[to].low <= bins[to].high) ++to;
-    const auto at = [&](std::size_t i) { return f.x(f.begin_s + (static_cast<double>(i) + 0.5) * wide); };
-    for (std::size_t i = from; i < to; ++i)
-      path += format(i == from ? "M%.1f %.1f" : "L%.1f %.1f", at(i), f.y(bins[i].high));
-    for (std::size_t i = to; i > from; --i) path += format("L%.1f %.1f", at(i - 1), f.y(bins[i - 1].low));
-    if (to > from) path += "Z";
-    from = to + 1;
+  std::vector<std::size_t> part;  // bins of the outline being drawn
+  const auto draw = [&] {
+    const auto x = [&](std::size_t i) { return f.x(f.begin_s + (static_cast<double>(i) + 0.5) * wide); };
+    for (std::size_t k = 0; k < part.size(); ++k)
+      path += format(k == 0 ? "M%.1f %.1f" : "L%.1f %.1f", x(part[k]), f.y(bins[part[k]].high));
+    for (std::size_t k = part.size(); k > 0; --k)
+      path += format("L%.1f %.1f", x(part[k - 1]), f.y(bins[part[k - 1]].low));
+    if (!part.empty()) path += "Z";
+    part.clear();
+  };
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    if (bins[i].low > bins[i].high) continue;
+    if (!part.empty() && i - part.back() > bridged + 1) draw();
+    part.push_back(i);
   }
+  draw();
   return path;
 }
 
@@ -118,23 +126,24 @@ std::string trace_picture(const Trace& trace, const std::string& name, const std
   f.low = middle - 1.08 * half;
   f.high = middle + 1.08 * half;
   std::string svg = open_svg(kWidth, 102.0, name + " over time");
+  std::string labels;
   for (const Shaded& part : shaded) {
     const double from = f.x(std::clamp(part.from_s, f.begin_s, f.end_s));
     const double to = f.x(std::clamp(part.to_s, f.begin_s, f.end_s));
     svg += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" class=\"shaded\"/>", from, f.top,
                   to - from, f.bottom - f.top);
-    if (to - from > 14.0) svg += text_at((from + to) / 2.0, f.top + 10.0, "middle", part.label, "label");
+    if (to - from > 14.0) labels += text_at((from + to) / 2.0, f.top + 11.0, "middle", part.label, "label over");
   }
   svg += axes(f);
-  svg += "<path d=\"" + outline(trace, f) + "\" class=\"trace\"/>";
-  svg += text_at(f.left, 100.0, "end", "t / s", "axis");
+  svg += "<path d=\"" + outline(trace, f) + "\" class=\"trace\"/>" + labels;
+  svg += text_at(f.left - 14.0, f.bottom + 13.0, "end", "t / s", "axis");
   if (!some) svg += text_at((f.left + f.right) / 2.0, 50.0, "middle", "no readings");
   const std::string caption = name + (unit.empty() ? "" : " / " + pretty_unit(unit));
   return "<figure class=\"trace\"><figcaption>" + escaped(caption) + "</figcaption>" + svg + "</svg></figure>\n";
 }
 
 std::string phasor_picture(const std::vector<Arrow>& arrows) {
-  constexpr double radius = 112.0, centre = 150.0, label_radius = 128.0;
+  constexpr double radius = 104.0, centre = 150.0, label_radius = 119.0;
   std::string svg = open_svg(2.0 * centre, 2.0 * centre, "phasors");
   for (const double part : {0.5, 1.0})
     svg += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" class=\"grid\"/>", centre, centre, part * radius);

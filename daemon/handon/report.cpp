@@ -1,5 +1,6 @@
 #include "daemon/handon/report.hpp"
 
+#include <cctype>
 #include <cmath>
 
 #include "daemon/handon/html.hpp"
@@ -51,10 +52,11 @@ figcaption { font-size: 8.6pt; color: var(--soft); }
 svg { display: block; max-width: 100%; height: auto; }
 svg text { font: 9.5px "Liberation Sans", "DejaVu Sans", Arial, sans-serif; fill: var(--soft); }
 svg text.label { fill: var(--ink); font-weight: 600; }
+svg text.over { paint-order: stroke; stroke: #fff; stroke-width: 3px; stroke-linejoin: round; }
 .frame { fill: none; stroke: var(--soft); stroke-width: 0.8; }
 .grid { fill: none; stroke: var(--line); stroke-width: 0.6; }
 .shaded { fill: #dfe8f2; }
-.trace path { fill: #24527a; stroke: #24527a; stroke-width: 0.8; stroke-linejoin: round; }
+.trace path { fill: #24527a; stroke: #24527a; stroke-width: 0.8; stroke-linejoin: round; stroke-linecap: round; }
 .spring { fill: none; stroke: var(--ink); stroke-width: 1.1; }
 .mass { fill: #fff; stroke: var(--ink); stroke-width: 1.3; }
 .fixed { fill: #e3e7ec; stroke: var(--ink); stroke-width: 1.3; }
@@ -66,10 +68,10 @@ svg text.label { fill: var(--ink); font-weight: 600; }
 .sign div { border-top: 0.3mm solid var(--ink); padding-top: 1mm; font-size: 8.6pt; color: var(--soft); }
 )";
 
-const char* state_class(record::AuditState state) {
-  switch (state) {
+const char* state_class(const record::Audit& audit) {
+  switch (audit.state) {
     case record::AuditState::intact:
-      return "intact";
+      return audit.trusted ? "intact" : "open";
     case record::AuditState::open:
       return "open";
     case record::AuditState::tampered:
@@ -84,6 +86,18 @@ std::string title_of(const Selection& selection) {
   return run.label.empty() ? number : number + ": " + run.label;
 }
 
+// At the foot of each page. Hexadecimal digits alone: nothing of it can end the style sheet.
+std::string page_foot(const Selection& selection, const record::Audit& audit) {
+  const auto digits = [](const std::string& text, std::size_t most) {
+    std::string clean;
+    for (const char c : text)
+      if (std::isxdigit(static_cast<unsigned char>(c)) != 0 && clean.size() < most) clean += c;
+    return clean;
+  };
+  return "@page { @bottom-left { content: \"run " + digits(selection.header().id, 32) + ", head " +
+         digits(audit.head, 16) + "\"; font: 8pt sans-serif; color: #444; } }\n";
+}
+
 std::string front(const Selection& selection, const RunStory& story, const record::Audit& audit,
                   const Provenance& provenance) {
   const record::RunHeader& run = selection.header();
@@ -91,7 +105,10 @@ std::string front(const Selection& selection, const RunStory& story, const recor
   html += html_paragraph("Report of a measurement of stiffness and damping on the rig " + selection.rig().name + ".",
                          "lead");
   html += html_paragraph("File as found when this report was made: " + audit_line(audit),
-                         std::string("state ") + state_class(audit.state));
+                         std::string("state ") + state_class(audit));
+  if (audit.state != record::AuditState::tampered && !audit.trusted)
+    html +=
+        html_paragraph("No key was given to trust: compare the fingerprint with the one that the rig's service shows.");
   const auto& end = selection.end();
   html += html_facts(
       {{"begun", run.start_utc},
@@ -138,7 +155,7 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   // No script, nothing from elsewhere: a browser is to refuse what a label might smuggle in.
   html += "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n";
   html += "<meta name=\"viewport\" content=\"width=device-width\">\n<title>" + escaped(title_of(selection)) +
-          "</title>\n<style>" + kStyle + "</style></head>\n<body>\n";
+          "</title>\n<style>" + kStyle + page_foot(selection, audit) + "</style></head>\n<body>\n";
   html += front(selection, story, audit, provenance);
   html += dwells(story);
   html += report_conditions(selection);

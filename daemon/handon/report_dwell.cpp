@@ -25,6 +25,12 @@ std::string percent(double part) {
   return std::isfinite(part) ? text.data() : kNoNumber;
 }
 
+std::string small_percent(double part) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.2g %%", 100.0 * part);
+  return std::isfinite(part) ? text.data() : kNoNumber;
+}
+
 // "60 % scale of y1, 30 % delay of y0, 10 % noise".
 std::string budget_text(std::vector<BudgetShare> budget, double BudgetShare::*share) {
   std::sort(budget.begin(), budget.end(),
@@ -95,7 +101,7 @@ std::optional<std::size_t> reference_of(const Dwell& dwell, std::size_t count) {
 std::string harmonics_text(const ChannelPhasor& p) {
   std::string text;
   for (std::size_t i = 0; i < p.harmonics.size(); ++i)
-    text += (i > 0 ? ", " : "") + std::to_string(i + 2) + "f " + percent(p.harmonics[i]);
+    text += (i > 0 ? ", " : "") + std::to_string(i + 2) + "f " + small_percent(p.harmonics[i]);
   return text;
 }
 

@@ -18,6 +18,12 @@ std::string person_text(const record::Person& person) {
 
 Markup hash(const std::string& text) { return Markup::made(text.empty() ? "" : "<code>" + escaped(text) + "</code>"); }
 
+std::string clock_text(const record::Origin& origin) {
+  const std::string state = origin.clock_synchronized ? "synchronized" : "not synchronized";
+  if (!std::isfinite(origin.clock_error_s)) return state + "; its error is not known";
+  return state + "; off by at most " + join(number_text(origin.clock_error_s, "s", 3)) + ", as the kernel reckons";
+}
+
 std::string frequency_text(const Excitation& e) {
   std::string text = axis_number(e.frequency_hz) + " Hz nominal, searched from " + axis_number(e.search_low_hz) +
                      " to " + axis_number(e.search_high_hz) + " Hz; reference ";
@@ -86,16 +92,14 @@ std::string report_conditions(const Selection& selection) {
   for (const record::Plugin& plugin : run.plugins)
     plugins += (plugins.empty() ? "" : ", ") + plugin.driver + " " + plugin.version;
   std::string html = html_heading(2, "Conditions");
-  html += html_facts(
-      {{"begun by", run.begun_by + (run.person ? ": " + person_text(*run.person) : std::string())},
-       {"comment", run.comment},
-       {"host", origin.host + (origin.time_zone.empty() ? "" : ", time zone " + origin.time_zone)},
-       {"clock", std::string(origin.clock_synchronized ? "synchronized, error at most " : "not synchronized, error ") +
-                     join(number_text(origin.clock_error_s, "s", 3)) + " s as the kernel estimates it"},
-       {"program", "dwell " + origin.version + (plugins.empty() ? "" : "; drivers: " + plugins)},
-       {"build", origin.build},
-       {"processor", origin.cpu},
-       {"computed from", run.parent_id.empty() ? std::string() : "run " + run.parent_id}});
+  html += html_facts({{"begun by", run.begun_by + (run.person ? ": " + person_text(*run.person) : std::string())},
+                      {"comment", run.comment},
+                      {"host", origin.host + (origin.time_zone.empty() ? "" : ", time zone " + origin.time_zone)},
+                      {"clock", clock_text(origin)},
+                      {"program", "dwell " + origin.version + (plugins.empty() ? "" : "; drivers: " + plugins)},
+                      {"build", origin.build},
+                      {"processor", origin.cpu},
+                      {"computed from", run.parent_id.empty() ? std::string() : "run " + run.parent_id}});
   html += html_heading(2, Markup("Rig: " + rig.name));
   html += chain_picture(rig);
   html += html_facts({{"motion", std::string(config::to_string(rig.motion)) +

@@ -39,7 +39,7 @@ UffFunction describe(const Selection& selection, std::size_t index, const EvenCh
   f.run = "run " + std::to_string(run.run) + (run.label.empty() ? "" : " " + run.label) + "; rig " + rig.name;
   f.date = uff_date(run.start_utc);
   const double rate_hz = 1e9 / even.interval_ns;
-  f.method = format("resampled from %.6g Hz, band-limited to %.6g Hz, stretch %zu of %zu", rate_hz,
+  f.method = format("resampled from %.4g Hz, band-limited to %.4g Hz, stretch %zu of %zu", rate_hz,
                     Resampler::kBand * rate_hz, stretch + 1, even.stretches.size());
   f.error = check.count == 0
                 ? "error not known: too few readings"
