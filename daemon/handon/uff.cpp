@@ -69,11 +69,11 @@ class ChannelValues {
         buffer_(buffer),
         binary_(binary) {}
 
-  void take(const Record& record, OutputFile& file) {
+  void take(SharedInstants& shared, const Record& record, OutputFile& file) {
     if (even_.interval_ns <= 0.0) return;
     if (gaps_.begins(record.t_ns, even_.interval_ns)) begin(record.t_ns, file);
     if (!inside_) return;
-    resampler_.push(record.t_ns, in_si(channel_, record.value), [&](std::int64_t, double y) {
+    resampler_.push(shared, record.t_ns, in_si(channel_, record.value), [&](std::int64_t, double y) {
       const std::int64_t count = even_.stretches[stretch_].count;
       if (index_ == count) return;
       uff_value(text_, y, index_++, count, binary_);
@@ -133,8 +133,9 @@ Result<UffDone> write(Selection& selection, const UffOptions& options, const std
     values.emplace_back(channels[i], plan[i], std::move(places), buffer, options.binary);
   }
   UffDone done;
+  SharedInstants shared;
   const auto take = [&](const Record& record) {
-    values[record.channel].take(record, file);
+    values[record.channel].take(shared, record, file);
     ++done.samples;
     return true;
   };

@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "daemon/handon/uff_plan.hpp"
 
@@ -35,6 +36,7 @@ Outcome resample(const Given& given, std::uint64_t seed) {
   std::normal_distribution<double> normal;
   Resampler resampler(static_cast<double>(kInterval_ns), 800'000);
   resampler.begin(16 * kInterval_ns + kInterval_ns / 2);
+  SharedInstants shared;
   Outcome outcome;
   bool left_out = false;
   for (int i = 0; i < 3000; ++i) {
@@ -43,7 +45,7 @@ Outcome resample(const Given& given, std::uint64_t seed) {
     const double x =
         given.signal(static_cast<double>(t_ns) / static_cast<double>(kInterval_ns)) + given.noise * normal(rng);
     if (left_out) continue;
-    resampler.push(t_ns, x, [&](std::int64_t at_ns, double y) {
+    resampler.push(shared, t_ns, x, [&](std::int64_t at_ns, double y) {
       const double error = y - given.signal(static_cast<double>(at_ns) / static_cast<double>(kInterval_ns));
       outcome.rms += error * error;
       outcome.largest = std::max(outcome.largest, std::fabs(error));
@@ -82,14 +84,40 @@ TEST(Resampling, StatesAtLeastTheErrorThatItMakes) {
 TEST(Resampling, HandsOutEachEvenInstantOnceAndInOrder) {
   Resampler resampler(1000.0, 700);
   resampler.begin(16'100);
+  SharedInstants shared;
   std::int64_t expected_ns = 16'100;
   for (std::int64_t i = 0; i < 1000; ++i)
-    resampler.push(i * 1000, 1.0, [&](std::int64_t at_ns, double y) {
+    resampler.push(shared, i * 1000, 1.0, [&](std::int64_t at_ns, double y) {
       EXPECT_EQ(at_ns, expected_ns);
       EXPECT_NEAR(y, 1.0, 1e-9);
       expected_ns += 700;
     });
   EXPECT_GE(expected_ns, 984'000);
+}
+
+TEST(Resampling, SharedInstantsChangeNoBit) {
+  std::mt19937_64 rng(7);
+  std::uniform_real_distribution<double> off(-0.2, 0.2), reading(-1.0, 1.0);
+  std::vector<Resampler> together(3, Resampler(1000.0, 800)), alone(3, Resampler(1000.0, 800));
+  SharedInstants shared;
+  for (std::size_t c = 0; c < 3; ++c) {
+    together[c].begin(16'500);
+    alone[c].begin(16'500);
+  }
+  for (int i = 0; i < 200; ++i) {
+    const auto t_ns = static_cast<std::int64_t>((i + off(rng)) * 1000.0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int64_t own_ns = t_ns + (c == 2 ? 40 : 0);  // the third is read a little later
+      const double x = reading(rng);
+      std::vector<double> a, b;
+      SharedInstants fresh;
+      together[c].push(shared, own_ns, x, [&](std::int64_t, double y) { a.push_back(y); });
+      alone[c].push(fresh, own_ns, x, [&](std::int64_t, double y) { b.push_back(y); });
+      EXPECT_EQ(a, b);
+    }
+  }
+  EXPECT_EQ(together[1].check().rms(), alone[1].check().rms());
+  EXPECT_GT(together[1].check().count, 0U);
 }
 
 TEST(EvenSteps, AreExactInSixDigits) {
