@@ -39,9 +39,11 @@ Result<void> check_tables(sqlite3* database, ChainSort sort) {
   return {};
 }
 
-std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns) {
+std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns,
+                      std::int64_t before) {
   return origin + "\n" + std::to_string(seq) + "\n" +
-         base64({reinterpret_cast<const char*>(head.data()), head.size()}) + "\n" + std::to_string(t_ns) + "\n";
+         base64({reinterpret_cast<const char*>(head.data()), head.size()}) + "\n" + std::to_string(t_ns) + "\n" +
+         std::to_string(before) + "\n";
 }
 
 ChainRows::ChainRows(sqlite3* database)

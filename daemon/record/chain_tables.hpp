@@ -19,8 +19,10 @@ inline constexpr int kFormatVersion = 1;  // user_version
 // instead.
 [[nodiscard]] Result<void> check_tables(sqlite3* database, ChainSort sort);
 
-// The text that the note on an entry signs. docs/run-file.md, "The notes".
-[[nodiscard]] std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns);
+// The text that the note on an entry signs. `before`: the entry that the note before is on; 0: this is the first note.
+// docs/run-file.md, "The notes".
+[[nodiscard]] std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns,
+                                    std::int64_t before);
 
 // Rows in the order of seq. Borrows the database. Bound to one thread.
 class ChainRows {

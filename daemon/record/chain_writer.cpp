@@ -84,6 +84,7 @@ Result<void> make_file(const std::string& path, ChainSort sort) {
 struct Tail {
   std::int64_t seq = 0;
   Digest head{};
+  std::int64_t noted = 0;  // the entry that the last note is on
 };
 
 // Follows the chain from its start; its last note must be by `signer`, and only signatures may come after.
@@ -91,7 +92,8 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
   Result<ChainReader> reader = ChainReader::open(path, sort);
   if (!reader) return fails(std::move(reader.error()));
   Tail tail;
-  ChainReader::Row noted;  // the last entry with a note, without its body
+  ChainReader::Row noted;   // the last entry with a note, without its body
+  std::int64_t before = 0;  // the one with the note before
   for (;;) {
     Result<std::optional<ChainReader::Row>> row = reader->next();
     if (!row) return fails(std::move(row.error()));
@@ -99,12 +101,14 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
     const Entry& entry = (*row)->entry;
     const std::string place = path + ": entry " + std::to_string(entry.seq) + ": ";
     if (entry.seq != tail.seq + 1) return fails(place + "expected entry " + std::to_string(tail.seq + 1));
-    tail = {entry.seq, next_head(tail.head, entry)};
+    tail.seq = entry.seq;
+    tail.head = next_head(tail.head, entry);
     if ((*row)->head != tail.head) return fails(place + "the chain does not hold");
     if ((*row)->note.empty()) {
       if (entry.kind != "signature") noted.note.clear();
       continue;
     }
+    before = std::exchange(tail.noted, entry.seq);
     noted = std::move(**row);
     noted.entry.body.clear();
   }
@@ -113,7 +117,7 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
   const Result<std::string> text = signer.open(noted.note);
   const std::string place = path + ": the note on entry " + std::to_string(noted.entry.seq) + ": ";
   if (!text) return fails(place + text.error());
-  if (*text != note_text(origin, noted.entry.seq, noted.head, noted.entry.t_ns))
+  if (*text != note_text(origin, noted.entry.seq, noted.head, noted.entry.t_ns, before))
     return fails(place + "it signs something else");
   return tail;
 }
@@ -179,7 +183,7 @@ struct ChainWriter::Impl {
 
   bool add_note() {
     if (!key) return true;
-    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns));
+    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, committed.noted));
     sqlite3_bind_int64(insert_note.get(), 1, pending.seq);
     sqlite3_bind_text(insert_note.get(), 2, note.data(), static_cast<int>(note.size()), SQLITE_STATIC);
     return run(insert_note.get());
@@ -266,7 +270,8 @@ Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::
   sqlite3_bind_blob64(insert, 4, entry.body.data(), entry.body.size(), SQLITE_STATIC);
   sqlite3_bind_blob(insert, 5, head.data(), static_cast<int>(head.size()), SQLITE_STATIC);
   if (!Impl::run(insert)) return own.failed();
-  own.pending = {entry.seq, head};
+  own.pending.seq = entry.seq;
+  own.pending.head = head;
   own.t_ns = t_ns;
   return {};
 }
@@ -275,6 +280,7 @@ Result<void> ChainWriter::commit() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
   if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
+  if (own.key) own.pending.noted = own.pending.seq;
   own.committed = own.pending;
   own.checkpoint();
   return {};

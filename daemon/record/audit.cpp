@@ -1,0 +1,226 @@
+#include "daemon/record/audit.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/record/block_count.hpp"
+#include "daemon/record/chain_audit.hpp"
+#include "daemon/record/ledger_check.hpp"
+#include "daemon/record/signature.hpp"
+#include "daemon/record/utc_text.hpp"
+
+namespace dwell::record {
+namespace {
+
+tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+std::string entry_name(std::int64_t seq) { return "entry " + std::to_string(seq); }
+
+// One pass over a run file. Fills `audit` but for its state as far as it comes.
+class RunAudit {
+ public:
+  RunAudit(Audit& audit, const AuditOptions& options, const std::vector<Anchor>& anchors, const CheckedLedger* ledger)
+      : audit_(audit), options_(options), anchors_(anchors), ledger_(ledger) {}
+
+  // Whether the run has ended. Fails with the place and what was found there.
+  Result<bool> check(ChainAudit& chain);
+
+ private:
+  Result<void> take(ChainAudit& chain, const ChainReader::Row& row);
+  Result<void> take_run(const ChainReader::Row& row);
+  Result<void> take_part(const Entry& entry);
+  Result<void> take_signature(ChainAudit& chain, const ChainReader::Row& row);
+  [[nodiscard]] Result<void> ledger_agrees() const;
+  [[nodiscard]] Result<void> ledger_signatures_there() const;
+  [[nodiscard]] std::string origin() const { return "dwell/run/" + header_.id; }
+  void tell_how_far(std::int64_t t_ns);
+
+  Audit& audit_;
+  const AuditOptions& options_;
+  const std::vector<Anchor>& anchors_;
+  const CheckedLedger* ledger_;  // nullptr: none that verifies
+  RunHeader header_;
+  PublicKey key_;
+  KnownHeads known_;
+  BlockCount count_;
+  std::vector<PersonalSignature> signatures_;
+  std::int64_t begin_ns_ = 0, end_seq_ = 0, unsigned_from_ = 0;
+};
+
+Result<bool> RunAudit::check(ChainAudit& chain) {
+  const double all = static_cast<double>(std::max<std::int64_t>(1, options_.progress ? chain.last_seq() : 1));
+  std::int64_t last_ns = 0;
+  for (;;) {
+    const auto row = chain.next();
+    if (!row) return fails(row.error());
+    if (!*row) break;
+    if (Result<void> taken = take(chain, **row); !taken) return fails(std::move(taken.error()));
+    last_ns = (*row)->entry.t_ns;
+    audit_.head = hex((*row)->head);
+    if (options_.progress) options_.progress(static_cast<double>(chain.entries()) / all);
+  }
+  if (unsigned_from_ != 0)
+    return fails("from " + entry_name(unsigned_from_) + " to " + entry_name(chain.entries()) + " nothing is signed");
+  for (const Result<void>& checked : {known_.all_there(chain.entries()), ledger_signatures_there(), chain.finish()})
+    if (!checked) return fails(checked.error());
+  if (end_seq_ == 0 && chain.entries() > 0) tell_how_far(last_ns);
+  return end_seq_ != 0;
+}
+
+Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
+  const Entry& entry = row.entry;
+  if ((entry.kind == "run") != (entry.seq == 1))
+    return fails(entry_name(entry.seq) + ": \"" + entry.kind + "\" where " +
+                 (entry.seq == 1 ? "\"run\"" : "no \"run\"") + " belongs");
+  if (entry.seq == 1) {
+    if (Result<void> run = take_run(row); !run) return run;
+  }
+  if (Result<void> fits = known_.fits(entry.seq, row.head); !fits) return fits;
+  if (end_seq_ != 0) {
+    return take_signature(chain, row);
+  }
+  if (unsigned_from_ == 0) unsigned_from_ = entry.seq;
+  // Before what it says is looked at: what is not signed need not be anything.
+  if (!row.note.empty()) {
+    if (Result<void> holds = chain.note_holds(row, origin(), key_); !holds) return holds;
+    unsigned_from_ = 0;
+  }
+  if (Result<void> part = take_part(entry); !part) return fails(entry_name(entry.seq) + ": " + part.error());
+  if (entry.kind == "end") {
+    end_seq_ = entry.seq;
+    if (unsigned_from_ != 0) return fails(entry_name(entry.seq) + ": the end is not signed");
+  }
+  return {};
+}
+
+Result<void> RunAudit::take_run(const ChainReader::Row& row) {
+  Result<RunHeader> header = parse_run_header(row.entry.body);
+  if (!header) return fails("entry 1: " + header.error());
+  header_ = std::move(*header);
+  Result<PublicKey> key = PublicKey::parse(header_.vkey);
+  if (!key) return fails("entry 1: its key: " + key.error());
+  key_ = std::move(*key);
+  begin_ns_ = row.entry.t_ns;
+  audit_.run = header_.run;
+  audit_.id = header_.id;
+  audit_.key = key_.fingerprint();
+  known_.add(anchors_, origin());
+  const bool of_ledger = ledger_ != nullptr && ledger_->knows(key_);
+  // The ledger connects keys: it is signed by all of them in turn, and each vouches for what came before it.
+  audit_.trusted = options_.key ? key_ == *options_.key || of_ledger : of_ledger;
+  if (options_.key && !audit_.trusted) return fails("signed by " + audit_.key + ", not by the key asked for");
+  if (ledger_ == nullptr || header_.run == 0) return {};
+  if (Result<void> agrees = ledger_agrees(); !agrees) return agrees;
+  if (const auto& end = ledger_->find(header_.run)->end; end && !end->head.empty())
+    known_.add(end->seq, *from_hex(end->head), "the ledger");
+  return {};
+}
+
+Result<void> RunAudit::ledger_agrees() const {
+  const LedgerRun* run = ledger_->find(header_.run);
+  const std::string name = "run " + std::to_string(header_.run);
+  if (run == nullptr) return fails("the ledger does not know " + name);
+  if (run->id != header_.id) return fails("the ledger knows another run as " + name);
+  if (run->previous_head != header_.previous_head)
+    return fails("entry 1: the run before " + name + " is another one in the ledger");
+  if (run->vkey != header_.vkey) return fails("entry 1: the ledger's key at the time of " + name + " was another one");
+  return {};
+}
+
+Result<void> RunAudit::take_part(const Entry& entry) {
+  if (entry.kind == "stream") {
+    const Result<std::uint64_t> samples = count_.samples(entry.body);
+    if (!samples) return fails(samples.error());
+    audit_.samples += *samples;
+    return {};
+  }
+  if (entry.kind == "signature") return fails("a signature before the end of the run");
+  const auto wrong = [](const auto& parsed) { return parsed ? Result<void>() : fails(parsed.error()); };
+  if (entry.kind == "result") return wrong(parse_result(entry.body));
+  if (entry.kind == "event") return wrong(parse_event(entry.body));
+  if (entry.kind == "end") return wrong(parse_run_end(entry.body));
+  return {};
+}
+
+Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row& row) {
+  const std::string place = entry_name(row.entry.seq) + ": ";
+  if (row.entry.kind != "signature") return fails(place + "\"" + row.entry.kind + "\" after the end of the run");
+  Result<PersonalSignature> read = parse_personal_signature(row.entry.body);
+  if (!read) return fails(place + read.error());
+  const PersonalSignature& signature = *read;
+  if (signature.seq != row.entry.seq - 1 || signature.head != audit_.head)
+    return fails(place + "signs another head than that of the entry before it");
+  const Result<std::string> text = signature_text(header_.id, signature);
+  if (!text) return fails(place + text.error());
+
+  std::string line = signature.name + ": " + signature.meaning;
+  if (!signature.reason.empty()) line += " (" + signature.reason + ")";
+  line += ", " + signature.utc + ", ";
+  if (signature.vkey.empty()) {
+    if (!signature.person) return fails(place + "nobody vouches for this signature");
+    if (Result<void> holds = chain.note_holds(row, origin(), key_); !holds) return holds;
+    line += "countersigned by the service for user " + std::to_string(signature.person->uid);
+    if (!signature.person->name.empty()) line += " (" + signature.person->name + ")";
+  } else {
+    const Result<PublicKey> own = PublicKey::parse(signature.vkey);
+    if (!own) return fails(place + "its key: " + own.error());
+    const Result<std::string> opened = own->open(signature.note);
+    if (!opened) return fails(place + opened.error());
+    if (*opened != *text) return fails(place + "its own note signs something else");
+    if (!row.note.empty()) return fails(place + "it has a note beside its own");
+    line += "with the key " + own->name() + " " + own->fingerprint();
+  }
+  audit_.signatures.push_back(std::move(line));
+  signatures_.push_back(std::move(*read));
+  return {};
+}
+
+Result<void> RunAudit::ledger_signatures_there() const {
+  const LedgerRun* run = ledger_ == nullptr ? nullptr : ledger_->find(header_.run);
+  if (run == nullptr) return {};
+  for (const PersonalSignature& known : run->signatures) {
+    const std::string body = to_json(known);
+    if (std::none_of(signatures_.begin(), signatures_.end(),
+                     [&body](const PersonalSignature& one) { return to_json(one) == body; }))
+      return fails("the signature of " + known.name + " (" + known.utc + "), which the ledger knows, is missing");
+  }
+  return {};
+}
+
+void RunAudit::tell_how_far(std::int64_t t_ns) {
+  audit_.until_s = static_cast<double>(t_ns - begin_ns_) * 1e-9;
+  if (const auto start_ns = parse_utc(header_.start_utc)) audit_.until_utc = iso_utc(*start_ns + t_ns - begin_ns_);
+}
+
+}  // namespace
+
+Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
+  if (Result<void> there = readable_file(path); !there) return fails(std::move(there.error()));
+  const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
+  if (!anchors) return fails(anchors.error());
+  std::optional<CheckedLedger> ledger;
+  if (!options.ledger.empty()) {
+    Result<CheckedLedger> checked = check_ledger(options.ledger, options);
+    if (!checked) return fails(std::move(checked.error()));
+    if (checked->verifies()) ledger = std::move(*checked);
+  }
+  for (int tries = 1;; ++tries) {
+    Audit audit;
+    audit.file = path;
+    Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::run);
+    RunAudit run(audit, options, *anchors, ledger ? &*ledger : nullptr);
+    const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
+    if (chain ? !chain->unchanged() : chain.error() == kReadAgain) {
+      if (tries < kAuditTries) continue;
+      return fails(path + ": " + kReadAgain);
+    }
+    audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
+    if (!ended) {
+      audit.where = ended.error();
+      audit.trusted = false;
+    }
+    return audit;
+  }
+}
+
+}  // namespace dwell::record

@@ -1,0 +1,67 @@
+#include <filesystem>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "daemon/record/audit.hpp"
+#include "daemon/record/chain_audit.hpp"
+#include "daemon/record/ledger_check.hpp"
+
+namespace dwell::record {
+namespace {
+
+std::string name_of(const LedgerRun& run) {
+  return "run " + std::to_string(run.run) + " (" + run.file + ", begun " + run.start_utc + ")";
+}
+
+// Empty: the run is where it should be. A file that cannot be read as a run is there; its own audit says what it is.
+std::string missing(const LedgerRun& run, const std::string& directory) {
+  // A name alone: a ledger is not to lead out of the directory.
+  const std::filesystem::path path = std::filesystem::path(directory) / std::filesystem::path(run.file).filename();
+  std::error_code code;
+  if (run.file.empty() || !std::filesystem::is_regular_file(path, code)) return name_of(run) + " is not there";
+  Result<ChainReader> reader = ChainReader::open(path.string(), ChainSort::run);
+  const auto first = reader ? reader->next() : tl::unexpected(reader.error());
+  if (!first || !*first) return {};
+  const Result<RunHeader> header = parse_run_header((*first)->entry.body);
+  if (header && header->id != run.id) return name_of(run) + ": that file holds another run";
+  return {};
+}
+
+// Of runs that an anchor knows and the ledger does not: both were removed.
+std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Anchor>& anchors) {
+  static constexpr std::string_view kFront = "dwell/run/";
+  std::set<std::string> known, others;
+  for (const auto& [number, run] : book.runs()) known.insert(run.id);
+  for (const Anchor& anchor : anchors)
+    if (anchor.origin.rfind(kFront, 0) == 0 && !known.contains(anchor.origin.substr(kFront.size())))
+      others.insert("run " + anchor.origin.substr(kFront.size()) + ", which only the anchors know");
+  return {others.begin(), others.end()};
+}
+
+}  // namespace
+
+Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& directory, const AuditOptions& options) {
+  Result<CheckedLedger> ledger = check_ledger(path, options);
+  if (!ledger) return tl::unexpected(std::move(ledger.error()));
+  const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
+  if (!anchors) return tl::unexpected(anchors.error());
+  LedgerAudit audit;
+  audit.unbroken = ledger->verifies();
+  audit.where = ledger->broken;
+  std::size_t done = 0;
+  for (const auto& [number, run] : ledger->book.runs()) {
+    if (options.progress)
+      options.progress(static_cast<double>(done++) / static_cast<double>(ledger->book.runs().size()));
+    if (run.deleted) {
+      audit.deleted.push_back(name_of(run) + " was deleted at " + run.deleted->utc + ": " + run.deleted->why);
+      continue;
+    }
+    if (std::string line = missing(run, directory); !line.empty()) audit.missing.push_back(std::move(line));
+  }
+  for (std::string& line : unknown(ledger->book, *anchors)) audit.missing.push_back(std::move(line));
+  if (options.progress) options.progress(1.0);
+  return audit;
+}
+
+}  // namespace dwell::record

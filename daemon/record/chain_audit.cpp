@@ -1,0 +1,109 @@
+#include "daemon/record/chain_audit.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace dwell::record {
+namespace {
+
+tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+std::string entry_name(std::int64_t seq) { return "entry " + std::to_string(seq); }
+
+std::string without_path(const std::string& message, const std::string& path) {
+  return message.rfind(path + ": ", 0) == 0 ? message.substr(path.size() + 2) : message;
+}
+
+}  // namespace
+
+ChainAudit::ChainAudit(Snapshot snapshot) : snapshot_(std::move(snapshot)), rows_(snapshot_.database()) {}
+
+Result<ChainAudit> ChainAudit::open(const std::string& path, ChainSort sort) {
+  Result<Snapshot> snapshot = Snapshot::open(path);
+  if (!snapshot) return fails(without_path(snapshot.error(), path));
+  if (Result<void> tables = check_tables(snapshot->database(), sort); !tables)
+    return fails(snapshot->unchanged() ? std::move(tables.error()) : kReadAgain);
+  return ChainAudit(std::move(*snapshot));
+}
+
+Result<std::optional<ChainReader::Row>> ChainAudit::next() {
+  Result<std::optional<ChainReader::Row>> row = rows_.next();
+  if (!row) return fails("after " + entry_name(entries_) + ": " + row.error());
+  if (!*row) return row;
+  const Entry& entry = (*row)->entry;
+  if (entry.seq != entries_ + 1)
+    return fails(entry_name(entry.seq) + " where " + entry_name(entries_ + 1) + " was expected");
+  if (entry.kind.empty() ||
+      !std::all_of(entry.kind.begin(), entry.kind.end(), [](char c) { return c > ' ' && c < '\x7f'; }))
+    return fails(entry_name(entry.seq) + ": its kind is not in visible ASCII characters");
+  head_ = next_head(head_, entry);
+  if ((*row)->head != head_) return fails(entry_name(entry.seq) + ": was altered: the chain breaks here");
+  entries_ = entry.seq;
+  return row;
+}
+
+Result<void> ChainAudit::note_holds(const ChainReader::Row& row, const std::string& origin, const PublicKey& key) {
+  const std::int64_t seq = row.entry.seq;
+  if (row.note.empty()) return fails(entry_name(seq) + ": is not signed");
+  const Result<std::string> text = key.open(row.note);
+  if (!text) return fails("the note on " + entry_name(seq) + ": " + text.error());
+  if (*text != note_text(origin, seq, row.head, row.entry.t_ns, last_note_)) {
+    // All but the last line: then a note before it is gone, or is one too many.
+    const std::string same = note_text(origin, seq, row.head, row.entry.t_ns, 0);
+    const bool follows_another = text->compare(0, same.size() - 2, same, 0, same.size() - 2) == 0;
+    return fails("the note on " + entry_name(seq) + ": it " +
+                 (follows_another ? "does not follow the note on " + entry_name(last_note_) : "signs something else"));
+  }
+  last_note_ = seq;
+  ++notes_;
+  return {};
+}
+
+Result<void> ChainAudit::finish() {
+  if (!snapshot_.altered().empty()) return fails(snapshot_.altered());
+  sqlite3* database = snapshot_.database();
+  if (first_text(database, "SELECT count(*) FROM note") != std::to_string(notes_)) {
+    const std::string seq =
+        first_text(database, "SELECT seq FROM note WHERE seq NOT IN (SELECT seq FROM entry) OR text = '' LIMIT 1");
+    return fails(seq.empty() ? "the notes cannot be counted" : "a note on entry " + seq + ", where none belongs");
+  }
+  const std::string sound = first_text(database, "PRAGMA integrity_check(1)");
+  if (sound != "ok") return fails("the database is damaged: " + (sound.empty() ? sqlite3_errmsg(database) : sound));
+  return {};
+}
+
+std::int64_t ChainAudit::last_seq() const {
+  const std::string last = first_text(snapshot_.database(), "SELECT max(seq) FROM entry");
+  return last.empty() ? 0 : std::strtoll(last.c_str(), nullptr, 10);
+}
+
+void KnownHeads::add(const std::vector<Anchor>& anchors, const std::string& origin) {
+  for (const Anchor& anchor : anchors)
+    if (anchor.origin == origin) add(anchor.seq, anchor.head, "the anchor of " + anchor.utc);
+}
+
+Result<void> KnownHeads::fits(std::int64_t seq, const Digest& head) const {
+  const auto [begin, end] = heads_.equal_range(seq);
+  for (auto known = begin; known != end; ++known)
+    if (known->second.head != head)
+      return fails("up to " + entry_name(seq) + " it is another chain than " + known->second.source + " knows");
+  return {};
+}
+
+Result<void> KnownHeads::all_there(std::int64_t last_seq) const {
+  if (heads_.empty() || heads_.rbegin()->first <= last_seq) return {};
+  return fails("cut after " + entry_name(last_seq) + "; " + heads_.rbegin()->second.source + " knows " +
+               entry_name(heads_.rbegin()->first));
+}
+
+Result<std::vector<Anchor>> read_all_anchors(const std::vector<std::string>& paths) {
+  std::vector<Anchor> all;
+  for (const std::string& path : paths) {
+    Result<std::vector<Anchor>> some = read_anchors(path);
+    if (!some) return some;
+    all.insert(all.end(), some->begin(), some->end());
+  }
+  return all;
+}
+
+}  // namespace dwell::record

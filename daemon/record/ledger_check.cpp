@@ -1,0 +1,77 @@
+#include "daemon/record/ledger_check.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "daemon/record/chain_audit.hpp"
+
+namespace dwell::record {
+namespace {
+
+// By which key an entry must be signed: a change of keys by the one before.
+Result<void> take(ChainAudit& chain, CheckedLedger& ledger, KnownHeads& known, const std::vector<Anchor>& anchors,
+                  const ChainReader::Row& row) {
+  const std::string place = "entry " + std::to_string(row.entry.seq) + ": ";
+  const bool first = ledger.book.empty();
+  if (Result<void> taken = ledger.book.take(row.entry); !taken) return tl::unexpected(place + taken.error());
+  if (first) known.add(anchors, ledger.book.origin());
+  if (Result<void> fits = known.fits(row.entry.seq, row.head); !fits) return fits;
+  return chain.note_holds(row, ledger.book.origin(), ledger.book.last_signer());
+}
+
+Result<void> walk(ChainAudit& chain, CheckedLedger& ledger, const std::vector<Anchor>& anchors) {
+  KnownHeads known;
+  for (;;) {
+    const auto row = chain.next();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) break;
+    if (Result<void> taken = take(chain, ledger, known, anchors, **row); !taken) return taken;
+  }
+  if (Result<void> there = known.all_there(chain.entries()); !there) return there;
+  if (ledger.book.empty()) return tl::unexpected(std::string("it has no entry"));
+  return chain.finish();
+}
+
+}  // namespace
+
+bool CheckedLedger::knows(const PublicKey& key) const {
+  return std::find(book.keys().begin(), book.keys().end(), key) != book.keys().end();
+}
+
+const LedgerRun* CheckedLedger::find(std::int64_t run) const {
+  const auto found = book.runs().find(run);
+  return found == book.runs().end() ? nullptr : &found->second;
+}
+
+Result<void> readable_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return tl::unexpected(path + ": " + std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) return tl::unexpected(path + ": is no file");
+  if (::access(path.c_str(), R_OK) != 0) return tl::unexpected(path + ": " + std::strerror(errno));
+  return {};
+}
+
+Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& options) {
+  if (Result<void> there = readable_file(path); !there) return tl::unexpected(std::move(there.error()));
+  const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
+  if (!anchors) return tl::unexpected(anchors.error());
+  for (int tries = 1;; ++tries) {
+    CheckedLedger ledger;
+    Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger);
+    const Result<void> sound = chain ? walk(*chain, ledger, *anchors) : tl::unexpected(chain.error());
+    if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
+    if (!sound) ledger.broken = sound.error();
+    if (sound && options.key && !ledger.knows(*options.key))
+      ledger.broken = "signed by " + ledger.book.keys().back().fingerprint() + ", not by the key asked for";
+    return ledger;
+  }
+}
+
+}  // namespace dwell::record
