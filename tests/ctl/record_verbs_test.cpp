@@ -295,9 +295,9 @@ TEST_F(RecordVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
   const std::vector<std::string> command{"sign", "run.dwell", "--meaning", "reviewed", "--control", control};
   const Outcome outcome = test::run(command);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(
-      outcome.out,
-      "run.dwell: signed: Anna Weber: reviewed, 2026-07-02T08:00:00Z, countersigned by the service for anna (uid 1000)\n");
+  EXPECT_EQ(outcome.out,
+            "run.dwell: signed: Anna Weber: reviewed, 2026-07-02T08:00:00Z, countersigned by the service for anna (uid "
+            "1000)\n");
   const auto request = nlohmann::json::parse(server.requests().at(0));
   EXPECT_EQ(request["verb"], "sign");
   EXPECT_EQ(request["file"], std::filesystem::absolute("run.dwell").string());
