@@ -13,6 +13,8 @@
 #include "daemon/gpio/kernel_lines.hpp"
 #include "daemon/gpio/panel.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/record/key_file.hpp"
+#include "daemon/run/recording.hpp"
 #include "daemon/service.hpp"
 #include "daemon/version.hpp"
 
@@ -67,6 +69,16 @@ int darken_lamps(const RigFile& file) {
   return faults.empty() ? kDone : kFailed;
 }
 
+int make_new_key(const RigFile& file) {
+  const auto key = dwell::record::change_key(dwell::recording_directory(file), dwell::key_name(file));
+  if (!key) {
+    std::fprintf(stderr, "dwelld: %s\n", key.error().c_str());
+    return kFailed;
+  }
+  std::printf("%s\nfingerprint %s\n", key->vkey().c_str(), key->fingerprint().c_str());
+  return kDone;
+}
+
 int serve(RigFile file, const dwell::config::SchemaSource& drivers, const std::string& log_file,
           const std::string& control_path) {
   dwell::LogOptions log_options;
@@ -102,6 +114,9 @@ int main(int argc, char** argv) {
   bool lamps_off = false;
   app.add_flag("--lamps-off", lamps_off, "darken the lamps of the rig file's [gpio] and exit: for after the service")
       ->needs(config_option);
+  bool new_key = false;
+  app.add_flag("--new-key", new_key, "from now on another key signs what is recorded; print it and exit")
+      ->needs(config_option);
   app.add_option("--log", log_file, "also log to this file, rotated (default: $LOGS_DIRECTORY/dwelld.log)");
   app.add_option("--control", control_path, "the control socket (default: $RUNTIME_DIRECTORY/control)");
   try {
@@ -118,13 +133,14 @@ int main(int argc, char** argv) {
   const dwell::config::SchemaSource drivers = [](std::string_view name) {
     return dwell::acquire::load_plugin(std::string(name));
   };
-  // For the lamps no driver is needed.
-  auto file = dwell::config::load(path, lamps_off ? dwell::config::SchemaSource() : drivers);
+  // For lamps and key no driver is needed.
+  auto file = dwell::config::load(path, lamps_off || new_key ? dwell::config::SchemaSource() : drivers);
   if (!file) {
     std::fputs(dwell::config::to_string(path, file.error()).c_str(), stderr);
     return kUnusable;
   }
   if (lamps_off) return darken_lamps(*file);
+  if (new_key) return make_new_key(*file);
   if (!check_path.empty()) {
     print_summary(*file);
     return kDone;

@@ -8,12 +8,15 @@
 #include <algorithm>
 #include <climits>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "daemon/clock.hpp"
 #include "daemon/notifier.hpp"
 #include "daemon/outlets/http.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/run/countersigner.hpp"
+#include "daemon/run/recording.hpp"
 #include "daemon/run/session.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/control_server.hpp"
@@ -86,6 +89,7 @@ struct Service::Impl {
   std::unique_ptr<Session> session;
   std::unique_ptr<Http> http;
   std::unique_ptr<ControlServer> control;
+  std::optional<Countersigner> signer;  // none: nothing is recorded
 
   // As all stands now.
   [[nodiscard]] ServiceView view() {
@@ -145,9 +149,26 @@ struct Service::Impl {
     loop.stop();
   }
 
-  std::string control_line(std::string_view line, const Peer& peer) {
+  ControlReply control_line(std::string_view line, const Peer& peer) {
+    if (auto asked = parse_sign_request(line, peer.uid)) return sign(std::move(*asked), peer);
     return control_answer(view(), line, [this, &peer](const OperatorRequest& request) {
       return session->operators().ask(request, {peer.uid, user_name(peer.uid)});
+    });
+  }
+
+  ControlReply sign(record::Result<SignRequest> asked, const Peer& peer) {
+    if (!asked) return sign_answer(tl::unexpected(asked.error()));
+    if (!signer)
+      return sign_answer(tl::unexpected(std::string("the service records no runs; sign with a key of your own")));
+    log.info("signature under " + asked->file + " asked for by uid " + std::to_string(peer.uid) + ", pid " +
+             std::to_string(peer.pid));
+    return ControlReply([this, request = std::move(*asked)](const ControlReply::Answer& answer) {
+      signer->ask(request, [this, answer](const record::Result<Countersigned>& made) {
+        loop.post([this, answer, made] {
+          if (made) log.info("run " + std::to_string(made->run) + " signed by " + made->signature.name);
+          answer(sign_answer(made));
+        });
+      });
     });
   }
 
@@ -160,6 +181,9 @@ struct Service::Impl {
     });
     if (!made) return tl::unexpected(Failure{1, made.error()});
     session = std::move(*made);
+    if (record::Recorder* const recorder = session->recorder())
+      signer.emplace(recording_directory(session->file()),
+                     [recorder](const Countersigned& it) { return recorder->run_signed(it.run, it.signature); });
     loop.on_readable(wake.get(), [this] { woken(); });
     return {};
   }
@@ -240,6 +264,7 @@ void Service::run() {
   self.http.reset();
   self.session->end();
   self.tell_events();
+  self.signer.reset();
   self.session.reset();
   self.log.info("stopped");
 }

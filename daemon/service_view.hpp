@@ -30,7 +30,7 @@ struct ServiceView {
   LogStats log{};
   std::vector<WatchedThread> threads{};
   gpio::Status gpio{};                               // of the lines that are configured
-  std::optional<record::RecorderState> recorder{};  // none: the service does not record
+  std::optional<record::RecorderState> recorder{};   // none: the service does not record
   std::shared_ptr<const record::ListedRuns> runs{};  // null: as an empty list
   double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
 };

@@ -10,11 +10,16 @@ namespace {
 
 constexpr double kSureOfStep =
     5.6;  // standard deviations: chance 1 in 5e7 a test, some tests a second (study: docs/method.md, 5)
-constexpr double kBeyond = 1.5;    // tolerances that a step must exceed too
-constexpr double kInDoubt = 3.0;   // standard deviations; plus …
-constexpr double kUnsureBy = 0.1;  // … tolerances: beyond the sum the drive is in doubt
-constexpr double kClip = 4.0;      // limit of a residual, in standard deviations of a reading; or, if larger, …
-constexpr double kClipPart = 0.5;  // … this part of what a change by one tolerance sums to over the shortest stretch
+constexpr double kBeyond = 1.5;  // tolerances that a step must exceed too
+// The drive is in doubt if its amplitude or its frequency deviates by more than kInDoubt standard deviations plus
+// kUnsureBy tolerances.
+constexpr double kInDoubt = 3.0;
+constexpr double kUnsureBy = 0.1;
+// A residual is clipped, so that one disturbed reading is no step. A step by one tolerance adds up residuals over the
+// shortest stretch: a single reading counts at most kClipPart of that sum. The limit is never below kClip standard
+// deviations of a reading.
+constexpr double kClip = 4.0;
+constexpr double kClipPart = 0.5;
 constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look
 
 }  // namespace

@@ -37,7 +37,8 @@ Wander wander_of(const ChannelResult& result) {
   return {std::sqrt(sum.amplitude / count), std::sqrt(sum.phase_rad / count)};
 }
 
-// The table's phasor over the data that count, divided by that of the modal fit, minus one.
+// How much the drive has changed since the modal fit, as a part of it: Y / Y_fit - 1. Y is the table's phasor over the
+// data that count, Y_fit the one that the modal fit found while the rig settled.
 Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channel, std::int64_t t_ref_ns) {
   return table.X[0] / (modal.phasor(channel, 1) * std::polar(1.0, modal.angle(t_ref_ns))) - 1.0;
 }
@@ -53,9 +54,9 @@ void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result)
   result.slope.value *= turn;
 }
 
-// If the table's phasor over the data that count differs from that of the modal fit, the drive has changed in between.
-// The masses' answer to that is no natural oscillation, but the modes may have absorbed it. In channel c the part
-// absorbed is at most the change itself, and at most what the modes take out of c.
+// Did the drive change since the rig settled? Then the modal fit may have taken the masses' answer to that change for a
+// natural oscillation and removed it from the data. In channel c this error is at most as large as the change itself,
+// and at most as large as the oscillation that was removed from c.
 void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const {
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel())].fit;
   if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel())) return;

@@ -1,4 +1,5 @@
-// Tells whether anything changes within a dwell: compares the phasor of each stretch with that of the whole dwell.
+// The scatter of a dwell's phasors. The dwell is cut into stretches, and each stretch's phasor is compared with that of
+// the whole dwell. If they differ by more than noise explains, something changed within the dwell.
 //
 // The scatter of one channel shows hum, repeated readings, or a sensor that has changed. Coefficients depend on ratios
 // of phasors only: a factor common to all channels, such as a drifting drive amplitude, changes none. So an element's

@@ -1,10 +1,11 @@
 // Whether the coefficients of any motion agree with those of a dwell of the same rig.
 //
-// Errors of what the rig file states move both alike; noise makes the difference d. Where the stretch of the motion
-// holds all readings of the dwell, the motion's estimate uses more and is the more efficient one, and Hausman (1978)
-// gives
+// An error of the rig file, such as a wrong mass, shifts both estimates alike. Only noise makes them differ. Let d be
+// the difference of a coefficient, and u_dwell and u_motion its standard uncertainties by noise alone:
 //
-//   var d = u_dwell² - u_motion²   (of the parts of noise);   var d = u_dwell² + u_motion² where the readings differ
+//   var d = u_dwell² - u_motion²   if the motion's stretch holds all readings of the dwell (Hausman 1978: the motion's
+//                                  estimate uses more of them and is the more efficient one)
+//   var d = u_dwell² + u_motion²   if it does not: the noise is then taken as independent
 #pragma once
 
 #include "core/result/motion.hpp"

@@ -19,7 +19,7 @@ constexpr double kAsSeen = 2.25;
 }  // namespace
 
 bool Leftover::explains_most_of(const Leftover& that) const {
-  return power <= kMost * that.power || (least_p >= kNotWhite && power <= that.power);
+  return power <= kMost * that.power || (least_p >= kContradicted && of_table <= that.power);
 }
 
 Leftover leftover(const MotionModel& model, const MotionData& data, const MotionUnknowns& unknowns,
@@ -35,7 +35,7 @@ Leftover leftover(const MotionModel& model, const MotionData& data, const Motion
     const double least = std::max({std::isfinite(noise[c]) ? noise[c] : 0.0, kDigits * size[c], 1e-300});
     const double times = std::exp(2 * unknowns.theta(static_cast<Eigen::Index>(a))) / (least * least);
     if (shows_drive(model.rig().channels[c])) {
-      out.power += readings[c] * std::max(0.0, times - kAsSeen);
+      out.of_table += readings[c] * std::max(0.0, times - kAsSeen);
       continue;
     }
     const Whiteness whiteness = whiteness_of(given_table[c]);
@@ -43,6 +43,7 @@ Leftover leftover(const MotionModel& model, const MotionData& data, const Motion
     out.power += std::max(0.0, whiteness.ljung_box - kWhitenessLags) * times;
     out.least_p = std::min(out.least_p, whiteness.p);
   }
+  out.power += out.of_table;
   return out;
 }
 

@@ -14,9 +14,12 @@ struct Leftover {
   // of the table's channels the number of readings times the excess of that ratio. A statistic alone saturates where
   // residuals are large.
   double power = 0.0;
-  double least_p = 1.0;  // of the least white channel of the chain
+  double of_table = 0.0;  // the part of `power` by the table's channels
+  double least_p = 1.0;   // of the least white channel of the chain
 
-  // Whether this is white, or by far less than that: most of what was unexplained is explained.
+  // Whether a change of the model from `that` to this explains most of what was unexplained: `power` is at most half;
+  // or the chain's channels are white now, and the table pays no more for it. Of white residuals `power` is chance
+  // alone, and comparing it would reject every second right explanation of a weak fault.
   [[nodiscard]] bool explains_most_of(const Leftover& that) const;
 };
 

@@ -35,9 +35,10 @@ constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
-// The search ends after so many times the work of the estimate itself. That work counts as a hundred passes over
-// kScreened readings at least. What was not tried by then is not named.
-constexpr double kMostWork = 10.0, kLeastTried = 100.0 * kScreened;
+// Screening ends after so many times the work of the estimate itself. That work counts as two hundred passes over
+// kScreened readings at least: some seconds, in which two dozen hypotheses of fifty passes each are tried. What was not
+// tried by then is not named. The best of those that were, kMostNamed at most, are then fitted to all readings.
+constexpr double kMostWork = 10.0, kLeastTried = 200.0 * kScreened;
 
 double work_of(const MotionCourse& course) {
   return static_cast<double>(course.passes) * static_cast<double>(course.data.readings.size());
@@ -168,7 +169,8 @@ class AnewSearch {
     const ChainFit now = chain_fit(rig_, run_course(rig_, data_, few));
     std::vector<std::pair<double, const Hypothesis*>> likely;
     for (const Hypothesis& one : all_)
-      if (const Tried tried = fitted(one, few); tried.fit.possible) likely.emplace_back(gain(now, tried.fit), &one);
+      if (const Tried tried = left_ > 0.0 ? fitted(one, few) : Tried{}; tried.fit.possible)
+        likely.emplace_back(gain(now, tried.fit), &one);
     std::stable_sort(likely.begin(), likely.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     Explanation out;
     for (const auto& [screened, one] : likely) {
@@ -195,7 +197,6 @@ class AnewSearch {
     double value = 0.0, u = 0.0;  // of a term
   };
   [[nodiscard]] Tried fitted(const Hypothesis& one, std::size_t most) {
-    if (left_ <= 0.0) return {};
     const MotionCourse course = run_course(rig_, one.term ? data_ : without(rig_, data_, one.mistake), most, one.term);
     left_ -= work_of(course);
     Tried out{chain_fit(rig_, course)};

@@ -1,6 +1,6 @@
 #include "core/motion/motion_estimate.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,6 +15,7 @@
 #include "core/motion/missing_terms.hpp"
 #include "core/motion/missing_wording.hpp"
 #include "core/motion/motion_course.hpp"
+#include "core/motion/told_inverse.hpp"
 #include "core/motion/whiteness.hpp"
 #include "core/rig/transducer.hpp"
 
@@ -101,11 +102,7 @@ class Report {
     for (Index i = 0; i < size; ++i)
       if (i < free_ || i >= p) order.push_back(i);
     const MatrixXd own = I(order, order), cross = I(order, Eigen::seqN(free_, stated));
-    const VectorXd scale = own.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * own * scale.asDiagonal());
-    const VectorXd inverse = solver.eigenvalues().unaryExpr([](double d) { return d > 1e-13 ? 1 / d : 0.0; });
-    const MatrixXd root = scale.asDiagonal() * solver.eigenvectors();
-    const MatrixXd all = root * inverse.asDiagonal() * root.transpose();
+    const MatrixXd all = ToldInverse(own, std::vector<bool>(order.size(), true)).matrix();
     noise_ = all.topLeftCorner(coefficients_, coefficients_);
     if (stated > 0) {
       by_stated_ = -(all * cross).topRows(coefficients_);
@@ -164,7 +161,7 @@ class Report {
   void widen(MotionEstimate& out) {
     const std::vector<std::string> names = not_white(out, kNotWhite, 0.0);
     if (names.empty()) return;
-    out.warnings.push_back("what the chain leaves of " + listed(names) + " is not white: uncertainties are widened");
+    out.warnings.push_back("the residuals of " + listed(names) + " are not white: uncertainties are widened");
     noise_grows(1 + noise_may_hide_);
     if (course_.fit.pass.blocks < 8) return;
     const MatrixXd& inverse = course_.fit.covariance;
@@ -240,7 +237,7 @@ class Report {
     } else if (!(damping.value > damping.U95) || !(stiffness.value > 0)) {
       // A mode that hides in the noise is found by one of its peaks, with next to no damping: a maximum beside the true
       // one, whose curvature tells nothing of the distance.
-      out.reason = "its damping is not told from zero, so that the estimate may rest on a peak of the noise";
+      out.reason = "its damping cannot be told from zero, so that the estimate may rest on a peak of the noise";
     } else {
       out.identifiable = true;
       out.stiffness = stiffness;

@@ -12,9 +12,9 @@
 //
 //   m_k y_k'' = f_{k+1} - f_k - g_k y_k - h_k y_k',   d_k'' = y_k'' - y_{k-1}'',   force on the ground = -f_{n+1}
 //
-// with g and h of what may join a mass to the ground (Unknown::ground_stiffness, ground_damping). A and C are linear in
-// c, r, g and h, and in 1/m. An input (is_input()) of amplitude a adds a u(t) to f_k: B a u to x', D a u to the
-// reading. docs/method.md, Any motion.
+// g_k and h_k are the stiffness and damping between mass k and the ground (Unknown::ground_stiffness, ground_damping);
+// they are 0 unless they are tested as missing. A and C are linear in c, r, g and h, and in 1/m. An input (is_input())
+// of amplitude a adds a u(t) to f_k: B a u to x', D a u to the reading. docs/method.md, Any motion.
 #pragma once
 
 #include <Eigen/Core>

@@ -77,7 +77,7 @@ class Test {
     pass_ = evaluate(MotionModel(rig_, parameters_), data, at, {});
   }
 
-  // Positions in the pass of what was fitted and not held at its bound.
+  // Indices, in the pass, of the unknowns that were fitted. One that ended at its lower bound is not free: left out.
   [[nodiscard]] std::vector<Index> fitted_unknowns() const {
     std::vector<Index> out;
     const auto own = static_cast<Index>(course_.parameters.size()), all = static_cast<Index>(parameters_.size());

@@ -23,11 +23,11 @@ struct ScoreTest {
   std::vector<bool> told;       // whether the readings determine it at all, with all else fitted
   Eigen::VectorXd score;        // s̃
   Eigen::MatrixXd information;  // W
-  // W without the priors of what is stated. Its null directions are what no reading determines. Both matrices are in
-  // the candidates' units; sizes: natural_size() of each.
+  // W of the readings alone, as if the rig file stated nothing: without the priors. A null direction of it is a
+  // combination of candidates that no reading determines. In the candidates' units, as W.
   Eigen::MatrixXd alone;
-  Eigen::VectorXd own;  // information of each with all else known
-  Eigen::VectorXd sizes;
+  Eigen::VectorXd own;    // information of each candidate with all else known
+  Eigen::VectorXd sizes;  // natural_size() of each candidate
   // H⁻¹ I_ξx and H⁻¹ s_ξ, and which of (θ, initial, bias) each row moves.
   Eigen::MatrixXd response;
   Eigen::VectorXd rest;

@@ -13,9 +13,10 @@
 #include "core/model/forward.hpp"
 #include "core/rig/transducer.hpp"
 #include "core/verify/comparison.hpp"
+#include "core/verify/frac.hpp"
 #include "core/verify/verdict.hpp"
 #include "core/verify/verification_consistency.hpp"
-#include "core/verify/verification_residuals.hpp"
+#include "core/verify/verification_evidence.hpp"
 
 namespace dwell {
 namespace {
@@ -24,9 +25,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Draws of noise: u of the prediction is then known to 9 %, and so is the spread of a test's statistic.
-constexpr Index kDraws = 64;
-constexpr std::uint64_t kSeed = 20161;
+// Seed of the drawn sources.
+constexpr std::uint64_t kSeed = 20162;
 // The prediction is made again with every second reading of the table. The error of interpolating all readings is this
 // part of the change: 1/16 for a smooth motion, up to a third for a drive that begins with a jump of velocity.
 constexpr double kInterpolation = 1.0 / 3;
@@ -38,6 +38,9 @@ constexpr double kStep = 0.1;
 // of the sources: the prediction of a lightly damped chain is not linear in a frequency that is far off.
 constexpr double kMakeSure = 0.1;
 constexpr int kAgain = 2;
+// Periods of another dwell's steady motion that are compared: enough to show a wrong amplitude beside noise, and no
+// more than a transient often has, so that they do not outweigh it.
+constexpr double kSteady = 10.0;
 
 // The chain of a dwell; empty masses and elements: it gives none, `why` says it.
 Chain chain_of(const Rig& rig, const Dwell& dwell, std::string& why) {
@@ -108,11 +111,11 @@ std::vector<CoefficientError> as_read(std::vector<CoefficientError> sources) {
 
 // Columns: what one standard deviation of each source makes of the error. A source whose test cannot be played (a
 // coefficient's u so large that the chain would not decay) is left out, and said.
-MatrixXd by_source(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& nominal,
-                   const VectorXd& error, const std::vector<CoefficientError>& sources, std::string& why) {
+MatrixXd by_source(const VerificationEvidence& evidence, const Assumption& nominal, const VectorXd& error,
+                   const std::vector<CoefficientError>& sources, std::string& why) {
   MatrixXd out = MatrixXd::Zero(error.size(), static_cast<Index>(sources.size()));
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const Residuals moved = residuals_of(stretch, table, nominal.moved(sources[i], kStep));
+    const Residuals moved = evidence.residuals(nominal.moved(sources[i], kStep));
     if (moved.fault.empty())
       out.col(static_cast<Index>(i)) = (moved.error() - error) / kStep;
     else
@@ -122,12 +125,11 @@ MatrixXd by_source(const VerificationStretch& stretch, const SteadyTable& table,
 }
 
 // Likewise, of interpolating the table's readings.
-MatrixXd by_interpolation(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& nominal,
-                          const VectorXd& error) {
+MatrixXd by_interpolation(const VerificationEvidence& evidence, const Assumption& nominal, const VectorXd& error) {
   MatrixXd out = MatrixXd::Zero(error.size(), 2);
   Index column = 0;
   for (const Knots half : {Knots::even, Knots::odd}) {
-    const Residuals moved = residuals_of(stretch, table, nominal, half);
+    const Residuals moved = evidence.residuals(nominal, half);
     if (moved.fault.empty()) out.col(column) = kInterpolation * (moved.error() - error);
     ++column;
   }
@@ -138,15 +140,6 @@ MatrixXd beside(const MatrixXd& left, const MatrixXd& right) {
   MatrixXd out(left.rows(), left.cols() + right.cols());
   out << left, right;
   return out;
-}
-
-std::vector<Index> ends_of(const VerificationStretch& stretch) {
-  std::vector<Index> ends;
-  Index end = 0;
-  for (const int c : stretch.compared)
-    ends.push_back(end +=
-                   static_cast<Index>(stretch.readings[static_cast<std::size_t>(c)].t_ns.size() - stretch.unscored(c)));
-  return ends;
 }
 
 double mean_square(const MatrixXd& columns) {
@@ -173,13 +166,13 @@ struct Sources {
   MatrixXd as_read;  // readings alone: the model's coefficients as they are
 };
 
-// Figures of channel number i of the stretch, its rows [begin, begin + count). freedom: readings behind its sigma.
-ChannelComparison compared(const VerificationStretch& stretch, std::size_t i, Index begin, Index count, double freedom,
-                           const Residuals& seen, const Sources& sources) {
+// Figures of one channel.
+ChannelComparison compared(const VerificationEvidence::Rows& rows, const Residuals& seen, const Sources& sources) {
+  const Index begin = rows.begin, count = rows.count;
   ChannelComparison out;
-  out.channel = stretch.compared[i];
+  out.channel = rows.channel;
   compare(seen.predicted.segment(begin, count), seen.measured.segment(begin, count), out);
-  const double sigma = stretch.sigma[static_cast<std::size_t>(out.channel)], samples = static_cast<double>(count);
+  const double sigma = rows.sigma, samples = static_cast<double>(count);
   const double of_sources = sources.all.middleRows(begin, count).squaredNorm() / samples;
   const double of_prediction = of_sources + mean_square(seen.noise_predicted.middleRows(begin, count));
   const MatrixXd noise = seen.noise_error.middleRows(begin, count);
@@ -187,7 +180,8 @@ ChannelComparison compared(const VerificationStretch& stretch, std::size_t i, In
   const double of_readings = sources.as_read.middleRows(begin, count).squaredNorm() / samples;
   out.noise = std::sqrt(mean_square(noise)) / out.rms;
   out.U = 2 * std::sqrt(of_prediction + sigma * sigma / samples) / out.rms;
-  out.U_as_is = (unseen(seen.error().segment(begin, count), noise, freedom) + 2 * std::sqrt(of_readings)) / out.rms;
+  out.U_as_is =
+      (unseen(seen.error().segment(begin, count), noise, rows.freedom) + 2 * std::sqrt(of_readings)) / out.rms;
   out.e_n = out.error * out.rms / (2 * std::sqrt(of_error));
   const double beyond = seen.beyond_steady.segment(begin, count).squaredNorm() / samples -
                         mean_square(seen.noise_beyond_steady.middleRows(begin, count));
@@ -197,22 +191,15 @@ ChannelComparison compared(const VerificationStretch& stretch, std::size_t i, In
 
 // Noise and sources drawn, a column each.
 MatrixXd drawn(const MatrixXd& noise, const MatrixXd& sources) {
-  std::mt19937_64 rng(kSeed + 1);
+  std::mt19937_64 rng(kSeed);
   std::normal_distribution<double> normal;
   const MatrixXd z = MatrixXd::NullaryExpr(sources.cols(), noise.cols(), [&] { return normal(rng); });
   return noise + sources * z;
 }
 
-double freedom_of(const VerificationStretch& stretch, const Dwell& dwell) {
-  double freedom = 1e300;
-  for (const int c : stretch.compared) freedom = std::min(freedom, dwell.phasors[static_cast<std::size_t>(c)].samples);
-  return freedom;
-}
-
 // The parts of the test of consistency that stay the same when it is linearized anew.
 struct ConsistencyTest {
-  const VerificationStretch& stretch;
-  const SteadyTable& table;
+  const VerificationEvidence& evidence;
   const Assumption& nominal;
   const std::vector<CoefficientError>& errors;
   const MatrixXd& noise;  // of the error, a column a draw
@@ -221,20 +208,20 @@ struct ConsistencyTest {
   [[nodiscard]] VectorXd weights() const {
     VectorXd weight(noise.rows());
     Index begin = 0;
-    for (const Index end : ends_of(stretch)) {
+    for (const Index end : evidence.ends()) {
       weight.segment(begin, end - begin).setConstant(1 / std::sqrt(mean_square(noise.middleRows(begin, end - begin))));
       begin = end;
     }
     return weight;
   }
 
-  // The sources, weighted, and an offset of each channel by one standard deviation of a reading: the subtracted mean of
-  // the settled data has an error of its own.
+  // The sources, weighted, and an offset of each channel in each stretch by one standard deviation of a reading: the
+  // subtracted mean of the settled data has an error of its own.
   [[nodiscard]] MatrixXd weighted(const VectorXd& weight, const MatrixXd& sources) const {
-    MatrixXd out = MatrixXd::Zero(sources.rows(), sources.cols() + static_cast<Index>(stretch.compared.size()));
+    MatrixXd out = MatrixXd::Zero(sources.rows(), sources.cols() + static_cast<Index>(evidence.ends().size()));
     out.leftCols(sources.cols()) = weight.asDiagonal() * sources;
     Index begin = 0, column = sources.cols();
-    for (const Index end : ends_of(stretch)) {
+    for (const Index end : evidence.ends()) {
       out.col(column++).segment(begin, end - begin).setOnes();
       begin = end;
     }
@@ -248,18 +235,18 @@ struct ConsistencyTest {
       const SourceFit fit(weighted(weight, sources));
       const VectorXd seen_error = weight.cwiseProduct(error);
       Consistency tests =
-          consistency_of(fit, seen_error, ends_of(stretch), drawn(weight.asDiagonal() * noise, fit.sources()), freedom);
+          consistency_of(fit, seen_error, evidence.ends(), drawn(weight.asDiagonal() * noise, fit.sources()), freedom);
       if (again == kAgain || tests.p() > kMakeSure) return tests;
       // Extrapolates linearly from the best amplitudes back to zero.
       const VectorXd amplitudes = -fit.amplitudes(seen_error).head(count);
       Assumption there = nominal;
       for (Index i = 0; i < count; ++i) there = there.moved(errors[static_cast<std::size_t>(i)], amplitudes(i));
-      const Residuals seen = residuals_of(stretch, table, there);
+      const Residuals seen = evidence.residuals(there);
       std::string why;
       if (!seen.fault.empty()) return tests;
       const VectorXd there_error = seen.error();
-      sources = beside(by_source(stretch, table, there, there_error, errors, why),
-                       by_interpolation(stretch, table, there, there_error));
+      sources =
+          beside(by_source(evidence, there, there_error, errors, why), by_interpolation(evidence, there, there_error));
       if (!why.empty()) return tests;
       error = there_error - sources.leftCols(count) * amplitudes;
     }
@@ -278,10 +265,80 @@ void tell_consistency(const Consistency& tests, Verification& out) {
                                         : "the residuals are correlated in time, as noise is not"));
 }
 
+// Takes in the transient before the dwell, and other dwells; `out` says what. Without any: why not.
+std::string gather(const Rig& rig, const Dwell& dwell, const Chain& chain, const std::vector<ChannelReadings>& before,
+                   const std::vector<OtherDwell>& others, VerificationEvidence& evidence, Verification& out) {
+  std::string why;
+  const auto add = [&](VerificationStretch stretch, const Dwell& of, const std::string& told) {
+    if (stretch.fault.empty()) {
+      const VirtualTestModel model(rig, chain, stretch.table);
+      stretch.compare_only(
+          [&](int c) { return model.predicts(c) && dwell.phasors[static_cast<std::size_t>(c)].valid; });
+      if (stretch.compared.empty()) stretch.fault = "no channel can be predicted from the table's transducer";
+    }
+    if (stretch.fault.empty()) {
+      out.evidence.push_back(told + " from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
+                             brief(to_s(stretch.until_ns), 4) + " s");
+      evidence.add(std::move(stretch), of, rig);
+    } else if (why.empty()) {
+      why = stretch.fault;
+    }
+  };
+  add(transient_before(rig, dwell, chain, before), dwell, "transient");
+  for (const OtherDwell& other : others) {
+    const double f_hz = other.dwell.frequency_hz.value;
+    add(motion_of(rig, other.dwell, chain, other.readings, same_frequency(other.dwell, dwell) ? 0.0 : kSteady / f_hz),
+        other.dwell, "dwell " + std::to_string(other.dwell.index.value_or(0)) + " at " + brief(f_hz, 4) + " Hz");
+  }
+  return evidence.empty() ? why : "";
+}
+
+// The settled ones, the farthest in frequency first. Doubts of their coefficients keep none out: their readings count,
+// and a wrong model is what raises such doubts.
+std::vector<OtherDwell> chosen(const Dwell& dwell, std::vector<OtherDwell> others) {
+  std::erase_if(others, [](const OtherDwell& other) { return !std::isfinite(other.dwell.settled_s); });
+  const auto far = [&](const OtherDwell& other) {
+    return std::abs(std::log(other.dwell.frequency_hz.value / dwell.frequency_hz.value));
+  };
+  std::stable_sort(others.begin(), others.end(),
+                   [&](const OtherDwell& a, const OtherDwell& b) { return far(a) > far(b); });
+  return others;
+}
+
+void add_frac(const Rig& rig, const Chain& chain, const Dwell& dwell, const std::vector<OtherDwell>& others,
+              Verification& out) {
+  std::vector<const Dwell*> dwells{&dwell};
+  for (const OtherDwell& other : others) dwells.push_back(&other.dwell);
+  const std::vector<double> values = frac(rig, chain, dwells);
+  for (ChannelComparison& channel : out.channels) channel.frac = values[static_cast<std::size_t>(channel.channel)];
+}
+
+// Figures, consistency and verdict. Returns why the uncertainty is not complete; empty: it is.
+std::string compare_all(const VerificationEvidence& evidence, const Assumption& nominal, const Dwell& dwell,
+                        const Residuals& seen, Verification& out) {
+  const std::vector<CoefficientError> errors = sources_of(dwell);
+  const VectorXd error = seen.error();
+  std::string why;
+  const MatrixXd interpolation = by_interpolation(evidence, nominal, error);
+  const Sources sources{beside(by_source(evidence, nominal, error, errors, why), interpolation),
+                        beside(by_source(evidence, nominal, error, as_read(errors), why), interpolation)};
+  double freedom = 1e300;
+  for (const VerificationEvidence::Rows& rows : evidence.channels()) {
+    out.channels.push_back(compared(rows, seen, sources));
+    freedom = std::min(freedom, rows.freedom);
+  }
+  // Consistency is not tested where U is above 100 % of the rms in any channel.
+  const bool determined = std::all_of(out.channels.begin(), out.channels.end(),
+                                      [](const ChannelComparison& channel) { return channel.U < 1.0; });
+  const ConsistencyTest consistency{evidence, nominal, errors, seen.noise_error, freedom};
+  if (determined) tell_consistency(consistency.test(error, sources.all), out);
+  return why;
+}
+
 }  // namespace
 
-Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vector<ChannelReadings>& before,
-                              double accuracy) {
+Verification verify_model(const Rig& rig, const Dwell& dwell, const std::vector<ChannelReadings>& before,
+                          double accuracy, const std::vector<OtherDwell>& others) {
   Verification out;
   out.accuracy = accuracy;
   const auto unverified = [&out](const std::string& why) {
@@ -294,39 +351,20 @@ Verification verify_transient(const Rig& rig, const Dwell& dwell, const std::vec
   if (!why.empty()) return unverified(why);
   if (!(slowest_decay_rate(chain) > 0))
     return unverified("the chain identified does not decay: it is no passive chain");
-  VerificationStretch stretch = transient_before(rig, dwell, chain, before);
-  if (!stretch.fault.empty()) return unverified(stretch.fault);
+  const std::vector<OtherDwell> settled = chosen(dwell, others);
+  VerificationEvidence evidence;
+  why = gather(rig, dwell, chain, before,
+               {settled.begin(), settled.begin() + static_cast<std::ptrdiff_t>(std::min(settled.size(), kMostOthers))},
+               evidence, out);
+  if (!why.empty()) return unverified(why);
   const Assumption nominal(rig, chain);
-  stretch.compare_only([model = VirtualTestModel(rig, chain, stretch.table)](int c) { return model.predicts(c); });
-  if (stretch.compared.empty()) return unverified("no channel can be predicted from the table's transducer");
-  const auto t = static_cast<std::size_t>(stretch.table);
-  const SteadyTable table(stretch.readings[t], stretch.sigma[t], stretch.omega, rig.excitation.harmonics);
-  const NoiseDraws draws(stretch, kDraws, kSeed);
-  const SteadyRatio ratio = steady_ratio(rig, dwell, stretch.table);
-  const Residuals seen = residuals_of(stretch, table, nominal, Knots::all, &draws, &ratio);
+  const SteadyRatio ratio = steady_ratio(rig, dwell, evidence.table());
+  const Residuals seen = evidence.residuals(nominal, Knots::all, true, &ratio);
   if (!seen.fault.empty()) return unverified(seen.fault);
-  const std::vector<CoefficientError> errors = sources_of(dwell);
-  const VectorXd error = seen.error();
-  const MatrixXd interpolation = by_interpolation(stretch, table, nominal, error);
-  const Sources sources{beside(by_source(stretch, table, nominal, error, errors, why), interpolation),
-                        beside(by_source(stretch, table, nominal, error, as_read(errors), why), interpolation)};
-
+  why = compare_all(evidence, nominal, dwell, seen, out);
+  add_frac(rig, chain, dwell, settled, out);
   std::vector<std::string> names;
   for (const Channel& channel : rig.channels) names.push_back(channel.name);
-  Index begin = 0;
-  const std::vector<Index> ends = ends_of(stretch);
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const double freedom = dwell.phasors[static_cast<std::size_t>(stretch.compared[i])].samples;
-    out.channels.push_back(compared(stretch, i, begin, ends[i] - begin, freedom, seen, sources));
-    begin = ends[i];
-  }
-  out.evidence.push_back("transient from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
-                         brief(to_s(stretch.until_ns), 4) + " s");
-  // Consistency is not tested where U is above 100 % of the rms in any channel.
-  const bool determined = std::all_of(out.channels.begin(), out.channels.end(),
-                                      [](const ChannelComparison& channel) { return channel.U < 1.0; });
-  const ConsistencyTest consistency{stretch, table, nominal, errors, seen.noise_error, freedom_of(stretch, dwell)};
-  if (determined) tell_consistency(consistency.test(error, sources.all), out);
   for (ChannelComparison& channel : out.channels) judge(channel, accuracy, out.consistent.value_or(false));
   judge(out, names);
   if (!why.empty()) return unverified(why);  // U lacks a source

@@ -24,17 +24,21 @@ class VerificationReadings {
       channel.value.push_back(sample.value);
     }
   }
-  // Those at or after t, one entry per channel.
-  [[nodiscard]] std::vector<ChannelReadings> since(std::int64_t t_ns) const {
+  // Those at or after from, and before until, one entry per channel.
+  [[nodiscard]] std::vector<ChannelReadings> between(std::int64_t from_ns, std::int64_t until_ns) const {
     std::vector<ChannelReadings> out(of_channel_.size());
     for (std::size_t c = 0; c < out.size(); ++c) {
       const ChannelReadings& all = of_channel_[c];
-      const auto first = std::lower_bound(all.t_ns.begin(), all.t_ns.end(), t_ns) - all.t_ns.begin();
-      out[c].t_ns.assign(all.t_ns.begin() + first, all.t_ns.end());
-      out[c].value.assign(all.value.begin() + first, all.value.end());
+      const auto at = [&all](std::int64_t t_ns) {
+        return std::lower_bound(all.t_ns.begin(), all.t_ns.end(), t_ns) - all.t_ns.begin();
+      };
+      const auto first = at(from_ns), last = std::max(first, at(until_ns));
+      out[c].t_ns.assign(all.t_ns.begin() + first, all.t_ns.begin() + last);
+      out[c].value.assign(all.value.begin() + first, all.value.begin() + last);
     }
     return out;
   }
+  [[nodiscard]] std::vector<ChannelReadings> since(std::int64_t t_ns) const { return between(t_ns, INT64_MAX); }
 
  private:
   std::vector<ChannelReadings> of_channel_;

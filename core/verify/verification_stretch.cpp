@@ -19,6 +19,8 @@ constexpr std::size_t kFewestScored = 16;
 // Readings of the table beyond the last that is compared: what the end of a spline gets wrong decays to 0.27 of itself
 // from knot to knot.
 constexpr std::size_t kBeyond = 12;
+// Periods before the end of another dwell that are left for that.
+constexpr double kSpare = 2.0;
 // Longest step between two readings of the table, in medians, that a spline may bridge.
 constexpr double kLongestStep = 3.5;
 // Readings of all channels together at most: bounds the time and the memory of a verification.
@@ -81,21 +83,9 @@ ChannelReadings cut(const ChannelReadings& given, std::int64_t from_ns, std::int
   return out;
 }
 
-}  // namespace
-
-std::size_t VerificationStretch::unscored(int c) const {
-  const Instants& t_ns = readings[static_cast<std::size_t>(c)].t_ns;
-  return static_cast<std::size_t>(std::lower_bound(t_ns.begin(), t_ns.end(), score_from_ns) - t_ns.begin());
-}
-
-std::size_t VerificationStretch::scored() const {
-  std::size_t count = 0;
-  for (const int c : compared) count += readings[static_cast<std::size_t>(c)].t_ns.size() - unscored(c);
-  return count;
-}
-
-VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const Chain& chain,
-                                     const std::vector<ChannelReadings>& before) {
+// The motion of a dwell up to until_s.
+VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chain& chain,
+                                  const std::vector<ChannelReadings>& before, double until_s) {
   VerificationStretch out;
   out.readings.resize(rig.channels.size());
   out.sigma.assign(rig.channels.size(), 0.0);
@@ -106,7 +96,7 @@ VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const C
     return out;
   }
   const Instants& of_table = before[static_cast<std::size_t>(out.table)].t_ns;
-  out.until_ns = to_ns(dwell.settled_s);
+  out.until_ns = to_ns(until_s);
   if (of_table.size() < 2 * kBeyond || of_table.front() >= out.until_ns) {
     out.fault = "no readings from before data count, at " + brief(dwell.settled_s, 4) + " s, are there";
     return out;
@@ -143,6 +133,32 @@ VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const C
     out.fault = "only " + brief(to_s(out.until_ns - from_ns), 2) + " s of motion lie before the data that count, at " +
                 brief(dwell.settled_s, 4) + " s: too few readings to score";
   return out;
+}
+
+}  // namespace
+
+std::size_t VerificationStretch::unscored(int c) const {
+  const Instants& t_ns = readings[static_cast<std::size_t>(c)].t_ns;
+  return static_cast<std::size_t>(std::lower_bound(t_ns.begin(), t_ns.end(), score_from_ns) - t_ns.begin());
+}
+
+std::size_t VerificationStretch::scored() const {
+  std::size_t count = 0;
+  for (const int c : compared) count += readings[static_cast<std::size_t>(c)].t_ns.size() - unscored(c);
+  return count;
+}
+
+VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const Chain& chain,
+                                     const std::vector<ChannelReadings>& before) {
+  return stretch_until(rig, dwell, chain, before, dwell.settled_s);
+}
+
+VerificationStretch motion_of(const Rig& rig, const Dwell& other, const Chain& chain,
+                              const std::vector<ChannelReadings>& readings, double steady_s) {
+  // Beyond its end the table may move otherwise.
+  const double last_s = other.end_s - kSpare / other.frequency_hz.value;
+  return stretch_until(rig, other, chain, readings,
+                       std::max(other.settled_s, std::min(other.settled_s + steady_s, last_s)));
 }
 
 }  // namespace dwell

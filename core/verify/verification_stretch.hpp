@@ -44,4 +44,9 @@ struct VerificationStretch {
 [[nodiscard]] VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const Chain& chain,
                                                    const std::vector<ChannelReadings>& before);
 
+// The motion of another dwell, for the coefficients of `chain` never used its readings: its transient and, of its
+// steady motion, what follows within steady_s of it. readings: as `before`, beyond the end of that. Allocates.
+[[nodiscard]] VerificationStretch motion_of(const Rig& rig, const Dwell& other, const Chain& chain,
+                                            const std::vector<ChannelReadings>& readings, double steady_s);
+
 }  // namespace dwell

@@ -10,7 +10,7 @@
 namespace dwell {
 namespace {
 
-// Readings of all channels together: 60 000 that verify_transient() takes at most, and room for those before a hold.
+// Readings of all channels together: 60 000 that verify_model() takes at most, and room for those before a hold.
 constexpr std::size_t kMost = 64'000;
 // Periods of the nominal drive before the hold that belong to the evidence: it begins a period of the slowest natural
 // oscillation before, which may be as slow as this.
@@ -27,7 +27,10 @@ void VerificationJob::run(const Rig& rig, double accuracy) {
     channel.t_ns.push_back(reading.t_ns);
     channel.value.push_back(reading.value);
   }
-  result.verification = verify_transient(rig, result.dwell, before, accuracy);
+  result.verification = verify_model(rig, result.dwell, before, accuracy);
+  if (!asks_for_causes(result.verification, result.dwell)) return;
+  if (!causes) causes = std::make_shared<const Causes>(find_causes(rig, before, INT64_MAX));
+  tell_causes(*causes, result.verification);
 }
 
 VerificationWatch::VerificationWatch(const Rig& rig) : period_s_(1.0 / rig.excitation.frequency_hz), record_(kMost) {}
@@ -66,24 +69,29 @@ void VerificationWatch::follow(const Dwell& now) {
   const double length_s = now.end_s - now.settled_s;
   if (now.elements.empty() || waiting_ || !(length_s >= kGrowth * now_.verified_s)) return;
   now_.verified_s = length_s;
-  waiting_ = VerificationJob{now_.evidence, {now, {}}};
+  waiting_ = VerificationJob{now_.evidence, {now, {}}, nullptr};
 }
 
 void VerificationWatch::ended(const Dwell& dwell) {
   const Hold& of = dwell.index == now_.dwell ? now_ : before_;
   if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s))
-    waiting_ = VerificationJob{of.evidence, {dwell, {}}};  // replaces a waiting job: it has more data
+    waiting_ = VerificationJob{of.evidence, {dwell, {}}, nullptr};  // replaces a waiting job: it has more data
 }
 
 VerificationJob VerificationWatch::hand_over() {
   VerificationJob job = std::move(*waiting_);
   waiting_.reset();
+  if (job.evidence == explained_) job.causes = causes_;
   out_ = true;
   return job;
 }
 
 void VerificationWatch::take_back(VerificationJob job) {
   out_ = false;
+  if (job.causes) {
+    explained_ = job.evidence;
+    causes_ = job.causes;
+  }
   newest_ = std::make_shared<const VerifiedDwell>(std::move(job.result));
 }
 

@@ -1,8 +1,9 @@
-// A dwell's model put to the test while the dwell is on: when verify_transient() is asked, and with which readings.
+// A dwell's model put to the test while the dwell is on: when verify_model() is asked, and with which readings.
 //
 // The readings that count are kept from ten periods before the hold begins until the dwell has settled. Then they are
 // the evidence, which no longer changes: the coefficients come from later data. The model is verified when the dwell
 // has settled, each time its data have become twice as long (its coefficients are better known then), and when it ends.
+// What the rig file lacks shows in the evidence alone, so it is looked for once.
 //
 // This class decides and remembers; it does not verify. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same calls give the same jobs.
@@ -19,6 +20,7 @@
 #include "core/result/verification.hpp"
 #include "core/rig/rig.hpp"
 #include "core/stream/sample_history.hpp"
+#include "core/verify/verification_causes.hpp"
 
 namespace dwell {
 
@@ -32,8 +34,10 @@ struct VerifiedDwell {
 struct VerificationJob {
   std::shared_ptr<const std::vector<HoldRecord::Reading>> evidence;  // SI, on the run's axis
   VerifiedDwell result;                                              // its dwell is given
+  std::shared_ptr<const Causes> causes;  // that this evidence shows; null: they were not looked for
 
-  // accuracy: as verify_transient(). Takes seconds; allocates. The rig must be the watch's.
+  // accuracy: as verify_model(). Causes are looked for where the model asks for them, once for the same evidence:
+  // seconds without them, up to a minute with them. Allocates. The rig must be the watch's.
   void run(const Rig& rig, double accuracy);
 };
 
@@ -74,7 +78,9 @@ class VerificationWatch {
   std::uint64_t next_ = 0;  // number in the history
   Hold now_, before_;       // before_: the dwell before, while its end is not reported
   std::optional<VerificationJob> waiting_;
-  bool out_ = false;  // a job is
+  bool out_ = false;                      // a job is
+  Evidence explained_;                    // the last for which causes were looked for …
+  std::shared_ptr<const Causes> causes_;  // … and what was found
   std::shared_ptr<const VerifiedDwell> newest_;
 };
 

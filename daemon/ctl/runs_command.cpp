@@ -25,18 +25,11 @@ namespace fs = std::filesystem;
 
 // As in the service's answer.
 Json row_of(const record::ListedRun& run) {
-  return {{"run", run.run},
-          {"file", run.file},
-          {"label", run.label},
-          {"begun_by", run.begun_by},
-          {"begun_utc", run.begun_utc},
-          {"ended_utc", run.ended_utc.empty() ? Json(nullptr) : Json(run.ended_utc)},
-          {"state", run.state},
-          {"bytes", run.bytes},
-          {"samples", run.samples},
-          {"dwells", run.dwells},
-          {"head", run.head.empty() ? Json(nullptr) : Json(run.head)},
-          {"kept", run.kept}};
+  return {{"run", run.run},         {"file", run.file},
+          {"label", run.label},     {"begun_by", run.begun_by},
+          {"begun", run.begun_utc}, {"ended", run.ended_utc.empty() ? Json(nullptr) : Json(run.ended_utc)},
+          {"state", run.state},     {"bytes", run.bytes},
+          {"dwells", run.dwells},   {"kept", run.kept}};
 }
 
 std::string text_of(const Json& row, const char* name) {
@@ -73,8 +66,8 @@ std::string runs_table(const Json& list) {
   std::vector<std::string> numbers, starts, lengths, states, dwells, sizes, labels, files;
   for (const Json& row : list) {
     numbers.push_back(count_of(row, "run"));
-    starts.push_back(instant(text_of(row, "begun_utc")));
-    lengths.push_back(length(text_of(row, "begun_utc"), text_of(row, "ended_utc")));
+    starts.push_back(instant(text_of(row, "begun")));
+    lengths.push_back(length(text_of(row, "begun"), text_of(row, "ended")));
     states.push_back(text_of(row, "state"));
     dwells.push_back(count_of(row, "dwells"));
     const double bytes = number_of(row, "bytes");

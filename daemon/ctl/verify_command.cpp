@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/instants.hpp"
 #include "core/verify/verification.hpp"
+#include "core/verify/verification_causes.hpp"
 #include "core/verify/verification_readings.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/recorded_run.hpp"
@@ -25,6 +27,14 @@ struct VerifiedDwell {
   Dwell dwell;
   Verification verification;
 };
+
+// Where the settled dwell before this one ends: there its motion begins.
+std::int64_t end_before(const std::vector<Dwell>& dwells, const Dwell& of) {
+  std::int64_t end_ns = INT64_MIN;
+  for (const Dwell& dwell : dwells)
+    if (std::isfinite(dwell.settled_s) && dwell.index < of.index) end_ns = std::max(end_ns, to_ns(dwell.end_s));
+  return end_ns;
+}
 
 // The dwell asked for, by its index; none: the last that settled. The error: an exit code.
 tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<int> index) {
@@ -46,12 +56,16 @@ tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<
                      : why_nothing_settled(run.rig(), run.source(), dwells));
     return tl::make_unexpected(index ? kUsage : kNo);
   }
-  // Evidence begins where the dwell before it ends.
-  std::int64_t from_ns = INT64_MIN;
-  for (auto before = std::next(found); before != dwells.rend() && from_ns == INT64_MIN; ++before)
-    if (std::isfinite(before->settled_s)) from_ns = std::llround(before->end_s * 1e9);
-  return VerifiedDwell{*found,
-                       verify_transient(run.rig(), *found, readings.since(from_ns), run.file().verification.accuracy)};
+  const Rig& rig = run.rig();
+  std::vector<OtherDwell> others;
+  for (const Dwell& dwell : dwells)
+    if (std::isfinite(dwell.settled_s) && dwell.index != found->index)
+      others.push_back({dwell, readings.between(end_before(dwells, dwell), to_ns(dwell.end_s))});
+  const std::vector<ChannelReadings> before = readings.since(end_before(dwells, *found));
+  VerifiedDwell out{*found, verify_model(rig, *found, before, run.file().verification.accuracy, others)};
+  if (asks_for_causes(out.verification, out.dwell))
+    tell_causes(find_causes(rig, before, to_ns(found->verdict_s)), out.verification);
+  return out;
 }
 
 bool written(const std::filesystem::path& path, const std::string& text) {

@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <utility>
 
+#include "daemon/record/directory_lock.hpp"
 #include "daemon/record/small_file.hpp"
 
 namespace dwell::record {
 namespace {
 
-std::string key_path(const std::string& directory) { return directory + "/key"; }
 std::string next_path(const std::string& directory) { return directory + "/key.next"; }
 
 bool exists(const std::string& path) {
@@ -67,6 +67,8 @@ Result<KeyAndLedger> open_as_it_is(const std::string& directory, const std::stri
 
 }  // namespace
 
+std::string key_path(const std::string& directory) { return directory + "/key"; }
+
 Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std::string& name) {
   auto opened = exists(next_path(directory)) ? finish_change(directory) : open_as_it_is(directory, name);
   if (!opened) return opened;
@@ -75,6 +77,8 @@ Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std
 }
 
 Result<PublicKey> change_key(const std::string& directory, const std::string& name) {
+  DirectoryLock lock;
+  if (auto locked = lock.take(directory); !locked) return tl::unexpected(locked.error());
   auto now = open_key_and_ledger(directory, name);
   if (!now) return tl::unexpected(now.error());
   auto next = SigningKey::make(name);

@@ -11,6 +11,9 @@
 
 namespace dwell::record {
 
+// The file of the private key.
+[[nodiscard]] std::string key_path(const std::string& directory);
+
 // The key that signs here and the ledger it signs.
 struct KeyAndLedger {
   SigningKey key;
@@ -22,7 +25,8 @@ struct KeyAndLedger {
 // where it is not what it should be.
 [[nodiscard]] Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std::string& name);
 
-// Another key signs from now on, of the same name; the old private key is destroyed. Its vkey stays in the ledger and
+// Another key signs from now on, under this name; the old private key is destroyed. Fails while a service records here.
+// The old vkey stays in the ledger and
 // in the files that it signed.
 [[nodiscard]] Result<PublicKey> change_key(const std::string& directory, const std::string& name);
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <future>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -57,6 +58,13 @@ std::string stall_text(std::int64_t ns) {
   return text;
 }
 
+// What is asked of the recorder's thread and answered by it.
+struct Entering {
+  std::int64_t run;
+  PersonalSignature signature;
+  std::promise<Result<void>> done;
+};
+
 }  // namespace
 
 // The thread last: it uses all the rest.
@@ -98,6 +106,7 @@ struct Recorder::Impl {
   std::condition_variable wake;
   bool stop = false;
   RecorderState state;
+  std::vector<Entering> signatures;  // for the ledger
   std::thread thread;
 
   void run() {
@@ -126,8 +135,18 @@ struct Recorder::Impl {
                 [this](std::uint64_t lost) { log.gap(lost); }});
     refresh_recorded();
     if (open) keeper.turn(now, recorded.file.empty() ? nullptr : &recorded);
+    enter_signatures();
     publish();
     turned_ns.store(now.raw_ns, std::memory_order_relaxed);
+  }
+
+  void enter_signatures() {
+    std::vector<Entering> asked;
+    {
+      const std::lock_guard lock(mutex);
+      asked.swap(signatures);
+    }
+    for (Entering& entering : asked) entering.done.set_value(folder.run_signed(entering.run, entering.signature));
   }
 
   void read_inbox() {
@@ -214,6 +233,16 @@ void Recorder::result(std::uint64_t position, bool final, std::shared_ptr<const 
 }
 void Recorder::request(Request request) { impl_->inbox.put(std::move(request)); }
 void Recorder::event(StoredEvent event) { impl_->inbox.put(std::move(event)); }
+
+Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& signature) {
+  Entering entering{run, signature, {}};
+  std::future<Result<void>> done = entering.done.get_future();
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->signatures.push_back(std::move(entering));
+  }
+  return done.get();
+}
 
 bool Recorder::take_restart() noexcept { return impl_->restart.exchange(false, std::memory_order_relaxed); }
 

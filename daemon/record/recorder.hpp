@@ -65,6 +65,9 @@ class Recorder final : public StreamSink, public RequestSink {
   // Into the file of the run that goes on, or of the next one that reaches back so far. Thread-safe, short lock.
   void event(StoredEvent event);
 
+  // Enters a person's signature into the ledger. Thread-safe; waits for the recorder's thread, and so for the disk.
+  [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
+
   // Whether a new run is wanted, since this one is not recorded any more and could be again: once. Thread-safe.
   [[nodiscard]] bool take_restart() noexcept;
 

@@ -1,7 +1,5 @@
 #include "daemon/record/run_folder.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/directory_lock.hpp"
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/key_file.hpp"
@@ -22,28 +21,6 @@ namespace {
 
 constexpr const char* kClosed = "closed";
 constexpr const char* kCutOff = "cut off";
-
-// Held by one process at a time, and given free when it ends however it ends.
-class DirectoryLock {
- public:
-  DirectoryLock() = default;
-  ~DirectoryLock() {
-    if (file_ >= 0) close(file_);
-  }
-  DirectoryLock(const DirectoryLock&) = delete;
-  DirectoryLock& operator=(const DirectoryLock&) = delete;
-
-  [[nodiscard]] Result<void> take(const std::string& directory) {
-    if (file_ < 0) file_ = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (file_ < 0) return tl::unexpected(directory + ": " + std::strerror(errno));
-    if (flock(file_, LOCK_EX | LOCK_NB) == 0) return {};
-    return tl::unexpected(directory + ": " +
-                          (errno == EWOULDBLOCK ? "another dwelld records here" : std::strerror(errno)));
-  }
-
- private:
-  int file_ = -1;
-};
 
 Result<std::string> random_id() {
   unsigned char bytes[16];
@@ -135,8 +112,10 @@ struct RunFolder::Impl {
     if (!found.run.file.empty()) {
       if (auto seen = look_into(options.directory, found.run)) found = std::move(*seen);
     }
-    auto told = ledger.run_ends(found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff);
-    if (told && !found.closed) cut_off = std::move(found.run);
+    Result<void> told = ledger.run_ends(found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff);
+    if (!told) return told;
+    if (found.run.file.empty()) told = ledger.run_deleted(found.run.run, {}, "it was cut off before it had a file");
+    if (!found.closed) cut_off = std::move(found.run);
     return told;
   }
 
@@ -220,7 +199,14 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
   return begun;
 }
 
-Result<void> RunFolder::write(std::span<const NewEntry> batch) { return append_and_commit(*impl_->file, batch); }
+Result<void> RunFolder::write(std::span<const NewEntry> batch) {
+  auto written = append_and_commit(*impl_->file, batch);
+  // The reason stands in the run's own file.
+  const std::string path = impl_->options.directory + "/" + impl_->name + ": ";
+  if (!written && written.error().substr(0, path.size()) == path)
+    return tl::unexpected(written.error().substr(path.size()));
+  return written;
+}
 
 // The last entries, what moves from the -wal into the file, and the ledger's entry: the reserve is for all of them.
 Result<void> RunFolder::end(std::span<const NewEntry> last) {
@@ -250,6 +236,11 @@ std::vector<Anchor> RunFolder::heads() const {
 Result<void> RunFolder::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {
   if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
   return impl_->signs->ledger.run_deleted(run, head, why);
+}
+
+Result<void> RunFolder::run_signed(std::int64_t run, const PersonalSignature& signature) {
+  if (!impl_->signs) return tl::unexpected(std::string("the ledger is not open"));
+  return impl_->signs->ledger.run_signed(run, signature);
 }
 
 }  // namespace dwell::record

@@ -56,6 +56,8 @@ class RunFolder final : public RunStore {
   // What is to be anchored: the head of the newest run since open() as of its last commit, also once it has ended, and
   // the ledger's. The caller fills in the instant.
   [[nodiscard]] std::vector<Anchor> heads() const;
+  // Enters a person's signature under a run that has ended into the ledger.
+  [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
   // The run's file may be deleted once the ledger says so.
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
 

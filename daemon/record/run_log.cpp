@@ -18,6 +18,8 @@ std::string why_text(EndOfRun why) {
       return "operator";
     case EndOfRun::service_stops:
       return "service stopped";
+    case EndOfRun::restarted:
+      return "restarted";
   }
   return "unknown";
 }

@@ -18,9 +18,16 @@ std::string paragraph(const std::string& head, const std::string& text) {
   return pad_right(head, 12) + printable(text) + "\n";
 }
 
+// The transient is that of the dwell itself; other dwells are named already.
+std::string of_dwell(const VerificationView& view, const std::string& evidence) {
+  const bool own = evidence.rfind("transient", 0) == 0;
+  return (own && view.dwell ? "dwell " + std::to_string(*view.dwell) + ", " : "") + evidence;
+}
+
 Table channel_table(const VerificationView& view) {
   const Verification& v = view.verification;
-  std::vector<std::string> names, verdicts, rms, errors, U, as_is, noise, beyond, e_n, fit, magnitude, phase;
+  std::vector<std::string> names, verdicts, rms, errors, U, as_is, noise, beyond, e_n, fit, magnitude, phase, frac;
+  bool several = false;  // frequencies
   for (const ChannelComparison& c : v.channels) {
     const ChannelLabel& label = view.channels[static_cast<std::size_t>(c.channel)];
     names.push_back(label.name);
@@ -35,6 +42,8 @@ Table channel_table(const VerificationView& view) {
     fit.push_back(std::isfinite(c.fit_percent) ? brief(c.fit_percent, 4) + " %" : kNoNumber);
     magnitude.push_back(part(c.sprague_geers.magnitude));
     phase.push_back(part(c.sprague_geers.phase));
+    frac.push_back(figure(c.frac, 4));
+    several = several || std::isfinite(c.frac);
   }
   Table table;
   table.add("channel", std::move(names));
@@ -49,6 +58,7 @@ Table channel_table(const VerificationView& view) {
   table.add("fit", std::move(fit), Align::right);
   table.add("magnitude", std::move(magnitude), Align::right);
   table.add("phase", std::move(phase), Align::right);
+  if (several) table.add("FRAC", std::move(frac), Align::right);
   return table;
 }
 
@@ -70,8 +80,7 @@ std::string verification_text(const VerificationView& view) {
   if (std::isfinite(v.chi2))
     text += paragraph("statistics", "squares left over those of noise and stated uncertainties: " + brief(v.chi2, 3) +
                                         "; as much by chance: p = " + brief(v.p, 2));
-  for (const std::string& evidence : v.evidence)
-    text += paragraph("evidence", (view.dwell ? "dwell " + std::to_string(*view.dwell) + ", " : "") + evidence);
+  for (const std::string& evidence : v.evidence) text += paragraph("evidence", of_dwell(view, evidence));
   for (const std::string& reason : v.reasons) text += paragraph("reason", reason);
   for (const MissingTerm& term : v.missing) text += paragraph("missing", missing_text(term));
   for (const std::string& what : v.cannot_be_checked) text += paragraph("unchecked", what + ": cannot be checked here");

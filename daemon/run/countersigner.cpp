@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/key_file.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -48,9 +50,11 @@ std::optional<std::string> text_of(const Json& request, const char* name) {
 
 }  // namespace
 
-record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint32_t uid) {
+std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid) {
+  // Depth first: the parser recurses. No request of ours nests.
+  if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64) return std::nullopt;
   const Json request = Json::parse(line, nullptr, false);
-  if (!request.is_object()) return fail("not a JSON object");
+  if (!request.is_object() || text_of(request, "verb") != "sign") return std::nullopt;
   SignRequest sign;
   sign.uid = uid;
   for (const auto& [name, to] :
@@ -90,8 +94,8 @@ record::Result<std::string> run_file_in(const std::string& directory, const std:
   return path;
 }
 
-Countersigner::Countersigner(std::string directory, record::SigningKey key, Enter enter)
-    : directory_(std::move(directory)), key_(std::move(key)), enter_(std::move(enter)), thread_([this] { run(); }) {}
+Countersigner::Countersigner(std::string directory, Enter enter)
+    : directory_(std::move(directory)), enter_(std::move(enter)), thread_([this] { run(); }) {}
 
 Countersigner::~Countersigner() {
   {
@@ -146,7 +150,10 @@ record::Result<Countersigned> Countersigner::sign(const SignRequest& request) co
   if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
   if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));
   words.utc = record::iso_utc(utc_now_ns());
-  auto signature = record::sign_by_service(*path, std::move(words), key_);
+  // Read each time: the recorder makes it, and it may be changed.
+  const auto key = record::SigningKey::load(record::key_path(directory_));
+  if (!key) return fail(key.error());
+  auto signature = record::sign_by_service(*path, std::move(words), *key);
   if (!signature) return fail(signature.error());
   const auto reader = record::RunReader::open(*path);
   if (!reader) return fail(reader.error());

@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -29,8 +30,8 @@ struct Countersigned {
 };
 
 // A line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}, the last two may be missing.
-// Fails with what was expected.
-[[nodiscard]] record::Result<SignRequest> parse_sign_request(std::string_view line, std::uint32_t uid);
+// Fails with what was expected. nullopt: the line asks for something else.
+[[nodiscard]] std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid);
 // {"run":17,"signature":{…}} or {"error":…}
 [[nodiscard]] std::string sign_answer(const record::Result<Countersigned>& result);
 
@@ -44,8 +45,8 @@ class Countersigner {
   using Enter = std::function<record::Result<void>(const Countersigned&)>;
   using Done = std::function<void(const record::Result<Countersigned>&)>;
 
-  // directory: of the recordings. Starts the thread.
-  Countersigner(std::string directory, record::SigningKey key, Enter enter);
+  // directory: of the recordings, with the service's key in it. Starts the thread.
+  Countersigner(std::string directory, Enter enter);
   // Waits for the file that is being signed; for those behind it `done` is called with the reason why not.
   ~Countersigner();
   Countersigner(const Countersigner&) = delete;
@@ -65,7 +66,6 @@ class Countersigner {
   [[nodiscard]] record::Result<Countersigned> sign(const SignRequest& request) const;
 
   const std::string directory_;
-  const record::SigningKey key_;
   const Enter enter_;
   std::mutex mutex_;  // guards jobs_ and stopping_
   std::condition_variable came_;

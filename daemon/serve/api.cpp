@@ -302,7 +302,7 @@ std::string control_answer(const ServiceView& view, std::string_view line, const
   if (name == "rearm") return operator_answer(request, Verb::rearm, operate);
   if (name == "start") return operator_answer(request, Verb::start, operate);
   if (name == "stop") return operator_answer(request, Verb::stop, operate);
-  return control_error("unknown verb \"" + name + "\"; there are status, check, start, stop and rearm");
+  return control_error("unknown verb \"" + name + "\"; there are status, check, start, stop, rearm and sign");
 }
 
 }  // namespace dwell

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "core/base/angle.hpp"
@@ -23,9 +24,18 @@ struct Faults {
 
 class FaultyMotion {
  public:
-  // From rest. The table: three sines begun at 0, the first of 4 Hz.
-  FaultyMotion(const Chain& chain, const Faults& faults, double amplitude)
-      : chain_(chain), faults_(faults), amplitude_(amplitude), x_(2 * chain.masses.size(), 0.0) {}
+  // A sine of the table, begun at 0.
+  struct Tone {
+    double hz, part;  // of the amplitude
+  };
+  // From rest.
+  FaultyMotion(const Chain& chain, const Faults& faults, double amplitude,
+               std::vector<Tone> table = {{4.0, 1.0}, {2.7, 0.4}, {6.1, 0.3}})
+      : chain_(chain),
+        faults_(faults),
+        amplitude_(amplitude),
+        table_(std::move(table)),
+        x_(2 * chain.masses.size(), 0.0) {}
 
   // Displacements and velocities of table and masses and the force on the ground, at an instant not before the last.
   struct State {
@@ -46,11 +56,10 @@ class FaultyMotion {
   static constexpr double kStep_s = 5e-4;
   [[nodiscard]] State state(double t_s, const std::vector<double>& x) const {
     State out{{0.0}, {0.0}, 0.0};
-    constexpr double hz[] = {4.0, 2.7, 6.1}, part[] = {1.0, 0.4, 0.3};
-    for (int i = 0; i < 3; ++i) {
-      const double w = kTwoPi * hz[i];
-      out.y[0] += amplitude_ * part[i] * std::sin(w * t_s);
-      out.velocity[0] += amplitude_ * part[i] * w * std::cos(w * t_s);
+    for (const Tone& tone : table_) {
+      const double w = kTwoPi * tone.hz;
+      out.y[0] += amplitude_ * tone.part * std::sin(w * t_s);
+      out.velocity[0] += amplitude_ * tone.part * w * std::cos(w * t_s);
     }
     const std::size_t n = chain_.masses.size();
     for (std::size_t k = 0; k < n; ++k) {
@@ -96,6 +105,7 @@ class FaultyMotion {
   Chain chain_;
   Faults faults_;
   double amplitude_, now_s_ = 0.0;
+  std::vector<Tone> table_;
   std::vector<double> x_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -41,7 +42,7 @@ Verified verified(const Chain& truth, const Rig& stated, DrivenChain::Start star
   Verified out;
   if (bench.dwells.empty()) return out;
   out.dwell = bench.dwells.front();
-  out.verification = verify_transient(stated, out.dwell, readings.since(0), accuracy);
+  out.verification = verify_model(stated, out.dwell, readings.since(0), accuracy);
   return out;
 }
 
@@ -86,6 +87,64 @@ TEST(Verification, FindsInconsistentWhatHardlyMovesThePrediction) {
 TEST(Verification, CallsNothingAdequateThatWasNotPutToTheTest) {
   const Verified seen = verified(clamped_chain(), rig_of(clamped_chain(), kFrequency_hz), DrivenChain::Start::steady);
   EXPECT_EQ(seen.verification.verdict, Verdict::not_verified) << told(seen.verification);
+}
+
+// Two dwells of one recording; the coefficients are those of the one asked for.
+Verified verified_on_both(const Chain& truth, Rig stated, int of, DrivenChain::Start start, double second_hz = 5.0) {
+  Rig true_rig = rig_of(truth, kFrequency_hz);
+  for (Rig* rig : {&true_rig, &stated}) {
+    rig->excitation.search_low_hz = 3.0;
+    rig->excitation.search_high_hz = 8.0;
+  }
+  Sampling sampling{.rate_hz = 200, .skew_s = 0.0005, .sigma = {}};
+  for (const Channel& channel : true_rig.channels)
+    sampling.sigma.push_back(2e-3 * (channel.measures == Quantity::force ? 50.0 : 5e-3));
+  Bench bench(truth, true_rig, {.frequency_hz = kFrequency_hz, .amplitude = 5e-3, .ramp_s = 0.1}, start, sampling, 1);
+  bench.pipeline = Pipeline(stated);
+  VerificationReadings readings(stated.channels.size());
+  bench.alter = [&](Record&, double) { readings.take(bench.pipeline.readings()); };
+  bench.run(20);
+  bench.set_drive({.frequency_hz = second_hz, .amplitude = 4e-3, .ramp_s = 0.1});
+  bench.run(40);
+  bench.finish();
+  readings.take(bench.pipeline.readings());
+  // The change of the drive is a dwell of its own, which does not settle.
+  std::erase_if(bench.dwells, [](const Dwell& dwell) { return !std::isfinite(dwell.settled_s); });
+  EXPECT_EQ(bench.dwells.size(), 2u);
+  if (bench.dwells.size() != 2) return {};
+  const Dwell &first = bench.dwells[0], &second = bench.dwells[1];
+  const OtherDwell one{first, readings.between(0, to_ns(first.end_s))};
+  const OtherDwell two{second, readings.between(to_ns(first.end_s), to_ns(second.end_s))};
+  const OtherDwell &own = of == 1 ? one : two, &other = of == 1 ? two : one;
+  return {own.dwell, verify_model(stated, own.dwell, own.readings, 0.05, {other})};
+}
+
+TEST(Verification, HoldsTheCoefficientsOfOneDwellAgainstAnother) {
+  for (const int of : {1, 2}) {
+    const Verification seen =
+        verified_on_both(clamped_chain(), rig_of(clamped_chain(), kFrequency_hz), of, DrivenChain::Start::rest)
+            .verification;
+    EXPECT_EQ(seen.verdict, Verdict::adequate) << told(seen);
+    EXPECT_TRUE(seen.consistent.value_or(false)) << told(seen);
+    ASSERT_EQ(seen.evidence.size(), 2u);
+    EXPECT_EQ(seen.evidence[0].rfind("transient from ", 0), 0u) << seen.evidence[0];
+    EXPECT_NE(seen.evidence[1].find(of == 1 ? " at 5 Hz from " : " at 4 Hz from "), std::string::npos)
+        << seen.evidence[1];
+    for (const ChannelComparison& channel : seen.channels) EXPECT_GT(channel.frac, 0.9999) << told(seen);
+  }
+}
+
+// Begun in the steady motion, the first dwell has no transient to speak of: another frequency tells of a wrong mass.
+TEST(Verification, FindsAWrongMassByAnotherFrequency) {
+  Rig stated = rig_of(clamped_chain(), kFrequency_hz);
+  stated.masses[1] *= 1.5;
+  const Verification seen = verified_on_both(clamped_chain(), stated, 1, DrivenChain::Start::steady).verification;
+  EXPECT_EQ(seen.verdict, Verdict::not_adequate) << told(seen);
+  ASSERT_FALSE(seen.evidence.empty());
+  EXPECT_NE(seen.evidence.back().find(" at 5 Hz from "), std::string::npos) << seen.evidence.back();
+  double least = 1.0;
+  for (const ChannelComparison& channel : seen.channels) least = std::min(least, channel.frac);
+  EXPECT_LT(least, 0.999) << told(seen);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -12,12 +13,17 @@ namespace {
 
 // A rig played from rest through a pipeline beside which the watch stands, as in the service.
 struct WatchedBench {
-  explicit WatchedBench(double noise = 2e-3) {
+  // mass: what the rig file states of the second, over what it is.
+  explicit WatchedBench(double noise = 2e-3, double mass = 1.0) {
+    const Rig true_rig = rig;
+    rig.masses[1] *= mass;
     Sampling sampling{.rate_hz = 400, .skew_s = 0.0005, .sigma = {}};
     for (const Channel& channel : rig.channels)
       sampling.sigma.push_back(noise * (channel.measures == Quantity::force ? 50.0 : 5e-3));
-    bench.emplace(chain, rig, Drive{.frequency_hz = 4.0, .amplitude = 5e-3, .ramp_s = 0.1}, DrivenChain::Start::rest,
-                  sampling, 1);
+    bench.emplace(chain, true_rig, Drive{.frequency_hz = 4.0, .amplitude = 5e-3, .ramp_s = 0.1},
+                  DrivenChain::Start::rest, sampling, 1);
+    bench->pipeline = Pipeline(rig);
+    watch = VerificationWatch(rig);
     bench->alter = [this](Record&, double t_s) {
       if (t_s < next_s) return;
       next_s += 0.1;
@@ -85,6 +91,27 @@ TEST(VerificationWatch, KeepsTheEvidenceOfADwellThatEndsWhileTheNextSettles) {
   watched.watch.ended(before);
   ASSERT_TRUE(watched.watch.due());
   EXPECT_EQ(watched.watch.hand_over().evidence, evidence);
+}
+
+TEST(VerificationWatch, LooksForCausesOnceForTheSameEvidence) {
+  WatchedBench watched(2e-3, 1.1);
+  watched.gives_back = false;
+  watched.bench->run(12.0);
+  ASSERT_EQ(watched.jobs.size(), 1u);
+  watched.jobs[0].run(watched.rig, 0.05);
+  ASSERT_TRUE(watched.jobs[0].causes);
+  const auto causes = watched.jobs[0].causes;
+  const std::vector<MissingTerm>& missing = watched.jobs[0].result.verification.missing;
+  ASSERT_FALSE(missing.empty()) << causes->none;
+  EXPECT_TRUE(std::any_of(missing.begin(), missing.end(), [](const MissingTerm& one) { return one.what == "mass 2"; }))
+      << missing.front().what;
+  watched.watch.take_back(watched.jobs[0]);
+  ASSERT_TRUE(watched.watch.due());
+  VerificationJob next = watched.watch.hand_over();
+  EXPECT_EQ(next.causes, causes);
+  next.run(watched.rig, 0.05);
+  EXPECT_EQ(next.causes, causes);
+  EXPECT_EQ(next.result.verification.missing.size(), missing.size());
 }
 
 TEST(VerificationWatch, HasOneJobOutAndOneWaitingAtMost) {

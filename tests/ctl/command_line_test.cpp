@@ -3,14 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cmath>
-#include <csignal>
-#include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <sstream>
 
 #include "config/rig_file.hpp"
 #include "daemon/report/dwell_json.hpp"
@@ -18,6 +11,7 @@
 #include "tests/ctl/program.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
+#include "tests/ctl/small_rig.hpp"
 #include "tests/ctl/temporary.hpp"
 
 namespace dwell {
@@ -27,8 +21,10 @@ using Json = nlohmann::ordered_json;
 using test::contents;
 using test::dwell_event;
 using test::http_reply;
+using test::kRig;
 using test::Outcome;
 using test::Program;
+using test::recording;
 using test::Reply;
 using test::run;
 using test::ScriptedServer;
@@ -293,46 +289,6 @@ TEST(CommandLine, CheckAsksTheServiceAndIsNoIfAChannelIsSilent) {
   EXPECT_EQ(server.requests().at(0), R"({"verb":"check"})");
 }
 
-constexpr const char* kRig = R"([rig]
-name = "mount"
-boundary = "clamped"
-masses = []
-[excitation]
-frequency = 4.0
-minimum = 2e-5
-[[device]]
-name = "recording"
-driver = "replay"
-file = "data.csv"
-[[channel]]
-name = "y0"
-device = "recording"
-measures = "displacement"
-at = 0
-unit = "mm"
-[[channel]]
-name = "reaction"
-device = "recording"
-measures = "force"
-at = "ground"
-unit = "N"
-)";
-
-// 5 s of an element of 240 kN/m and 310 N·s/m at 4 Hz; or of nothing.
-std::string recording(double amplitude_mm, const std::string& header) {
-  constexpr double omega = 2.0 * std::numbers::pi * 4.0;
-  std::string text = header + "\n";
-  for (int i = 0; i < 1000; ++i) {
-    const double t_s = i / 200.0;
-    const double force =
-        1e-3 * amplitude_mm * (240000.0 * std::sin(omega * t_s) + omega * 310.0 * std::cos(omega * t_s));
-    std::array<char, 120> line{};
-    std::snprintf(line.data(), line.size(), "%.6f,%.12g,%.12g\n", t_s, amplitude_mm * std::sin(omega * t_s), force);
-    text += line.data();
-  }
-  return text;
-}
-
 TEST(CommandLine, CheckProbesTheDevicesOfARigFileItself) {
   const test::TemporaryFolder folder;
   const std::string rig = folder.file("rig.toml", kRig);
@@ -398,74 +354,6 @@ TEST(CommandLine, CheckIsNoWhereADeviceDoesNotAnswer) {
   const Outcome outcome = run({"check", "--rig", folder.file("rig.toml", rig)});
   EXPECT_EQ(outcome.code, 1) << outcome.err;
   EXPECT_NE(outcome.out.find("refused"), std::string::npos) << outcome.out;
-}
-
-TEST(CommandLine, IdentifyPrintsTheDwellsOfARecording) {
-  const test::TemporaryFolder folder;
-  const std::string rig = folder.file("rig.toml", kRig);
-  const std::string data = folder.file("other.csv", recording(0.5, "t,y0,reaction"));
-  const Outcome table = run({"identify", "--rig", rig, data});
-  EXPECT_EQ(table.code, 0) << table.err;
-  EXPECT_NE(table.out.find("240.0"), std::string::npos) << table.out;
-  const Outcome json = run({"identify", "--rig", rig, data, "--json"});
-  EXPECT_EQ(json.code, 0) << json.err;
-  const Json document = Json::parse(json.out);
-  EXPECT_EQ(document["rig"], "mount");
-  ASSERT_EQ(document["dwells"].size(), 1U);
-  EXPECT_NEAR(document["dwells"][0]["elements"][0]["stiffness"]["value"].get<double>(), 240000.0, 0.24);
-  EXPECT_EQ(document["dwells"][0]["rig_sha256"].get<std::string>().size(), 64U);
-}
-
-TEST(CommandLine, IdentifySaysWhyThereIsNothing) {
-  const test::TemporaryFolder folder;
-  const std::string rig = folder.file("rig.toml", kRig);
-  const Outcome still =
-      run({"identify", "--rig", rig, folder.file("still.csv", recording(1e-3, "t,y0,reaction")), "--json"});
-  EXPECT_EQ(still.code, 1);
-  EXPECT_NE(still.err.find("excitation.minimum"), std::string::npos) << still.err;
-  EXPECT_TRUE(Json::parse(still.out)["dwells"].empty());
-  const Outcome missing = run({"identify", "--rig", rig, folder.file("m.csv", recording(0.5, "t,y0,torque"))});
-  EXPECT_EQ(missing.code, 2);
-  EXPECT_NE(missing.err.find("no column for reaction; there are y0, torque"), std::string::npos) << missing.err;
-  const Outcome unreadable = run({"identify", "--rig", rig, folder.file("u.csv", "t,y0\n1,x\n")});
-  EXPECT_EQ(unreadable.code, 2);
-  EXPECT_NE(unreadable.err.find("u.csv:2:3: "), std::string::npos) << unreadable.err;
-  EXPECT_EQ(run({"identify", "--rig", folder.path("none.toml"), folder.path("u.csv")}).code, 2);
-  std::string synced = kRig;
-  synced.replace(synced.find("[excitation]\n"), 13, "[excitation]\nreference = \"sync\"\n");
-  synced += "\n[gpio]\nsync = { chip = \"/dev/gpiochip0\", line = 1 }\n";
-  const Outcome pulses = run({"identify", "--rig", folder.file("s.toml", synced), folder.path("still.csv")});
-  EXPECT_EQ(pulses.code, 2);
-  EXPECT_NE(pulses.err.find("holds no pulses"), std::string::npos) << pulses.err;
-}
-
-TEST(CommandLine, IdentifySaysNoToACoefficientThatNoChainCanHave) {
-  const test::TemporaryFolder folder;
-  const std::string reversed = std::string(kRig) + "positive = \"mass\"\n";
-  const std::string data = folder.file("data.csv", recording(0.5, "t,y0,reaction"));
-  const std::string rig = folder.file("rig.toml", reversed);
-  const Outcome table = run({"identify", "--rig", rig, data});
-  EXPECT_EQ(table.code, 1) << table.out;
-  EXPECT_NE(table.out.find("stiffness of element 1 comes out as -240000"), std::string::npos) << table.out;
-  const Json dwell = Json::parse(run({"identify", "--rig", rig, data, "--json"}).out)["dwells"][0];
-  EXPECT_FALSE(dwell["elements"][0]["identifiable"].get<bool>());
-  EXPECT_TRUE(dwell["elements"][0]["stiffness"].is_null());
-  EXPECT_NE(dwell["elements"][0]["reason"].get<std::string>().find(" ± "), std::string::npos);
-  EXPECT_EQ(dwell["doubts"][0]["elements"], Json({1}));
-}
-
-TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {
-  const test::TemporaryFolder folder;
-  const std::string data = folder.file("d.csv", recording(0.5, "t,y0,reaction"));
-  std::string text = contents(data);
-  std::size_t line = 0;
-  std::string wider;
-  std::istringstream lines(text);
-  for (std::string one; std::getline(lines, one); ++line) wider += one + (line == 0 ? ",spare" : ",1") + "\n";
-  const Outcome outcome = run({"identify", "--rig", folder.file("rig.toml", kRig), folder.file("w.csv", wider)});
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_NE(outcome.err.find("warning: "), std::string::npos);
-  EXPECT_NE(outcome.err.find("spare"), std::string::npos);
 }
 
 TEST(CommandLine, AFullDiskIsNotSuccess) {

@@ -25,7 +25,7 @@ element  stiffness               damping
       2        —                    —
       3  1.23457 ± 0.00020 MN/m   210 ± 790 mN·s/m n.s.
 element 2 is not determined by the transient so far: the readings do not determine it
-from the transient, warning: what the chain leaves of y2 is not white: uncertainties are widened
+from the transient, warning: the residuals of y2 are not white: uncertainties are widened
 
 settled    no
 )") << text;

@@ -109,7 +109,7 @@ MotionEstimate sample_motion() {
   m.u_of_noise = {300.0, 4.0, kNaN, kNaN, 99.6, 0.4};
   m.channels = {{0, 1e-6, 1.02, 0.4, 0.001}, {1, 2e-3, 0.98, 0.2, 0.0}};
   m.readings = 2175;
-  m.warnings = {"what the chain leaves of y2 is not white: uncertainties are widened"};
+  m.warnings = {"the residuals of y2 are not white: uncertainties are widened"};
   return m;
 }
 

@@ -1,6 +1,7 @@
 // `dwellctl verify` and `dwellctl export --model` on recordings of a simulated start-up.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -32,13 +33,15 @@ std::string rig_text(double mass, const std::string& more = "") {
          "[[channel]]\nname = \"reaction\"\nmeasures = \"force\"\nat = \"ground\"\nunit = \"N\"\nscale_u = 0.0005\n";
 }
 
-std::string start_up(DrivenChain::Start start) {
+// then_hz: the drive's frequency in the second half, if given.
+std::string start_up(DrivenChain::Start start, double then_hz = 0.0) {
   DrivenChain motion(bench_chain(), {.frequency_hz = 6.0, .amplitude = 5e-3, .ramp_s = 0.2}, start);
   std::mt19937_64 rng(3);
   std::normal_distribution<double> noise(0.0, 1e-3);
   std::string text = "t,y0,y1,reaction\n";
   for (int i = 0; i < 8000; ++i) {
     const double t_s = i / 400.0;
+    if (i == 4000 && then_hz > 0) motion.set_drive(t_s, {.frequency_hz = then_hz, .amplitude = 5e-3, .ramp_s = 0.2});
     const ChainMotion& now = motion.at(t_s);
     char line[120];
     std::snprintf(line, sizeof line, "%.4f,%.9g,%.9g,%.9g\n", t_s, now.y[0] + 5e-3 * noise(rng),
@@ -89,11 +92,34 @@ TEST(VerifyCommand, CallsNothingAdequateOfAWrongMassOrWithoutEvidence) {
   EXPECT_EQ(wrong.code, kNo);
   EXPECT_NE(Value::parse(wrong.text)["verdict"], "adequate");
   EXPECT_EQ(Value::parse(wrong.text)["consistent"], false);
+  const Value missing = Value::parse(wrong.text)["missing"];
+  EXPECT_TRUE(std::any_of(missing.begin(), missing.end(), [](const Value& one) { return one["what"] == "mass 1"; }))
+      << wrong.text;
+  EXPECT_EQ(test::ApiSchema().faults("verification", Value::parse(wrong.text)), "");
+  const Printed told = verify(folder.file("rig.toml", rig_text(18.0)), data, false);
+  EXPECT_NE(told.text.find("missing     "), std::string::npos) << told.text;
   const Printed steady =
       verify(folder.file("rig.toml", rig_text(12.5)), folder.file("s.csv", start_up(DrivenChain::Start::steady)), true);
   EXPECT_EQ(steady.code, kNo);
   EXPECT_EQ(Value::parse(steady.text)["verdict"], "not verified yet");
   EXPECT_FALSE(Value::parse(steady.text)["reasons"].empty());
+}
+
+TEST(VerifyCommand, HoldsTheDwellsOfARecordingAgainstEachOther) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", rig_text(12.5, "search = [4.5, 12.0]\n"));
+  const std::string data = folder.file("two.csv", start_up(DrivenChain::Start::rest, 7.5));
+  for (const int dwell : {0, 1}) {
+    const Printed json = verify(rig, data, true, dwell == 0 ? std::nullopt : std::optional<int>(dwell));
+    EXPECT_EQ(json.code, kDone) << json.text;
+    const Value seen = Value::parse(json.text);
+    EXPECT_EQ(seen["evidence"].size(), 2U) << json.text;
+    for (const Value& channel : seen["channels"]) EXPECT_GT(channel["frac"].get<double>(), 0.9999);
+    EXPECT_EQ(test::ApiSchema().faults("verification", seen), "");
+  }
+  const Printed told = verify(rig, data, false);
+  EXPECT_NE(told.text.find("evidence    dwell 1 at 6 Hz from "), std::string::npos) << told.text;
+  EXPECT_NE(told.text.find("FRAC"), std::string::npos) << told.text;
 }
 
 TEST(VerifyCommand, RefusesWhatCannotBeRead) {

@@ -22,7 +22,8 @@ struct CountersignerTest : testing::Test {
     return run;
   }
   void begin() {
-    signer.emplace(scratch.path(), key, [this](const Countersigned& made) -> record::Result<void> {
+    ASSERT_TRUE(key.save(scratch.path("key")));
+    signer.emplace(scratch.path(), [this](const Countersigned& made) -> record::Result<void> {
       if (ledger_fails) return tl::unexpected(std::string("disk full"));
       entered.push_back(made);
       return {};
@@ -94,7 +95,7 @@ TEST_F(CountersignerTest, TouchesNothingButClosedRunsInItsDirectory) {
   for (const std::string& file :
        {other.path, open, link, scratch.path("folder.dwell"), scratch.path("out/other.dwell"),
         scratch.path("../" + fs::path(elsewhere.path()).filename().string() + "/other.dwell"),
-        scratch.path("none.dwell"), scratch.write("key", "secret"), std::string(".."), std::string(1, '\0')}) {
+        scratch.path("none.dwell"), scratch.path("key"), std::string(".."), std::string(1, '\0')}) {
     const auto made = sign(request(file));
     ASSERT_FALSE(made) << file;
     EXPECT_NE(made.error(), "") << file;
@@ -124,14 +125,22 @@ TEST_F(CountersignerTest, AnswersEveryoneWhenItGoes) {
 }
 
 TEST(SignRequest, NamesWhatIsMissingInALine) {
-  EXPECT_EQ(parse_sign_request("x", 0).error(), "not a JSON object");
-  EXPECT_NE(parse_sign_request(R"({"verb":"sign"})", 0).error().find("no file"), std::string::npos);
-  EXPECT_NE(parse_sign_request(R"({"file":3})", 0).error().find("file: expected a text"), std::string::npos);
-  EXPECT_NE(parse_sign_request(R"({"file":"a.dwell"})", 0).error().find("no meaning"), std::string::npos);
+  const auto why = [](const std::string& members) {
+    return parse_sign_request(R"({"verb":"sign")" + members + "}", 0)->error();
+  };
+  EXPECT_EQ(why(""), "no file: expected the path of a run file");
+  EXPECT_EQ(why(R"(,"file":3)"), "file: expected a text");
+  EXPECT_EQ(why(R"(,"file":"a.dwell")"), "no meaning: expected for instance \"reviewed\"");
   const auto asked = parse_sign_request(R"({"verb":"sign","file":"a.dwell","meaning":"seen","reason":null})", 7);
-  ASSERT_TRUE(asked) << asked.error();
-  EXPECT_EQ(asked->uid, 7u);
-  EXPECT_EQ(asked->words.meaning, "seen");
+  ASSERT_TRUE(asked && *asked);
+  EXPECT_EQ((*asked)->uid, 7u);
+  EXPECT_EQ((*asked)->words.meaning, "seen");
+}
+
+TEST(SignRequest, LeavesOtherLinesToOthers) {
+  for (const std::string& line : {std::string("x"), std::string(R"({"verb":"status"})"), std::string(R"({"verb":3})"),
+                                  std::string(40'000, '['), std::string()})
+    EXPECT_FALSE(parse_sign_request(line, 0)) << line.substr(0, 40);
 }
 
 TEST(SignRequest, IsAnsweredWithTheSignatureOrTheReason) {

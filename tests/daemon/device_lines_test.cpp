@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "tests/durations.hpp"
+
 namespace dwell {
 namespace {
-
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 struct DeviceLinesTest : testing::Test {
   DeviceLinesTest() {

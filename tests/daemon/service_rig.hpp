@@ -65,7 +65,7 @@ inline nlohmann::json get_json(std::uint16_t port, const std::string& path) {
 inline nlohmann::json await(std::uint16_t port, const std::string& path,
                             const std::function<bool(const nlohmann::json&)>& enough) {
   nlohmann::json answer;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   while (std::chrono::steady_clock::now() < end) {
     answer = get_json(port, path);
     if (answer.is_object() && enough(answer)) break;

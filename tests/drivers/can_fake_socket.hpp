@@ -55,8 +55,11 @@ class FakeBus {
     packet.frame.len = static_cast<std::uint8_t>(data.size());
     std::copy(data.begin(), data.end(), packet.frame.data);
     packet.size = data.size() > CAN_MAX_DLEN ? CANFD_MTU : CAN_MTU;
+    // Stamped and queued in one step: on a busy machine a pause between the two would make the stamp implausible.
+    const std::lock_guard lock(mutex_);
     packet.real_ns = driver::clock_ns(CLOCK_REALTIME);
-    arrive(packet);
+    packets_.push_back(packet);
+    wake();
   }
   void arrive(const socketcan::Packet& packet) {
     const std::lock_guard lock(mutex_);

@@ -118,8 +118,7 @@ def records(body):
 
 
 def rows(path, folder):
-    """The rows of both tables. The file, and the -wal of one that was cut off, are read from a copy: SQLite would
-    write to them."""
+    """The rows of both tables, from a copy: SQLite would write to the file and to the -wal of one that was cut off."""
     copy = os.path.join(folder, "run.dwell")
     shutil.copyfile(path, copy)
     if os.path.exists(path + "-wal"):
@@ -143,7 +142,8 @@ class Reader:
     def __init__(self, pinned, out):
         self.pinned, self.out = pinned, out
         self.key = self.origin = self.end = None
-        self.head, self.seq, self.noted = bytes(32), 0, 0
+        self.head, self.seq = bytes(32), 0
+        self.note = self.covered = 0  # the last note, and the last entry that a signature covers
         self.heads, self.result = [], {"records": 0, "samples": 0, "results": [], "events": [], "signatures": []}
 
     def read(self, path, folder):
@@ -161,12 +161,12 @@ class Reader:
                 self.signature(where, before, json.loads(body))
             if seq in notes:
                 lines = self.key.open(notes.pop(seq), f"note {seq}")
-                check(lines == [self.origin, str(seq), base64.b64encode(head).decode(), str(t_ns)],
+                check(lines == [self.origin, str(seq), base64.b64encode(head).decode(), str(t_ns), str(self.note)],
                       f"note {seq}: signs something else")
-                self.noted = seq
+                self.note = self.covered = seq
         check(not notes, f"notes without an entry: {sorted(notes)}")
         check(self.seq > 0, "no entries")
-        check(self.noted == self.seq, f"entries from {self.noted + 1} on are not signed")
+        check(self.covered == self.seq, f"entries from {self.covered + 1} on are not signed")
 
     def take(self, where, kind, body):
         check((kind == "run") == (where == "entry 1"), f"{where}: `{kind}` in this place")
@@ -184,7 +184,7 @@ class Reader:
 
     def signature(self, where, head, value):
         """Of a person, over the head of the entry before."""
-        check(self.end is not None and self.noted == self.seq - 1, f"{where}: a signature under what is not signed")
+        check(self.end is not None and self.covered == self.seq - 1, f"{where}: a signature under what is not signed")
         check(value["seq"] == self.seq - 1 and value["head"] == head.hex(), f"{where}: signs another head")
         value["by"] = "the service" if "person" in value else value["vkey"]
         if "person" not in value:  # else the row of `note` tells
@@ -192,7 +192,7 @@ class Reader:
             lines = Key(value["vkey"]).open(value["note"], where)
             check(lines == ["dwell/signature/" + self.result["run"]["id"], str(value["seq"]),
                             base64.b64encode(head).decode()] + words, f"{where}: its note signs something else")
-            self.noted = self.seq
+            self.covered = self.seq
         self.result["signatures"].append(value)
 
     def begin(self, run):

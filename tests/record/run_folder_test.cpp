@@ -127,6 +127,7 @@ TEST(RunFolder, OneServiceAtATimeRecordsIntoADirectory) {
   ASSERT_TRUE(first.open());
   RunFolder second(folder_options(scratch.path()));
   EXPECT_EQ(second.open().error(), scratch.path() + ": another dwelld records here");
+  EXPECT_EQ(change_key(scratch.path(), "dwell-bench").error(), scratch.path() + ": another dwelld records here");
 }
 
 TEST(RunFolder, ADirectoryThatCannotBeUsedIsNamed) {
@@ -181,7 +182,7 @@ std::string record_until_full(const std::string& directory) {
   const auto audit = audit_run(files[0], {});
   if (!audit || audit->state != AuditState::intact) return "not closed: " + (audit ? audit->where : audit.error());
   const auto reader = RunReader::open(files[0]);
-  if (!reader || !reader->end() || reader->end()->why.find("disk full") == std::string::npos) return "no reason in it";
+  if (!reader || !reader->end() || reader->end()->why != "disk full") return "no reason in it";
   if (rig.folder.ready()) return "a full disk is said to be ready";
   std::filesystem::remove(ballast);
   if (const auto ready = rig.folder.ready(); !ready) return "not ready again: " + ready.error();

@@ -4,6 +4,7 @@
 
 #include "core/dwell/pipeline.hpp"
 #include "tests/study/disturbed.hpp"
+#include "tests/study/motion_witness.hpp"
 #include "tests/study/recording.hpp"
 
 namespace dwell::study {
@@ -155,6 +156,7 @@ DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
           : !outcome.settled       ? "no result"
           : !outcome.reported      ? "withheld in part"
                                    : "right");
+  if (trace) tell_motion(about, end_s, trace);
   return outcome;
 }
 

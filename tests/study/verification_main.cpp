@@ -57,7 +57,7 @@ Told play_verified(const Case& about) {
   told.settled = std::isfinite(dwell.settled_s);
   for (const ElementEstimate& element : dwell.elements) told.complete = told.complete || element.identifiable;
   for (const ElementEstimate& element : dwell.elements) told.complete = told.complete && element.identifiable;
-  told.verification = verify_transient(about.rig, dwell, readings.since(INT64_MIN), kAccuracy);
+  told.verification = verify_model(about.rig, dwell, readings.since(INT64_MIN), kAccuracy);
   return told;
 }
 
