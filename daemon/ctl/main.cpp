@@ -6,6 +6,7 @@
 #include <string>
 
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/handon_verbs.hpp"
 
 namespace {
 
@@ -184,14 +185,7 @@ int run(int argc, char** argv) {
       ->needs(verify_data);
   add_service(verify_verb, service);
 
-  ExportOptions exporting;
-  bool model = false;
-  CLI::App* export_verb = app.add_subcommand("export", "the model of a recording as files for other programs");
-  export_verb->add_flag("--model", model, "matrices as Matrix Market, a state-space model as JSON")->required();
-  export_verb->add_option("--rig", exporting.rig, kRigHelp);
-  export_verb->add_option("data", exporting.data, kDataHelp)->required();
-  export_verb->add_option("-o,--output", exporting.folder, "folder that receives the files")->required();
-  export_verb->add_option("--dwell", exporting.dwell, "index of the dwell; default: the last that settled");
+  HandonVerbs handing_on(app);
 
   RecordVerbs record(app, service);
 
@@ -214,7 +208,7 @@ int run(int argc, char** argv) {
     return verifying.data.empty() ? verify(service) : verify_recording(verifying);
   }
   if (*replay_verb) return replay(replaying);
-  if (*export_verb) return export_model(exporting);
+  if (const auto code = handing_on.run()) return *code;
   return identify_recording(identifying);
 }
 

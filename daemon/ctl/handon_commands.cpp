@@ -1,0 +1,195 @@
+#include "daemon/ctl/handon_commands.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "daemon/ctl/pinned_key.hpp"
+#include "daemon/ctl/progress.hpp"
+#include "daemon/ctl/recorded_run.hpp"
+#include "daemon/handon/csv.hpp"
+#include "daemon/handon/hdf5.hpp"
+#include "daemon/handon/output_file.hpp"
+#include "daemon/handon/report.hpp"
+#include "daemon/handon/uff.hpp"
+#include "daemon/record/audit.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+using handon::Provenance;
+using handon::Result;
+using handon::Selection;
+
+std::string utc_now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+Provenance provenance() { return {"dwellctl " DWELL_VERSION, utc_now(), "", "not audited"}; }
+
+Result<record::Audit> audited(const std::string& file, const std::string& key, const std::string& ledger) {
+  record::AuditOptions options;
+  if (!key.empty()) {
+    auto pinned = pinned_key(key);
+    if (!pinned) return tl::make_unexpected(pinned.error());
+    options.key = std::move(*pinned);
+  }
+  options.ledger = ledger;
+  ProgressBar bar("checking");
+  options.progress = bar.progress();
+  return record::audit_run(file, options);
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code none;
+  return std::filesystem::equivalent(a, b, none);
+}
+
+// What was written, for people and for programs.
+struct Written {
+  std::uint64_t samples = 0;
+  std::string more;  // "; 3 datasets of …"
+  Json json = Json::object();
+};
+
+// "run.csv" -> "run.rig.toml".
+std::string rig_path(const std::string& csv) {
+  std::filesystem::path path(csv);
+  if (path.extension() == ".csv") path.replace_extension();
+  return path.string() + ".rig.toml";
+}
+
+Result<void> write_rig(const Selection& selection, const std::string& path) {
+  auto file = handon::OutputFile::create(path);
+  if (!file) return tl::make_unexpected(file.error());
+  file->write(selection.header().rig.text);
+  return file->keep();
+}
+
+Result<Written> write_csv(Selection& selection, const Provenance& from, const ExportRunOptions& options,
+                          const Progress& progress) {
+  const auto count = handon::export_csv(selection, from, {options.in_unit}, options.output, progress);
+  if (!count) return tl::make_unexpected(count.error());
+  const std::string rig = rig_path(options.output);
+  if (auto done = write_rig(selection, rig); !done) return tl::make_unexpected(done.error());
+  return Written{*count, "; the rig file: " + rig, {{"rig_file", rig}}};
+}
+
+Result<Written> write_hdf5(Selection& selection, const Provenance& from, const ExportRunOptions& options,
+                           const Progress& progress) {
+  const auto count = handon::export_hdf5(selection, from, options.output, progress);
+  if (!count) return tl::make_unexpected(count.error());
+  return Written{*count, "", Json::object()};
+}
+
+Result<Written> write_uff(Selection& selection, const Provenance& from, const ExportRunOptions& options,
+                          const Progress& progress) {
+  const auto done = handon::export_uff(selection, from, {options.binary}, options.output, progress);
+  if (!done) return tl::make_unexpected(done.error());
+  Written written{
+      done->samples,
+      "; " + std::to_string(done->values) + " even values in " + std::to_string(done->datasets) + " datasets",
+      {{"values", done->values}, {"datasets", done->datasets}, {"left_out", done->left_out}}};
+  if (done->left_out > 0)
+    written.more += "; " + std::to_string(done->left_out) + " samples stand between gaps too short to resample";
+  return written;
+}
+
+Result<Written> write(Selection& selection, const Provenance& from, const ExportRunOptions& options) {
+  ProgressBar bar("exporting");
+  const Progress progress = bar.progress();
+  if (options.format == "csv") return write_csv(selection, from, options, progress);
+  if (options.format == "hdf5") return write_hdf5(selection, from, options, progress);
+  return write_uff(selection, from, options, progress);
+}
+
+void tell(const ExportRunOptions& options, const Written& written, const Provenance& from) {
+  if (options.json) {
+    Json object = {{"file", options.output}, {"format", options.format}, {"samples", written.samples}};
+    object.update(written.json);
+    object["audit"] = from.audit;
+    std::printf("%s\n", dump(object, 2).c_str());
+    return;
+  }
+  std::printf("%s: %llu samples%s\n", printable(options.output).c_str(),
+              static_cast<unsigned long long>(written.samples), printable(written.more).c_str());
+}
+
+}  // namespace
+
+int export_run(const ExportRunOptions& options) {
+  if (same_file(options.file, options.output)) {
+    tell_error(options.output + ": is the run file itself; expected another file");
+    return kUsage;
+  }
+  Provenance from = provenance();
+  if (!options.unchecked) {
+    const auto audit = audited(options.file, options.key, "");
+    if (!audit) {
+      tell_error(audit.error());
+      return kUsage;
+    }
+    from.head = audit->head;
+    from.audit = handon::audit_line(*audit);
+    if (audit->state == record::AuditState::tampered) {
+      tell_error(options.file + ": " + from.audit + "; nothing was exported. --unchecked exports what can be read");
+      return kNo;
+    }
+  }
+  auto selection = Selection::open(options.file, options.range);
+  if (!selection) {
+    tell_error(selection.error());
+    return kUsage;
+  }
+  const auto written = write(*selection, from, options);
+  if (!written) {
+    tell_error(written.error());
+    return kUsage;
+  }
+  tell(options, *written, from);
+  return kDone;
+}
+
+int report(const ReportOptions& options) {
+  if (same_file(options.file, options.output)) {
+    tell_error(options.output + ": is the run file itself; expected another file");
+    return kUsage;
+  }
+  const auto audit = audited(options.file, options.key, options.ledger);
+  if (!audit) {
+    tell_error(audit.error());
+    return kUsage;
+  }
+  auto selection = Selection::open(options.file, {});
+  if (!selection) {
+    tell_error(selection.error());
+    return kUsage;
+  }
+  Provenance from = provenance();
+  from.head = audit->head;
+  from.audit = handon::audit_line(*audit);
+  ProgressBar bar("reading");
+  if (auto done = handon::export_report(*selection, *audit, from, options.output, bar.progress()); !done) {
+    tell_error(done.error());
+    return kUsage;
+  }
+  if (options.json) {
+    std::printf("%s\n", dump(Json{{"file", options.output}, {"audit", from.audit}}, 2).c_str());
+  } else {
+    std::printf("%s: the file is %s\n", printable(options.output).c_str(), printable(from.audit).c_str());
+  }
+  return audit->state == record::AuditState::tampered ? kNo : kDone;
+}
+
+}  // namespace dwell::ctl

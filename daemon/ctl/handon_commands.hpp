@@ -1,0 +1,36 @@
+// export and report: a recorded run for other programs and for the archive.
+#pragma once
+
+#include <string>
+
+#include "daemon/ctl/commands.hpp"
+#include "daemon/handon/selection.hpp"
+
+namespace dwell::ctl {
+
+struct ExportRunOptions {
+  std::string file;
+  std::string format;  // "csv", "hdf5" or "uff"
+  std::string output;
+  handon::Range range;
+  bool in_unit = false;    // csv: also in the channel's unit
+  bool binary = false;     // uff: 58b
+  bool unchecked = false;  // without an audit
+  std::string key;         // pinned: a vkey, or a file that holds one; empty: none
+  bool json = false;
+};
+
+struct ReportOptions {
+  std::string file;
+  std::string output;
+  std::string key, ledger;  // for the audit; empty: none
+  bool json = false;
+};
+
+// A file that was tampered with is refused, with exit code 1: `unchecked` exports what can be read of it, and the
+// export says that it was not audited.
+[[nodiscard]] int export_run(const ExportRunOptions& options);
+// A report is made of a file that was tampered with as well, says so, and the exit code is 1.
+[[nodiscard]] int report(const ReportOptions& options);
+
+}  // namespace dwell::ctl

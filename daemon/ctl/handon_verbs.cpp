@@ -1,0 +1,69 @@
+#include "daemon/ctl/handon_verbs.hpp"
+
+#include "daemon/ctl/recorded_run.hpp"
+
+namespace dwell::ctl {
+
+HandonVerbs::HandonVerbs(CLI::App& app) {
+  add_export(app);
+  add_report(app);
+}
+
+void HandonVerbs::add_export(CLI::App& app) {
+  export_ = app.add_subcommand("export", "a run as csv, hdf5 or uff, or the model of a recording, for other programs");
+  export_->add_option("file", exporting_.file, "the run file; with --model also a recording, CSV, with --rig")
+      ->required();
+  export_->add_option("-o,--output", exporting_.output, "file that is written; with --model the folder")->required();
+  auto* const format = export_
+                           ->add_option("--format", exporting_.format,
+                                        "csv: t,channel,value, which identify reads; hdf5: instants, values and all "
+                                        "attributes; uff: dataset 58, evenly resampled")
+                           ->check(CLI::IsMember({"csv", "hdf5", "uff"}));
+  auto* const dwell = export_->add_option("--dwell", exporting_.range.dwell,
+                                          "only the dwell of this index; with --model: default the last that settled");
+  auto* const from = export_->add_option("--from", exporting_.range.from_s, "only from this second of the run on");
+  auto* const to = export_->add_option("--to", exporting_.range.to_s, "only up to this second of the run");
+  auto* const in_unit = export_->add_flag("--in-unit", exporting_.in_unit,
+                                          "csv: columns in_unit and unit more; identify does not read these");
+  auto* const binary = export_->add_flag("--binary", exporting_.binary, "uff: 58b, all bits, less than half the size");
+  auto* const unchecked = export_->add_flag("--unchecked", exporting_.unchecked,
+                                            "without an audit, also from a file that is tampered with");
+  auto* const key =
+      export_->add_option("--key", exporting_.key, "the key that must have signed: a vkey, or a file that holds it");
+  auto* const json = export_->add_flag("--json", exporting_.json, "print JSON");
+  auto* const model = export_->add_flag("--model", model_, "matrices as Matrix Market, a state-space model as JSON");
+  auto* const rig = export_->add_option("--rig", model_options_.rig,
+                                        "with --model: the rig file of a recording; its devices are not needed");
+  rig->needs(model);
+  for (CLI::Option* option : {format, from, to, in_unit, binary, unchecked, key, json}) option->excludes(model);
+  for (CLI::Option* option : {from, to}) option->excludes(dwell);
+  for (CLI::Option* option : {in_unit, binary, unchecked, key, json}) option->needs(format);
+  unchecked->excludes(key);
+}
+
+void HandonVerbs::add_report(CLI::App& app) {
+  report_ = app.add_subcommand("report", "a run as one HTML page for print and archive; exit 1 if it is tampered with");
+  report_->add_option("file", reporting_.file, "the run file")->required();
+  report_->add_option("-o,--output", reporting_.output, "the page")->required();
+  report_->add_option("--key", reporting_.key, "the key that must have signed: a vkey, or a file that holds it");
+  report_->add_option("--ledger", reporting_.ledger, "the ledger that knows all runs");
+  report_->add_flag("--json", reporting_.json, "print JSON");
+}
+
+std::optional<int> HandonVerbs::run() {
+  if (*report_) return report(reporting_);
+  if (!*export_) return std::nullopt;
+  if (model_) {
+    model_options_.data = exporting_.file;
+    model_options_.folder = exporting_.output;
+    model_options_.dwell = exporting_.range.dwell;
+    return export_model(model_options_);
+  }
+  if (exporting_.format.empty()) {
+    tell_error("export: neither --format nor --model is given; expected --format csv, hdf5 or uff for a run file");
+    return kUsage;
+  }
+  return export_run(exporting_);
+}
+
+}  // namespace dwell::ctl

@@ -1,0 +1,29 @@
+// A run as HDF5: every sample's own instant, the device's own number and the value in the channel's unit, with all that
+// is needed to read them.
+//
+//   /                      attributes: the run (id, number, label, times, who, host, program), the stretch, head, audit
+//   /rig_file              the rig file's text
+//   /channels/NAME         attributes: name, unit, scale, offset, measures, at, calibration_id, calibration_due, …
+//   /channels/NAME/t_ns    int64, ns on the run's axis; 0 is `zero_ns` on the clock that recorded
+//   /channels/NAME/value   float64, in `unit`: scale · raw + offset
+//   /channels/NAME/raw     float64, the device's own number
+//   /channels/NAME/t_half_ns  uint32, ns: half width of what is known of the instant
+//   /channels/NAME/flags   uint8: 1 samples were lost before this one, 2 the stamp was replaced by the host's
+//   /results, /events      JSON texts, one a row: the dwells that ended within the stretch; what happened in the run
+//
+// Datasets are chunked and compressed (shuffle, deflate), which every HDF5 library reads.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "daemon/handon/selection.hpp"
+
+namespace dwell::handon {
+
+// Returns how many samples were written. Memory: below 100 MB, whatever the run's length. Fails with "PATH: why"; then
+// there is no file.
+[[nodiscard]] Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& provenance,
+                                                const std::string& path, const Progress& progress);
+
+}  // namespace dwell::handon

@@ -1,0 +1,40 @@
+// A file that is there whole or not at all: it is written under another name and gets its own at the end.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "daemon/record/keys.hpp"
+
+namespace dwell::handon {
+
+// Bound to one thread. The first failure is kept and told by keep(); what is written after it is dropped.
+class OutputFile {
+ public:
+  // An existing file of that name stays until keep().
+  [[nodiscard]] static record::Result<OutputFile> create(const std::string& path);
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();  // removes what was not kept
+
+  // Behind what was written last; buffered.
+  void write(std::string_view bytes);
+  // At that place of the file; not buffered.
+  void write_at(std::int64_t place, std::string_view bytes);
+  // Gives the file its name, or fails with "PATH: why".
+  [[nodiscard]] record::Result<void> keep();
+
+  // The name it has while it is written.
+  [[nodiscard]] const std::string& part() const noexcept { return part_; }
+
+ private:
+  OutputFile(std::string path, std::string part, int fd);
+  void flush();
+
+  std::string path_, part_, buffer_, error_;
+  std::int64_t end_ = 0;  // of what was flushed
+  int fd_ = -1;
+};
+
+}  // namespace dwell::handon

@@ -1,0 +1,28 @@
+// The report of a run: one HTML page for print and archive. It needs no script and no other file; A4 in print, with
+// page numbers where the browser knows margin boxes (Chromium 131 and later).
+#pragma once
+
+#include <string>
+
+#include "daemon/handon/run_story.hpp"
+#include "daemon/handon/selection.hpp"
+
+namespace dwell::handon {
+
+// Writes the page. audit: of the same file, just made. Fails with "PATH: why"; then there is no file.
+[[nodiscard]] Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
+                                         const std::string& path, const Progress& progress);
+
+// The page's parts; each is whole HTML.
+[[nodiscard]] std::string report_page(const Selection& selection, const RunStory& story, const record::Audit& audit,
+                                      const Provenance& provenance);
+// Conditions, rig, channels.
+[[nodiscard]] std::string report_conditions(const Selection& selection);
+[[nodiscard]] std::string report_channels(const Selection& selection, const RunStory& story);
+// What is missing in the stream, and what happened.
+[[nodiscard]] std::string report_losses(const Selection& selection, const RunStory& story);
+[[nodiscard]] std::string report_events(const RunStory& story);
+// Audit, hashes, signatures.
+[[nodiscard]] std::string report_audit(const Selection& selection, const RunStory& story, const record::Audit& audit);
+
+}  // namespace dwell::handon

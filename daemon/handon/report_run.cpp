@@ -1,0 +1,201 @@
+// What the report says of the run as a whole: conditions, channels, losses, events, audit.
+#include <algorithm>
+#include <cmath>
+
+#include "config/units.hpp"
+#include "daemon/handon/csv.hpp"
+#include "daemon/handon/html.hpp"
+#include "daemon/handon/picture.hpp"
+#include "daemon/handon/report.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::handon {
+namespace {
+
+std::string person_text(const record::Person& person) {
+  return (person.name.empty() ? "unknown" : person.name) + " (uid " + std::to_string(person.uid) + ")";
+}
+
+Markup hash(const std::string& text) { return Markup::made(text.empty() ? "" : "<code>" + escaped(text) + "</code>"); }
+
+std::string clock_text(const record::Origin& origin) {
+  const std::string state = origin.clock_synchronized ? "synchronized" : "not synchronized";
+  if (!std::isfinite(origin.clock_error_s)) return state + "; its error is not known";
+  return state + "; off by at most " + join(number_text(origin.clock_error_s, "s", 3)) + ", as the kernel reckons";
+}
+
+std::string frequency_text(const Excitation& e) {
+  std::string text = axis_number(e.frequency_hz) + " Hz nominal, searched from " + axis_number(e.search_low_hz) +
+                     " to " + axis_number(e.search_high_hz) + " Hz; reference ";
+  switch (e.reference) {
+    case Reference::fixed:
+      return text + "fixed";
+    case Reference::tracked:
+      return text + "tracked";
+    case Reference::sync:
+      return text + "sync pulses";
+  }
+  return text;
+}
+
+std::string filter_text(const Filter& filter, const char* what) {
+  if (filter.kind == FilterKind::none) return {};
+  static constexpr const char* names[] = {"", "Butterworth", "Bessel", "RC"};
+  return std::string(names[static_cast<std::size_t>(filter.kind)]) + " " + what + " of order " +
+         std::to_string(filter.order) + " at " + axis_number(filter.hz) + " Hz";
+}
+
+// What turns a reading into the motion, beside scale and offset.
+std::string response_text(const Rig& rig, const Channel& c) {
+  const double delay_s = c.delay_s + (c.device >= 0 ? rig.devices[static_cast<std::size_t>(c.device)].delay_s : 0.0);
+  std::string text = delay_s != 0.0 ? "delay " + join(number_text(delay_s, "s", 4)) : "";
+  for (const std::string& part : {filter_text(c.lowpass, "low-pass"), filter_text(c.highpass, "high-pass")})
+    if (!part.empty()) text += (text.empty() ? "" : "; ") + part;
+  return text;
+}
+
+Markup calibration(const Channel& c, const std::string& start_utc) {
+  if (c.calibration_id.empty()) return {"none stated"};
+  std::string html = escaped(c.calibration_id);
+  if (!c.calibration_due.empty()) {
+    html += ", due " + escaped(c.calibration_due);
+    // ISO dates sort as text.
+    if (start_utc.size() >= 10 && c.calibration_due < start_utc.substr(0, 10))
+      html += " <strong class=\"alarm\">overdue</strong>";
+  }
+  return Markup::made(html);
+}
+
+const char* loss_text(Loss loss) {
+  switch (loss) {
+    case Loss::refused:
+      return "the ring between driver and estimation was full";
+    case Loss::late:
+      return "older than what had been released";
+    case Loss::ahead:
+      return "stamped ahead of the clock";
+    case Loss::overflow:
+      return "the merger was full";
+  }
+  return "unknown";
+}
+
+std::string number_or(double count) { return axis_number(count); }
+
+}  // namespace
+
+std::string report_conditions(const Selection& selection) {
+  const record::RunHeader& run = selection.header();
+  const record::Origin& origin = run.origin;
+  const Rig& rig = selection.rig();
+  std::string plugins;
+  for (const record::Plugin& plugin : run.plugins)
+    plugins += (plugins.empty() ? "" : ", ") + plugin.driver + " " + plugin.version;
+  std::string html = html_heading(2, "Conditions");
+  html += html_facts({{"begun by", run.begun_by + (run.person ? ": " + person_text(*run.person) : std::string())},
+                      {"comment", run.comment},
+                      {"host", origin.host + (origin.time_zone.empty() ? "" : ", time zone " + origin.time_zone)},
+                      {"clock", clock_text(origin)},
+                      {"program", "dwell " + origin.version + (plugins.empty() ? "" : "; drivers: " + plugins)},
+                      {"build", origin.build},
+                      {"processor", origin.cpu},
+                      {"computed from", run.parent_id.empty() ? std::string() : "run " + run.parent_id}});
+  html += html_heading(2, Markup("Rig: " + rig.name));
+  html += chain_picture(rig);
+  html += html_facts({{"motion", std::string(config::to_string(rig.motion)) +
+                                     (rig.boundary == Boundary::clamped ? "; the last element ends at the ground"
+                                                                        : "; nothing beyond the last mass")},
+                      {"drive", frequency_text(rig.excitation)},
+                      {"harmonics fitted", std::to_string(rig.excitation.harmonics)},
+                      {"transient allowed", axis_number(100.0 * rig.tolerance) + " % of each channel's amplitude"}});
+  return html;
+}
+
+std::string report_channels(const Selection& selection, const RunStory& story) {
+  const Rig& rig = selection.rig();
+  std::vector<std::vector<Markup>> rows;
+  for (std::size_t i = 0; i < rig.channels.size(); ++i) {
+    const Channel& c = rig.channels[i];
+    const std::string device = c.device >= 0 ? rig.devices[static_cast<std::size_t>(c.device)].name : "";
+    std::string scale =
+        shortest(c.scale) +
+        (c.offset != 0.0 ? (c.offset > 0.0 ? " · raw + " : " · raw − ") + shortest(std::fabs(c.offset)) : " · raw");
+    if (c.scale_u_stated) scale += "; u " + axis_number(100.0 * c.scale_u) + " %";
+    rows.push_back({std::to_string(i + 1), c.name, measurand_text(c), pretty_unit(c.unit), scale, response_text(rig, c),
+                    calibration(c, selection.header().start_utc), device, std::to_string(story.traces[i].count())});
+  }
+  return html_heading(2, "Channels") + html_table({{"", true},
+                                                   {"channel"},
+                                                   {"measures"},
+                                                   {"unit"},
+                                                   {"in unit"},
+                                                   {"response"},
+                                                   {"calibration"},
+                                                   {"device"},
+                                                   {"samples", true}},
+                                                  rows);
+}
+
+std::string report_losses(const Selection& selection, const RunStory& story) {
+  const Rig& rig = selection.rig();
+  std::vector<std::vector<Markup>> rows;
+  for (const auto& [key, count] : story.lost) {
+    const std::string channel = key.first < rig.channels.size() ? rig.channels[key.first].name : "?";
+    rows.push_back({"channel " + channel, loss_text(key.second), number_or(count)});
+  }
+  for (const auto& [key, count] : story.faults) {
+    const std::string device = key.first < rig.devices.size() ? rig.devices[key.first].name : "?";
+    rows.push_back({"device " + device, to_string(key.second), number_or(count)});
+  }
+  std::string html = html_heading(2, "Losses and faults");
+  if (rows.empty()) return html + html_paragraph("None: every sample that a driver handed in is in the record.");
+  return html + html_table({{"where"}, {"what"}, {"how often", true}}, rows);
+}
+
+std::string report_events(const RunStory& story) {
+  std::string html = html_heading(2, "Events");
+  std::vector<std::vector<Markup>> rows;
+  for (const record::StoredEvent& event : story.events) {
+    std::string text = event.text;
+    if (!event.before.empty() || !event.after.empty()) text += "; before: " + event.before + ", after: " + event.after;
+    if (!event.comment.empty()) text += "; comment: " + event.comment;
+    rows.push_back({event.utc, event.what, text, event.person ? person_text(*event.person) : std::string()});
+  }
+  if (rows.empty()) return html + html_paragraph("None.");
+  html += html_table({{"when"}, {"what"}, {"text"}, {"who"}}, rows);
+  if (story.events_left_out > 0)
+    html += html_paragraph("and " + std::to_string(story.events_left_out) + " more, which are in the run file");
+  return html;
+}
+
+std::string report_audit(const Selection& selection, const RunStory& story, const record::Audit& audit) {
+  const record::RunHeader& run = selection.header();
+  std::string html = html_heading(2, "Audit");
+  html += html_facts({{"state", audit_line(audit)},
+                      {"valid up to", audit.until_utc},
+                      {"head", hash(audit.head)},
+                      {"signed by", hash(audit.key)},
+                      {"key", hash(run.vkey)},
+                      {"run", hash(run.id)},
+                      {"head of the run before", hash(run.previous_head)},
+                      {"computed from the head", hash(run.parent_head)},
+                      {"rig file", Markup::made(escaped(run.rig.path) + " " + hash(run.rig.sha256).html())}});
+  std::vector<std::vector<Markup>> files;
+  for (const record::KeptFile& file : run.files) files.push_back({file.path, hash(file.sha256)});
+  if (!files.empty()) html += html_table({{"file that the rig file names"}, {"SHA-256"}}, files);
+  html += html_heading(3, "Signatures");
+  std::vector<std::vector<Markup>> rows;
+  for (const record::PersonalSignature& s : story.signatures)
+    rows.push_back({s.name, s.meaning, s.reason, s.utc,
+                    s.person ? "the service, for " + person_text(*s.person) : std::string("a key of their own"),
+                    Markup::made("entry " + std::to_string(s.seq) + " " + hash(s.head.substr(0, 16)).html() + "…")});
+  if (rows.empty()) {
+    if (audit.signatures.empty()) html += html_paragraph("None in the file.");
+  } else {
+    html += html_table({{"name"}, {"meaning"}, {"reason"}, {"when"}, {"vouched for by"}, {"over"}}, rows);
+  }
+  html += html_list(audit.signatures, "notes");
+  return html;
+}
+
+}  // namespace dwell::handon

@@ -1,0 +1,80 @@
+#include "daemon/handon/run_story.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "daemon/report/dwell_json.hpp"
+
+namespace dwell::handon {
+namespace {
+
+Result<void> read_stream(Selection& selection, RunStory& story, const Progress& progress) {
+  const std::vector<Channel>& channels = selection.rig().channels;
+  const std::int64_t begin_ns = selection.reader().begin_ns();
+  const double length_ns = std::max(1.0, static_cast<double>(selection.reader().end_ns() - begin_ns));
+  story.traces.resize(channels.size());
+  story.begin_s = selection.axis_s(begin_ns);
+  story.end_s = selection.axis_s(selection.reader().end_ns());
+  return selection.records(
+      [&](const Record& record) {
+        if (record.kind == Kind::sample) {
+          story.traces[record.channel].take(static_cast<double>(record.t_ns - begin_ns) / length_ns,
+                                            in_unit(channels[record.channel], record.value));
+          ++story.samples;
+        } else if (record.kind == Kind::loss) {
+          story.lost[{record.channel, static_cast<Loss>(record.flags)}] += record.value;
+        } else if (record.kind == Kind::fault) {
+          story.faults[{record.channel, static_cast<Fault>(record.flags)}] += record.value;
+        }
+        return true;
+      },
+      progress);
+}
+
+// The dwells that ended, and of a run that was cut off the last one as it was then.
+Result<void> read_dwells(Selection& selection, RunStory& story) {
+  std::optional<DwellView> unfinished;
+  const auto take = [&story](DwellView view) {
+    if (story.dwells.size() < RunStory::kDwells) {
+      story.dwells.push_back(std::move(view));
+    } else {
+      ++story.dwells_left_out;
+    }
+  };
+  auto done = selection.reader().results(false, [&](const record::StoredResult& result) {
+    auto view = parse_dwell(result.dwell);
+    if (!view || !view->dwell.index) return true;
+    unfinished.reset();
+    if (result.final) {
+      take(std::move(*view));
+    } else {
+      unfinished = std::move(*view);
+    }
+    return true;
+  });
+  if (done && unfinished) take(std::move(*unfinished));
+  return done;
+}
+
+}  // namespace
+
+Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
+  RunStory story;
+  if (auto done = read_stream(selection, story, progress); !done) return tl::make_unexpected(done.error());
+  if (auto done = read_dwells(selection, story); !done) return tl::make_unexpected(done.error());
+  auto done = selection.reader().events([&story](const record::StoredEvent& event) {
+    if (story.events.size() < RunStory::kEvents) {
+      story.events.push_back(event);
+    } else {
+      ++story.events_left_out;
+    }
+    return true;
+  });
+  if (!done) return tl::make_unexpected(done.error());
+  auto signatures = selection.reader().signatures();
+  if (!signatures) return tl::make_unexpected(signatures.error());
+  story.signatures = std::move(*signatures);
+  return story;
+}
+
+}  // namespace dwell::handon

@@ -1,0 +1,35 @@
+// What the report tells of a run, gathered in one pass over its stream.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/handon/selection.hpp"
+#include "daemon/handon/trace.hpp"
+#include "daemon/report/dwell_view.hpp"
+
+namespace dwell::handon {
+
+struct RunStory {
+  static constexpr std::size_t kEvents = 2000;  // shown at most
+  static constexpr std::size_t kDwells = 500;
+
+  double begin_s = 0.0, end_s = 0.0;  // on the run's axis
+  std::vector<Trace> traces;          // one per channel
+  std::uint64_t samples = 0;
+  std::map<std::pair<std::uint16_t, Loss>, double> lost;     // by channel and why
+  std::map<std::pair<std::uint16_t, Fault>, double> faults;  // by device and which
+  std::vector<DwellView> dwells;                             // each as it was published last
+  std::uint64_t dwells_left_out = 0;
+  std::vector<record::StoredEvent> events;
+  std::uint64_t events_left_out = 0;
+  std::vector<record::PersonalSignature> signatures;
+};
+
+// Reads the whole run. Memory: 10 kB a channel, the dwells and events up to their limits.
+[[nodiscard]] Result<RunStory> tell_run(Selection& selection, const Progress& progress);
+
+}  // namespace dwell::handon

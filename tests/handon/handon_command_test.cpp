@@ -1,0 +1,105 @@
+// export and report as their users see them: exit codes, what is said, what is left behind.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "tests/handon/handed_run.hpp"
+
+namespace dwell {
+namespace {
+
+struct Said {
+  int code = -1;
+  std::string out, err;
+};
+
+class HandonCommand : public ::testing::Test {
+ protected:
+  HandonCommand() {
+    run_.length_s = 3.0;
+    test::write(run_, scratch_.path("run.dwell"));
+  }
+  // Arguments as in a shell, within the scratch directory.
+  [[nodiscard]] Said say(const std::string& arguments) const {
+    const std::string command =
+        "cd " + scratch_.path() + " && " DWELLCTL " " + arguments + " >said.out 2>said.err </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, record::Scratch::read(scratch_.path("said.out")),
+            record::Scratch::read(scratch_.path("said.err"))};
+  }
+  [[nodiscard]] bool there(const std::string& name) const { return std::filesystem::exists(scratch_.path(name)); }
+  // One letter of the run's end is another one.
+  void tamper() const {
+    std::string bytes = record::Scratch::read(run_.path);
+    const std::size_t at = bytes.rfind("\"why\"");
+    ASSERT_NE(at, std::string::npos);
+    bytes[bytes.find("operator", at)] = 'O';
+    scratch_.write("run.dwell", bytes);
+  }
+
+  record::Scratch scratch_;
+  test::HandedRun run_;
+};
+
+TEST_F(HandonCommand, ExportsInEachFormatAndSaysWhatWasWritten) {
+  const Said csv = say("export run.dwell --format csv -o out.csv");
+  EXPECT_EQ(csv.code, 0) << csv.err;
+  EXPECT_NE(csv.out.find(" samples; the rig file: out.rig.toml"), std::string::npos) << csv.out;
+  EXPECT_EQ(say("identify --rig out.rig.toml --method harmonic out.csv").code, 0);
+  const Said hdf5 = say("export run.dwell --format hdf5 -o out.h5 --json");
+  EXPECT_EQ(hdf5.code, 0) << hdf5.err;
+  EXPECT_NE(hdf5.out.find("\"audit\": \"intact, key "), std::string::npos) << hdf5.out;
+  const Said uff = say("export run.dwell --format uff -o out.uff --from 0.5 --to 2.5");
+  EXPECT_EQ(uff.code, 0) << uff.err;
+  EXPECT_NE(uff.out.find("even values in 2 datasets"), std::string::npos) << uff.out;
+  const Said page = say("report run.dwell -o out.html");
+  EXPECT_EQ(page.code, 0) << page.err;
+  EXPECT_NE(page.out.find("out.html: the file is intact"), std::string::npos) << page.out;
+}
+
+TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
+  tamper();
+  const Said refused = say("export run.dwell --format csv -o out.csv");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("run.dwell: tampered: "), std::string::npos) << refused.err;
+  EXPECT_FALSE(there("out.csv"));
+  const Said unchecked = say("export run.dwell --format csv -o out.csv --unchecked");
+  EXPECT_EQ(unchecked.code, 0) << unchecked.err;
+  EXPECT_NE(record::Scratch::read(scratch_.path("out.csv")).find("audit: not audited"), std::string::npos);
+  const Said page = say("report run.dwell -o out.html");
+  EXPECT_EQ(page.code, 1) << page.out;
+  EXPECT_NE(record::Scratch::read(scratch_.path("out.html")).find("class=\"state tampered\""), std::string::npos);
+}
+
+TEST_F(HandonCommand, TrustsThePinnedKeyAlone) {
+  const std::string vkey = test::select(run_).header().vkey;
+  EXPECT_NE(say("report run.dwell -o out.html --key '" + vkey + "'").out.find(" trusted"), std::string::npos);
+  EXPECT_EQ(say("report run.dwell -o out.html --key '" + vkey + "'").out.find("not trusted"), std::string::npos);
+  const Said wrong = say("report run.dwell -o out.html --key nowhere");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.err.find("nowhere: there is no such file"), std::string::npos) << wrong.err;
+}
+
+TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
+  const auto refused = [this](const std::string& arguments, const std::string& words) {
+    const Said said = say(arguments);
+    EXPECT_EQ(said.code, 2) << arguments;
+    EXPECT_NE(said.err.find(words), std::string::npos) << arguments << ": " << said.err;
+  };
+  refused("export run.dwell -o out", "expected --format csv, hdf5 or uff");
+  refused("export run.dwell --format wav -o out", "wav");
+  refused("export run.dwell --format csv -o out --dwell 1 --from 3", "--dwell");
+  refused("export run.dwell --format csv -o out --from 3 --to 2", "the range ends before it begins");
+  refused("export run.dwell --format csv -o out --dwell 9", "there is no dwell 9 in it; expected 1 to 1");
+  refused("export none.dwell --format csv -o out", "none.dwell");
+  refused("export run.dwell --format csv -o run.dwell", "is the run file itself");
+  refused("report run.dwell -o run.dwell", "is the run file itself");
+  refused("export --model run.dwell -o out", "--rig");
+  refused("export run.dwell --format uff -o missing/out", "missing/out: cannot be written");
+  EXPECT_FALSE(there("out"));
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,70 @@
+// The report as a browser parses it, and the pieces that keep outside text out of its markup.
+#include "daemon/handon/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include "daemon/handon/html.hpp"
+#include "daemon/handon/picture.hpp"
+#include "tests/handon/handed_run.hpp"
+
+namespace dwell::handon {
+namespace {
+
+TEST(Report, IsOnePageThatHoldsEverythingAndRunsNothing) {
+  const record::Scratch scratch;
+  test::HandedRun run;
+  run.events = {{2, "2026-11-23T03:12:18Z", "action", "<script>alert(1)</script>", record::Person{1000, "o'brien"}, "a",
+                 "b", "c"}};
+  test::write(run, scratch.path("run.dwell"));
+  Selection selection = test::select(run);
+  record::Audit audit;
+  audit.state = record::AuditState::intact;
+  audit.key = "1234";
+  audit.head = "ab12";
+  audit.signatures = {"reviewed by o'brien"};
+  const auto done = export_report(selection, audit, test::provenance(), scratch.path("report.html"), {});
+  ASSERT_TRUE(done) << done.error();
+  EXPECT_EQ(test::python("read_report.py", {scratch.path("report.html")}), 0);
+}
+
+TEST(Report, SaysWhatWasTamperedWithFirst) {
+  const record::Scratch scratch;
+  test::HandedRun run;
+  run.length_s = 2.0;
+  run.closed = false;
+  test::write(run, scratch.path("run.dwell"));
+  Selection selection = test::select(run);
+  const auto story = tell_run(selection, {});
+  ASSERT_TRUE(story) << story.error();
+  record::Audit audit;
+  audit.where = "entry 3: its head does not follow";
+  const std::string page = report_page(selection, *story, audit, test::provenance());
+  EXPECT_LT(page.find("tampered: entry 3: its head does not follow"), page.find("<h2>"));
+  EXPECT_NE(page.find("not closed: still recorded, or cut off"), std::string::npos);
+}
+
+TEST(Html, EscapesWhatComesFromOutside) {
+  EXPECT_EQ(escaped("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+  EXPECT_EQ(escaped("µm ± °C 𝛼"), "µm ± °C 𝛼");
+  const std::string replacement = "\xEF\xBF\xBD";
+  EXPECT_EQ(escaped(std::string("a\0b\x1b[31m", 7)), "a" + replacement + "b" + replacement + "[31");
+  EXPECT_EQ(escaped("\xFF\xC0\xAF"), replacement + replacement + replacement) << "not UTF-8, or longer than it needs";
+  EXPECT_EQ(escaped("\xED\xA0\x80").find('\xED'), std::string::npos) << "a surrogate";
+  EXPECT_EQ(escaped("a\xE2\x80\xAE"
+                    "b"),
+            "a" + replacement + replacement + replacement + "b")
+      << "turns the direction";
+}
+
+TEST(Picture, TicksAreRoundAndFew) {
+  EXPECT_EQ(ticks(0.0, 10.0, 5), (std::vector<double>{0.0, 2.0, 4.0, 6.0, 8.0, 10.0}));
+  EXPECT_EQ(ticks(-0.7, 0.7, 4), (std::vector<double>{-0.5, 0.0, 0.5}));
+  EXPECT_TRUE(ticks(1.0, 1.0, 4).empty());
+  for (const double high : {1e-9, 0.3, 7.0, 86400.0}) {
+    EXPECT_LE(ticks(0.0, high, 8).size(), 9U) << high;
+    EXPECT_GE(ticks(0.0, high, 8).size(), 3U) << high;
+  }
+}
+
+}  // namespace
+}  // namespace dwell::handon
