@@ -4,6 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "daemon/report/dwell_json_value.hpp"
 
@@ -42,6 +45,8 @@ bool is_instant(std::string_view member) {
   return seconds && member.substr(0, 6) != "memory" && member != "settles_in_s";
 }
 
+bool is_share(std::string_view member) { return member == "stiffness_share" || member == "damping_share"; }
+
 // Where a number stands: what its difference is measured in.
 struct Scale {
   double u = kNaN;        // its standard uncertainty; NaN: none
@@ -54,6 +59,8 @@ Scale scale_of(const Json& object, std::string_view member) {
   if (member == "amplitude" && object.find("u_amplitude") == object.end()) name = "u";  // of a deformation
   if (!name.empty()) scale.u = std::fabs(real(object, name));
   if (is_instant(member)) scale.allowed = kInstantTolerance_s;
+  // A part of the whole variance; those of negligible sources are rounding noise.
+  if (is_share(member)) scale.allowed = kReplayTolerance;
   if (scale.u > 0.0) scale.allowed = kReplayTolerance * scale.u;
   return scale;
 }
@@ -86,6 +93,8 @@ class Walk {
         differ(front + name, told(value), "");
       } else if (name == "covariance" && value.is_array()) {
         covariances(front + name, value, *other);
+      } else if (name == "budget" && sources(value) != sources(*other)) {
+        budgets(front + name, value, *other);
       } else {
         values(front + name, value, *other, scale_of(stored, name));
       }
@@ -98,6 +107,36 @@ class Walk {
     if (stored.size() != replayed.size())
       return differ(path, std::to_string(stored.size()) + " entries", std::to_string(replayed.size()) + " entries");
     for (std::size_t i = 0; i < stored.size(); ++i) values(at(path, i), stored[i], replayed[i], scale);
+  }
+
+  static std::vector<std::string> sources(const Json& budget) {
+    std::vector<std::string> names;
+    if (!budget.is_array()) return names;
+    for (const Json& entry : budget) {
+      const auto source = entry.is_object() ? entry.find("source") : entry.end();
+      names.push_back(entry.is_object() && source != entry.end() && source->is_string() ? source->get<std::string>()
+                                                                                        : "");
+    }
+    return names;
+  }
+
+  // Sources stand by their share, those without one not at all. So rounding changes the order of the negligible ones:
+  // each share is compared with that of the same source, an absent one counting as zero.
+  void budgets(const std::string& path, const Json& stored, const Json& replayed) {
+    const std::vector<std::string> a = sources(stored), b = sources(replayed);
+    result.differences.push_back({path, "its order or sources", "others", kNaN, true});
+    std::set<std::string> all(a.begin(), a.end());
+    all.insert(b.begin(), b.end());
+    const auto share = [](const Json& budget, const std::vector<std::string>& names, const std::string& source,
+                          const char* of) {
+      const auto at = std::find(names.begin(), names.end(), source);
+      const double value = at == names.end() ? 0.0 : real(budget[static_cast<std::size_t>(at - names.begin())], of);
+      return Json(std::isfinite(value) ? value : 0.0);
+    };
+    for (const std::string& source : all)
+      for (const char* of : {"stiffness_share", "damping_share"})
+        numbers(path + "[" + source + "]." + of, share(stored, a, source, of), share(replayed, b, source, of),
+                {kNaN, kReplayTolerance});
   }
 
   // An entry C_ij is measured in √(C_ii·C_jj), which is u² on the diagonal.

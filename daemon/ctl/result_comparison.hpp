@@ -12,7 +12,8 @@
 namespace dwell::ctl {
 
 // What another build, libm or set of CPU features may change: a part of the standard uncertainty of each number. Of a
-// number without uncertainty the same part of itself; of an instant one microsecond.
+// number without uncertainty the same part of itself; of a share of a budget the same part of the whole, whatever the
+// order of the sources; of an instant one microsecond.
 inline constexpr double kReplayTolerance = 1e-3;
 inline constexpr double kInstantTolerance_s = 1e-6;
 

@@ -15,7 +15,6 @@ namespace dwell::test {
 namespace {
 
 constexpr std::int64_t kBorn_ns = 4'000'000'000'123;  // the computer has been on for an hour
-constexpr double kPublish_s = 0.25;
 
 std::string joined(const std::vector<double>& values, double scale) {
   std::string text;
@@ -221,7 +220,7 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     if (ends) measurement.finish();
     if (!ends && record.t_ns >= publish_ns && measurement.readings() == nullptr) ++run.busy;
     if (!ends && record.t_ns >= publish_ns && measurement.readings() != nullptr) {
-      publish_ns = record.t_ns + std::llround(1e9 * kPublish_s);
+      publish_ns = record.t_ns + std::llround(1e9 * changes.every_s);
       store(false, measurement.current());
     }
   }

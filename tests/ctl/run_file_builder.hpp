@@ -69,6 +69,7 @@ struct Changes {
   std::function<void(record::RunHeader&)> header = {};
   std::function<bool(record::StoredResult&)> result = {};  // false: it is left out
   bool without_end = false;
+  double every_s = 0.25;  // between two results, on the stream
 };
 
 struct WrittenRun {
@@ -77,7 +78,7 @@ struct WrittenRun {
   int settled = 0;  // finals with coefficients
   int busy = 0;     // records at which a result was due and long work was going on
 };
-// Writes the run at `path`, results published every 0.25 s of the stream.
+// Writes the run at `path`.
 WrittenRun write_run(const std::string& path, const std::string& rig_text, const std::vector<Record>& stream,
                      const Changes& changes = {});
 
