@@ -23,7 +23,7 @@ Difference whole(std::string stored, std::string replayed) {
 void ReplayCheck::look(const Replay& replay) {
   std::size_t ended = 0;
   for (; stored_.now() != nullptr && stored_.now()->position <= replay.position(); stored_.next()) {
-    const record::StoredResult& stored = *stored_.now();
+    const StoredResults::Entry& stored = *stored_.now();
     ++(stored.final ? findings_.finals : findings_.results);
     if (stored.position < replay.position()) {
       find(stored, whole("stored after a result of a later record", ""));
@@ -43,13 +43,13 @@ void ReplayCheck::look(const Replay& replay) {
     if (!closed_ && stored_.now() == nullptr)
       note("the run was cut off before dwell " + index_in(dwell) + ", which ended there, was stored");
     else
-      find({replay.position(), true, dwell}, whole("none", "a dwell ends here"));
+      find(Finding{replay.position(), true, index_in(dwell), whole("none", "a dwell ends here")});
   }
 }
 
 record::Result<ReplayFindings> ReplayCheck::finish() {
   for (; stored_.now() != nullptr; stored_.next()) {
-    const record::StoredResult& stored = *stored_.now();
+    const StoredResults::Entry& stored = *stored_.now();
     const std::string at = "record " + std::to_string(stored.position);
     if (closed_)
       find(stored, whole("a result at " + at, "the stream ends before"));
@@ -62,19 +62,36 @@ record::Result<ReplayFindings> ReplayCheck::finish() {
   return std::move(findings_);
 }
 
-void ReplayCheck::compare(const record::StoredResult& stored, const std::string& replayed) {
-  auto comparison = compare_results(stored.dwell, replayed);
+void ReplayCheck::compare(const StoredResults::Entry& stored, const std::string& replayed) {
+  // The bytes that the recorder would have written: nothing differs.
+  if (stored.body == to_json(record::StoredResult{stored.position, stored.final, replayed})) {
+    findings_.numbers += numbers_in(replayed);
+    return;
+  }
+  const auto parsed = record::parse_result(stored.body);
+  if (!parsed) return find(stored, whole(parsed.error(), ""));
+  if (parsed->position != stored.position || parsed->final != stored.final)
+    return find(stored, whole("two positions in one result", ""));
+  auto comparison = compare_results(parsed->dwell, replayed);
   if (!comparison) return find(stored, whole(comparison.error(), ""));
   findings_.numbers += comparison->numbers;
-  for (Difference& difference : comparison->differences) find(stored, std::move(difference));
+  const std::string index = index_in(parsed->dwell);
+  for (Difference& difference : comparison->differences)
+    find(Finding{stored.position, stored.final, index, std::move(difference)});
 }
 
-void ReplayCheck::find(const record::StoredResult& stored, Difference difference) {
+void ReplayCheck::find(const StoredResults::Entry& stored, Difference difference) {
+  const auto parsed = record::parse_result(stored.body);
+  const std::string index = parsed ? index_in(parsed->dwell) : "none";
+  find(Finding{stored.position, stored.final, index, std::move(difference)});
+}
+
+void ReplayCheck::find(Finding finding) {
   ++findings_.different;
-  Finding finding{stored.position, stored.final, index_in(stored.dwell), std::move(difference)};
   if (finding.difference.tolerable) {
-    if (finding.difference.in_u > findings_.largest.difference.in_u || findings_.largest.position == 0)
-      if (finding.difference.in_u >= 0.0) findings_.largest = finding;
+    const bool first = findings_.largest.position == 0;
+    if (finding.difference.in_u >= 0.0 && (first || finding.difference.in_u > findings_.largest.difference.in_u))
+      findings_.largest = finding;
     if (tolerable_.size() < ReplayFindings::kListed) tolerable_.push_back(std::move(finding));
     return;
   }

@@ -47,7 +47,7 @@ class ReplayCheck {
 
   // After each record that the replay has taken.
   void follow(const Replay& replay) {
-    const record::StoredResult* const next = stored_.now();
+    const StoredResults::Entry* const next = stored_.now();
     if ((next != nullptr && next->position <= replay.position()) || !replay.ended().empty()) look(replay);
   }
   // After the last one. Fails where the results could not be read to their end.
@@ -55,8 +55,10 @@ class ReplayCheck {
 
  private:
   void look(const Replay& replay);
-  void compare(const record::StoredResult& stored, const std::string& replayed);
-  void find(const record::StoredResult& stored, Difference difference);
+  void compare(const StoredResults::Entry& stored, const std::string& replayed);
+  // In a result as it is stored.
+  void find(const StoredResults::Entry& stored, Difference difference);
+  void find(Finding finding);
   void note(const std::string& text);
 
   StoredResults stored_;

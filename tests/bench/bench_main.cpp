@@ -168,6 +168,9 @@ void print(Medians& medians) {
                  real_time("identify_shared_instants"), 1000);
   table.at_least("identify, the same, each sample its own instant", seconds("identify_own_instants"),
                  real_time("identify_own_instants"), 1000);
+  table.at_least("replay, 10 min of 8 channels at 1 kHz, the whole program", seconds("replay_ten_minutes"),
+                 real_time("replay_ten_minutes"), 1000);
+  table.plain("... of it reading the file", seconds("reading_ten_minutes"));
   table.at_least("virtual test, 10 min of 8 masses at 1 kHz, shared instants", seconds("virtual_test_shared_instants"),
                  real_time("virtual_test_shared_instants"), 3000);
   table.plain("virtual test, the same, each sample its own instant", seconds("virtual_test_own_instants"),
