@@ -15,6 +15,7 @@
 #include "daemon/notifier.hpp"
 #include "daemon/outlets/http.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/report/number_text.hpp"
 #include "daemon/run/countersigner.hpp"
 #include "daemon/run/recording.hpp"
 #include "daemon/run/session.hpp"
@@ -160,7 +161,7 @@ struct Service::Impl {
     if (!asked) return sign_answer(tl::unexpected(asked.error()));
     if (!signer)
       return sign_answer(tl::unexpected(std::string("the service records no runs; sign with a key of your own")));
-    log.info("signature under " + asked->file + " asked for by uid " + std::to_string(peer.uid) + ", pid " +
+    log.info("signature under " + printable(asked->file) + " asked for by uid " + std::to_string(peer.uid) + ", pid " +
              std::to_string(peer.pid));
     return ControlReply([this, request = std::move(*asked)](const ControlReply::Answer& answer) {
       signer->ask(request, [this, answer](const record::Result<Countersigned>& made) {

@@ -36,8 +36,8 @@ struct RunSummary {
 [[nodiscard]] std::string summary_page(const RunSummary& run, std::size_t columns);
 [[nodiscard]] nlohmann::ordered_json summary_json(const RunSummary& run);
 
-// "Anna Weber, reviewed, 2026-07-01T10:12:03Z: anna (uid 1000), vouched for by the service". Whether it holds, audit
-// tells.
+// "Anna Weber: reviewed, 2026-07-01T10:12:03Z, countersigned by the service for anna (uid 1000)". Whether it holds,
+// audit tells.
 [[nodiscard]] std::string signature_text(const record::PersonalSignature& signature);
 
 // "1.2 MB"; powers of ten.

@@ -128,17 +128,20 @@ Section dwell_section(const DwellView& view, std::size_t columns) {
   return section;
 }
 
-// An instant without its date where that is the run's.
+// An instant to the millisecond, without its date where that is the run's.
 std::string instant(const std::string& utc, const record::RunHeader& header) {
-  constexpr std::size_t kDate = 11;  // "2026-07-01T"
+  constexpr std::size_t kDate = 11;          // "2026-07-01T"
+  constexpr std::size_t kMilliseconds = 23;  // of "2026-07-01T10:12:03.123456Z"
   const bool same = utc.size() > kDate && utc.compare(0, kDate, header.start_utc, 0, kDate) == 0;
-  return same ? utc.substr(kDate) : utc;
+  const std::string text = utc.size() > kMilliseconds ? utc.substr(0, kMilliseconds) : utc;
+  return same ? text.substr(kDate) : text;
 }
 
 std::string event_text(const record::StoredEvent& event) {
   std::string text = event.text;
-  if (event.person) text += ", by " + person_text(*event.person);
-  if (!event.before.empty() || !event.after.empty()) text += ": " + event.before + " → " + event.after;
+  const std::string who = event.person ? person_text(*event.person) : "";
+  if (text.find(who) == std::string::npos) text += ", by " + who;
+  if (event.before != event.after) text += ": " + event.before + " → " + event.after;
   return event.comment.empty() ? text : text + ": " + event.comment;
 }
 
@@ -185,11 +188,12 @@ Section signature_section(const RunSummary& run, std::size_t columns) {
 }  // namespace
 
 std::string signature_text(const record::PersonalSignature& signature) {
-  std::string text = signature.name + ", " + signature.meaning + ", " + signature.utc;
-  if (!signature.reason.empty()) text += ", \"" + signature.reason + "\"";
-  if (signature.person) return text + ": " + person_text(*signature.person) + ", vouched for by the service";
+  std::string text = signature.name + ": " + signature.meaning;
+  if (!signature.reason.empty()) text += " (" + signature.reason + ")";
+  text += ", " + signature.utc;
+  if (signature.person) return text + ", countersigned by the service for " + person_text(*signature.person);
   const auto key = record::PublicKey::parse(signature.vkey);
-  return text + ": key of their own " + (key ? key->name() + ", " + key->fingerprint() : "that is not readable");
+  return text + ", with the key " + (key ? key->name() + " " + key->fingerprint() : "that is not readable");
 }
 
 std::string summary_page(const RunSummary& run, std::size_t columns) {

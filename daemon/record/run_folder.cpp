@@ -14,6 +14,7 @@
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/key_file.hpp"
 #include "daemon/record/last_entry.hpp"
+#include "daemon/record/ledger_book.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -55,6 +56,24 @@ Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entr
   auto committed = file.commit();
   if (!committed) file.roll_back();
   return committed;
+}
+
+// Runs of which nothing was ever committed, that have ended, and whose deletion the ledger does not know: a crash came
+// between the two entries.
+Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory) {
+  auto reader = ChainReader::open(directory + "/ledger.dwell-ledger", ChainSort::ledger);
+  if (!reader) return tl::unexpected(reader.error());
+  LedgerBook book;
+  for (;;) {
+    const auto row = reader->next();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) break;
+    if (auto taken = book.take((*row)->entry); !taken) return tl::unexpected(taken.error());
+  }
+  std::vector<std::int64_t> runs;
+  for (const auto& [number, run] : book.runs())
+    if (run.end && run.end->seq == 0 && !run.deleted && file_of_run(directory, number).empty()) runs.push_back(number);
+  return runs;
 }
 
 // What a file that nobody writes any more ends with.
@@ -113,10 +132,17 @@ struct RunFolder::Impl {
       if (auto seen = look_into(options.directory, found.run)) found = std::move(*seen);
     }
     Result<void> told = ledger.run_ends(found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff);
-    if (!told) return told;
-    if (found.run.file.empty()) told = ledger.run_deleted(found.run.run, {}, "it was cut off before it had a file");
-    if (!found.closed) cut_off = std::move(found.run);
+    if (told && !found.closed) cut_off = std::move(found.run);
     return told;
+  }
+
+  // A run whose file never was is not to look like one whose file was removed.
+  Result<void> tell_of_files_that_never_were() {
+    const auto runs = runs_without_file(options.directory);
+    if (!runs) return tl::unexpected(runs.error());
+    for (const std::int64_t number : *runs)
+      if (auto told = signs->ledger.run_deleted(number, {}, "it was cut off before it had a file"); !told) return told;
+    return {};
   }
 
   [[nodiscard]] std::optional<Anchor> head() const {
@@ -156,7 +182,7 @@ Result<void> RunFolder::open() {
   auto signs = open_key_and_ledger(self.options.directory, self.options.key_name);
   if (!signs) return tl::unexpected(signs.error());
   self.signs.emplace(std::move(*signs));
-  auto told = self.tell_of_cut_off();
+  auto told = self.tell_of_cut_off().and_then([&] { return self.tell_of_files_that_never_were(); });
   if (!told) self.signs.reset();
   return told;
 }

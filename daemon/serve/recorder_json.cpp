@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "daemon/serve/api.hpp"
 #include "daemon/serve/page_query.hpp"
 
 namespace dwell {

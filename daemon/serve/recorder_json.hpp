@@ -1,7 +1,7 @@
-// What the service says of its recorder: the object in the health, and the list of runs. Pure, as api.hpp.
+// What the service says of its recorder: the object in the health, and the list of runs. Pure, as api.hpp. Heavy:
+// include it in .cpp only.
 #pragma once
 
-#include <cstddef>
 #include <string_view>
 
 #include "daemon/report/dwell_json_value.hpp"
@@ -9,9 +9,6 @@
 #include "daemon/service_view.hpp"
 
 namespace dwell {
-
-// Runs in one answer of /api/v1/runs at most, and unless ?count= asks for fewer: 60 kB.
-inline constexpr std::size_t kRunsPerAnswer = 100;
 
 // How the recorder stands; null where the service has none.
 [[nodiscard]] Json recorder_json(const ServiceView& view);

@@ -251,16 +251,16 @@ TEST_F(RecordVerbs, APersonSignsWithAKeyOfTheirOwn) {
   const Outcome outcome = test::run(
       {"sign", run, "--meaning", "reviewed", "--name", "Anna Weber", "--reason", "for the certificate", "--key", own});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_TRUE(holds(outcome.out, "Anna Weber, reviewed, ")) << outcome.out;
-  EXPECT_TRUE(holds(outcome.out, "key of their own anna@desk")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "Anna Weber: reviewed")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "with the key anna@desk ")) << outcome.out;
 
   const Outcome audit = test::run({"audit", run, "--key", key.public_key().vkey()});
   EXPECT_EQ(audit.code, 0) << audit.out;
   EXPECT_TRUE(holds(audit.out, ": intact\n  signed: ")) << audit.out;
   EXPECT_TRUE(holds(audit.out, "Anna Weber")) << audit.out;
   const Outcome show = test::run({"show", run});
-  EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber, reviewed, ")) << show.out;
-  EXPECT_TRUE(holds(show.out, "for the certificate")) << show.out;
+  EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber: reviewed (for the")) << show.out;
+  EXPECT_TRUE(holds(show.out, "certificate")) << show.out;
 }
 
 TEST_F(RecordVerbs, WhatHasNotEndedIsNotSigned) {
@@ -295,9 +295,9 @@ TEST_F(RecordVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
   const std::vector<std::string> command{"sign", "run.dwell", "--meaning", "reviewed", "--control", control};
   const Outcome outcome = test::run(command);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(
-      outcome.out,
-      "run.dwell: signed: Anna Weber, reviewed, 2026-07-02T08:00:00Z: anna (uid 1000), vouched for by the service\n");
+  EXPECT_EQ(outcome.out,
+            "run.dwell: signed: Anna Weber: reviewed, 2026-07-02T08:00:00Z, countersigned by the service for anna (uid "
+            "1000)\n");
   const auto request = nlohmann::json::parse(server.requests().at(0));
   EXPECT_EQ(request["verb"], "sign");
   EXPECT_EQ(request["file"], std::filesystem::absolute("run.dwell").string());

@@ -1,6 +1,6 @@
-#include "daemon/serve/recorder_json.hpp"
-
 #include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
 
 #include "daemon/serve/api.hpp"
 

@@ -1,5 +1,5 @@
-// The service is killed at random instants while it records. DWELL_KILLS says how often; the figure that the project
-// states is of 200.
+// The service is killed at random instants while it records. DWELL_KILLS says how often, DWELL_KILL_SPEED how fast; the
+// figure that the project states is of 200 at speed 1.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -25,9 +25,14 @@
 namespace dwell::record {
 namespace {
 
+int asked_for(const char* variable, int otherwise) {
+  const char* const asked = std::getenv(variable);
+  return asked != nullptr ? std::atoi(asked) : otherwise;
+}
+
 // The stream's time goes so many times faster than the clock. The disk and the scheduler do not: what they take counts
-// so many times as well.
-constexpr int kFaster = 8;
+// so many times as well. At 1 the two seconds are those of a clock.
+int faster() { return asked_for("DWELL_KILL_SPEED", 8); }
 
 // What the child says of itself up to the instant of its death.
 struct LastWords {
@@ -66,8 +71,8 @@ class SharedWords {
     if (step % 10 == 0) recorder.result(stream.position(), step % 100 == 0, std::make_shared<const Dwell>());
     words.reached_ns = stream.t_ns();
     const std::int64_t still_ns = raw_now_ns() - recorder.last_turn_ns();
-    words.longest_ns = std::max(still_ns, words.longest_ns.load() - 10'000'000 / kFaster);
-    std::this_thread::sleep_until(began + step * std::chrono::nanoseconds(10'000'000 / kFaster));
+    words.longest_ns = std::max(still_ns, words.longest_ns.load() - 10'000'000 / faster());
+    std::this_thread::sleep_until(began + step * std::chrono::nanoseconds(10'000'000 / faster()));
   }
 }
 
@@ -84,23 +89,20 @@ std::string newest_run(const std::string& directory) {
   return newest;
 }
 
-int kills() {
-  const char* const asked = std::getenv("DWELL_KILLS");
-  return asked != nullptr ? std::atoi(asked) : 20;
-}
+int kills() { return asked_for("DWELL_KILLS", 20); }
 
 TEST(Crash, AKilledServiceLeavesEverythingOlderThanTwoSecondsInAFileThatAuditsAsOpen) {
   const Scratch scratch;
   std::mt19937 random(std::random_device{}());
   int excused = 0, recorded = 0;
-  std::int64_t worst_ns = 0;
+  std::int64_t worst_ns = 0, worst_without_ns = 0;
   std::string before;
   for (int kill_number = 1; kill_number <= kills(); ++kill_number) {
     const SharedWords words;
     const pid_t child = fork();
     if (child == 0) record_until_killed(scratch.path(), *words);
     while (words->begun_ns == 0) std::this_thread::yield();
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 500'000));
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % (4'000'000 / static_cast<unsigned>(faster()))));
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
 
@@ -109,11 +111,12 @@ TEST(Crash, AKilledServiceLeavesEverythingOlderThanTwoSecondsInAFileThatAuditsAs
     before = file;
     const std::int64_t age_ns = words->reached_ns - words->begun_ns;
     // What is allowed: two seconds, and what a disk slower than half a second costs beyond.
-    const std::int64_t slow_ns = kFaster * words->longest_ns;
+    const std::int64_t slow_ns = faster() * words->longest_ns;
     const std::int64_t allowed_ns = 1'100'000'000 + std::max<std::int64_t>(900'000'000, 2 * slow_ns);
     if (allowed_ns > 2'000'000'000) ++excused;
     if (!is_new) {
       EXPECT_LE(age_ns, allowed_ns) << "kill " << kill_number << ": no file";
+      worst_without_ns = std::max(worst_without_ns, age_ns);
       continue;
     }
     const auto audit = audit_run(file, {});
@@ -126,8 +129,9 @@ TEST(Crash, AKilledServiceLeavesEverythingOlderThanTwoSecondsInAFileThatAuditsAs
     worst_ns = std::max(worst_ns, lost_ns);
     ++recorded;
   }
-  std::printf("%d kills, %d with a file, lost at most %.2f s; %d where the disk was too slow for two seconds\n",
-              kills(), recorded, static_cast<double>(worst_ns) * 1e-9, excused);
+  std::printf("%d kills: %d with a file, lost at most %.2f s; the others within %.2f s of the run's beginning\n",
+              kills(), recorded, static_cast<double>(worst_ns) * 1e-9, static_cast<double>(worst_without_ns) * 1e-9);
+  std::printf("%d where the disk or the scheduler was too slow for two seconds: there more was allowed\n", excused);
   EXPECT_GE(recorded, kills() / 2);
   RunFolder folder(folder_options(scratch.path()));
   ASSERT_TRUE(folder.open()) << "the start after the last kill";

@@ -169,5 +169,21 @@ TEST(RunReader, NamesTheFileTheEntryAndWhatIsWrong) {
   EXPECT_EQ(RunReader::open("/there/is/no/such.dwell").error().find("/there/is/no/such.dwell: "), 0U);
 }
 
+// SQLite repeats the text of a schema that it cannot read.
+TEST(RunReader, AMessageIsOneLineWhateverTheFileHolds) {
+  WrittenRun written;
+  written.header();
+  ASSERT_TRUE(written.read());
+  std::string file = Scratch::read(written.path());
+  const std::size_t at = file.find("INTEGER");
+  ASSERT_NE(at, std::string::npos);
+  file[at + 4] = '\n';
+  std::ofstream(written.path(), std::ios::binary | std::ios::trunc) << file;
+  const auto run = RunReader::open(written.path());
+  ASSERT_FALSE(run);
+  EXPECT_EQ(run.error().find('\n'), std::string::npos) << run.error();
+  EXPECT_NE(run.error().find("INTE?ER"), std::string::npos) << run.error();
+}
+
 }  // namespace
 }  // namespace dwell::record

@@ -36,13 +36,21 @@ class Signal {
   }
   double operator()(std::int64_t t_ns, int channel) {
     const double phase = 6.283185307179586 * 4.0 * static_cast<double>(t_ns) * 1e-9;
-    return std::round((10'000.0 - 100.0 * channel) * std::sin(phase) + noise_[next_++ & 0xffff]);
+    return std::round((10'000.0 - 100.0 * channel) * std::sin(phase) + noise());
   }
-  std::int64_t jitter_ns() { return static_cast<std::int64_t>(100.0 * noise_[next_++ & 0xffff]); }
+  std::int64_t jitter_ns() { return static_cast<std::int64_t>(100.0 * noise()); }
 
  private:
+  // Drawn at random from a table: walked through in order, it would repeat itself within a block, and compress.
+  double noise() {
+    state_ ^= state_ << 13;
+    state_ ^= state_ >> 7;
+    state_ ^= state_ << 17;
+    return noise_[state_ >> 48];
+  }
+
   double noise_[65536];
-  std::size_t next_ = 0;
+  std::uint64_t state_ = 88172645463325252u;
 };
 
 // User and system time of this process's thread of that name, s.
