@@ -23,38 +23,48 @@ Difference whole(std::string stored, std::string replayed) {
 void ReplayCheck::look(const Replay& replay) {
   std::size_t ended = 0;
   for (; stored_.now() != nullptr && stored_.now()->position <= replay.position(); stored_.next()) {
-    const record::StoredResult& stored = *stored_.now();
-    ++(stored.final ? findings_.finals : findings_.results);
+    const StoredResults::Entry& stored = *stored_.now();
+    const auto compare_with = [&](const Dwell& dwell) {
+      later([this, stored, dwell] { compare(stored, to_json_(dwell)); });
+    };
+    const auto find_whole = [&](const char* is, const char* would_be) {
+      later([this, stored, is, would_be] { find(stored, whole(is, would_be)); });
+    };
+    later([this, final = stored.final] { ++(final ? findings_.finals : findings_.results); });
     if (stored.position < replay.position()) {
-      find(stored, whole("stored after a result of a later record", ""));
+      find_whole("stored after a result of a later record", "");
     } else if (stored.final) {
       if (ended < replay.ended().size())
-        compare(stored, to_json_(replay.ended()[ended++]));
+        compare_with(replay.ended()[ended++]);
       else
-        find(stored, whole("a dwell ends here", "none does"));
+        find_whole("a dwell ends here", "none does");
     } else if (const auto current = replay.current()) {
-      compare(stored, to_json_(*current));
+      compare_with(*current);
     } else {
-      find(stored, whole("published here", "nothing: the pipeline is in a long piece of work"));
+      find_whole("published here", "nothing: the pipeline is in a long piece of work");
     }
   }
-  for (; ended < replay.ended().size(); ++ended) {
-    const std::string dwell = to_json_(replay.ended()[ended]);
-    if (!closed_ && stored_.now() == nullptr)
-      note("the run was cut off before dwell " + index_in(dwell) + ", which ended there, was stored");
-    else
-      find({replay.position(), true, dwell}, whole("none", "a dwell ends here"));
-  }
+  const bool cut_off = !closed_ && stored_.now() == nullptr;
+  for (; ended < replay.ended().size(); ++ended)
+    later([this, cut_off, position = replay.position(), dwell = replay.ended()[ended]] {
+      const std::string index = index_in(to_json_(dwell));
+      if (cut_off)
+        findings_.notes.push_back("the run was cut off before dwell " + index + ", which ended there, was stored");
+      else
+        find(Finding{position, true, index, whole("none", "a dwell ends here")});
+    });
 }
 
 record::Result<ReplayFindings> ReplayCheck::finish() {
+  hand_over();
+  work_.get();
   for (; stored_.now() != nullptr; stored_.next()) {
-    const record::StoredResult& stored = *stored_.now();
+    const StoredResults::Entry& stored = *stored_.now();
     const std::string at = "record " + std::to_string(stored.position);
     if (closed_)
       find(stored, whole("a result at " + at, "the stream ends before"));
     else
-      note("the run was cut off before " + at + ", at which a result is stored");
+      findings_.notes.push_back("the run was cut off before " + at + ", at which a result is stored");
   }
   if (!stored_.error().empty()) return tl::unexpected(stored_.error());
   for (Finding& finding : tolerable_)
@@ -62,26 +72,53 @@ record::Result<ReplayFindings> ReplayCheck::finish() {
   return std::move(findings_);
 }
 
-void ReplayCheck::compare(const record::StoredResult& stored, const std::string& replayed) {
-  auto comparison = compare_results(stored.dwell, replayed);
-  if (!comparison) return find(stored, whole(comparison.error(), ""));
-  findings_.numbers += comparison->numbers;
-  for (Difference& difference : comparison->differences) find(stored, std::move(difference));
+void ReplayCheck::later(std::function<void()> work) {
+  put_off_.push_back(std::move(work));
+  if (put_off_.size() >= kTogether) hand_over();
 }
 
-void ReplayCheck::find(const record::StoredResult& stored, Difference difference) {
+void ReplayCheck::hand_over() {
+  if (work_.valid()) work_.get();
+  work_ = std::async(std::launch::async, [work = std::exchange(put_off_, {})] {
+    for (const auto& piece : work) piece();
+  });
+}
+
+void ReplayCheck::compare(const StoredResults::Entry& stored, const std::string& replayed) {
+  // The bytes that the recorder would have written: nothing differs.
+  if (stored.body == to_json(record::StoredResult{stored.position, stored.final, replayed})) {
+    findings_.numbers += numbers_in(replayed);
+    return;
+  }
+  const auto parsed = record::parse_result(stored.body);
+  if (!parsed) return find(stored, whole(parsed.error(), ""));
+  if (parsed->position != stored.position || parsed->final != stored.final)
+    return find(stored, whole("two positions in one result", ""));
+  auto comparison = compare_results(parsed->dwell, replayed);
+  if (!comparison) return find(stored, whole(comparison.error(), ""));
+  findings_.numbers += comparison->numbers;
+  const std::string index = index_in(parsed->dwell);
+  for (Difference& difference : comparison->differences)
+    find(Finding{stored.position, stored.final, index, std::move(difference)});
+}
+
+void ReplayCheck::find(const StoredResults::Entry& stored, Difference difference) {
+  const auto parsed = record::parse_result(stored.body);
+  const std::string index = parsed ? index_in(parsed->dwell) : "none";
+  find(Finding{stored.position, stored.final, index, std::move(difference)});
+}
+
+void ReplayCheck::find(Finding finding) {
   ++findings_.different;
-  Finding finding{stored.position, stored.final, index_in(stored.dwell), std::move(difference)};
   if (finding.difference.tolerable) {
-    if (finding.difference.in_u > findings_.largest.difference.in_u || findings_.largest.position == 0)
-      if (finding.difference.in_u >= 0.0) findings_.largest = finding;
+    const bool first = findings_.largest.position == 0;
+    if (finding.difference.in_u >= 0.0 && (first || finding.difference.in_u > findings_.largest.difference.in_u))
+      findings_.largest = finding;
     if (tolerable_.size() < ReplayFindings::kListed) tolerable_.push_back(std::move(finding));
     return;
   }
   ++findings_.intolerable;
   if (findings_.listed.size() < ReplayFindings::kListed) findings_.listed.push_back(std::move(finding));
 }
-
-void ReplayCheck::note(const std::string& text) { findings_.notes.push_back(text); }
 
 }  // namespace dwell::ctl

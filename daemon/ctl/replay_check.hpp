@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,10 @@ struct ReplayFindings {
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
 };
 
-// Bound to one thread.
+// Bound to one thread. The comparisons, half as much work as the replay, are done on another one meanwhile.
 class ReplayCheck {
  public:
-  // The JSON object of a dwell as the recording service wrote it.
+  // The JSON object of a dwell as the recording service wrote it. Called on that other thread.
   using ToJson = std::function<std::string(const Dwell&)>;
 
   // closed: the run has ended, so that nothing may be missing. In one that was cut off, results at its very end may be
@@ -45,25 +46,37 @@ class ReplayCheck {
   ReplayCheck(StoredResults stored, ToJson to_json, bool closed)
       : stored_(std::move(stored)), to_json_(std::move(to_json)), closed_(closed) {}
 
+  ReplayCheck(const ReplayCheck&) = delete;
+  ReplayCheck& operator=(const ReplayCheck&) = delete;
+
   // After each record that the replay has taken.
   void follow(const Replay& replay) {
-    const record::StoredResult* const next = stored_.now();
+    const StoredResults::Entry* const next = stored_.now();
     if ((next != nullptr && next->position <= replay.position()) || !replay.ended().empty()) look(replay);
   }
   // After the last one. Fails where the results could not be read to their end.
   [[nodiscard]] record::Result<ReplayFindings> finish();
 
  private:
+  static constexpr std::size_t kTogether = 32;  // comparisons handed over at once: bounds the dwells that wait
+
+  // Does this after all that was put off before, on the other thread.
+  void later(std::function<void()> work);
+  void hand_over();
   void look(const Replay& replay);
-  void compare(const record::StoredResult& stored, const std::string& replayed);
-  void find(const record::StoredResult& stored, Difference difference);
-  void note(const std::string& text);
+  void compare(const StoredResults::Entry& stored, const std::string& replayed);
+  // In a result as it is stored.
+  void find(const StoredResults::Entry& stored, Difference difference);
+  void find(Finding finding);
 
   StoredResults stored_;
   ToJson to_json_;
   bool closed_;
+  std::vector<std::function<void()>> put_off_;
+  // Of the other thread, until it is done.
   std::vector<Finding> tolerable_;
   ReplayFindings findings_;
+  std::future<void> work_;  // last: waits for that thread before the rest goes
 };
 
 }  // namespace dwell::ctl

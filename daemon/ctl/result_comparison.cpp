@@ -184,6 +184,26 @@ class Walk {
 
 }  // namespace
 
+std::uint64_t numbers_in(std::string_view json) noexcept {
+  std::uint64_t numbers = 0;
+  bool in_string = false, in_word = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      in_string = c != '"';
+    } else if (c == '"') {
+      in_string = true;
+    } else {
+      const bool begins = (c >= '0' && c <= '9') || c == '-';
+      const bool separates = c == ',' || c == ':' || c == '[' || c == ']' || c == '{' || c == '}' || c <= ' ';
+      if (begins && !in_word) ++numbers;
+      in_word = !separates;
+    }
+  }
+  return numbers;
+}
+
 tl::expected<Comparison, std::string> compare_results(std::string_view stored, std::string_view replayed) {
   const Json a = Json::parse(stored, nullptr, false), b = Json::parse(replayed, nullptr, false);
   if (!a.is_object()) return tl::unexpected(std::string("the stored result is not a JSON object"));

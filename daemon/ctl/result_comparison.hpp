@@ -34,4 +34,7 @@ struct Comparison {
 // out. Fails where one of the two is not a JSON object.
 [[nodiscard]] tl::expected<Comparison, std::string> compare_results(std::string_view stored, std::string_view replayed);
 
+// The numbers in the text of a JSON document.
+[[nodiscard]] std::uint64_t numbers_in(std::string_view json) noexcept;
+
 }  // namespace dwell::ctl

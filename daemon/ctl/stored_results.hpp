@@ -1,6 +1,7 @@
 // The results that a run file holds, one at a time in the order of the file.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -12,11 +13,18 @@ namespace dwell::ctl {
 // Bound to one thread. Memory: one result.
 class StoredResults {
  public:
+  // An entry as it stands in the file. Parsing it costs as much as computing it anew, and is seldom needed.
+  struct Entry {
+    std::uint64_t position = 0;
+    bool final = false;
+    std::string body;
+  };
+
   // Fails with "FILE: what is wrong".
   [[nodiscard]] static record::Result<StoredResults> open(const std::string& path);
 
   // The result at hand; null: there is none left, or error() says what is wrong with the next one.
-  [[nodiscard]] const record::StoredResult* now() const noexcept { return now_ ? &*now_ : nullptr; }
+  [[nodiscard]] const Entry* now() const noexcept { return now_ ? &*now_ : nullptr; }
   // Only if now() is not null.
   void next();
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
@@ -26,8 +34,12 @@ class StoredResults {
 
   std::string path_;
   record::ChainReader reader_;
-  std::optional<record::StoredResult> now_;
+  std::optional<Entry> now_;
   std::string error_;
 };
+
+// position and final of a body in the form that the recorder writes, without parsing what follows; nullopt: another
+// form.
+[[nodiscard]] std::optional<StoredResults::Entry> front_of(const std::string& body);
 
 }  // namespace dwell::ctl

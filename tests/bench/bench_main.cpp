@@ -1,8 +1,9 @@
 // Runs the benches, each ten times and in mixed order, and prints what the medians say beside the targets.
 //
-// Figures are CPU times of the thread concerned (the ring between two threads: real time). On a machine that has other
-// things to do they spread; only the ratios between two of one run tell something. A bench is no test: the exit code is
-// 0 whatever is missed. Takes the options of Google Benchmark; --benchmark_filter leaves rows empty.
+// Figures are CPU times of the thread concerned (the ring between two threads, the program that replays: real time). On
+// a machine that has other things to do they spread; only the ratios between two of one run tell something. A bench is
+// no test: the exit code is 0 whatever is missed. Takes the options of Google Benchmark; --benchmark_filter leaves rows
+// empty.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -168,6 +169,9 @@ void print(Medians& medians) {
                  real_time("identify_shared_instants"), 1000);
   table.at_least("identify, the same, each sample its own instant", seconds("identify_own_instants"),
                  real_time("identify_own_instants"), 1000);
+  table.at_least("replay, 10 min of 8 channels at 1 kHz, wall clock", seconds("replay_ten_minutes"),
+                 real_time("replay_ten_minutes"), 1000);
+  table.plain("... of it reading the file", seconds("reading_ten_minutes"));
   table.at_least("virtual test, 10 min of 8 masses at 1 kHz, shared instants", seconds("virtual_test_shared_instants"),
                  real_time("virtual_test_shared_instants"), 3000);
   table.plain("virtual test, the same, each sample its own instant", seconds("virtual_test_own_instants"),

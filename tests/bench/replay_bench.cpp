@@ -42,9 +42,7 @@ const std::string& run_file() {
     const auto scans = std::llround(kDuration_s * SteadyRig::kRate_hz);
     for (long long scan = 0; scan < scans; ++scan) {
       const double t_s = static_cast<double>(scan) / SteadyRig::kRate_hz;
-      // A transducer of 16 bit over ±10 mm.
-      for (int c = 0; c < source.channels(); ++c)
-        add(t_s, Kind::sample, c, std::round(1e3 * source.reading(c, t_s) * 3276.8) / 3276.8, 0);
+      for (int c = 0; c < source.channels(); ++c) add(t_s, Kind::sample, c, 1e3 * source.reading(c, t_s), 0);
       if (scan % 10 == 9) add(t_s, Kind::tick, 0, 0.0, 0);
     }
     add(kDuration_s, Kind::run, 0, 0.0, static_cast<std::uint8_t>(RunEdge::ends));

@@ -82,6 +82,12 @@ TEST(ResultComparison, NamesWhatIsMissingOrTooMuch) {
   EXPECT_EQ(only(R"({"covariance": [[1.0], 3]})", R"({"covariance": [[1.0], [3]]})").what, "covariance[1]");
 }
 
+TEST(ResultComparison, CountsNumbersInTextAsItDoesWhenItCompares) {
+  const char* text = R"({"a": [1.5e-3, null, -2, {"b\\\"": "x, 3"}], "n1": 3, "t": true, "s": "4", "e": 1E+5})";
+  EXPECT_EQ(numbers_in(text), 4U);
+  EXPECT_EQ(compare_results(text, text)->numbers, 4U);
+}
+
 TEST(ResultComparison, RefusesWhatIsNoObject) {
   for (const char* text : {"", "[]", "{", "3", "{\"a\": 1e999}"}) EXPECT_FALSE(compare_results(text, "{}")) << text;
 }
