@@ -96,7 +96,8 @@ TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
   refused("export none.dwell --format csv -o out", "none.dwell");
   refused("export run.dwell --format csv -o run.dwell", "is the run file itself");
   refused("report run.dwell -o run.dwell", "is the run file itself");
-  refused("export --model run.dwell -o out", "--rig");
+  refused("export --model readings.csv -o out", "a recording as text needs its rig file: --rig RIG.toml");
+  refused("export run.dwell -o out --rig rig.toml", "--model");
   refused("export run.dwell --format uff -o missing/out", "missing/out: cannot be written");
   EXPECT_FALSE(there("out"));
 }
