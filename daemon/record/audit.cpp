@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/record/block.hpp"
+#include "daemon/record/block_count.hpp"
 #include "daemon/record/chain_audit.hpp"
 #include "daemon/record/ledger_check.hpp"
 #include "daemon/record/signature.hpp"
@@ -42,9 +42,8 @@ class RunAudit {
   RunHeader header_;
   PublicKey key_;
   KnownHeads known_;
-  std::vector<Record> records_;
+  BlockCount count_;
   std::vector<PersonalSignature> signatures_;
-  std::vector<Digest> heads_;  // from `end` on: what a signature may be over
   std::int64_t begin_ns_ = 0, end_seq_ = 0, unsigned_from_ = 0;
 };
 
@@ -78,9 +77,7 @@ Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
   }
   if (Result<void> fits = known_.fits(entry.seq, row.head); !fits) return fits;
   if (end_seq_ != 0) {
-    if (Result<void> taken = take_signature(chain, row); !taken) return taken;
-    heads_.push_back(row.head);
-    return {};
+    return take_signature(chain, row);
   }
   if (unsigned_from_ == 0) unsigned_from_ = entry.seq;
   // Before what it says is looked at: what is not signed need not be anything.
@@ -91,7 +88,6 @@ Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
   if (Result<void> part = take_part(entry); !part) return fails(entry_name(entry.seq) + ": " + part.error());
   if (entry.kind == "end") {
     end_seq_ = entry.seq;
-    heads_.push_back(row.head);
     if (unsigned_from_ != 0) return fails(entry_name(entry.seq) + ": the end is not signed");
   }
   return {};
@@ -133,11 +129,10 @@ Result<void> RunAudit::ledger_agrees() const {
 
 Result<void> RunAudit::take_part(const Entry& entry) {
   if (entry.kind == "stream") {
-    Result<void> decoded = decode_block(entry.body, records_);
-    if (decoded)
-      audit_.samples += static_cast<std::uint64_t>(std::count_if(
-          records_.begin(), records_.end(), [](const Record& record) { return record.kind == Kind::sample; }));
-    return decoded;
+    const Result<std::uint64_t> samples = count_.samples(entry.body);
+    if (!samples) return fails(samples.error());
+    audit_.samples += *samples;
+    return {};
   }
   if (entry.kind == "signature") return fails("a signature before the end of the run");
   const auto wrong = [](const auto& parsed) { return parsed ? Result<void>() : fails(parsed.error()); };
@@ -153,9 +148,8 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   Result<PersonalSignature> read = parse_personal_signature(row.entry.body);
   if (!read) return fails(place + read.error());
   const PersonalSignature& signature = *read;
-  if (signature.seq < end_seq_ || signature.seq >= row.entry.seq ||
-      signature.head != hex(heads_[static_cast<std::size_t>(signature.seq - end_seq_)]))
-    return fails(place + "signs a head that the file does not have");
+  if (signature.seq != row.entry.seq - 1 || signature.head != audit_.head)
+    return fails(place + "signs another head than that of the entry before it");
   const Result<std::string> text = signature_text(header_.id, signature);
   if (!text) return fails(place + text.error());
 

@@ -13,7 +13,7 @@
 
 namespace dwell::record {
 
-// Records of a block at most: bounds what a hostile file can make a reader allocate (about 250 MB). The worst block is
+// Records of a block at most: bounds what a hostile file can make a reader allocate (about 200 MB). The worst block is
 // then 35 MB, which ChainReader::kMaxBody allows. 64 channels at 10 kHz fill it in 1.6 s.
 inline constexpr std::size_t kMaxBlockRecords = 1u << 20;
 

@@ -83,7 +83,7 @@ class ChainReader {
   };
   [[nodiscard]] Result<std::optional<Row>> next();
   // Goes on with the first entry of this kind, or of all kinds (empty), from `seq` on.
-  void seek(std::int64_t seq, std::string kind = {});
+  void seek(std::int64_t seq, const std::string& kind = {});
 
  private:
   struct Impl;

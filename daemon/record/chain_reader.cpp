@@ -36,7 +36,7 @@ Result<std::optional<ChainReader::Row>> ChainReader::next() {
   return row;
 }
 
-void ChainReader::seek(std::int64_t seq, std::string kind) {
+void ChainReader::seek(std::int64_t seq, const std::string& kind) {
   impl_->rows.seek(seq, kind);
   impl_->at_end = false;
 }

@@ -136,7 +136,7 @@ Result<void> Ledger::run_signed(std::int64_t run, const PersonalSignature& signa
 
 Result<void> Ledger::key_changes(const PublicKey& next) {
   const std::int64_t now_ns = utc_now_ns();
-  const Result<void> done = impl_->add("key", ledger_key(next, iso_utc(now_ns)), now_ns);
+  Result<void> done = impl_->add("key", ledger_key(next, iso_utc(now_ns)), now_ns);
   impl_->key_changed = impl_->key_changed || done.has_value();
   return done;
 }

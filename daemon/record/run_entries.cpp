@@ -14,8 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // members stay in the order of the page
 
-// A body is parsed as a whole, in up to 20 times its size: bounds what a hostile file can make a reader allocate.
-constexpr std::size_t kMaxJson = 16 << 20;
+// A body is parsed as a whole, in up to 32 times its size: bounds what a hostile file can make a reader allocate.
+constexpr std::size_t kMaxJson = 8 << 20;
 // A dwell nests six deep.
 constexpr int kMaxNesting = 64;
 

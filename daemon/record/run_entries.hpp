@@ -104,7 +104,7 @@ struct PersonalSignature {
 [[nodiscard]] std::string to_json(const RunEnd& end);
 [[nodiscard]] std::string to_json(const PersonalSignature& signature);
 
-// Each fails with what is missing or wrong, also where the body holds more than 16 MiB or nests deeper than 64. Any
+// Each fails with what is missing or wrong, also where the body holds more than 8 MiB or nests deeper than 64. Any
 // bytes may come.
 [[nodiscard]] Result<RunHeader> parse_run_header(const std::string& body);
 [[nodiscard]] Result<StoredResult> parse_result(const std::string& body);

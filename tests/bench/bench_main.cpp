@@ -79,6 +79,30 @@ class Table {
   }
 };
 
+// The record of 64 channels at 10 kHz.
+void print_record(Medians& medians, const Table& table) {
+  const auto bytes = [&](const std::string& bench) { return medians.of(bench, "bytes_a_sample"); };
+  const auto per_sample = [&](const std::string& instants, const char* figure, double target) {
+    const std::string block = "block/" + instants, raw = "raw_zstd/" + instants;
+    table.at_most(figure, text("%.2f bytes", bytes(block)), bytes(block), target);
+    table.plain("... zstd level 1 of the 32 bytes / that", text("%.2f bytes", bytes(raw)),
+                text("%.2f", bytes(raw) / bytes(block)));
+    table.plain("... encoding a record / zstd of it", text("%.1f ns", medians.cost_ns(block)),
+                text("%.2f", medians.cost_ns(block) / medians.cost_ns(raw)));
+  };
+  per_sample("0", "recorded sample, bytes, eight share instant and stamp", 4);
+  per_sample("1", "recorded sample, bytes, own even instant, own stamp", 6);
+  per_sample("2", "recorded sample, bytes, own irregular instant and stamp", 6);
+  const auto share = [&](const char* bench, const char* counter) { return medians.of(bench, counter); };
+  table.at_most("64 channels at 10 kHz into a run file, CPU, of one core",
+                text("%.1f ms/s", 1e3 * share("run_file/2", "cpu_s")), share("run_file/2", "cpu_s"), 0.25);
+  table.plain("... with the waits for the disk", text("%.1f ms/s", 1e3 * share("run_file/2", "all_s")));
+  table.plain("write and fdatasync of the same as 32 bytes each, CPU",
+              text("%.1f ms/s", 1e3 * share("raw_file", "cpu_s")));
+  table.plain("... with the waits for the disk", text("%.1f ms/s", 1e3 * share("raw_file", "all_s")));
+  table.plain("reading a run file, samples", text("%.1f million/s", 1e-6 * share("run_reading/2", "items_per_second")));
+}
+
 void print(Medians& medians) {
   const double update_ns = 1e8;  // the default `update`, 0.1 s
   const double sincos_ns = medians.cost_ns("libm_sincos");
@@ -138,6 +162,7 @@ void print(Medians& medians) {
   table.at_least("CAN, signals per CPU second through the socket seam, millions",
                  text("%.2f million/s", 1e-6 * medians.of("can_signals", "signals_per_s")),
                  1e-6 * medians.of("can_signals", "signals_per_s"), 1);
+  print_record(medians, table);
   table.plain("reading a recording, CSV, samples", millions("csv_parsing"));
   table.at_least("identify, 10 min of 8 channels at 1 kHz, one instant per row", seconds("identify_shared_instants"),
                  real_time("identify_shared_instants"), 1000);

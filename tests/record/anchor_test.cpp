@@ -32,7 +32,7 @@ TEST(Anchor, ALineThatIsNoneIsNamed) {
   const Scratch scratch;
   for (const std::string& wrong : {kAnchorLine + " more", kAnchorLine.substr(0, kAnchorLine.size() - 1),
                                    kAnchorLine.substr(20), kAnchorLine.substr(0, 75)}) {
-    const auto anchors = read_anchors(scratch.write("anchors", kAnchorLine + "\n" + wrong + "\n"));
+    const auto anchors = read_anchors(scratch.write("anchors", (kAnchorLine + "\n").append(wrong)));
     ASSERT_FALSE(anchors) << wrong;
     EXPECT_NE(anchors.error().find("line 2"), std::string::npos) << anchors.error();
   }

@@ -155,8 +155,8 @@ TEST(RunEntries, WhatIsWrongIsNamedWithItsPlace) {
 TEST(RunEntries, AHostileBodyIsAnError) {
   const std::string deep = R"({"position":1,"final":true,"dwell":{"a":)" + std::string(1'000'000, '[');
   EXPECT_EQ(parse_result(deep).error(), "result entry: it nests deeper than 64");
-  EXPECT_EQ(parse_event(std::string((16 << 20) + 1, ' ')).error(),
-            "event entry: it holds 16777217 bytes: at most 16777216 are allowed");
+  EXPECT_EQ(parse_event(std::string((8 << 20) + 1, ' ')).error(),
+            "event entry: it holds 8388609 bytes: at most 8388608 are allowed");
   EXPECT_FALSE(parse_event("{\"position\":1e999}"));
   EXPECT_FALSE(parse_event(std::string("\xFF\xFE\0{", 4)));
   std::mt19937_64 random(3);

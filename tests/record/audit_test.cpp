@@ -1,0 +1,349 @@
+#include "daemon/record/audit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "daemon/record/anchor.hpp"
+#include "daemon/record/ledger.hpp"
+#include "daemon/record/signature.hpp"
+#include "tests/record/sample_runs.hpp"
+
+namespace dwell::record {
+namespace {
+
+Audit audited(const std::string& path, const AuditOptions& options = {}) {
+  const Result<Audit> audit = audit_run(path, options);
+  EXPECT_TRUE(audit) << audit.error();
+  return audit.value_or(Audit{});
+}
+
+AuditOptions pinned(const SigningKey& key) {
+  return {.key = key.public_key(), .ledger = {}, .anchors = {}, .progress = {}};
+}
+AuditOptions with_ledger(const Scratch& scratch) {
+  return {.key = {}, .ledger = scratch.path("ledger.dwell-ledger"), .anchors = {}, .progress = {}};
+}
+AuditOptions with_anchors(const Scratch& scratch, const std::string& lines) {
+  return {.key = {}, .ledger = {}, .anchors = {scratch.write("anchors", lines)}, .progress = {}};
+}
+
+bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// A recording directory with runs 1 … count; runs are a.dwell, b.dwell … The last one may be cut off.
+Ledger recorded(const Scratch& scratch, int count, bool last_cut_off = false) {
+  Ledger ledger = *Ledger::open(scratch.path(), sample_key());
+  for (int i = 1; i <= count; ++i) {
+    RunHeader header = sample_header(ledger.next_run(), sample_key());
+    header.previous_head = ledger.newest_head();
+    const std::string name = std::string(1, static_cast<char>('a' + i - 1)) + ".dwell";
+    EXPECT_TRUE(ledger.run_begins(header, name));
+    const bool cut_off = last_cut_off && i == count;
+    const std::string head = write_sample(
+        scratch.path(name),
+        {.seed = static_cast<unsigned>(i), .end = cut_off ? SampleEnd::log_left : SampleEnd::closed, .header = header});
+    const auto seq = static_cast<std::int64_t>(rows_of(scratch.path(name)).size());
+    EXPECT_TRUE(ledger.run_ends(header.run, head, seq, cut_off ? "cut off" : "closed"));
+  }
+  return ledger;
+}
+
+TEST(Audit, AClosedRunIsIntactAndUntrustedWithoutAKey) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  const SampleRun run{.seed = 6, .blocks = 4};
+  const std::string head = write_sample(path, run);
+  const Audit audit = audited(path);
+  EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
+  EXPECT_EQ(audit.head, head);
+  EXPECT_EQ(audit.run, 7);
+  EXPECT_EQ(audit.samples, sample_count(run));
+  EXPECT_EQ(audit.key, sample_key().public_key().fingerprint());
+  EXPECT_FALSE(audit.trusted);
+  EXPECT_FALSE(audit.until_s.has_value());
+  EXPECT_TRUE(audited(path, pinned(sample_key())).trusted);
+}
+
+TEST(Audit, AnOpenRunSaysUpToWhenItIsValid) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::log_left, .blocks = 4, .records = 500});
+  const Audit audit = audited(path);
+  EXPECT_EQ(audit.state, AuditState::open) << audit.where;
+  EXPECT_DOUBLE_EQ(audit.until_s.value_or(0.0), 2.0);  // 4 blocks of 500 records, 1 ms each
+  EXPECT_EQ(audit.until_utc, "2026-11-23T03:12:19.250000Z");
+}
+
+TEST(Audit, ARunWrittenAnewWithAnotherKeyIsFoundByAPinnedKeyAndByTheLedger) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  const Ledger ledger = recorded(scratch, 1);
+  std::filesystem::remove(path);
+  RunHeader header = sample_header(1, sample_other());
+  write_sample(path, {.seed = 1, .header = header}, sample_other());
+  EXPECT_EQ(audited(path).state, AuditState::intact) << "nothing but the key tells";
+  EXPECT_FALSE(audited(path).trusted);
+  const Audit with_key = audited(path, pinned(sample_key()));
+  EXPECT_EQ(with_key.state, AuditState::tampered);
+  EXPECT_TRUE(says(with_key.where, "not by the key asked for")) << with_key.where;
+  EXPECT_TRUE(says(with_key.where, sample_other().public_key().fingerprint())) << with_key.where;
+  EXPECT_EQ(audited(path, with_ledger(scratch)).state, AuditState::tampered);
+}
+
+TEST(Audit, AnAlteredEntryIsNamed) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6});
+  ASSERT_TRUE(forge(path, "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 4"));
+  EXPECT_TRUE(says(audited(path).where, "entry 4: was altered")) << audited(path).where;
+  forge_heads(path);
+  EXPECT_TRUE(says(audited(path).where, "the note on entry ")) << audited(path).where;
+  ASSERT_TRUE(forge(path, "DELETE FROM note"));
+  EXPECT_TRUE(says(audited(path).where, "the end is not signed")) << audited(path).where;
+}
+
+TEST(Audit, ANoteThatIsGoneIsMissedThoughALaterOneCoversItsEntries) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6});
+  ASSERT_TRUE(forge(path, "DELETE FROM note WHERE seq = (SELECT min(seq) FROM note)"));
+  EXPECT_TRUE(says(audited(path).where, "does not follow")) << audited(path).where;
+}
+
+TEST(Audit, WhatIsNoRunFileIsTamperedAndWhatIsNotThereIsAnError) {
+  const Scratch scratch(true);
+  EXPECT_EQ(audited(scratch.write("text.dwell", "time,x\n")).state, AuditState::tampered);
+  EXPECT_EQ(audited(scratch.write("b.dwell", "")).state, AuditState::tampered);
+  EXPECT_FALSE(audit_run(scratch.path("c.dwell"), {}));
+  EXPECT_FALSE(audit_run(scratch.path(), {}));
+  const Ledger ledger = recorded(scratch, 1);
+  EXPECT_EQ(audited(scratch.path("ledger.dwell-ledger")).state, AuditState::tampered);
+  EXPECT_FALSE(
+      audit_run(scratch.path("a.dwell"), {.key = {}, .ledger = scratch.path("none"), .anchors = {}, .progress = {}}));
+}
+
+TEST(Audit, SignaturesAreListedWithWhoVouches) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_both});
+  const Audit audit = audited(path);
+  ASSERT_EQ(audit.state, AuditState::intact) << audit.where;
+  ASSERT_EQ(audit.signatures.size(), 2u);
+  EXPECT_TRUE(says(audit.signatures[0], "Anna Huber: reviewed")) << audit.signatures[0];
+  EXPECT_TRUE(says(audit.signatures[0], "countersigned by the service for user 1000 (anna)")) << audit.signatures[0];
+  EXPECT_TRUE(says(audit.signatures[1], "with the key somebody")) << audit.signatures[1];
+}
+
+TEST(Audit, ASignatureThatNobodyVouchesForIsTampered) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_service});
+  // As a forger: the service's signature without its note, another's name in a signature of one's own.
+  Files files = files_in(scratch);
+  ASSERT_TRUE(forge(path, "DELETE FROM note WHERE seq = (SELECT max(seq) FROM entry)"));
+  EXPECT_TRUE(says(audited(path).where, "is not signed")) << audited(path).where;
+  put_files(scratch, files);
+  ASSERT_TRUE(forge(path,
+                    "UPDATE entry SET body = CAST(replace(CAST(body AS TEXT), 'Anna', 'Emma') AS BLOB) "
+                    "WHERE kind = 'signature'"));
+  forge_heads(path);
+  EXPECT_EQ(audited(path).state, AuditState::tampered);
+
+  const std::string own = scratch.path("b.dwell");
+  write_sample(own, {.seed = 7, .end = SampleEnd::signed_by_own_key});
+  ASSERT_TRUE(
+      forge(own,
+            "UPDATE entry SET body = CAST(replace(CAST(body AS TEXT), '\"name\":\"Anna', '\"name\":\"Emma') AS BLOB) "
+            "WHERE kind = 'signature'"));
+  forge_heads(own);
+  EXPECT_TRUE(says(audited(own).where, "its own note signs something else")) << audited(own).where;
+}
+
+TEST(Audit, OnlySignaturesMayFollowTheEnd) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6});
+  {
+    ChainWriter file =
+        *ChainWriter::open(path, ChainSort::run, "dwell/run/" + sample_header(7, sample_key()).id, sample_key());
+    ASSERT_TRUE(file.append("event", 0, "{}"));
+    ASSERT_TRUE(file.close());
+  }
+  EXPECT_TRUE(says(audited(path).where, "after the end")) << audited(path).where;
+}
+
+TEST(Audit, OnlyAClosedRunIsSignedAndOnlyByTheKeyThatRecordedIt) {
+  const Scratch scratch(true);
+  PersonalSignature signature;
+  signature.name = "Anna";
+  signature.meaning = "reviewed";
+  signature.utc = "2026-11-24T08:00:00.000000Z";
+  signature.person = Person{1000, "anna"};
+  const std::string open = scratch.path("a.dwell"), closed = scratch.path("b.dwell");
+  write_sample(open, {.seed = 6, .end = SampleEnd::log_left});
+  write_sample(closed, {.seed = 6});
+  const Files before = files_in(scratch);
+  EXPECT_FALSE(sign_by_service(open, signature, sample_key()));
+  EXPECT_FALSE(sign_by_own_key(open, signature, sample_other()));
+  EXPECT_FALSE(sign_by_service(closed, signature, sample_other()));
+  EXPECT_EQ(files_in(scratch), before);
+  signature.reason = "two\nlines";
+  EXPECT_FALSE(sign_by_own_key(closed, signature, sample_other()));
+  EXPECT_EQ(audited(closed).state, AuditState::intact);
+}
+
+TEST(Audit, AnAnchorTellsACutTailFromACrash) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  const std::string head = write_sample(path, {.seed = 6, .end = SampleEnd::log_left});
+  const auto seq = static_cast<std::int64_t>(rows_of(path).size());
+  const Anchor anchor{"2026-11-23T03:12:20.000000Z", "dwell/run/" + sample_header(7, sample_key()).id, seq,
+                      *from_hex(head)};
+  EXPECT_EQ(audited(path, with_anchors(scratch, to_line(anchor) + "\n")).state, AuditState::open);
+  std::filesystem::resize_file(path + "-wal", std::filesystem::file_size(path + "-wal") - 30000);
+  EXPECT_EQ(audited(path).state, AuditState::open) << "as after a crash";
+  const Audit cut = audited(path, with_anchors(scratch, to_line(anchor) + "\n"));
+  EXPECT_EQ(cut.state, AuditState::tampered);
+  EXPECT_TRUE(says(cut.where, "cut after entry ")) << cut.where;
+  EXPECT_TRUE(says(cut.where, "the anchor of 2026-11-23T03:12:20.000000Z knows entry " + std::to_string(seq)))
+      << cut.where;
+
+  Anchor other = anchor;
+  other.seq = 2;
+  EXPECT_TRUE(says(audited(path, with_anchors(scratch, to_line(other))).where, "another chain"));
+}
+
+TEST(Audit, TheLedgerMakesItsKeyTrustedAndItsRunsKnown) {
+  const Scratch scratch(true);
+  const Ledger ledger = recorded(scratch, 3, true);
+  for (const char* name : {"a.dwell", "b.dwell"}) {
+    const Audit audit = audited(scratch.path(name), with_ledger(scratch));
+    EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
+    EXPECT_TRUE(audit.trusted);
+  }
+  EXPECT_EQ(audited(scratch.path("c.dwell"), with_ledger(scratch)).state, AuditState::open);
+  // What was cut after the service took note of it.
+  const std::string log = scratch.path("c.dwell-wal");
+  std::filesystem::resize_file(log, std::filesystem::file_size(log) - 20000);
+  EXPECT_TRUE(says(audited(scratch.path("c.dwell"), with_ledger(scratch)).where, "the ledger knows entry "));
+  // A run of this key that the ledger has never seen.
+  write_sample(scratch.path("d.dwell"), {.seed = 9});
+  EXPECT_TRUE(says(audited(scratch.path("d.dwell"), with_ledger(scratch)).where, "does not know run 10"));
+  write_sample(scratch.path("e.dwell"), {.seed = 1, .header = sample_header(2, sample_key())});
+  EXPECT_EQ(audited(scratch.path("e.dwell"), with_ledger(scratch)).state, AuditState::tampered);
+}
+
+TEST(Audit, ARemovedRunIsFoundAndADeletedOneIsNotTampering) {
+  const Scratch scratch(true);
+  Ledger ledger = recorded(scratch, 4);
+  const AuditOptions none;
+  const std::string path = scratch.path("ledger.dwell-ledger");
+  Result<LedgerAudit> audit = audit_ledger(path, scratch.path(), none);
+  ASSERT_TRUE(audit) << audit.error();
+  EXPECT_TRUE(audit->unbroken) << audit->where;
+  EXPECT_TRUE(audit->missing.empty());
+
+  ASSERT_TRUE(ledger.run_deleted(1, audited(scratch.path("a.dwell")).head, "older than 90 days"));
+  std::filesystem::remove(scratch.path("a.dwell"));
+  std::filesystem::remove(scratch.path("c.dwell"));
+  std::filesystem::rename(scratch.path("d.dwell"), scratch.path("b.dwell"));
+  audit = audit_ledger(path, scratch.path(), none);
+  EXPECT_TRUE(audit->unbroken);
+  ASSERT_EQ(audit->deleted.size(), 1u);
+  EXPECT_TRUE(says(audit->deleted[0], "older than 90 days")) << audit->deleted[0];
+  ASSERT_EQ(audit->missing.size(), 3u);
+  EXPECT_TRUE(says(audit->missing[0], "run 2") && says(audit->missing[0], "another run")) << audit->missing[0];
+  EXPECT_TRUE(says(audit->missing[1], "run 3")) << audit->missing[1];
+}
+
+TEST(Audit, ASignatureThatTheLedgerKnowsCannotBeTakenAway) {
+  const Scratch scratch(true);
+  Ledger ledger = recorded(scratch, 1);
+  const std::string path = scratch.path("a.dwell");
+  const std::string before = Scratch::read(path);
+  PersonalSignature signature;
+  signature.name = "Anna";
+  signature.meaning = "reviewed";
+  signature.utc = "2026-11-24T08:00:00.000000Z";
+  signature.person = Person{1000, "anna"};
+  const Result<PersonalSignature> signed_ = sign_by_service(path, signature, sample_key());
+  ASSERT_TRUE(signed_) << signed_.error();
+  ASSERT_TRUE(ledger.run_signed(1, *signed_));
+  EXPECT_EQ(audited(path, with_ledger(scratch)).state, AuditState::intact) << audited(path, with_ledger(scratch)).where;
+  scratch.write("a.dwell", before);
+  EXPECT_EQ(audited(path).state, AuditState::intact) << "only the ledger knows";
+  EXPECT_TRUE(says(audited(path, with_ledger(scratch)).where, "the signature of Anna"));
+}
+
+TEST(Audit, TheLedgerCutTogetherWithTheNewestRunsIsFoundOnlyByAnAnchor) {
+  const Scratch scratch(true);
+  Files short_before;
+  Anchor anchor;
+  {
+    Ledger ledger = recorded(scratch, 2);
+    short_before = files_in(scratch);
+    RunHeader header = sample_header(3, sample_key());
+    header.previous_head = ledger.newest_head();
+    ASSERT_TRUE(ledger.run_begins(header, "c.dwell"));
+    anchor = ledger.head();
+    anchor.utc = "2026-11-23T05:00:00.000000Z";
+  }
+  put_files(scratch, short_before);
+  const std::string path = scratch.path("ledger.dwell-ledger");
+  EXPECT_TRUE(audit_ledger(path, scratch.path(), {})->unbroken);
+  const auto audit = audit_ledger(path, scratch.path(), with_anchors(scratch, to_line(anchor)));
+  EXPECT_FALSE(audit->unbroken);
+  EXPECT_TRUE(says(audit->where, "cut after entry ")) << audit->where;
+  Anchor of_run = anchor;
+  of_run.origin = "dwell/run/" + sample_header(3, sample_key()).id;
+  EXPECT_EQ(audit_ledger(path, scratch.path(), with_anchors(scratch, to_line(of_run)))->missing.size(), 1u);
+}
+
+TEST(Audit, KeysAreConnectedByTheLedger) {
+  const Scratch scratch(true);
+  {
+    Ledger ledger = recorded(scratch, 1);
+    ASSERT_TRUE(ledger.key_changes(sample_other().public_key()));
+  }
+  {
+    Ledger ledger = *Ledger::open(scratch.path(), sample_other());
+    RunHeader header = sample_header(2, sample_other());
+    header.previous_head = ledger.newest_head();
+    ASSERT_TRUE(ledger.run_begins(header, "b.dwell"));
+    const std::string head = write_sample(scratch.path("b.dwell"), {.seed = 4, .header = header}, sample_other());
+    ASSERT_TRUE(ledger.run_ends(2, head, static_cast<std::int64_t>(rows_of(scratch.path("b.dwell")).size()), "closed"));
+  }
+  for (const SigningKey* key : {&sample_key(), &sample_other()}) {
+    AuditOptions options = with_ledger(scratch);
+    options.key = key->public_key();
+    for (const char* name : {"a.dwell", "b.dwell"}) {
+      const Audit audit = audited(scratch.path(name), options);
+      EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
+      EXPECT_TRUE(audit.trusted);
+    }
+  }
+  AuditOptions options = with_ledger(scratch);
+  options.key = SigningKey::make("third")->public_key();
+  EXPECT_FALSE(audit_ledger(options.ledger, scratch.path(), options)->unbroken);
+  EXPECT_EQ(audited(scratch.path("a.dwell"), options).state, AuditState::tampered);
+}
+
+TEST(Audit, AnAlteredLedgerIsBrokenAndMakesNothingTrusted) {
+  const Scratch scratch(true);
+  { const Ledger ledger = recorded(scratch, 3); }
+  const std::string path = scratch.path("ledger.dwell-ledger");
+  const Files before = files_in(scratch);
+  for (const char* sql :
+       {"DELETE FROM entry WHERE seq = 4", "DELETE FROM note WHERE seq = 3", "UPDATE entry SET t_ns = 0 WHERE seq = 2",
+        "DELETE FROM entry WHERE seq = 4; UPDATE entry SET seq = seq - 1 WHERE seq > 4; DELETE FROM note WHERE seq = 7",
+        "DROP TABLE note", "DELETE FROM entry; DELETE FROM note"}) {
+    put_files(scratch, before);
+    ASSERT_TRUE(forge(path, sql)) << sql;
+    EXPECT_FALSE(audit_ledger(path, scratch.path(), {})->unbroken) << sql;
+    EXPECT_FALSE(audited(scratch.path("a.dwell"), with_ledger(scratch)).trusted) << sql;
+  }
+}
+
+}  // namespace
+}  // namespace dwell::record
