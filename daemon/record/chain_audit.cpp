@@ -68,7 +68,8 @@ Result<void> ChainAudit::finish() {
     return fails(seq.empty() ? "the notes cannot be counted" : "a note on entry " + seq + ", where none belongs");
   }
   const std::string sound = first_text(database, "PRAGMA integrity_check(1)");
-  if (sound != "ok") return fails("the database is damaged: " + (sound.empty() ? sqlite3_errmsg(database) : sound));
+  if (sound != "ok")
+    return fails("the database is damaged: " + (sound.empty() ? sqlite_message(database) : one_line(sound)));
   return {};
 }
 

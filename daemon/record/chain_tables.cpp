@@ -18,7 +18,7 @@ Result<void> check_tables(sqlite3* database, ChainSort sort) {
   const auto fails = [](std::string what) { return tl::unexpected<std::string>(std::move(what)); };
   const std::string id = first_text(database, "PRAGMA application_id");
   if (id != std::to_string(static_cast<std::uint32_t>(sort))) {
-    if (id.empty()) return fails(sqlite3_errmsg(database));
+    if (id.empty()) return fails(sqlite_message(database));
     return fails("no " + sort_of(sort) + ": its application_id is " + id + ", expected " +
                  std::to_string(static_cast<std::uint32_t>(sort)));
   }
@@ -28,12 +28,12 @@ Result<void> check_tables(sqlite3* database, ChainSort sort) {
                  std::to_string(kFormatVersion));
 
   const Statement schema = prepare(database, "SELECT type, name, sql FROM sqlite_schema ORDER BY name");
-  if (!schema) return fails(sqlite3_errmsg(database));
+  if (!schema) return fails(sqlite_message(database));
   std::vector<std::string> found;
   int code = SQLITE_OK;
   while ((code = sqlite3_step(schema.get())) == SQLITE_ROW && found.size() < 3)
     found.emplace_back(column_bytes(schema.get(), 2));
-  if (code != SQLITE_ROW && code != SQLITE_DONE) return fails(sqlite3_errmsg(database));
+  if (code != SQLITE_ROW && code != SQLITE_DONE) return fails(sqlite_message(database));
   if (found != std::vector<std::string>{kEntryTable, kNoteTable})
     return fails("its tables are not those of a " + sort_of(sort));
   return {};
@@ -63,7 +63,7 @@ void ChainRows::seek(std::int64_t seq, const std::string& kind) {
 }
 
 Result<std::optional<ChainReader::Row>> ChainRows::next() {
-  if (current_ == nullptr) return tl::unexpected<std::string>(sqlite3_errmsg(database_));
+  if (current_ == nullptr) return tl::unexpected<std::string>(sqlite_message(database_));
   const int code = sqlite3_step(current_);
   if (code == SQLITE_DONE) {
     sqlite3_reset(current_);
@@ -72,7 +72,7 @@ Result<std::optional<ChainReader::Row>> ChainRows::next() {
   }
   if (code == SQLITE_TOOBIG)
     return tl::unexpected("an entry holds more than " + std::to_string(ChainReader::kMaxBody) + " bytes");
-  if (code != SQLITE_ROW) return tl::unexpected<std::string>(sqlite3_errmsg(database_));
+  if (code != SQLITE_ROW) return tl::unexpected<std::string>(sqlite_message(database_));
 
   ChainReader::Row row;
   row.entry.seq = sqlite3_column_int64(current_, 0);

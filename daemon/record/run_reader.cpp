@@ -55,8 +55,8 @@ struct RunReader::Impl {
     if (!row) return tl::unexpected(row.error());
     if (!row->has_value()) return tl::unexpected(path + ": holds no entry, but what the run is was expected");
     const Entry& entry = (*row)->entry;
-    if (entry.kind != "run")
-      return fails(entry, "is of the kind \"" + entry.kind + "\", but the first is always \"run\"");
+    // What it is instead may be anything, line breaks too: that is not repeated.
+    if (entry.kind != "run") return fails(entry, "is not of the kind \"run\", as the first always is");
     auto parsed = parse_run_header(entry.body);
     if (!parsed) return fails(entry, parsed.error());
     header = std::move(*parsed);
@@ -92,7 +92,7 @@ struct RunReader::Impl {
       begin_ns = records.empty() ? entry.t_ns : records.front().t_ns;
       first_block = last_block = entry.seq;
       end_ns = entry.t_ns;
-      if (const auto found = find_last_block(); !found) return found;
+      if (auto found = find_last_block(); !found) return found;
     }
     return each(last_block, "end", [&](const Entry& entry) -> Result<bool> {
       auto parsed = parse_run_end(entry.body);

@@ -1,5 +1,6 @@
 #include "daemon/record/sqlite.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -11,10 +12,19 @@ std::string sqlite_error(sqlite3* database, const std::string& path) {
   const int of_system = sqlite3_system_errno(database);
   if (code == SQLITE_FULL || (code == SQLITE_IOERR && of_system == ENOSPC)) return path + ": disk full";
   if (code == SQLITE_BUSY) return path + ": another process has it open for writing";
-  std::string text = path + ": " + sqlite3_errmsg(database);
+  std::string text = path + ": " + sqlite_message(database);
   if ((code == SQLITE_IOERR || code == SQLITE_CANTOPEN) && of_system != 0)
     text += std::string(" (") + std::strerror(of_system) + ")";
   return text;
+}
+
+std::string sqlite_message(sqlite3* database) { return one_line(sqlite3_errmsg(database)); }
+
+std::string one_line(std::string_view text) {
+  std::string line(text.substr(0, 200));
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return (c >= 0 && c < ' ') || c == 0x7F; }, '?');
+  return line;
 }
 
 Statement prepare(sqlite3* database, std::string_view sql) {

@@ -25,6 +25,12 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 // "PATH: reason" of the call on `database` that has just failed. A full disk reads "disk full" whichever call met it.
 [[nodiscard]] std::string sqlite_error(sqlite3* database, const std::string& path);
 
+// What SQLite says of the call that has just failed. It may repeat what the file holds: one_line() of it.
+[[nodiscard]] std::string sqlite_message(sqlite3* database);
+
+// For a message: at most 200 bytes of `text`, control characters as "?".
+[[nodiscard]] std::string one_line(std::string_view text);
+
 // nullptr: failed.
 [[nodiscard]] Statement prepare(sqlite3* database, std::string_view sql);
 

@@ -73,7 +73,7 @@ Result<ChainWriter> begun_run(const std::string& path) {
 
 Result<void> write_stream(ChainWriter& writer, const std::vector<Record>& records) {
   for (int k = 0; k < kSeconds; ++k) {
-    const auto written =
+    auto written =
         writer.append("stream", records.back().t_ns, encode_block(records)).and_then([&] { return writer.commit(); });
     if (!written) return written;
   }

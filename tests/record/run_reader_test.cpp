@@ -158,7 +158,7 @@ std::string refusal(const std::function<void(WrittenRun&)>& write) {
 
 TEST(RunReader, NamesTheFileTheEntryAndWhatIsWrong) {
   EXPECT_EQ(refusal([](WrittenRun& run) { run.block(0); }),
-            "entry 1: is of the kind \"stream\", but the first is always \"run\"");
+            "entry 1: is not of the kind \"run\", as the first always is");
   EXPECT_EQ(refusal([](WrittenRun& run) { run.entry("run", 0, "{}"); }), "entry 1: run entry: \"run\" is missing");
   const auto second_block = [](WrittenRun& run) {
     run.header();
@@ -167,6 +167,22 @@ TEST(RunReader, NamesTheFileTheEntryAndWhatIsWrong) {
   };
   EXPECT_EQ(refusal(second_block), "entry 3: block of 5 bytes: a block has at least 8");
   EXPECT_EQ(RunReader::open("/there/is/no/such.dwell").error().find("/there/is/no/such.dwell: "), 0U);
+}
+
+// SQLite repeats the text of a schema that it cannot read.
+TEST(RunReader, AMessageIsOneLineWhateverTheFileHolds) {
+  WrittenRun written;
+  written.header();
+  ASSERT_TRUE(written.read());
+  std::string file = Scratch::read(written.path());
+  const std::size_t at = file.find("INTEGER");
+  ASSERT_NE(at, std::string::npos);
+  file[at + 4] = '\n';
+  std::ofstream(written.path(), std::ios::binary | std::ios::trunc) << file;
+  const auto run = RunReader::open(written.path());
+  ASSERT_FALSE(run);
+  EXPECT_EQ(run.error().find('\n'), std::string::npos) << run.error();
+  EXPECT_NE(run.error().find("INTE?ER"), std::string::npos) << run.error();
 }
 
 }  // namespace
