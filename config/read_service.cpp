@@ -140,7 +140,7 @@ void read_command(Section& anchor, std::vector<std::string>& command) {
 
 void read_anchor(const toml::table& table, Draft& draft) {
   Section section(table, "\"anchor\"", draft.mistakes);
-  RecordingSettings::Anchor& anchor = draft.file.recording.anchor.emplace();
+  AnchorSettings& anchor = draft.file.recording.anchor.emplace();
   section.real("minutes", anchor.minutes, {"a number from 1 to 10080 (minutes)", 1.0, 10080.0});
   std::string file;
   if (section.text("file", file, "a file that gets a line for each anchor, a path"))

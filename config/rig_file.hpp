@@ -27,19 +27,20 @@ struct ServerSettings {
   std::vector<std::string> names;  // by which clients may ask for it
 };
 
+// Where the head of what has been recorded is kept outside.
+struct AnchorSettings {
+  double minutes = 10.0;             // between two
+  std::string file;                  // gets a line for each; empty: none
+  std::vector<std::string> command;  // program and arguments, which gets the line on its input; empty: none
+};
+
 struct RecordingSettings {
-  // Where the head of what has been recorded is kept outside.
-  struct Anchor {
-    double minutes = 10.0;             // between two
-    std::string file;                  // gets a line for each; empty: none
-    std::vector<std::string> command;  // program and arguments, which gets the line on its input; empty: none
-  };
   bool on = false;                           // the file has a table [recording]: runs are recorded
   std::string directory = "/var/lib/dwell";  // a relative one starts at the rig file's directory
   double every_s = 1.0;                      // between two stored results of a dwell that goes on
   // Runs are kept for so long, and so much of them; none: for ever, and all.
   std::optional<double> retain_days, retain_gigabytes;
-  std::optional<Anchor> anchor;
+  std::optional<AnchorSettings> anchor;
 };
 
 struct VerificationSettings {

@@ -209,7 +209,7 @@ TEST(CommandLine, StartAndStopAskTheServiceAndSayWhatCameOfIt) {
   const Outcome started = with({"start", "--label", "sweep 3", "--comment", "new damper"});
   EXPECT_EQ(started.code, 0) << started.err;
   EXPECT_EQ(started.out, "started: run \"sweep 3\" begins here and ends with \"dwellctl stop\"\n");
-  EXPECT_EQ(server.requests().at(0), R"({"comment":"new damper","label":"sweep 3","verb":"start"})");
+  EXPECT_EQ(server.requests().at(0), R"({"verb":"start","comment":"new damper","label":"sweep 3"})");
   EXPECT_EQ(with({"start", "--label", "a", "--json"}).out, "{\"done\":true}\n");
   EXPECT_EQ(with({"stop"}).out, "stopped: the run ends here\n");
   EXPECT_EQ(server.requests().at(2), R"({"verb":"stop"})");

@@ -237,7 +237,7 @@ TEST_F(ApiTest, HealthTellsOfLinesOfTheLogThatAreLost) {
 }
 
 TEST_F(ApiTest, WhatIsNotServedYetIsNotFoundInWords) {
-  for (const char* path : {"/", "/metrics", "/api/v1/dwell/", "/../etc/passwd"}) {
+  for (const char* path : {"/", "/metrics", "/api/v1/runs/", "/api/v1/dwell/", "/../etc/passwd"}) {
     const HttpReply reply = http_answer(view(), path, "");
     EXPECT_EQ(reply.status, 404) << path;
     EXPECT_TRUE(Json::parse(reply.body)["error"].is_string());

@@ -8,9 +8,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <vector>
 
+#include "daemon/record/audit.hpp"
+#include "daemon/record/run_reader.hpp"
 #include "tests/daemon/service_rig.hpp"
 
 namespace dwell {
@@ -124,6 +127,57 @@ TEST_F(ProcessTest, StopsWithinASecondOfSigtermAndTidiesUp) {
   EXPECT_NE(log.find("delivering"), std::string::npos) << log;
   EXPECT_NE(log.find("complete (end)"), std::string::npos) << log;
   EXPECT_NE(log.find("stopped"), std::string::npos) << log;
+}
+
+// The drive is on from the start, so a run of the drive goes on before the operator asks.
+TEST_F(ProcessTest, RecordsTheDrivesRunAndTheOneThatAnOperatorBrackets) {
+  auto rig = rigsim::Server::start(test::clamped_rig());
+  ASSERT_TRUE(rig);
+  const std::string control = folder + "/control";
+  const std::string text = test::rig_file((*rig)->tcp_port()) + "[recording]\ndirectory = \"runs\"\nevery = 0.5\n";
+  start({"--config", write("rig.toml", text), "--control", control, "--log", folder + "/dwelld.log"});
+  ASSERT_TRUE(notified("READY=1")) << read("output");
+  ASSERT_TRUE(notified("STATUS=settling")) << read("output");
+  test::Client client = test::Client::local(control);
+  const auto ask = [&client](const std::string& line) {
+    client.send(line + "\n");
+    return client.until("\n");
+  };
+  EXPECT_EQ(ask(R"({"verb":"start","label":"sweep 3","comment":"new damper"})"), "{\"done\":true}\n");
+  EXPECT_NE(ask(R"({"verb":"start","label":"sweep 4"})").find("stop it first"), std::string::npos);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  for (nlohmann::json now; now["dwell"]["state"] != "settling" || now["health"]["run"]["begun_by"] != "operator";) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << now.dump(1);
+    now = nlohmann::json::parse(ask(R"({"verb":"status"})"), nullptr, false);
+  }
+  EXPECT_EQ(ask(R"({"verb":"stop","comment":"enough"})"), "{\"done\":true}\n");
+  kill(child, SIGTERM);
+  EXPECT_EQ(wait_for_end(), 0) << read("output");
+
+  std::map<std::int64_t, std::string> files;  // by number of the run
+  for (const auto& entry : std::filesystem::directory_iterator(folder + "/runs"))
+    if (entry.path().extension() == ".dwell") {
+      const auto run = record::RunReader::open(entry.path());
+      ASSERT_TRUE(run) << run.error();
+      files[run->header().run] = entry.path();
+    }
+  ASSERT_EQ(files.size(), 2u) << read("dwelld.log");
+  const auto drives = record::RunReader::open(files[1]), operators = record::RunReader::open(files[2]);
+  ASSERT_TRUE(drives && operators);
+  EXPECT_EQ(drives->header().begun_by, "drive");
+  ASSERT_TRUE(drives->end() && operators->end());
+  EXPECT_EQ(drives->end()->why, "operator");
+  EXPECT_EQ(operators->header().begun_by, "operator");
+  EXPECT_EQ(operators->header().label, "sweep 3");
+  EXPECT_EQ(operators->header().comment, "new damper");
+  ASSERT_TRUE(operators->header().person);
+  EXPECT_EQ(operators->header().person->uid, getuid());
+  EXPECT_EQ(operators->header().rig.text, text);
+  for (const auto& [run, file] : files) {
+    const auto audited = record::audit_run(file, {});
+    ASSERT_TRUE(audited) << audited.error();
+    EXPECT_EQ(audited->state, record::AuditState::intact) << audited->where;
+  }
 }
 
 TEST_F(ProcessTest, IsReadyThoughTheRigIsOffAndStopsThenAsWell) {
