@@ -42,8 +42,12 @@ DriveTracker::Sight DriveTracker::see(const Window& window, double acquired_omeg
   // While measuring the amplitude must be small as well: one bad reading makes a window uncertain too.
   const bool uncertain =
       amplitude < kUncertain * u && (!during.measuring || amplitude < kStopped * monitor_.amplitude());
-  if (amplitude < rig_.excitation.minimum || uncertain) return ++low_windows_ >= 2 ? Sight::rests : Sight::low;
+  const bool low = amplitude < rig_.excitation.minimum || uncertain;
+  // A drive at twice the window's frequency leaves its fundamental zero. That is no rest.
+  const bool elsewhere = low && window.elsewhere >= rig_.excitation.minimum && window.elsewhere >= kUncertain * u;
+  if (low && !elsewhere) return ++low_windows_ >= 2 ? Sight::rests : Sight::low;
   low_windows_ = 0;
+  if (elsewhere) return Sight::elsewhere;
   return amplitude < kSurelyMoves * u ? Sight::faint : Sight::moves;
 }
 

@@ -21,7 +21,7 @@ constexpr double kSureOfDrift = 4.0;          // standard deviations
 constexpr double kDriftMatters = 0.02;        // rad per square of the data's length
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
-constexpr int kWindowSteps = 10;    // of Gauss-Newton, from the nominal ω
+constexpr int kWindowSteps = 10;    // of Gauss-Newton
 constexpr double kAcquired = 1e-2;  // largest relative standard uncertainty of ω
 
 }  // namespace
@@ -42,8 +42,8 @@ void CountedData::take_drive(double omega, const Blocks::Drift& drift) noexcept 
   blocks_.set_drift(drift);
 }
 
-void CountedData::acquire(int from, int to, std::int64_t centre_ns) noexcept {
-  double w = nominal_omega(), information = 0.0;
+void CountedData::acquire(int from, int to, std::int64_t centre_ns, double near) noexcept {
+  double w = near, information = 0.0;
   for (int step = 0; step < kWindowSteps; ++step) {
     const HarmonicFit table = fit(channels_.drive(), from, to, w, centre_ns);
     if (!(table.information > 0)) return;

@@ -32,13 +32,14 @@ class CountedData {
   [[nodiscard]] double period_s() const noexcept { return kTwoPi / omega_; }
   // Whether omega() differs from the rig file's nominal one.
   [[nodiscard]] bool knows_omega() const noexcept { return omega_ != nominal_omega(); }
+  [[nodiscard]] double nominal_omega() const noexcept { return kTwoPi * rig_.excitation.frequency_hz; }
   void take_omega(double omega) noexcept { omega_ = omega; }
   void forget_omega() noexcept { omega_ = nominal_omega(); }
   // Takes ω and drift from outside: from the modal fit.
   void take_drive(double omega, const Blocks::Drift& drift) noexcept;
-  // Estimates ω from one window of the drive's channel, centred at centre_ns. Keeps it if its relative standard
-  // uncertainty is below a hundredth.
-  void acquire(int from, int to, std::int64_t centre_ns) noexcept;
+  // Estimates ω from one window of the drive's channel, centred at centre_ns, beginning at `near`. Keeps it if its
+  // relative standard uncertainty is below a hundredth.
+  void acquire(int from, int to, std::int64_t centre_ns, double near) noexcept;
   [[nodiscard]] const Blocks::Drift& drift() const noexcept { return blocks_.drift(); }
   // ω at t of a drifting drive that has `omega` at drift().about_ns.
   [[nodiscard]] double omega_at(std::int64_t t_ns, double omega) const noexcept;
@@ -99,7 +100,6 @@ class CountedData {
   [[nodiscard]] PhasorSlope slope(int channel, const HarmonicFit& fit) const noexcept;
 
  private:
-  [[nodiscard]] double nominal_omega() const noexcept { return kTwoPi * rig_.excitation.frequency_hz; }
   [[nodiscard]] int H() const noexcept { return rig_.excitation.harmonics; }
   std::optional<Table> resum(std::int64_t hold_ns, bool follow) noexcept;
   bool follow_drift() noexcept;

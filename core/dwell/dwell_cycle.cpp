@@ -10,6 +10,8 @@ constexpr int kIdleBlocks = 64;  // kept while no dwell is on
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (blocks().serials() % kQuarters == 0) live.next_period();
   data.take_block(end_ns);
+  const bool unknown = inexact() && (states.at_rest() || !std::isfinite(tracker.omega()));
+  const double near = unknown ? search_drive(end_ns) : omega();
   const int quarters = kQuarters * window.periods();
   if (blocks().count() < quarters) return;
   const int from = blocks().count() - quarters, to = blocks().count();
@@ -18,12 +20,13 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
 
   // At first the phase has not shown the drive's frequency. Then the window itself gives it, well enough that the first
   // windows agree with later ones.
-  if (inexact() && !std::isfinite(tracker.omega())) data.acquire(from, to, centre_ns);
+  if (unknown) data.acquire(from, to, centre_ns, near);
   const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
   if (!delivers(drive_channel())) return lose_data();
   if (!fit.usable) return window.not_fitted(fit.samples > 0);
   window.fitted();
-  const DriveTracker::Window table{centre_ns, fit, as_observed(rig, drive_channel(), fit.X[0], omega(), 1)};
+  const DriveTracker::Window table{centre_ns, fit, as_observed(rig, drive_channel(), fit.X[0], omega(), 1),
+                                   moves_elsewhere(fit)};
   if (!look_at_drive(table, from)) return;
   if (states.settling() && live.holding_changed()) {
     states.settle_anew();
@@ -42,6 +45,33 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
     // While the newest quarters may hold another drive, ω is not refined from them.
     if (!data.sums_valid() || (data.wants_refining() && doubtful_quarters() == 0)) resum();
   }
+}
+
+double Pipeline::Impl::search_drive(std::int64_t end_ns) {
+  const double nominal = data.nominal_omega();
+  if (!search.wanted()) return nominal;
+  const std::int64_t since_ns = std::max(states.at_rest() ? blocks().block(0).begin_ns : at.armed_ns,
+                                         end_ns - to_ns(search.longest_s() * window.periods()));
+  const double taken_at = blocks().block(blocks().count() - 1).omega;
+  const auto found = search.find(history, drive_channel(), since_ns, end_ns);
+  if (!found) return search.near(taken_at, nominal) ? nominal : taken_at;
+  const double omega = search.near(*found, nominal) ? nominal : *found;
+  if (search.near(omega, taken_at)) return omega;
+  data.take_omega(omega);
+  rebuild_blocks(since_ns, end_ns);
+  if (states.at_rest()) return omega;
+  begin_hold(std::max(0, blocks().count() - kQuarters * window.periods()));
+  at.start_ns = at.steady_ns;
+  return omega;
+}
+
+double Pipeline::Impl::moves_elsewhere(const HarmonicFit& fit) const {
+  double largest = 0.0;
+  for (int h = 2; h <= harmonics() && h * omega() <= kTwoPi * rig.excitation.search_high_hz; ++h) {
+    const Complex X = fit.X[static_cast<std::size_t>(h - 1)];
+    largest = std::max(largest, std::abs(as_observed(rig, drive_channel(), X, omega(), h)));
+  }
+  return largest;
 }
 
 DriveTracker::During Pipeline::Impl::during() const {
@@ -63,7 +93,8 @@ bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) 
   if (waited_enough ||
       (states.awaits_reason() && blocks().serials() - at.steady_serial >= (2 * window.periods() + 1) * kQuarters))
     emit(EndedBy::drive_changed);
-  if (!states.at_rest()) return true;
+  // Until the search has found the frequency there is nothing to judge.
+  if (!states.at_rest()) return sight != DriveTracker::Sight::elsewhere || std::isfinite(tracker.omega());
   if (sight == DriveTracker::Sight::moves && !states.interlocked() && reference.usable(now_ns)) {
     states.arm();
     arm(from);

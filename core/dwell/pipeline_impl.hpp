@@ -20,6 +20,7 @@
 #include "core/chain/provisional_chain.hpp"
 #include "core/drive/drive_reference.hpp"
 #include "core/drive/drive_tracker.hpp"
+#include "core/drive/frequency_search.hpp"
 #include "core/drive/window_length.hpp"
 #include "core/dwell/counted_data.hpp"
 #include "core/dwell/dwell_states.hpp"
@@ -48,6 +49,7 @@ struct Pipeline::Impl {
         reference(rig),
         data(rig, live, reference),
         tracker(rig, reference),
+        search(rig),
         windows(rig, live, data, window),
         history(history_capacity(live.count()), slices),
         G(observation_matrix(given)),
@@ -62,6 +64,7 @@ struct Pipeline::Impl {
   DriveReference reference;
   CountedData data;
   DriveTracker tracker;
+  FrequencySearch search;
   WindowLength window;
   SettlingWindows windows;
   SampleHistory history;
@@ -103,6 +106,12 @@ struct Pipeline::Impl {
   [[nodiscard]] std::optional<double> contradicting_omega() const;
 
   void on_block(std::int64_t end_ns);
+
+  // While the frequency is not known: looks for the drive in the whole search range. Returns an ω near that of the
+  // newest window. If the blocks were taken far from it, they are taken anew, and a hold begins with them.
+  double search_drive(std::int64_t end_ns);
+  // Largest amplitude of the table at a multiple of ω in the search range, m (rad).
+  [[nodiscard]] double moves_elsewhere(const HarmonicFit& fit) const;
 
   [[nodiscard]] int drive_channel() const { return live.drive(); }
   [[nodiscard]] bool delivers(int c) const { return live[c].delivers(now_ns, period_s()); }

@@ -86,7 +86,7 @@ TEST(CountedData, OneWindowIsEnoughToAcquireTheFrequency) {
   CountedBench bench(table_and_mass(), 4.1);
   bench.run_to(1.3 * kCountedPeriod_s);
   ASSERT_GE(bench.data.blocks().count(), kQuarters);
-  bench.data.acquire(0, kQuarters, 125'000'000);
+  bench.data.acquire(0, kQuarters, 125'000'000, bench.data.nominal_omega());
   EXPECT_NEAR(bench.data.omega() / kTwoPi, 4.1, 0.01);
 }
 

@@ -89,6 +89,16 @@ TEST(DriveTracker, WhatNoiseMightBeTakenForIsFaintAndBelowThreeStandardDeviation
   }
 }
 
+TEST(DriveTracker, ATableThatMovesAtAMultipleOfTheWindowsFrequencyAloneDoesNotRest) {
+  TrackedTable table;
+  table.move(1e-7, kTrackedHz);
+  const DriveTracker::Window octave{table.centre_ns, table.fit, table.Y, kTrackedAmplitude};
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(table.tracker.see(octave, NAN, kWhileSettling), DriveTracker::Sight::elsewhere);
+  const DriveTracker::Window noise{table.centre_ns, table.fit, table.Y, 0.9e-5};
+  EXPECT_EQ(table.tracker.see(noise, NAN, kWhileSettling), DriveTracker::Sight::low);
+  EXPECT_EQ(table.tracker.see(noise, NAN, kWhileSettling), DriveTracker::Sight::rests);
+}
+
 TEST(DriveTracker, OneBadReadingWhileMeasuringIsNoStop) {
   TrackedTable table;
   table.hold(20);

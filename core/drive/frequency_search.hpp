@@ -1,0 +1,60 @@
+// Searches the whole search range for the frequency of a drive of which nothing else is known yet.
+//
+// One sine beside a mean is fitted to the readings at their own instants, by least squares: in each of the cells that
+// cover the range, then by Gauss-Newton from the cell where it explains most. The fit with harmonics cannot answer
+// this. At half the frequency of a sine its second harmonic explains all, and the fundamental is zero.
+//
+// The stretch is a period of the lowest frequency, T = 1/low, or what there is of it. A sine that is off by δf keeps
+// sinc²(πδfT) of its energy. Cells are 1/(2T) wide: at their edges 81 % is left, and Gauss-Newton converges.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+#include "core/stream/sample_history.hpp"
+
+namespace dwell {
+
+// Bound to one thread; real-time safe except for the constructor. Angular frequencies in rad/s.
+class FrequencySearch {
+ public:
+  explicit FrequencySearch(const Rig& rig);
+
+  // False: the rig file states the frequency, or the range is one cell, where a fit that begins at the nominal
+  // frequency finds any other.
+  [[nodiscard]] bool wanted() const noexcept { return cells_.size() > 1; }
+  // Whether two frequencies are at most half a cell apart: a fit that begins at one finds the other.
+  [[nodiscard]] bool near(double omega, double other) const noexcept;
+  // T, s.
+  [[nodiscard]] double longest_s() const noexcept { return longest_s_; }
+
+  // ω of the sine in a channel's readings over [begin, end). None: the stretch is shorter than T/2, or noise might look
+  // like this sine. The history is told of the work. O(readings of all channels + cells · readings of the channel).
+  [[nodiscard]] std::optional<double> find(const SampleHistory& history, int channel, std::int64_t begin_ns,
+                                           std::int64_t end_ns) noexcept;
+
+ private:
+  // Sums over the readings y: of sine and cosine at the cell's centre, of their products, and of those with y.
+  struct Cell {
+    double s = 0.0, c = 0.0, ss = 0.0, sc = 0.0, cc = 0.0, ys = 0.0, yc = 0.0;
+  };
+  struct Readings {
+    const SampleHistory& history;
+    int channel;
+    std::uint64_t first, last;
+    std::int64_t centre_ns;
+    // Calls use(u, y) for each: u from the centre, s; y from the first of them.
+    template <class Use>
+    void each(Use&& use) const noexcept;
+  };
+  [[nodiscard]] double best_cell(const Readings& readings) noexcept;
+  [[nodiscard]] std::optional<double> refined(const Readings& readings, double omega) const noexcept;
+
+  double low_, high_;  // rad/s
+  double longest_s_, width_;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace dwell
