@@ -298,10 +298,10 @@ std::string control_answer(const ServiceView& view, std::string_view line, const
     return reply;
   }
   if (name == "check") return check_answer(view);
-  using Verb = record::Request::Verb;
-  if (name == "rearm") return operator_answer(request, Verb::rearm, operate);
-  if (name == "start") return operator_answer(request, Verb::start, operate);
-  if (name == "stop") return operator_answer(request, Verb::stop, operate);
+  using Asked = record::Request::Verb;
+  if (name == "rearm") return operator_answer(request, Asked::rearm, operate);
+  if (name == "start") return operator_answer(request, Asked::start, operate);
+  if (name == "stop") return operator_answer(request, Asked::stop, operate);
   return control_error("unknown verb \"" + name + "\"; there are status, check, start, stop, rearm and sign");
 }
 
