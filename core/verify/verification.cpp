@@ -146,6 +146,11 @@ double mean_square(const MatrixXd& columns) {
   return columns.squaredNorm() / static_cast<double>(std::max<Index>(1, columns.size()));
 }
 
+// Rows of a matrix, which may have no columns, and then no memory in which a row could have a place.
+MatrixXd rows_of(const MatrixXd& matrix, Index begin, Index count) {
+  return matrix.cols() == 0 ? MatrixXd(count, 0) : MatrixXd(matrix.middleRows(begin, count));
+}
+
 // Upper limit (k = 2) of the error that noise may hide in √(mean(e²) - mean(n²)), n being noise. Three things scatter:
 // the mean square of noise, as its draws do; its product with the error; and the noise itself, known from `freedom`
 // readings.
@@ -173,18 +178,18 @@ ChannelComparison compared(const VerificationEvidence::Rows& rows, const Residua
   out.channel = rows.channel;
   compare(seen.predicted.segment(begin, count), seen.measured.segment(begin, count), out);
   const double sigma = rows.sigma, samples = static_cast<double>(count);
-  const double of_sources = sources.all.middleRows(begin, count).squaredNorm() / samples;
-  const double of_prediction = of_sources + mean_square(seen.noise_predicted.middleRows(begin, count));
-  const MatrixXd noise = seen.noise_error.middleRows(begin, count);
+  const double of_sources = rows_of(sources.all, begin, count).squaredNorm() / samples;
+  const double of_prediction = of_sources + mean_square(rows_of(seen.noise_predicted, begin, count));
+  const MatrixXd noise = rows_of(seen.noise_error, begin, count);
   const double of_error = of_sources + mean_square(noise);
-  const double of_readings = sources.as_read.middleRows(begin, count).squaredNorm() / samples;
+  const double of_readings = rows_of(sources.as_read, begin, count).squaredNorm() / samples;
   out.noise = std::sqrt(mean_square(noise)) / out.rms;
   out.U = 2 * std::sqrt(of_prediction + sigma * sigma / samples) / out.rms;
   out.U_as_is =
       (unseen(seen.error().segment(begin, count), noise, rows.freedom) + 2 * std::sqrt(of_readings)) / out.rms;
   out.e_n = out.error * out.rms / (2 * std::sqrt(of_error));
   const double beyond = seen.beyond_steady.segment(begin, count).squaredNorm() / samples -
-                        mean_square(seen.noise_beyond_steady.middleRows(begin, count));
+                        mean_square(rows_of(seen.noise_beyond_steady, begin, count));
   out.beyond_steady = std::sqrt(std::max(0.0, beyond)) / out.rms;
   return out;
 }

@@ -22,6 +22,7 @@ constexpr std::uint64_t kSeed = 20161;
 // Places rows of one stretch into those of all; an empty matrix stays empty.
 void place(const MatrixXd& from, Index at, Index count, double scale, Index to, Index total, MatrixXd& out) {
   if (out.size() == 0) out.resize(total, from.cols());
+  if (from.cols() == 0) return;  // no memory, in which a row could have a place
   out.middleRows(to, count) = scale * from.middleRows(at, count);
 }
 void place(const VectorXd& from, Index at, Index count, double scale, Index to, Index total, VectorXd& out) {

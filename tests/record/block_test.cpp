@@ -29,7 +29,9 @@ class AnyRecords {
     for (std::size_t i = 0; i < n; ++i) {
       Record r;
       r.t_ns = t_ns_ = instant();
-      r.stamped_ns = random_() % 3 == 0 ? word() : r.t_ns + static_cast<std::int64_t>(random_() % 1000);
+      r.stamped_ns = random_() % 3 == 0
+                         ? word()
+                         : static_cast<std::int64_t>(static_cast<std::uint64_t>(r.t_ns) + random_() % 1000);
       r.value = value();
       r.t_half_ns = random_() % 4 == 0 ? static_cast<std::uint32_t>(random_()) : 250U;
       r.channel = static_cast<std::uint16_t>(channels_ == 0 ? i % 8 : channels_ == 1 ? random_() % 5 : random_());
