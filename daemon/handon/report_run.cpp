@@ -7,6 +7,7 @@
 #include "daemon/handon/html.hpp"
 #include "daemon/handon/picture.hpp"
 #include "daemon/handon/report.hpp"
+#include "daemon/record/stream_events.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::handon {
@@ -64,20 +65,6 @@ Markup calibration(const Channel& c, const std::string& start_utc) {
       html += " <strong class=\"alarm\">overdue</strong>";
   }
   return Markup::made(html);
-}
-
-const char* loss_text(Loss loss) {
-  switch (loss) {
-    case Loss::refused:
-      return "the ring between driver and estimation was full";
-    case Loss::late:
-      return "older than what had been released";
-    case Loss::ahead:
-      return "stamped ahead of the clock";
-    case Loss::overflow:
-      return "the merger was full";
-  }
-  return "unknown";
 }
 
 std::string number_or(double count) { return axis_number(count); }
@@ -141,7 +128,7 @@ std::string report_losses(const Selection& selection, const RunStory& story) {
   std::vector<std::vector<Markup>> rows;
   for (const auto& [key, count] : story.lost) {
     const std::string channel = key.first < rig.channels.size() ? rig.channels[key.first].name : "?";
-    rows.push_back({"channel " + channel, loss_text(key.second), number_or(count)});
+    rows.push_back({"channel " + channel, record::loss_text(key.second), number_or(count)});
   }
   for (const auto& [key, count] : story.faults) {
     const std::string device = key.first < rig.devices.size() ? rig.devices[key.first].name : "?";

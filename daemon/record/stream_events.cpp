@@ -14,20 +14,6 @@ std::string named(const char* what, const std::vector<std::string>& names, std::
   return std::string(what) + " " + (index < names.size() ? names[index] : std::to_string(index));
 }
 
-const char* loss_text(Loss loss) {
-  switch (loss) {
-    case Loss::refused:
-      return "no room on their way";
-    case Loss::late:
-      return "older than what had been used";
-    case Loss::ahead:
-      return "stamped ahead of the clock";
-    case Loss::overflow:
-      return "no room to put them in order";
-  }
-  return "unknown";
-}
-
 StoredEvent made(const char* what, std::uint64_t position, std::string text) {
   StoredEvent event;
   event.position = position;
@@ -37,6 +23,20 @@ StoredEvent made(const char* what, std::uint64_t position, std::string text) {
 }
 
 }  // namespace
+
+const char* loss_text(Loss loss) noexcept {
+  switch (loss) {
+    case Loss::refused:
+      return "the ring between driver and estimation was full";
+    case Loss::late:
+      return "older than records already used";
+    case Loss::ahead:
+      return "stamped ahead of the clock";
+    case Loss::overflow:
+      return "the merger was full";
+  }
+  return "unknown";
+}
 
 void StreamEvents::take(const Record& record, std::uint64_t position) {
   if (record.kind == Kind::channel_state && states_.size() < kMostStates) states_.emplace_back(position, record);

@@ -17,6 +17,9 @@ struct StreamNames {
   std::vector<std::string> channels, devices;
 };
 
+// Why samples were lost, for people: "the merger was full".
+[[nodiscard]] const char* loss_text(Loss loss) noexcept;
+
 // Bound to one thread. A fault or loss that repeats makes one event a block, with the count of all.
 class StreamEvents {
  public:

@@ -318,7 +318,7 @@ TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
   ASSERT_EQ(events.size(), 4u);
   EXPECT_EQ(events[0].text, "channel y1 does not deliver: timeout");
   EXPECT_EQ(events[0].position, at);
-  EXPECT_EQ(events[1].text, "channel y1: 30 samples lost, older than what had been used");
+  EXPECT_EQ(events[1].text, "channel y1: 30 samples lost, older than records already used");
   EXPECT_EQ(events[1].position, at + 1);
   EXPECT_EQ(events[2].text, "device amplifier: timeout, 4 times");
   EXPECT_EQ(events[3].text, "channel y1 delivers");
