@@ -27,19 +27,20 @@ struct ServerSettings {
   std::vector<std::string> names;  // by which clients may ask for it
 };
 
-// Where the head of what has been recorded is kept outside.
+// Anchors: every so often the newest head of each chain is copied to a place outside the record, so that an auditor
+// sees whether the end of a file was cut off later.
 struct AnchorSettings {
-  double minutes = 10.0;             // between two
-  std::string file;                  // gets a line for each; empty: none
-  std::vector<std::string> command;  // program and arguments, which gets the line on its input; empty: none
+  double minutes = 10.0;             // between two anchors
+  std::string file;                  // each anchor is a line of it; empty: none
+  std::vector<std::string> command;  // program and arguments; it reads the line on its input; empty: none
 };
 
 struct RecordingSettings {
   bool on = false;                           // the file has a table [recording]: runs are recorded
   std::string directory = "/var/lib/dwell";  // a relative one starts at the rig file's directory
   double every_s = 1.0;                      // between two stored results of a dwell that goes on
-  // Runs are kept for so long, and so much of them; none: for ever, and all.
-  std::optional<double> retain_days, retain_gigabytes;
+  std::optional<double> retain_days;         // a run is deleted so long after its end; none: never
+  std::optional<double> retain_gigabytes;    // while all runs are larger, the oldest is deleted; none: no bound
   std::optional<AnchorSettings> anchor;
 };
 
@@ -87,7 +88,7 @@ inline constexpr std::size_t kMaxDevices = 1000;
 // The covariance of all coefficients is (2n + 2)² numbers, told ten times a second: 0.3 MB each at 100 masses.
 inline constexpr std::size_t kMaxMasses = 100;
 
-// That the line cannot carry the rate asked for, with the most that it can; empty: it can, or nobody knows.
+// "The line cannot carry this rate", with the highest that it can; empty: it can, or that is not known.
 [[nodiscard]] std::string line_note(const DeviceSettings& device);
 
 // Why a device's rate was shifted, or, where it may not be, which harmonic of the drive it folds: one line for people;

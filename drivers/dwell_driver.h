@@ -30,7 +30,7 @@ extern "C" {
 typedef struct dwell_sample {
   int64_t t_ns;       /* instant of the reading */
   double raw;         /* finite; what is not must not be pushed but reported as DWELL_FAULT_INVALID_VALUE */
-  uint32_t t_half_ns; /* half width of what is known of the instant, rectangular */
+  uint32_t t_half_ns; /* the true instant lies within t_ns ± this, evenly likely */
   uint16_t channel;   /* the dwell_channel's index */
   uint16_t flags;     /* DWELL_SAMPLE_... */
 } dwell_sample;

@@ -1,11 +1,13 @@
-// Searches the whole search range for the frequency of a drive of which nothing else is known yet.
+// Finds the frequency of a new drive anywhere in the search range.
 //
-// One sine beside a mean is fitted to the readings at their own instants, by least squares: in each of the cells that
-// cover the range, then by Gauss-Newton from the cell where it explains most. The fit with harmonics cannot answer
-// this. At half the frequency of a sine its second harmonic explains all, and the fundamental is zero.
+// One sine and a mean are fitted to the readings at their own instants, by least squares. The search range is divided
+// into cells. The fit is made at the centre of each cell; Gauss-Newton starts at the centre that explains most. The fit
+// with harmonics cannot be used here: at half the frequency of a sine, its second harmonic explains everything and its
+// fundamental is zero.
 //
-// The stretch is a period of the lowest frequency, T = 1/low, or what there is of it. A sine that is off by δf keeps
-// sinc²(πδfT) of its energy. Cells are 1/(2T) wide: at their edges 81 % is left, and Gauss-Newton converges.
+// The fitted stretch lasts one period of the lowest frequency, T = 1/low, or less if fewer readings exist. At a
+// frequency that is wrong by δf, a fitted sine explains sinc²(πδfT) of the energy. Cells are 1/(2T) wide: at their
+// edges 81 % is explained, and Gauss-Newton converges.
 #pragma once
 
 #include <cstdint>

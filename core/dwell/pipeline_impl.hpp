@@ -107,8 +107,8 @@ struct Pipeline::Impl {
 
   void on_block(std::int64_t end_ns);
 
-  // While the frequency is not known: looks for the drive in the whole search range. Returns an ω near that of the
-  // newest window. If the blocks were taken far from it, they are taken anew, and a hold begins with them.
+  // Finds the drive's ω, rad/s, near enough for the first fit of the newest window. Searches the whole search range;
+  // call it only while ω is unknown. If the blocks were built with another ω, it rebuilds them, and a hold begins.
   double search_drive(std::int64_t end_ns);
   // Largest amplitude of the table at a multiple of ω in the search range, m (rad).
   [[nodiscard]] double moves_elsewhere(const HarmonicFit& fit) const;

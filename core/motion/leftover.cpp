@@ -10,16 +10,16 @@
 namespace dwell {
 namespace {
 
-// Most: more than a half. A term that leaves more than that is a part of the story at best.
+// A term that leaves more than this share unexplained is a part of the story at best.
 constexpr double kMost = 0.5;
-// Ratio of variances up to which the table's noise is what it is from reading to reading: 1.5 standard deviations'
-// ratio, since the latter is known to 10 %.
+// Fitted over directly seen noise variance of the table that is still accepted: a ratio of 1.5 in standard deviation,
+// since the noise from reading to reading is known to 10 %.
 constexpr double kAsSeen = 2.25;
 
 }  // namespace
 
-bool Leftover::explains_most_of(const Leftover& that) const {
-  return power <= kMost * that.power || (least_p >= kContradicted && of_table <= that.power);
+bool Leftover::explains_most_of(const Leftover& before) const {
+  return power <= kMost * before.power || (least_p >= kContradicted && of_table <= before.power);
 }
 
 Leftover leftover(const MotionModel& model, const MotionData& data, const MotionUnknowns& unknowns,

@@ -3,9 +3,10 @@
 //
 //   FRAC = |Σ_f H_p(f) H_m*(f)|² / (Σ_f |H_p|² Σ_f |H_m|²)
 //
-// H_m is the channel's measured phasor over that of the table's displacement, one for each settled dwell, H_p what the
-// chain gives at that frequency. 1: the same shape over frequency; a common factor does not show. The dwell that gave
-// the chain is one of the frequencies, where both agree by construction, so at least two different ones are needed.
+// Each settled dwell gives one frequency f. H_m is measured there: the channel's phasor divided by the phasor of the
+// table's displacement. H_p is the same ratio as the chain predicts it. FRAC = 1: the same shape over frequency; a
+// common factor does not show. Two different frequencies are needed at least, since the chain was fitted at one of
+// them.
 #pragma once
 
 #include <vector>
@@ -16,12 +17,13 @@
 
 namespace dwell {
 
-// Frequencies that differ by less than this part are one: a response hardly changes from one to the other.
+// Relative difference below which two frequencies count as one: the response is nearly the same at both.
 inline constexpr double kSameFrequency = 0.01;
 
 [[nodiscard]] bool same_frequency(const Dwell& a, const Dwell& b) noexcept;
 
-// Per channel of the rig, in its own quantity; NaN where fewer than two frequencies are known of it. dwells: settled.
+// FRAC of each channel of the rig, in the channel's own quantity; NaN: the channel has fewer than two frequencies.
+// `dwells` must be settled.
 // Allocates; thread-safe.
 [[nodiscard]] std::vector<double> frac(const Rig& rig, const Chain& chain, const std::vector<const Dwell*>& dwells);
 

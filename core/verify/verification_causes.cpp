@@ -9,9 +9,9 @@
 namespace dwell {
 namespace {
 
-// Readings times states of the model that the search takes at most, from the start of the motion on: 28 000 readings of
-// a table and two masses. A fifth of what an estimate takes: the search may cost ten estimates. Halved, long transients
-// of slow rigs are seen in part; doubled, a contradicted rig takes minutes.
+// Bounds the time of the search: it uses the first readings of the motion, this many divided by the model's states
+// (28 000 readings for a table and two masses). An estimate may use 2.5 times as many, but the search may cost as much
+// as ten estimates. Halved, long transients of slow rigs are seen in part; doubled, a contradicted rig takes minutes.
 constexpr std::size_t kMostWork = 200'000;
 
 // At the instants of the motion: each stamp less its channel's stated delay.

@@ -27,9 +27,9 @@ struct ReplayFindings {
   std::uint64_t results = 0, finals = 0;  // compared
   std::uint64_t numbers = 0;              // in them
   std::uint64_t different = 0;            // of the numbers and other members
-  std::uint64_t intolerable = 0;          // of these, beyond what another build may change
-  Finding largest;                        // of the tolerable ones with an uncertainty, the one that is most of it
-  std::vector<Finding> listed;            // the first, those beyond what is tolerable before the others
+  std::uint64_t intolerable = 0;          // of these, beyond the tolerance for another build
+  Finding largest;                        // the tolerable one with the largest `in_u`
+  std::vector<Finding> listed;            // the first kListed: first those beyond the tolerance, then the others
   std::vector<std::string> notes;         // what could not be compared, and why that is no difference
 
   [[nodiscard]] bool identical() const noexcept { return different == 0; }

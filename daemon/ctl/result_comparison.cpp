@@ -120,8 +120,8 @@ class Walk {
     return names;
   }
 
-  // Sources stand by their share, those without one not at all. So rounding changes the order of the negligible ones:
-  // each share is compared with that of the same source, an absent one counting as zero.
+  // A budget lists its sources by share and leaves out those without one. Rounding can therefore reorder or drop
+  // negligible sources. So sources are matched by name, and a missing source has the share 0.
   void budgets(const std::string& path, const Json& stored, const Json& replayed) {
     const std::vector<std::string> a = sources(stored), b = sources(replayed);
     result.differences.push_back({path, "its order or sources", "others", kNaN, true});

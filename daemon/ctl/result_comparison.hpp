@@ -11,9 +11,9 @@
 
 namespace dwell::ctl {
 
-// What another build, libm or set of CPU features may change: a part of the standard uncertainty of each number. Of a
-// number without uncertainty the same part of itself; of a share of a budget the same part of the whole, whatever the
-// order of the sources; of an instant one microsecond.
+// The tolerance for a replay by another build, libm or set of CPU features: this part of the number's standard
+// uncertainty. A number without uncertainty may change by this part of itself, a share of a budget by this part of the
+// whole, an instant by one microsecond. The sources of a budget may change their order.
 inline constexpr double kReplayTolerance = 1e-3;
 inline constexpr double kInstantTolerance_s = 1e-6;
 
@@ -22,7 +22,7 @@ struct Difference {
   std::string stored, replayed;  // as JSON; empty: there is no such member
   // |replayed - stored| in standard uncertainties of that number; NaN: it has none, or is no number.
   double in_u = kNaN;
-  bool tolerable = false;  // a number, off by no more than what another build may change
+  bool tolerable = false;  // a number, within the tolerance for another build
 };
 
 struct Comparison {

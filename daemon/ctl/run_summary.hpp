@@ -32,7 +32,7 @@ struct RunSummary {
 // "closed", or "open": it is being recorded, or was cut off.
 [[nodiscard]] const char* state_of(const RunSummary& run) noexcept;
 
-// A page of lines of at most `columns`, as far as tables can be broken.
+// The page, in lines of at most `columns` characters; only a table that does not fit makes longer ones.
 [[nodiscard]] std::string summary_page(const RunSummary& run, std::size_t columns);
 [[nodiscard]] nlohmann::ordered_json summary_json(const RunSummary& run);
 

@@ -7,7 +7,7 @@
 //   /channels/NAME/t_ns    int64, ns on the run's axis; 0 is `zero_ns` on the clock that recorded
 //   /channels/NAME/value   float64, in `unit`: scale · raw + offset
 //   /channels/NAME/raw     float64, the device's own number
-//   /channels/NAME/t_half_ns  uint32, ns: half width of what is known of the instant
+//   /channels/NAME/t_half_ns  uint32, ns: the true instant lies within t_ns ± t_half_ns
 //   /channels/NAME/flags   uint8: 1 samples were lost before this one, 2 the stamp was replaced by the host's
 //   /results, /events      JSON texts, one a row: the dwells that ended within the stretch; what happened in the run
 //

@@ -33,7 +33,7 @@ class OutputFile {
   void flush();
 
   std::string path_, part_, buffer_, error_;
-  std::int64_t end_ = 0;  // of what was flushed
+  std::int64_t end_ = 0;  // bytes of the file so far; the buffer goes there
   int fd_ = -1;
 };
 
