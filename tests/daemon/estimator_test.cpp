@@ -11,6 +11,7 @@
 #include <random>
 
 #include "tests/daemon/collecting_sink.hpp"
+#include "tests/daemon/one_mass_rig.hpp"
 #include "tests/durations.hpp"
 
 namespace dwell {
@@ -19,24 +20,16 @@ namespace {
 constexpr std::int64_t kStart_ns = 5'000 * kMs_ns;
 
 Rig one_mass() {
-  Rig rig;
+  Rig rig = test::one_mass_rig();
   rig.name = "one mass";
-  rig.masses = {2.0};
-  rig.excitation.frequency_hz = 10.0;
-  rig.excitation.search_low_hz = 9.8;
-  rig.excitation.search_high_hz = 10.2;
-  rig.excitation.minimum = 1e-5;
   rig.devices = {{"amplifier", 0.0, 0.0}};
-  for (int at = 0; at < 2; ++at) {
-    Channel channel;
-    channel.name = "y" + std::to_string(at);
+  for (Channel& channel : rig.channels) {
+    channel.name = "y" + std::to_string(channel.at);
     channel.device = 0;
-    channel.at = at;
     channel.unit = "mm";
     channel.si_per_unit = 1e-3;
     channel.range_low = -5.0;
     channel.range_high = 5.0;
-    rig.channels.push_back(channel);
   }
   return rig;
 }

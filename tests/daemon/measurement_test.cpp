@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "daemon/estimate/publisher.hpp"
+#include "tests/daemon/one_mass_rig.hpp"
 #include "tests/durations.hpp"
 
 namespace dwell {
@@ -14,17 +15,9 @@ namespace {
 
 struct MeasurementTest : testing::Test {
   MeasurementTest() {
-    rig.masses = {2.0};
-    rig.excitation.frequency_hz = 10.0;
-    rig.excitation.search_low_hz = 9.8;
-    rig.excitation.search_high_hz = 10.2;
-    rig.excitation.minimum = 1e-5;
-    for (int at = 0; at < 2; ++at) {
-      Channel channel;
-      channel.at = at;
+    for (Channel& channel : rig.channels) {
       channel.range_low = -5e-3;
       channel.range_high = 5e-3;
-      rig.channels.push_back(channel);
     }
     measurement.emplace(rig, KeptDwells(10, 1'000'000), [this](RunEvent event) { events.push_back(std::move(event)); });
   }
@@ -43,7 +36,7 @@ struct MeasurementTest : testing::Test {
     }
   }
 
-  Rig rig;
+  Rig rig = test::one_mass_rig();
   std::int64_t t_ns = kSecond_ns;
   std::vector<RunEvent> events;
   std::optional<Measurement> measurement;

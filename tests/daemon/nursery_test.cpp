@@ -6,18 +6,12 @@
 #include <atomic>
 #include <thread>
 
+#include "tests/daemon/one_mass_rig.hpp"
+
 namespace dwell {
 namespace {
 
 struct NurseryTest : testing::Test {
-  NurseryTest() {
-    rig.masses = {2.0};
-    rig.excitation.frequency_hz = 10.0;
-    rig.excitation.search_low_hz = 9.8;
-    rig.excitation.search_high_hz = 10.2;
-    rig.excitation.minimum = 1e-5;
-    for (int at = 0; at < 2; ++at) rig.channels.emplace_back().at = at;
-  }
   Nursery::Make maker() {
     return [this] {
       ++made;
@@ -25,7 +19,7 @@ struct NurseryTest : testing::Test {
     };
   }
 
-  Rig rig;
+  Rig rig = test::one_mass_rig();
   std::atomic<int> made{0};
 };
 

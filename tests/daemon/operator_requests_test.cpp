@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/daemon/log_to_read.hpp"
+#include "tests/daemon/one_mass_rig.hpp"
 
 namespace dwell {
 namespace {
@@ -23,12 +24,7 @@ struct OperatorRequestsTest : testing::Test {
   void begin(bool recording) {
     config::RigFile file;
     file.recording.on = recording;
-    file.rig.masses = {2.0};
-    file.rig.excitation.frequency_hz = 10.0;
-    file.rig.excitation.search_low_hz = 9.8;
-    file.rig.excitation.search_high_hz = 10.2;
-    file.rig.excitation.minimum = 1e-5;
-    for (int at = 0; at < 2; ++at) file.rig.channels.emplace_back().at = at;
+    file.rig = test::one_mass_rig();
     run.emplace(file, std::vector<DeviceFeed>{}, nullptr, log, [] {});
     operators.emplace(*run, log, &sink);
   }

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "daemon/run/stop_together.hpp"
+#include "tests/daemon/one_mass_rig.hpp"
 
 namespace dwell {
 namespace {
@@ -23,18 +24,9 @@ TEST(Run, CanBeReadToItsLastWordAfterItsEnd) {
   const auto log = no_log();
   config::RigFile file;
   file.sha256 = "abc";
-  file.rig.masses = {2.0};
-  file.rig.excitation.frequency_hz = 10.0;
-  file.rig.excitation.search_low_hz = 9.8;
-  file.rig.excitation.search_high_hz = 10.2;
-  file.rig.excitation.minimum = 1e-5;
+  file.rig = test::one_mass_rig();
   file.rig.devices = {{"a"}};
-  for (int at = 0; at < 2; ++at) {
-    Channel channel;
-    channel.device = 0;
-    channel.at = at;
-    file.rig.channels.push_back(channel);
-  }
+  for (Channel& channel : file.rig.channels) channel.device = 0;
   DeviceLink link("a", {0, 1}, 4096, nullptr);
   std::promise<void> published;
   std::once_flag first;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "daemon/estimate/estimator.hpp"
+#include "tests/daemon/one_mass_rig.hpp"
 #include "tests/durations.hpp"
 
 namespace dwell {
@@ -17,18 +18,10 @@ struct UntimelyTest : testing::Test {
     LogOptions quiet;
     quiet.console = false;
     log = std::move(*Log::make(quiet));
-    rig.masses = {2.0};
-    rig.excitation.frequency_hz = 10.0;
-    rig.excitation.search_low_hz = 9.8;
-    rig.excitation.search_high_hz = 10.2;
-    rig.excitation.minimum = 1e-5;
     rig.devices = {{"a"}, {"b"}};
-    for (int at = 0; at < 2; ++at) {
-      Channel channel;
-      channel.name = "y" + std::to_string(at);
-      channel.device = at;
-      channel.at = at;
-      rig.channels.push_back(channel);
+    for (Channel& channel : rig.channels) {
+      channel.name = "y" + std::to_string(channel.at);
+      channel.device = channel.at;
     }
     const std::vector<DeviceFeed> devices{{&links[0], "modbus", 200.0}, {&links[1], "modbus", 200.0}};
     estimator.emplace(
@@ -58,7 +51,7 @@ struct UntimelyTest : testing::Test {
     return estimator->latest();
   }
 
-  Rig rig;
+  Rig rig = test::one_mass_rig();
   std::unique_ptr<Log> log;
   std::array<DeviceLink, 2> links{DeviceLink{"a", {0}, 4096, nullptr}, DeviceLink{"b", {1}, 4096, nullptr}};
   std::int64_t now_ns = 5'000 * kMs_ns;
