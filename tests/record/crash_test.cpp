@@ -61,8 +61,7 @@ class SharedWords {
   Notices notices;
   Recorder recorder(recorder_options(directory, notices));
   SyntheticStream stream(8, 1000.0, [&](const Record& record) { recorder.record(record); });
-  stream.armed();
-  stream.begins();
+  stream.starts();
   words.begun_ns = stream.t_ns();
   const auto began = std::chrono::steady_clock::now();
   for (int step = 1;; ++step) {

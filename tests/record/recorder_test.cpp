@@ -100,8 +100,7 @@ TEST_F(RecorderTest, TellsWhatItRecordsAndListsItsRuns) {
   Recorder recorder(recorder_options(scratch.path(), notices));
   SyntheticStream stream = stream_to(recorder);
   ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).why_not == "no run goes on"; }));
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(2.5);
   ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).run.samples >= 1500; }));
   const RecorderState state = recorder.state(raw_now_ns());
@@ -123,8 +122,7 @@ TEST_F(RecorderTest, TellsWhatItRecordsAndListsItsRuns) {
 TEST_F(RecorderTest, ADirectoryThatCannotBeUsedIsAnAlarmAndNothingMore) {
   Recorder recorder(recorder_options("/proc/nowhere", notices));
   SyntheticStream stream = stream_to(recorder);
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(2.0);
   ASSERT_TRUE(eventually([&] { return recorder.state(raw_now_ns()).alarms.size() == 1; }));
   const RecorderState state = recorder.state(raw_now_ns());
@@ -144,8 +142,7 @@ TEST_F(RecorderTest, RetentionDeletesWhatIsTooOldTellsTheLedgerAndSparesWhatIsKe
   for (int run = 0; run < 3; ++run) {
     Recorder recorder(recorder_options(scratch.path(), notices));
     SyntheticStream stream = stream_to(recorder);
-    stream.armed();
-    stream.begins();
+    stream.starts();
     stream.play(1.5);
   }
   ASSERT_EQ(files().size(), 3u);
@@ -173,8 +170,7 @@ TEST_F(RecorderTest, ARunsHeadArrivesWhereItIsAnchored) {
   {
     Recorder recorder(options);
     SyntheticStream stream = stream_to(recorder);
-    stream.armed();
-    stream.begins();
+    stream.starts();
     stream.play(2.5);
     EXPECT_TRUE(eventually([&] { return std::filesystem::exists(scratch.path("heads")); }));
   }

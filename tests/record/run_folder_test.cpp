@@ -95,8 +95,7 @@ TEST(RunFolder, TheNextStartTellsOfARunThatWasCutOffAndAltersNoByteOfIt) {
   // A crash: the process ends without another word.
   EXPECT_EQ(in_child([&] {
               FolderRig rig(scratch.path());
-              rig.stream.armed();
-              rig.stream.begins();
+              rig.stream.starts();
               rig.stream.play(4.5);
               _exit(0);
               return std::string();
@@ -165,8 +164,7 @@ TEST(RunFolder, ADirectoryThatCannotBeUsedIsNamed) {
 TEST(RunFolder, ADeletedRunIsToldToTheLedgerAndNotMissing) {
   const Scratch scratch;
   FolderRig rig(scratch.path());
-  rig.stream.armed();
-  rig.stream.begins();
+  rig.stream.starts();
   rig.stream.play(1.5);
   rig.log.finish();
   const auto files = run_files(scratch.path());
@@ -195,8 +193,7 @@ std::string mount_small_disk(const std::string& at, int kilobytes) {
 std::string record_until_full(const std::string& directory) {
   if (const std::string cannot = mount_small_disk(directory, 6'000); !cannot.empty()) return "skip: " + cannot;
   FolderRig rig(directory);
-  rig.stream.armed();
-  rig.stream.begins();
+  rig.stream.starts();
   // A file that fills what is left over.
   rig.stream.play(3.0);
   const std::string ballast = directory + "/ballast";
@@ -214,8 +211,7 @@ std::string record_until_full(const std::string& directory) {
   std::filesystem::remove(ballast);
   if (const auto ready = rig.folder.ready(); !ready) return "not ready again: " + ready.error();
   rig.stream.ends();
-  rig.stream.armed();
-  rig.stream.begins();
+  rig.stream.starts();
   rig.stream.play(2.0);
   rig.log.finish();
   if (run_files(directory).size() != 2) return "it did not go on: " + rig.log.stopped();
@@ -254,8 +250,7 @@ TEST(KeyFile, AnotherKeySignsAfterAChangeAndTheLedgerSaysSo) {
   const Scratch scratch;
   const auto record_a_run = [&] {
     FolderRig rig(scratch.path());
-    rig.stream.armed();
-    rig.stream.begins();
+    rig.stream.starts();
     rig.stream.play(1.5);
     rig.log.finish();
   };

@@ -131,8 +131,7 @@ TEST_F(RunLogTest, ARunHoldsTheStreamFromTheBirthOfItsPipelineToItsEnd) {
 }
 
 TEST_F(RunLogTest, WhatIsNotWrittenIsNeverOlderThanASecond) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   for (int i = 0; i < 500; ++i) {
     stream.play(0.013);
     const std::int64_t written_ns = store.runs[0].entries.back().t_ns;
@@ -208,8 +207,7 @@ TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosi
 }
 
 TEST_F(RunLogTest, AFullDiskEndsTheRunWithItsReasonAndTheNextRunSaysSo) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(5.0);
   store.full = true;
   const std::size_t before = handed.size();
@@ -225,8 +223,7 @@ TEST_F(RunLogTest, AFullDiskEndsTheRunWithItsReasonAndTheNextRunSaysSo) {
   store.full = false;
   log.goes_on();
   stream.ends(EndOfRun::by_operator);
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(2.0);
   ASSERT_EQ(store.runs.size(), 2u);
   EXPECT_EQ(log.stopped(), "");
@@ -245,8 +242,7 @@ TEST_F(RunLogTest, ADiskThatIsFullAsTheRunBeginsIsToldAndTheRunIsNotRecorded) {
 }
 
 TEST_F(RunLogTest, ADiskThatTakesNotEvenTheEndIsToldAsAnError) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(3.0);
   store.full = store.broken = true;
   stream.play(2.0);
@@ -256,8 +252,7 @@ TEST_F(RunLogTest, ADiskThatTakesNotEvenTheEndIsToldAsAnError) {
 }
 
 TEST_F(RunLogTest, WhereRecordsAreMissingTheRunEndsWithTheirCount) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(2.5);
   log.gap(1234);
   stream.play(10.0);
@@ -296,16 +291,14 @@ TEST_F(RunLogTest, AfterACrashARunThatComesMuchLaterIsTheDrives) {
   log.interrupted("run 7 was cut off");
   log.goes_on();
   stream.play(70.0);
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(1.2);
   EXPECT_EQ(store.runs[0].header.begun_by, "drive");
   EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
 }
 
 TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(0.2);
   stream.put({.t_ns = stream.t_ns(), .channel = 1, .kind = Kind::channel_state, .flags = 2});
   const std::uint64_t at = stream.position();
@@ -325,8 +318,7 @@ TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
 }
 
 TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(1.0);
   log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns() + 3'000'000'000});
   log.set_clock({stream.t_ns(), kUtc_ns + stream.t_ns()});
@@ -338,8 +330,7 @@ TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
 }
 
 TEST_F(RunLogTest, TheEndOfTheServiceEndsTheRun) {
-  stream.armed();
-  stream.begins();
+  stream.starts();
   stream.play(2.5);
   log.finish();
   EXPECT_EQ(end_of(store.runs[0]).why, "service stopped");

@@ -49,6 +49,11 @@ class SyntheticStream {
          .kind = Kind::run,
          .flags = static_cast<std::uint8_t>(RunEdge::begins)});
   }
+  // A run with nothing before it.
+  void starts() {
+    armed();
+    begins();
+  }
   void ends(EndOfRun why = EndOfRun::drive_stopped, std::uint16_t request = 0) {
     put({.t_ns = t_ns_,
          .value = static_cast<double>(why),
