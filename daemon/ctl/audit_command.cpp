@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/pinned_key.hpp"
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/record/audit.hpp"
@@ -30,22 +30,6 @@ const char* name_of(AuditState state) {
       break;
   }
   return "tampered";
-}
-
-// The key of a file, or the key itself.
-record::Result<record::PublicKey> pinned_key(const std::string& asked) {
-  std::ifstream file(asked);
-  if (!file) {
-    // A vkey holds "+", and so do few paths.
-    if (asked.find('+') == std::string::npos) return tl::unexpected(asked + ": there is no such file");
-    return record::PublicKey::parse(asked);
-  }
-  std::string line;
-  std::getline(file, line);
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-  auto key = record::PublicKey::parse(line);
-  if (!key) return tl::unexpected(asked + ": " + key.error());
-  return key;
 }
 
 std::string verdict(const record::Audit& audit) {

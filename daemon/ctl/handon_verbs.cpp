@@ -1,5 +1,6 @@
 #include "daemon/ctl/handon_verbs.hpp"
 
+#include "daemon/ctl/options.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 
 namespace dwell::ctl {
@@ -28,9 +29,8 @@ void HandonVerbs::add_export(CLI::App& app) {
   auto* const binary = export_->add_flag("--binary", exporting_.binary, "uff: 58b, all bits, less than half the size");
   auto* const unchecked = export_->add_flag("--unchecked", exporting_.unchecked,
                                             "without an audit, also from a file that is tampered with");
-  auto* const key =
-      export_->add_option("--key", exporting_.key, "the key that must have signed: a vkey, or a file that holds it");
-  auto* const json = export_->add_flag("--json", exporting_.json, "print JSON");
+  auto* const key = add_pinned_key(export_, exporting_.key);
+  auto* const json = add_json(export_, exporting_.json);
   auto* const model = export_->add_flag("--model", model_, "matrices as Matrix Market, a state-space model as JSON");
   auto* const rig = export_->add_option("--rig", model_options_.rig,
                                         "with --model: the rig file of a recording; its devices are not needed");
@@ -45,9 +45,9 @@ void HandonVerbs::add_report(CLI::App& app) {
   report_ = app.add_subcommand("report", "a run as one HTML page for print and archive; exit 1 if it is tampered with");
   report_->add_option("file", reporting_.file, "the run file")->required();
   report_->add_option("-o,--output", reporting_.output, "the page")->required();
-  report_->add_option("--key", reporting_.key, "the key that must have signed: a vkey, or a file that holds it");
-  report_->add_option("--ledger", reporting_.ledger, "the ledger that knows all runs");
-  report_->add_flag("--json", reporting_.json, "print JSON");
+  add_pinned_key(report_, reporting_.key);
+  add_ledger(report_, reporting_.ledger);
+  add_json(report_, reporting_.json);
 }
 
 std::optional<int> HandonVerbs::run() {

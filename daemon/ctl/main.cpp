@@ -7,6 +7,7 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/handon_verbs.hpp"
+#include "daemon/ctl/options.hpp"
 
 namespace {
 
@@ -18,8 +19,6 @@ constexpr const char* kExitCodes =
 constexpr const char* kRigHelp =
     "the rig file; its devices are not needed. A run file holds its own; for it another one may be given";
 constexpr const char* kDataHelp = "a run file, or a recording as CSV: t,NAME,… or t,channel,value";
-
-void add_json(CLI::App* verb, bool& json) { verb->add_flag("--json", json, "print JSON"); }
 
 void add_service(CLI::App* verb, Service& service) {
   verb->add_option("--url", service.url, "address of the service's HTTP interface")
@@ -41,8 +40,8 @@ class RecordVerbs {
   RecordVerbs(CLI::App& app, Service& service) : service_(service) {
     audit_ = app.add_subcommand("audit", "whether run files are as they were recorded; exit 1 if one is tampered with");
     audit_->add_option("files", auditing_.files, "run files");
-    audit_->add_option("--ledger", auditing_.ledger, "the ledger that knows all runs: shows what was removed");
-    audit_->add_option("--key", auditing_.key, "the key that must have signed: a vkey, or a file that holds it");
+    add_ledger(audit_, auditing_.ledger);
+    add_pinned_key(audit_, auditing_.key);
     audit_->add_option("--anchor", auditing_.anchors, "files of heads that were kept elsewhere");
     add_json(audit_, auditing_.json);
 

@@ -1,0 +1,20 @@
+// Options of the command line that several verbs have, each with one wording. Heavy: include it in .cpp only.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace dwell::ctl {
+
+inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag("--json", json, "print JSON"); }
+
+// The key that a verb trusts: pinned_key() reads it.
+inline CLI::Option* add_pinned_key(CLI::App* verb, std::string& key) {
+  return verb->add_option("--key", key, "the key that must have signed: a vkey, or a file that holds it");
+}
+
+inline void add_ledger(CLI::App* verb, std::string& ledger) {
+  verb->add_option("--ledger", ledger, "the ledger that knows all runs: shows what was removed");
+}
+
+}  // namespace dwell::ctl
