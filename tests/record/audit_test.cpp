@@ -8,7 +8,7 @@
 #include "daemon/record/anchor.hpp"
 #include "daemon/record/ledger.hpp"
 #include "daemon/record/signature.hpp"
-#include "tests/record/sample_runs.hpp"
+#include "tests/record/altered_files.hpp"
 
 namespace dwell::record {
 namespace {
@@ -52,7 +52,7 @@ Ledger recorded(const Scratch& scratch, int count, bool last_cut_off = false) {
 TEST(Audit, AClosedRunIsIntactAndUntrustedWithoutAKey) {
   const Scratch scratch(true);
   const std::string path = scratch.path("a.dwell");
-  const SampleRun run{.seed = 6, .blocks = 4};
+  const SampleFile run{.seed = 6, .blocks = 4};
   const std::string head = write_sample(path, run);
   const Audit audit = audited(path);
   EXPECT_EQ(audit.state, AuditState::intact) << audit.where;

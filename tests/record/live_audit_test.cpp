@@ -11,7 +11,7 @@
 
 #include "daemon/record/audit.hpp"
 #include "daemon/record/block.hpp"
-#include "tests/record/sample_runs.hpp"
+#include "tests/record/altered_files.hpp"
 
 namespace dwell::record {
 namespace {

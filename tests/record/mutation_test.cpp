@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/record/audit.hpp"
-#include "tests/record/sample_runs.hpp"
+#include "tests/record/altered_files.hpp"
 
 namespace dwell::record {
 namespace {
@@ -264,7 +264,7 @@ TEST(Mutation, NoUntouchedFileIsReported) {
   for (int i = 0; i < 200; ++i) {
     const SampleEnd end = kSampleEnds[static_cast<std::size_t>(i) % std::size(kSampleEnds)];
     const Scratch scratch(true);
-    const SampleRun run{.seed = ++seed, .end = end, .blocks = 1 + i % 7, .records = 1 + 37 * (i % 11)};
+    const SampleFile run{.seed = ++seed, .end = end, .blocks = 1 + i % 7, .records = 1 + 37 * (i % 11)};
     const std::string path = scratch.path("a.dwell");
     write_sample(path, run);
     const Files before = files_in(scratch);

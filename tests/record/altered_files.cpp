@@ -1,4 +1,4 @@
-#include "tests/record/sample_runs.hpp"
+#include "tests/record/altered_files.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -80,7 +80,7 @@ RunHeader sample_header(std::int64_t run, const SigningKey& key) {
   return header;
 }
 
-std::string write_sample(const std::string& path, SampleRun run, const SigningKey& key) {
+std::string write_sample(const std::string& path, SampleFile run, const SigningKey& key) {
   std::mt19937 random(run.seed);
   if (run.header.id.empty()) run.header = sample_header(1 + run.seed, key);
   std::int64_t t_ns = 1'000'000'000;
@@ -123,7 +123,7 @@ std::string write_sample(const std::string& path, SampleRun run, const SigningKe
   return head;
 }
 
-std::uint64_t sample_count(const SampleRun& run) {
+std::uint64_t sample_count(const SampleFile& run) {
   return static_cast<std::uint64_t>(run.blocks) * static_cast<std::uint64_t>(run.records - run.records / 10);
 }
 

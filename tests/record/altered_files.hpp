@@ -1,4 +1,5 @@
-// Run files of all sorts for the tests, with the way into them and out of them that a forger has.
+// Run files for the tests of the audit: however they end, and then altered as a forger would. What a run file holds in
+// full is in sample_run.hpp.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,7 @@ enum class SampleEnd : std::uint8_t {
   log_folded,  // cut off, and its -wal is in the file
 };
 
-struct SampleRun {
+struct SampleFile {
   unsigned seed = 0;
   SampleEnd end = SampleEnd::closed;
   int blocks = 5;
@@ -39,8 +40,8 @@ struct SampleRun {
 [[nodiscard]] RunHeader sample_header(std::int64_t run, const SigningKey& key);
 
 // Writes the run to `path`; its final head.
-std::string write_sample(const std::string& path, SampleRun run, const SigningKey& key = sample_key());
-[[nodiscard]] std::uint64_t sample_count(const SampleRun& run);  // samples in it
+std::string write_sample(const std::string& path, SampleFile run, const SigningKey& key = sample_key());
+[[nodiscard]] std::uint64_t sample_count(const SampleFile& run);  // samples in it
 
 // What a reader sees: each row as one text. One text "unreadable" where it fails.
 [[nodiscard]] std::vector<std::string> rows_of(const std::string& path);
