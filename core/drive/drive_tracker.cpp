@@ -43,7 +43,7 @@ DriveTracker::Sight DriveTracker::see(const Window& window, double acquired_omeg
   const bool uncertain =
       amplitude < kUncertain * u && (!during.measuring || amplitude < kStopped * monitor_.amplitude());
   const bool low = amplitude < rig_.excitation.minimum || uncertain;
-  // A drive at twice the window's frequency leaves its fundamental zero. That is no rest.
+  // A drive at twice the window's frequency has the fundamental zero here, and yet the table moves.
   const bool elsewhere = low && window.elsewhere >= rig_.excitation.minimum && window.elsewhere >= kUncertain * u;
   if (low && !elsewhere) return ++low_windows_ >= 2 ? Sight::rests : Sight::low;
   low_windows_ = 0;

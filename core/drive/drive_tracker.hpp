@@ -32,8 +32,8 @@ class DriveTracker {
   struct During {
     bool dwell = false, measuring = false, counting = false;
   };
-  // One window: its centre, the fit of the drive's channel about that centre, the phasor of the motion, and the largest
-  // amplitude at a multiple of its frequency where the drive may be, m (rad).
+  // One window: its centre; the fit of the drive's channel about that centre; the phasor of the table's motion; and the
+  // largest amplitude at a multiple of the fitted frequency that lies in the search range, m (rad).
   struct Window {
     std::int64_t centre_ns;
     const HarmonicFit& fit;
@@ -44,7 +44,7 @@ class DriveTracker {
     rests,      // no motion in this window and the one before
     low,        // no motion in this window alone
     faint,      // a drive or noise: not enough to begin a dwell
-    elsewhere,  // motion at a multiple of the window's frequency alone: the drive has another frequency
+    elsewhere,  // no motion at the window's frequency, but at a multiple of it: the drive has another frequency
     moves,
   };
   // Tells whether a window shows a drive. acquired_omega: ω from the window itself; NaN: not known.

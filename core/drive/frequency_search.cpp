@@ -13,11 +13,11 @@ namespace dwell {
 namespace {
 
 constexpr int kSteps = 10;                // of Gauss-Newton, at most
-constexpr double kNegligibleStep = 1e-2;  // part of ω's standard uncertainty: a smaller step ends the iteration
-// Standard deviations of the amplitude, as in DriveTracker: noise exceeds them in one of 300 000 stretches and cells.
-// Then ω is known to 0.11/T, less than half a cell.
+constexpr double kNegligibleStep = 1e-2;  // of ω's standard uncertainty: a smaller step ends the iteration
+// A sine counts as found if its amplitude exceeds this many standard deviations, as in DriveTracker. Noise does so in
+// one of 300 000 stretches and cells. At this amplitude ω is known to 0.11/T, which is less than half a cell.
 constexpr double kSurelyMoves = 5.0;
-// Multiplications: a reading's cost in a cell, and with a sine and a cosine of its own.
+// Cost of one reading, in multiplications: in one cell, and where it needs a sine and a cosine.
 constexpr double kOfCell = 12.0, kOfSine = 100.0;
 
 }  // namespace
@@ -75,7 +75,7 @@ double FrequencySearch::best_cell(const Readings& readings) noexcept {
   double most = 0.0, best = lowest;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const Cell& cell = cells_[i];
-    // All about their means.
+    // Centred: sums about the means.
     const double ss = cell.ss - cell.s * cell.s / n, sc = cell.sc - cell.s * cell.c / n,
                  cc = cell.cc - cell.c * cell.c / n;
     const double ys = cell.ys - cell.s * y_sum / n, yc = cell.yc - cell.c * y_sum / n;

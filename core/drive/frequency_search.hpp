@@ -24,21 +24,21 @@ class FrequencySearch {
  public:
   explicit FrequencySearch(const Rig& rig);
 
-  // False: the rig file states the frequency, or the range is one cell, where a fit that begins at the nominal
-  // frequency finds any other.
+  // False: no search is needed. The rig file states the frequency; or the range is one cell, and a fit that begins at
+  // the nominal frequency converges everywhere in it.
   [[nodiscard]] bool wanted() const noexcept { return cells_.size() > 1; }
   // Whether two frequencies are at most half a cell apart: a fit that begins at one finds the other.
   [[nodiscard]] bool near(double omega, double other) const noexcept;
   // T, s.
   [[nodiscard]] double longest_s() const noexcept { return longest_s_; }
 
-  // ω of the sine in a channel's readings over [begin, end). None: the stretch is shorter than T/2, or noise might look
-  // like this sine. The history is told of the work. O(readings of all channels + cells · readings of the channel).
+  // ω of the sine in a channel's readings over [begin, end). None: the stretch is shorter than T/2, or the sine may be
+  // noise. Books its work in the history. O(readings of all channels + cells · readings of the channel).
   [[nodiscard]] std::optional<double> find(const SampleHistory& history, int channel, std::int64_t begin_ns,
                                            std::int64_t end_ns) noexcept;
 
  private:
-  // Sums over the readings y: of sine and cosine at the cell's centre, of their products, and of those with y.
+  // Sums over the readings y: of sine s and cosine c at the cell's centre, and of the products ss, sc, cc, ys, yc.
   struct Cell {
     double s = 0.0, c = 0.0, ss = 0.0, sc = 0.0, cc = 0.0, ys = 0.0, yc = 0.0;
   };
@@ -47,7 +47,7 @@ class FrequencySearch {
     int channel;
     std::uint64_t first, last;
     std::int64_t centre_ns;
-    // Calls use(u, y) for each: u from the centre, s; y from the first of them.
+    // Calls use(u, y) for each reading: u is the time since centre_ns, s; y the value less the first reading's value.
     template <class Use>
     void each(Use&& use) const noexcept;
   };

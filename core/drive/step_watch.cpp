@@ -15,9 +15,9 @@ constexpr double kBeyond = 1.5;  // tolerances that a step must exceed too
 // kUnsureBy tolerances.
 constexpr double kInDoubt = 3.0;
 constexpr double kUnsureBy = 0.1;
-// A residual is clipped, so that one disturbed reading is no step. A step by one tolerance adds up residuals over the
-// shortest stretch: a single reading counts at most kClipPart of that sum. The limit is never below kClip standard
-// deviations of a reading.
+// A residual is clipped, so that one disturbed reading does not look like a step. Over the shortest stretch a step by
+// one tolerance adds up to a certain sum of residuals; a single reading counts at most kClipPart of that sum. The clip
+// is never below kClip standard deviations of a reading.
 constexpr double kClip = 4.0;
 constexpr double kClipPart = 0.5;
 constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look

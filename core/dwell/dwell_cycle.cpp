@@ -93,7 +93,7 @@ bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) 
   if (waited_enough ||
       (states.awaits_reason() && blocks().serials() - at.steady_serial >= (2 * window.periods() + 1) * kQuarters))
     emit(EndedBy::drive_changed);
-  // Until the search has found the frequency there is nothing to judge.
+  // Without a known frequency there is nothing to judge.
   if (!states.at_rest()) return sight != DriveTracker::Sight::elsewhere || std::isfinite(tracker.omega());
   if (sight == DriveTracker::Sight::moves && !states.interlocked() && reference.usable(now_ns)) {
     states.arm();

@@ -37,8 +37,8 @@ Wander wander_of(const ChannelResult& result) {
   return {std::sqrt(sum.amplitude / count), std::sqrt(sum.phase_rad / count)};
 }
 
-// How much the drive has changed since the modal fit, as a part of it: Y / Y_fit - 1. Y is the table's phasor over the
-// data that count, Y_fit the one that the modal fit found while the rig settled.
+// Relative change of the drive since the modal fit: Y / Y_fit - 1. Y is the table's phasor over the data that count;
+// Y_fit is the table's phasor of the modal fit, made while the rig settled.
 Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channel, std::int64_t t_ref_ns) {
   return table.X[0] / (modal.phasor(channel, 1) * std::polar(1.0, modal.angle(t_ref_ns))) - 1.0;
 }

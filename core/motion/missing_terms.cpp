@@ -35,9 +35,9 @@ constexpr double kNearly = 0.01;
 constexpr std::size_t kMostFitted = 4, kMostNamed = 6;
 // Readings on which all hypotheses are tried first.
 constexpr std::size_t kScreened = 1500;
-// Screening ends after so many times the work of the estimate itself. That work counts as two hundred passes over
-// kScreened readings at least: some seconds, in which two dozen hypotheses of fifty passes each are tried. What was not
-// tried by then is not named. The best of those that were, kMostNamed at most, are then fitted to all readings.
+// Screening ends after kMostWork times the work of the estimate itself. That work counts as at least two hundred passes
+// over kScreened readings: some seconds, enough for two dozen hypotheses of fifty passes each. A hypothesis that was
+// not tried by then is not named. The best of the others, at most kMostNamed, are then fitted to all readings.
 constexpr double kMostWork = 10.0, kLeastTried = 200.0 * kScreened;
 
 double work_of(const MotionCourse& course) {

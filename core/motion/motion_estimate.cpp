@@ -237,7 +237,7 @@ class Report {
     } else if (!(damping.value > damping.U95) || !(stiffness.value > 0)) {
       // A mode that hides in the noise is found by one of its peaks, with next to no damping: a maximum beside the true
       // one, whose curvature tells nothing of the distance.
-      out.reason = "its damping cannot be told from zero, so that the estimate may rest on a peak of the noise";
+      out.reason = "its damping is not distinguishable from zero, so the estimate may rest on a peak of the noise";
     } else {
       out.identifiable = true;
       out.stiffness = stiffness;

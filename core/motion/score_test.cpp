@@ -77,7 +77,7 @@ class Test {
     pass_ = evaluate(MotionModel(rig_, parameters_), data, at, {});
   }
 
-  // Indices, in the pass, of the unknowns that were fitted. One that ended at its lower bound is not free: left out.
+  // Indices, in the pass, of the fitted unknowns. An unknown that ended at its lower bound is not free and is left out.
   [[nodiscard]] std::vector<Index> fitted_unknowns() const {
     std::vector<Index> out;
     const auto own = static_cast<Index>(course_.parameters.size()), all = static_cast<Index>(parameters_.size());

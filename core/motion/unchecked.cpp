@@ -15,8 +15,8 @@ using Eigen::MatrixXd;
 // A direction with less information than this, in natural sizes, is not determined: its u is above a tenth. Common
 // delays come to 20, since the process that stands for the table is not quite the same at every instant.
 constexpr double kNotTold = 100.0;
-// Where terms cancel, what remains is known to this part of each term's own information; less is rounding. A direction
-// with less information than that is not determined either.
+// Terms may cancel. A remainder below this part of a term's own information is rounding. A direction with less
+// information than that counts as not determined.
 constexpr double kRounding = 1e-10;
 // Components of a direction below this are ignored.
 constexpr double kNoPart = 0.05;

@@ -70,18 +70,18 @@ enum class Action : std::uint8_t {
 };
 
 // armed: a pipeline is born here. A run that begins later may reach back to it.
-// begins: the run has begun. `value`: by how many records the `armed` of its pipeline stands before this one.
-// ends: it ends here, and so does its file. `value`: an EndOfRun.
-// `channel` of begins and ends: the number of the operator's request that did it; 0: nobody's.
+// begins: the run has begun. `value`: how many records before this one its pipeline's `armed` stands.
+// ends: the run ends here, and so does its file. `value`: an EndOfRun.
+// `channel` of begins and ends: the number of the operator's request; 0: no operator asked for it.
 enum class RunEdge : std::uint8_t { begins = 1, ends = 2, armed = 3 };
 
 // Why a run has ended.
 enum class EndOfRun : std::uint8_t {
   drive_stopped = 1,  // the drive has been idle for long enough
-  drive_unseen = 2,   // nobody has been able to see the drive for longer than that
+  drive_unseen = 2,   // the drive could not be seen for several times as long
   by_operator = 3,    // an operator's stop, or start of another run
   service_stops = 4,
-  restarted = 5,  // the recorder asked for another run: it could not record this one to its end
+  restarted = 5,  // the recorder asked for a new run, since it had to stop recording this one
 };
 
 // Why a sample is not in the stream.

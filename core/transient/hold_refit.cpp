@@ -44,8 +44,8 @@ bool HoldRefit::make(const SeenFrequency& seen, const HoldNow& now) {
   const double w = seen.at(fit.from_ns());
   const double first_w = fitted && !now.omega_given && !drifts ? fit.fit().omega() : w;
   fit.set_rate(seen.rate);
-  // A hold's first refit has no poles of its own: it starts from those of the chain last identified, from the mean of
-  // the windows.
+  // A hold's first refit has no poles of its own. It starts from the poles of the chain that was identified last, from
+  // the mean of the windows.
   if (poles.chain.empty()) poles.chain.assign(chain.last().begin(), chain.last().end());
   beside_before_ = poles.beside;
   kept_.misfit = INFINITY;

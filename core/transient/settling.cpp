@@ -87,7 +87,7 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
     const Reading& a = reading(window, c);
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!a.usable || !b.usable) continue;
-    // Only the newest window tells the noise: residuals of an earlier one may hold a transient, and look like more.
+    // The noise is taken from the newest window only: the residuals of an earlier one may hold a transient.
     if (distance(a, b) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * 2 * b.u)) return false;
     if (a.variance >
         b.variance * (1 + kSure * 2 / std::sqrt(std::max(1.0, b.samples))) + std::norm(0.5 * tolerance_ * b.relative))

@@ -19,7 +19,7 @@ Complex derivative(const Channel& channel, double omega) {
   return std::pow(Complex{0.0, omega}, derivative_order(channel.measures));
 }
 
-// Per channel what the chain makes of a table that moves by 1.
+// H_p per channel: the reading's phasor for a table displacement of 1.
 std::vector<Complex> predicted(const Rig& rig, const Chain& chain, double omega) {
   const SteadyResponse response = steady_response(chain, omega, 1.0);
   const auto n = static_cast<Eigen::Index>(response.Y.size()) - 1;

@@ -12,27 +12,31 @@ double beyond_noise(const ChannelComparison& c) {
   return std::sqrt(std::max(0.0, c.error * c.error - c.noise * c.noise));
 }
 
-struct Off {
-  double by, U;
+struct Deviation {
+  double size, U;
 };
 
-// As the verdict tells it: of a model that is consistent, or condemned, noise is taken off.
-Off off_of(const ChannelComparison& c, bool consistent) {
+// The figures of a verdict's text. Noise is taken off the error of a consistent model and of one that is not adequate.
+Deviation deviation_of(const ChannelComparison& c, bool consistent) {
   if (c.verdict == Verdict::not_adequate) return {beyond_noise(c), c.U};
   if (consistent) return {beyond_noise(c), c.U_as_is};
   return {c.error, std::max(c.U, c.U_as_is)};
 }
 
-std::string told(const Off& off) { return "off by " + percent(off.by) + " ± " + percent(off.U) + " of its rms"; }
+std::string text_of(const Deviation& deviation) {
+  return "off by " + percent(deviation.size) + " ± " + percent(deviation.U) + " of its rms";
+}
 
-// How far another motion may be off at most.
-double most(const Off& off, bool consistent) { return (consistent ? 1 : 2) * off.by + off.U; }
+// The largest error to expect in another motion.
+double largest(const Deviation& deviation, bool consistent) {
+  return (consistent ? 1 : 2) * deviation.size + deviation.U;
+}
 
 // What a channel says of the whole: 2 not adequate; 1 not verified; 0 adequate, or to be ignored as judge() says.
 int rank(const ChannelComparison& c, double accuracy, bool consistent, bool others_tested) {
   if (c.verdict == Verdict::not_adequate) return 2;
   if (c.verdict == Verdict::adequate) return 0;
-  return others_tested && most(off_of(c, consistent), consistent) <= accuracy ? 0 : 1;
+  return others_tested && largest(deviation_of(c, consistent), consistent) <= accuracy ? 0 : 1;
 }
 
 }  // namespace
@@ -46,17 +50,17 @@ void judge(ChannelComparison& channel, double accuracy, bool consistent) {
   }
   if (beyond_noise(channel) - channel.U > accuracy) {
     channel.verdict = Verdict::not_adequate;
-    channel.reason =
-        "the prediction is " + told(off_of(channel, consistent)) + ", above the " + percent(accuracy) + " asked for";
+    channel.reason = "the prediction is " + text_of(deviation_of(channel, consistent)) + ", above the " +
+                     percent(accuracy) + " asked for";
     return;
   }
-  const Off off = off_of(channel, consistent);
-  const double at_most = most(off, consistent);
-  if (off.by + off.U > accuracy) {
-    channel.reason =
-        told(off) + " (noise: " + percent(channel.noise) + "): U is too large to decide at " + percent(accuracy);
+  const Deviation deviation = deviation_of(channel, consistent);
+  const double at_most = largest(deviation, consistent);
+  if (deviation.size + deviation.U > accuracy) {
+    channel.reason = text_of(deviation) + " (noise: " + percent(channel.noise) + "): U is too large to decide at " +
+                     percent(accuracy);
   } else if (at_most > accuracy) {
-    channel.reason = told(off) +
+    channel.reason = text_of(deviation) +
                      ", which noise and stated uncertainties do not explain; it counts twice, and that is above " +
                      percent(accuracy);
   } else if (!(at_most <= channel.beyond_steady / kBeyondSteady)) {
@@ -78,13 +82,14 @@ void judge(Verification& verification, const std::vector<std::string>& names) {
     if (!channel.reason.empty())
       verification.reasons.push_back(names[static_cast<std::size_t>(channel.channel)] + ": " + channel.reason);
     if (!(verification.e_n >= channel.e_n)) verification.e_n = channel.e_n;
-    const Off off = off_of(channel, consistent);
+    const Deviation deviation = deviation_of(channel, consistent);
     const int here = rank(channel, verification.accuracy, consistent, most_tested);
-    if (here < decides || (here == decides && off.by + off.U <= verification.seen + verification.U)) continue;
+    if (here < decides || (here == decides && deviation.size + deviation.U <= verification.seen + verification.U))
+      continue;
     decides = here;
     verification.verdict = here == 2 ? Verdict::not_adequate : here == 1 ? Verdict::not_verified : Verdict::adequate;
-    verification.seen = off.by;
-    verification.U = off.U;
+    verification.seen = deviation.size;
+    verification.U = deviation.U;
   }
 }
 

@@ -24,17 +24,17 @@
 
 namespace dwell {
 
-// An adequate model predicts the part beyond the steady motion to a quarter of its size. With half this number an error
-// of half that size would pass. With twice it many good rigs that settle slowly would stay unverified.
+// An adequate model predicts the part beyond the steady motion to a quarter of its size. Halved, an error of half that
+// size would pass. Doubled, many good rigs that settle slowly would stay unverified.
 inline constexpr double kBeyondSteady = 4.0;
 
-// Fills verdict and reason of a channel whose figures are known. consistent: the statistics leave nothing unexplained.
-// Allocates; thread-safe.
+// Sets verdict and reason of a channel whose figures are known. consistent: noise and the stated sources explain all
+// residuals. Allocates; thread-safe.
 void judge(ChannelComparison& channel, double accuracy, bool consistent);
 
-// The verdict of the whole from those of its channels: adequate where all are, not adequate where one is. A channel
-// that is within the accuracy, but whose transient is too weak to test the chain, is ignored where more than half of
-// all channels are adequate. Fills verdict, seen, U, e_n. names: of the rig's channels, for the reasons.
+// The verdict on the model from the verdicts on its channels: adequate if all are, not adequate if one is not. A
+// channel within the accuracy whose transient is too weak to test the chain is ignored if more than half of all
+// channels are adequate. Sets verdict, seen, U, e_n. names: of the rig's channels, for the reasons.
 void judge(Verification& verification, const std::vector<std::string>& names);
 
 }  // namespace dwell

@@ -38,8 +38,8 @@ constexpr double kStep = 0.1;
 // of the sources: the prediction of a lightly damped chain is not linear in a frequency that is far off.
 constexpr double kMakeSure = 0.1;
 constexpr int kAgain = 2;
-// Periods of another dwell's steady motion that are compared: enough to show a wrong amplitude beside noise, and no
-// more than a transient often has, so that they do not outweigh it.
+// Periods of another dwell's steady motion that are compared. So many show a wrong amplitude beside noise. A transient
+// often has as many, so they do not outweigh it.
 constexpr double kSteady = 10.0;
 
 // The chain of a dwell; empty masses and elements: it gives none, `why` says it.
@@ -146,7 +146,7 @@ double mean_square(const MatrixXd& columns) {
   return columns.squaredNorm() / static_cast<double>(std::max<Index>(1, columns.size()));
 }
 
-// Rows of a matrix, which may have no columns, and then no memory in which a row could have a place.
+// Some rows of a matrix. A matrix without columns has no memory, so no pointer to one of its rows is formed.
 MatrixXd rows_of(const MatrixXd& matrix, Index begin, Index count) {
   return matrix.cols() == 0 ? MatrixXd(count, 0) : MatrixXd(matrix.middleRows(begin, count));
 }
@@ -165,7 +165,7 @@ double unseen(const VectorXd& error, const MatrixXd& noise, double freedom) {
   return std::sqrt(left + 2 * std::sqrt(variance)) - std::sqrt(left);
 }
 
-// What one standard deviation of each source makes of the error, a column each.
+// Change of the error by one standard deviation of each source; a column per source.
 struct Sources {
   MatrixXd all;      // coefficients, masses and readings move together
   MatrixXd as_read;  // readings alone: the model's coefficients as they are
@@ -270,11 +270,11 @@ void tell_consistency(const Consistency& tests, Verification& out) {
                                         : "the residuals are correlated in time, as noise is not"));
 }
 
-// Takes in the transient before the dwell, and other dwells; `out` says what. Without any: why not.
+// Collects the transient before the dwell and the other dwells; lists them in `out`. Returns why there is no evidence.
 std::string gather(const Rig& rig, const Dwell& dwell, const Chain& chain, const std::vector<ChannelReadings>& before,
                    const std::vector<OtherDwell>& others, VerificationEvidence& evidence, Verification& out) {
   std::string why;
-  const auto add = [&](VerificationStretch stretch, const Dwell& of, const std::string& told) {
+  const auto add = [&](VerificationStretch stretch, const Dwell& of, const std::string& name) {
     if (stretch.fault.empty()) {
       const VirtualTestModel model(rig, chain, stretch.table);
       stretch.compare_only(
@@ -282,7 +282,7 @@ std::string gather(const Rig& rig, const Dwell& dwell, const Chain& chain, const
       if (stretch.compared.empty()) stretch.fault = "no channel can be predicted from the table's transducer";
     }
     if (stretch.fault.empty()) {
-      out.evidence.push_back(told + " from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
+      out.evidence.push_back(name + " from " + brief(to_s(stretch.score_from_ns), 4) + " s to " +
                              brief(to_s(stretch.until_ns), 4) + " s");
       evidence.add(std::move(stretch), of, rig);
     } else if (why.empty()) {
@@ -298,8 +298,8 @@ std::string gather(const Rig& rig, const Dwell& dwell, const Chain& chain, const
   return evidence.empty() ? why : "";
 }
 
-// The settled ones, the farthest in frequency first. Doubts of their coefficients keep none out: their readings count,
-// and a wrong model is what raises such doubts.
+// The settled dwells, the farthest in frequency first. A dwell whose coefficients are doubted stays in: only its
+// readings are used, and a wrong model raises just such doubts.
 std::vector<OtherDwell> chosen(const Dwell& dwell, std::vector<OtherDwell> others) {
   std::erase_if(others, [](const OtherDwell& other) { return !std::isfinite(other.dwell.settled_s); });
   const auto far = [&](const OtherDwell& other) {

@@ -1,8 +1,7 @@
-// What a model is held against: one or several stretches of motion that its coefficients were not fitted to. The first
-// is the transient before the dwell that gave them; others are those of other dwells, with some of their steady motion.
-//
-// The chain is linear, so how far the table moved in a stretch does not matter: each stretch is scaled to the table's
-// amplitude in the first. Rows of all that is told are channel by channel, and of a channel stretch by stretch.
+// The evidence for or against a model: one or several stretches of motion that its coefficients were not fitted to. The
+// first is the transient before the dwell that gave the coefficients. The others are transients of other dwells, with
+// some of their steady motion. The chain is linear, so each stretch is scaled to the table's amplitude in the first.
+// All vectors here have their rows channel by channel, and within a channel stretch by stretch.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +16,8 @@ namespace dwell {
 
 class VerificationEvidence {
  public:
-  // stretch: without a fault and with channels that are compared. of: the dwell whose motion it is. O(readings) and the
-  // draws of noise; allocates.
+  // stretch: without a fault and with compared channels. of: the dwell whose motion it is. Cost: O(readings), and
+  // drawing the noise. Allocates.
   void add(VerificationStretch stretch, const Dwell& of, const Rig& rig);
   [[nodiscard]] bool empty() const noexcept { return parts_.empty(); }
   // The channel that shows the table's motion in the first stretch. There must be one.
@@ -32,10 +31,11 @@ class VerificationEvidence {
     double freedom = 0.0;  // readings behind sigma
   };
   [[nodiscard]] std::vector<Rows> channels() const;
-  // Behind the rows of each channel in each stretch.
+  // The row after the last one, for each channel in each stretch.
   [[nodiscard]] std::vector<Eigen::Index> ends() const;
 
-  // As residuals_of() each stretch. with_noise: with draws of it; steady: may be null. The first fault is told.
+  // The residuals_of() every stretch. with_noise: with draws of the noise; steady: may be null. Fails with the first
+  // fault.
   [[nodiscard]] Residuals residuals(const Assumption& assumption, Knots knots = Knots::all, bool with_noise = false,
                                     const SteadyRatio* steady = nullptr) const;
 

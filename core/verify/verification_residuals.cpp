@@ -17,11 +17,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// An initial state is taken as within so many times what the readings show: more than any is, so that it tells
-// nothing of what the readings tell, and keeps what they do not tell finite.
+// Prior standard deviation of an initial state, in amplitudes of the readings. It is larger than any real state, so it
+// adds nothing where the readings determine the state, and keeps the state finite where they do not.
 constexpr double kPrior = 10.0;
 
-// A prediction beyond so many times what was measured is none.
+// A prediction larger than this many measured amplitudes counts as diverged.
 constexpr double kDiverged = 1e6;
 
 // The players of the virtual test: the measured table, a constant reading where it is integrated, draws of noise, and

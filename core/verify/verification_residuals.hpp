@@ -18,7 +18,7 @@
 
 namespace dwell {
 
-// What is taken for true when the test is repeated: a source of error moves several of these at once.
+// The rig and chain assumed when the test is repeated. A source of error moves several members at once.
 struct Assumption {
   Rig rig;
   Chain chain;
@@ -43,15 +43,15 @@ struct NoiseDraws {
 struct Residuals {
   std::string fault;  // why there are none ("the prediction diverges"); empty: there are
   Eigen::VectorXd predicted, measured;
-  Eigen::VectorXd beyond_steady;  // predicted less what the steady phasors make of the table's motion alone
-  // Of noise alone, a column per draw: the prediction, that less the noise of the readings, and beyond_steady.
+  Eigen::VectorXd beyond_steady;  // predicted, less the part that the steady phasors predict
+  // Of noise alone, a column per draw: the prediction; the prediction less the noise of the readings; beyond_steady.
   Eigen::MatrixXd noise_predicted, noise_error, noise_beyond_steady;
 
   [[nodiscard]] Eigen::VectorXd error() const { return predicted - measured; }
 };
 
-// The table's readings that are interpolated: all, or every second from the given one on, by which is seen what
-// interpolation does.
+// Which readings of the table are interpolated: all, or every second from the given one on. The difference shows the
+// error of interpolating.
 enum class Knots : std::uint8_t { all, even, odd };
 
 // ratio: per channel of the rig the steady phasor of its reading over that of the table's motion at omega (rad/s), for

@@ -19,7 +19,7 @@ constexpr std::size_t kFewestScored = 16;
 // Readings of the table beyond the last that is compared: what the end of a spline gets wrong decays to 0.27 of itself
 // from knot to knot.
 constexpr std::size_t kBeyond = 12;
-// Periods before the end of another dwell that are left for that.
+// Periods before the end of another dwell that are kept for those readings.
 constexpr double kSpare = 2.0;
 // Longest step between two readings of the table, in medians, that a spline may bridge.
 constexpr double kLongestStep = 3.5;
@@ -155,7 +155,7 @@ VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const C
 
 VerificationStretch motion_of(const Rig& rig, const Dwell& other, const Chain& chain,
                               const std::vector<ChannelReadings>& readings, double steady_s) {
-  // Beyond its end the table may move otherwise.
+  // After the dwell's end the table may move differently.
   const double last_s = other.end_s - kSpare / other.frequency_hz.value;
   return stretch_until(rig, other, chain, readings,
                        std::max(other.settled_s, std::min(other.settled_s + steady_s, last_s)));

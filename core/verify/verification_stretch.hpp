@@ -44,8 +44,8 @@ struct VerificationStretch {
 [[nodiscard]] VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const Chain& chain,
                                                    const std::vector<ChannelReadings>& before);
 
-// The motion of another dwell, for the coefficients of `chain` never used its readings: its transient and, of its
-// steady motion, what follows within steady_s of it. readings: as `before`, beyond the end of that. Allocates.
+// The motion of another dwell, whose readings the coefficients of `chain` never used: its transient, and steady_s of
+// the steady motion after it. readings: as `before`, but to the end of that dwell. Allocates.
 [[nodiscard]] VerificationStretch motion_of(const Rig& rig, const Dwell& other, const Chain& chain,
                                             const std::vector<ChannelReadings>& readings, double steady_s);
 

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Periods of steady motion at least, for the harmonics to be told from each other and from an offset.
+// Fewest periods of steady motion in which the harmonics and an offset can be separated.
 constexpr double kFewestPeriods = 3.0;
 // Quantile of the normal distribution beyond which a window's squares are not noise: one window in a hundred thousand,
 // so that of a thousand windows all pass in 99 of 100 cases. A window that does not pass ends the steady part: at one
@@ -57,7 +57,7 @@ SteadyTable::SteadyTable(const ChannelReadings& readings, double sigma, double o
   const auto window = static_cast<Index>(std::max(4.0, std::ceil(per_period)));
   const auto fewest = static_cast<Index>(std::ceil(kFewestPeriods * per_period)) + 2 * (2 * harmonics + 1);
   if (count < fewest) return;
-  // What the newest stretch of that length says is held against ever earlier windows.
+  // Compares the fit of the newest stretch of that length with ever earlier windows.
   const MatrixXd all = harmonics_at(readings.t_ns, 0, omega, harmonics);
   Index from = count - fewest;
   for (;;) {
@@ -65,7 +65,7 @@ SteadyTable::SteadyTable(const ChannelReadings& readings, double sigma, double o
     const VectorXd left = value - all * fitted;
     if (!is_noise(left.tail(count - from).squaredNorm(), static_cast<double>(count - from), sigma)) return;
     Index begin = from;
-    // At most as much again as is fitted: farther back the fit's own error is no longer small beside noise.
+    // Goes back at most by the fitted length: farther back the fit's own error is no longer small beside noise.
     const Index earliest = std::max<Index>(0, from - (count - from));
     while (begin - window >= earliest &&
            is_noise(left.segment(begin - window, window).squaredNorm(), static_cast<double>(window), sigma))

@@ -10,7 +10,7 @@
 namespace dwell {
 namespace {
 
-// Readings of all channels together: 60 000 that verify_model() takes at most, and room for those before a hold.
+// Readings of all channels together: at most 60 000 for verify_model(), and room for those before a hold.
 constexpr std::size_t kMost = 64'000;
 // Periods of the nominal drive before the hold that belong to the evidence: it begins a period of the slowest natural
 // oscillation before, which may be as slow as this.

@@ -3,7 +3,7 @@
 // The readings that count are kept from ten periods before the hold begins until the dwell has settled. Then they are
 // the evidence, which no longer changes: the coefficients come from later data. The model is verified when the dwell
 // has settled, each time its data have become twice as long (its coefficients are better known then), and when it ends.
-// What the rig file lacks shows in the evidence alone, so it is looked for once.
+// Causes depend on the evidence alone, so they are looked for once.
 //
 // This class decides and remembers; it does not verify. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same calls give the same jobs.
@@ -34,10 +34,10 @@ struct VerifiedDwell {
 struct VerificationJob {
   std::shared_ptr<const std::vector<HoldRecord::Reading>> evidence;  // SI, on the run's axis
   VerifiedDwell result;                                              // its dwell is given
-  std::shared_ptr<const Causes> causes;  // that this evidence shows; null: they were not looked for
+  std::shared_ptr<const Causes> causes;  // found in this evidence; null: they were not looked for
 
-  // accuracy: as verify_model(). Causes are looked for where the model asks for them, once for the same evidence:
-  // seconds without them, up to a minute with them. Allocates. The rig must be the watch's.
+  // accuracy: as for verify_model(). Looks for causes if asks_for_causes(), but only once for the same evidence. Takes
+  // seconds, with causes up to a minute. Allocates. The rig must be the watch's.
   void run(const Rig& rig, double accuracy);
 };
 
@@ -79,7 +79,7 @@ class VerificationWatch {
   Hold now_, before_;       // before_: the dwell before, while its end is not reported
   std::optional<VerificationJob> waiting_;
   bool out_ = false;                      // a job is
-  Evidence explained_;                    // the last for which causes were looked for …
+  Evidence explained_;                    // for which causes were looked for last …
   std::shared_ptr<const Causes> causes_;  // … and what was found
   std::shared_ptr<const VerifiedDwell> newest_;
 };

@@ -1,6 +1,6 @@
-// The test repeated virtually: from the table's measured motion and a chain's coefficients to what every transducer
-// would have read, at the instants at which it did read (docs/method.md, Verification). Exact for the interpolated
-// input: the error is rounding. Nothing here knows of a steady motion.
+// The test repeated virtually: computes from the table's measured motion and a chain's coefficients what every
+// transducer would have read at its own instants (docs/method.md, Verification). Exact for the interpolated input, up
+// to rounding. Does not assume a steady motion.
 #pragma once
 
 #include <Eigen/Core>

@@ -110,8 +110,9 @@ void add(const ReplayVerdict& verdict, const ReplayFindings& findings, const rec
     if (++lines > kShown) break;
     text += margin + line(finding) + "\n";
   }
-  const std::uint64_t told = verdict.same_origin ? findings.different : findings.intolerable;
-  if (told > lines || lines > kShown) text += margin + "… " + count(told, "difference", "differences") + " in all\n";
+  const std::uint64_t counted = verdict.same_origin ? findings.different : findings.intolerable;
+  if (counted > lines || lines > kShown)
+    text += margin + "… " + count(counted, "difference", "differences") + " in all\n";
   for (const std::string& note : findings.notes) text += margin + printable(note) + "\n";
   if (verdict.same_origin) return;
   text += margin + "recorded by  " + words(run.origin) + "\n" + margin + "replayed by  " + words(verdict.here) + "\n";

@@ -66,7 +66,7 @@ Scale scale_of(const Json& object, std::string_view member) {
 }
 
 // A value in few words; what was stored may be nested to any depth.
-std::string told(const Json& value) {
+std::string in_words(const Json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return "an array";
   return dump(value);
@@ -76,10 +76,10 @@ class Walk {
  public:
   void values(const std::string& path, const Json& stored, const Json& replayed, const Scale& scale) {
     if (stored.is_number() && replayed.is_number()) return numbers(path, stored, replayed, scale);
-    if (stored.type() != replayed.type()) return differ(path, told(stored), told(replayed));
+    if (stored.type() != replayed.type()) return differ(path, in_words(stored), in_words(replayed));
     if (stored.is_object()) return objects(path, stored, replayed);
     if (stored.is_array()) return arrays(path, stored, replayed, scale);
-    if (stored != replayed) differ(path, told(stored), told(replayed));
+    if (stored != replayed) differ(path, in_words(stored), in_words(replayed));
   }
 
   Comparison result;
@@ -90,7 +90,7 @@ class Walk {
     for (const auto& [name, value] : stored.items()) {
       const auto other = replayed.find(name);
       if (other == replayed.end()) {
-        differ(front + name, told(value), "");
+        differ(front + name, in_words(value), "");
       } else if (name == "covariance" && value.is_array()) {
         covariances(front + name, value, *other);
       } else if (name == "budget" && sources(value) != sources(*other)) {
@@ -100,7 +100,7 @@ class Walk {
       }
     }
     for (const auto& [name, value] : replayed.items())
-      if (stored.find(name) == stored.end()) differ(front + name, "", told(value));
+      if (stored.find(name) == stored.end()) differ(front + name, "", in_words(value));
   }
 
   void arrays(const std::string& path, const Json& stored, const Json& replayed, const Scale& scale) {
