@@ -51,9 +51,9 @@ class Estimator {
   // The run ends: what is waiting is used, the current dwell completes, a last snapshot is published.
   void finish(std::int64_t now_ns, std::int64_t utc_ns);
 
-  // What an operator asks for, entering the stream with the next turn; false: too many at once. request: its number
+  // An operator's request. It enters the stream with the next turn; false: too many at once. request: its number
   // (Record::channel). begin_run() and end_run() have no effect where runs are not bracketed. begin_run(0): the
-  // recorder asks for another run in place of the one that goes on.
+  // recorder asks for a new run in place of the current one.
   bool rearm(std::uint16_t request = 0) noexcept {
     return ask(Kind::action, static_cast<std::uint8_t>(Action::rearm), request);
   }
@@ -63,7 +63,7 @@ class Estimator {
   bool end_run(std::uint16_t request) noexcept {
     return ask(Kind::run, static_cast<std::uint8_t>(RunEdge::ends), request);
   }
-  // Whether one more can be asked for.
+  // Whether there is room for one more request.
   [[nodiscard]] bool has_room() const noexcept { return actions_.write_available() > 0; }
 
   // The reader: moves on to the newest snapshot; false: there was no newer one.
@@ -90,7 +90,7 @@ class Estimator {
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;
   RunCycle cycle_;
-  boost::lockfree::spsc_queue<Record, boost::lockfree::capacity<kActions>> actions_;  // their instants come later
+  boost::lockfree::spsc_queue<Record, boost::lockfree::capacity<kActions>> actions_;  // t_ns is not filled in yet
   std::int64_t next_publish_ns_;
   std::uint64_t skipped_ = 0;
 };

@@ -1,7 +1,6 @@
-// What a pipeline that is born in the middle of the stream has to be told: the newest state of each channel, and the
-// level of the interlock.
-//
-// The records repeat what older pipelines know already, so they change nothing for these.
+// Keeps what a new pipeline needs to know of the stream so far: the newest state of each channel, and the level of the
+// interlock. A pipeline may be born in the middle of the stream. Its records repeat what older pipelines know already,
+// so they change nothing for these.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +24,7 @@ class KnownStates {
       interlock_ = {true, record.value};
   }
 
-  // Calls each(record) for all that is known, as records of t_ns.
+  // Calls each(record) for every known state, as a record with the instant t_ns.
   template <class Each>
   void tell(std::int64_t t_ns, Each each) const {
     for (std::size_t c = 0; c < faults_.size(); ++c)
@@ -40,7 +39,7 @@ class KnownStates {
   }
 
  private:
-  std::vector<std::optional<std::uint8_t>> faults_;  // by Rig::channels: a Fault; none: nobody has said
+  std::vector<std::optional<std::uint8_t>> faults_;  // by Rig::channels: a Fault; none: no state has come yet
   struct {
     bool known = false;
     double level = 0.0;

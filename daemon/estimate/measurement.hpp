@@ -40,9 +40,9 @@ class Measurement {
   [[nodiscard]] const SampleHistory* readings() const noexcept {
     return pipeline_.busy() ? nullptr : &pipeline().readings();
   }
-  // The state that was told last.
+  // The state that the newest event gave.
   [[nodiscard]] State state() const noexcept { return state_; }
-  // Whether a long piece of work goes on; how many records wait for it.
+  // Whether a long piece of work is in progress; how many records wait for it.
   [[nodiscard]] bool busy() const noexcept { return pipeline_.busy(); }
   [[nodiscard]] std::size_t waiting() const noexcept { return pipeline_.waiting(); }
   [[nodiscard]] const KeptDwells& finished() const noexcept { return finished_; }

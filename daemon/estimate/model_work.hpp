@@ -22,10 +22,10 @@ class ModelWork {
   void take(const Record& record) noexcept;
   // A dwell has ended.
   void ended(const Dwell& dwell) { verification_.ended(dwell); }
-  // A few times a second: the readings that count; null: not to be had now.
+  // Call a few times a second, with the readings that count; null: not available now.
   void gather(const SampleHistory* readings) noexcept;
-  // A few times a second, of the one whose work it is to be: the dwell as it stands. What is done is taken back, what
-  // is due handed over: a millisecond at most. A job that another one has handed over before is dropped.
+  // Call a few times a second on the one object that may use the slot, with the current dwell. Takes finished work back
+  // and hands the next job over, in a millisecond at most. Drops a job that another object has handed over before.
   void turn(const Dwell& now);
 
   void show(const Dwell& now, Snapshot& to) const;

@@ -1,7 +1,6 @@
-// Makes pipelines ahead, and takes apart those that are given up: both cost tens of milliseconds, which the estimation
-// thread does not have.
-//
-// A thread of its own keeps one pipeline in stock. In virtual time there is no such thread: all is done at once.
+// Makes pipelines in advance, and destroys those that are given up. Both take tens of milliseconds, too long for the
+// estimation thread. A thread of its own keeps one pipeline ready. In virtual time there is no such thread: everything
+// is done at once.
 #pragma once
 
 #include <atomic>
@@ -26,16 +25,16 @@ class Nursery {
   Nursery(const Nursery&) = delete;
   Nursery& operator=(const Nursery&) = delete;
 
-  // One from stock; null: none is ready. Real-time safe with a thread of its own.
+  // A ready pipeline; null: there is none yet. Real-time safe with a thread of its own.
   [[nodiscard]] std::unique_ptr<RunPipeline> take();
-  // As take(), but makes one where none is ready: 25 ms for 64 channels.
+  // As take(), but makes one if none is ready: 25 ms for 64 channels.
   [[nodiscard]] std::unique_ptr<RunPipeline> take_now();
-  // Nobody needs it any more. Real-time safe with a thread of its own.
+  // The pipeline is no longer needed. Real-time safe with a thread of its own.
   void give_up(std::unique_ptr<RunPipeline> pipeline);
 
  private:
-  // Those on the way to the thread at most. It falls behind only where operators start and stop many times a second;
-  // then they are taken apart at once.
+  // Most pipelines that wait to be destroyed. More would wait only if operators started and stopped many times a
+  // second; a pipeline beyond this number is destroyed at once.
   static constexpr std::size_t kLeaving = 8;
 
   void run();

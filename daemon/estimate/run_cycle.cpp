@@ -47,7 +47,7 @@ void RunCycle::set_clocks(std::int64_t now_ns, std::int64_t utc_ns) noexcept {
   if (first_utc_ns_ == 0) first_utc_ns_ = utc_ns;
 }
 
-// What has been stamped before the session began, as the level of the interlock, still comes after the first birth.
+// Records stamped before the session began, such as the level of the interlock, still come after the first birth.
 void RunCycle::take(const Record& record) {
   newest_ns_ = record.t_ns;
   if (live_.front()->position() == 0) {
@@ -90,7 +90,7 @@ void RunCycle::follow_course() {
   renew();
 }
 
-// A stop or a restart without a run comes too late: the run has ended by itself.
+// A stop or a restart while no run goes on came too late: the run has ended by itself.
 void RunCycle::obey(const Record& request) {
   const bool start = request.flags == static_cast<std::uint8_t>(RunEdge::begins),
              restart = start && request.channel == 0;
@@ -129,8 +129,8 @@ void RunCycle::end(EndOfRun why, std::uint16_t request) {
   run_.on = false;
 }
 
-// The elder has been idle for its whole life, or no run may begin: a younger pipeline knows as much. Where none is
-// ready, or work goes on, the elder grows a little older.
+// If the elder has been idle for its whole life, or no run may begin, the younger one knows as much: it takes the
+// elder's place, and a new one is born. While none is ready, or work is in progress, the elder stays.
 void RunCycle::renew() {
   if (live_.back()->age_ns(newest_ns_) < span_ns_ || !nothing_waits()) return;
   auto newborn = nursery_.take();
@@ -177,7 +177,7 @@ void RunCycle::drop(std::size_t pipeline) {
   live_.erase(place);
 }
 
-// Of the pipeline that is shown, and not while a stopped run hides it.
+// Only events of the shown pipeline pass, and none while a stopped run hides it.
 void RunCycle::told(RunPipeline& by, RunEvent event) {
   if (&by != live_.front().get() || run_.held) return;
   if (event.kind == RunEvent::Kind::dwell_finished) {
@@ -203,7 +203,7 @@ bool RunCycle::nothing_waits() const noexcept {
                      [](const auto& pipeline) { return pipeline->measurement().waiting() == 0; });
 }
 
-// Finished dwells are on the axis of their own run, so until the next one begins its instant of t = 0 stands.
+// Finished dwells are on the axis of their own run. So its t = 0 is shown until the next run begins.
 void RunCycle::show(Snapshot& to) {
   RunPipeline& shown = *live_.front();
   const bool past = !run_.on && past_.finished;

@@ -1,7 +1,6 @@
-// Which pipeline takes the stream: when runs begin and end, and what is shown meanwhile.
-//
-// Without bracketing there is one run, as long as the session. With it, runs begin and end with the drive, or as an
-// operator says:
+// Decides when runs begin and end, which pipeline takes the stream, and what is shown meanwhile. Without bracketing
+// there is one run, as long as the session. With bracketing, runs begin and end with the drive or at an operator's
+// request:
 //
 //   waiting   no run goes on. Two pipelines live, born one span apart (record/stream_sink.hpp). As soon as the elder
 //             sees the drive, a run begins; it reaches back to that pipeline's birth
@@ -9,10 +8,9 @@
 //             with `stop` alone
 //   held      waiting, after an operator has stopped a run while the drive was on. No run begins before the drive has
 //             been idle for a span: else the stop would be undone within a second
-//
-// `start` ends the run that goes on, if any, and begins one with a new pipeline. The recorder may ask for the same; the
-// run then stays the drive's or the operator's. Requests come as records of Kind::run, at their place in the stream;
-// what leaves for the record are the Kind::run records made here.
+// `start` ends the current run, if any, and begins one with a new pipeline. The recorder may ask for the same; the new
+// run then counts as begun by whoever began the old one. Requests come as records of Kind::run, at their place in the
+// stream. The recorder does not get these, but the Kind::run records made here.
 #pragma once
 
 #include <cstdint>
@@ -33,27 +31,27 @@ namespace dwell {
 
 struct RunOptions {
   bool bracketed = false;              // whether runs begin and end within the session
-  record::StreamSink* sink = nullptr;  // is given the stream and the results; must outlive the estimation; null: nobody
-  double every_s = 1.0;                // of the stream's time, between two results of a dwell that goes on
+  record::StreamSink* sink = nullptr;  // gets the stream and the results; may be null; must outlive the estimation
+  double every_s = 1.0;                // stream time between two results of a current dwell
   bool births_aside = false;           // a thread makes the pipelines; false: virtual time
 };
 
-// Bound to the estimation thread, but for its making. Real-time safe but where a dwell, a state or a run ends or an
-// operator starts a run.
+// Bound to the estimation thread; may be constructed on another. Real-time safe except when a dwell, a state or a run
+// ends, or an operator starts a run.
 class RunCycle {
  public:
   using Tell = std::function<void(RunEvent)>;
 
-  // How long before the drive's beginning a run begins at least, and after how long an idle drive ends it. 10 s, and 8
-  // periods of the slowest drive looked for: the drive is recognized within 4 (two windows of two periods). Half as
-  // many: a slow drive's beginning may fall between two pipelines, and a pause between two dwells ends the run.
+  // The span: a run begins at least so long before the drive does, and ends after the drive has been idle for so long.
+  // 10 s, or 8 periods of the slowest drive searched for if that is longer: a drive is recognized within 4 (two windows
+  // of two periods). Halved, a slow drive may begin between two pipelines, and a pause between two dwells ends the run.
   [[nodiscard]] static std::int64_t span_ns(const Rig& rig) noexcept;
   // A drive that cannot be seen (State::fault: its transducer or its pulses are missing) ends its run only after so
-  // many spans, a minute: time to plug a cable in again. More: a rig that is switched off is recorded for longer.
+  // many spans, at least a minute: time to plug a cable in again. Doubled, a rig that is switched off is recorded for
+  // longer.
   static constexpr std::int64_t kUnseenSpans = 6;
 
-  // The rig must be valid. kept: the finished dwells of a run that stay in memory. tell: the events of the run that is
-  // shown.
+  // The rig must be valid. kept: bounds the finished dwells in memory. tell: receives the events of the shown run.
   RunCycle(const Rig& rig, const RunOptions& options, const KeptDwells& kept, const std::shared_ptr<LongWork>& work,
            Tell tell);
 
@@ -64,20 +62,18 @@ class RunCycle {
   // The end of the session, at t_ns: the run ends, the current dwell completes.
   void finish(std::int64_t t_ns);
 
-  // Fills in the run, its dwells, and what belongs to them; gives the work beside the model its turn. A few times a
-  // second.
+  // Fills in the run and its dwells, and gives the model's work its turn. Call a few times a second.
   void show(Snapshot& to);
-  // What is live of the channels.
+  // Fills in the live values of the channels.
   [[nodiscard]] const Pipeline& pipeline() const noexcept { return live_.front()->measurement().pipeline(); }
   [[nodiscard]] const StreamAccounts& accounts() const noexcept { return accounts_; }
 
  private:
-  // What the run before has left for the view, until the next one begins.
+  // What the view shows of the last run until the next one begins.
   struct Past {
     std::shared_ptr<const FinishedDwells> finished;  // null: there is no run before
     std::uint64_t forgotten = 0;
-    Dwell
-        last;  // the dwell that ended last, as it ended, or without one as it stood at the end; its reason is the stop
+    Dwell last;  // the last dwell as it ended; if none ended, the dwell as it stood. Its reason is the stop
     std::int64_t start_utc_ns = 0;
     std::unique_ptr<ModelWork> model;  // the last dwell's verification may not be done yet
   };
@@ -90,7 +86,7 @@ class RunCycle {
   void renew();
   void add(std::unique_ptr<RunPipeline> newborn);
   void announce_birth();
-  // All that live go, and this one comes. A run must have ended before.
+  // Replaces all live pipelines by this one. A run must have ended before.
   void replace(std::unique_ptr<RunPipeline> newborn);
   [[nodiscard]] static Past left_by(RunPipeline& run);
   void drop(std::size_t pipeline);

@@ -1,5 +1,4 @@
-// One pipeline from its birth on, with what goes with it: the work beside its model, its place in the stream, and since
-// when it sees no drive.
+// One pipeline from its birth on, with the work on its model, its place in the stream, and since when it sees no drive.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +13,13 @@
 
 namespace dwell {
 
-// Bound to one thread at a time. The constructor allocates everything: for 64 channels 56 MB, which takes 25 ms where
-// the memory is new to the process. So pipelines are made ahead (nursery.hpp).
+// Bound to one thread at a time. The constructor allocates everything: 56 MB for 64 channels, which takes 25 ms if the
+// process has to get that memory first. So pipelines are made in advance (nursery.hpp).
 class RunPipeline {
  public:
   using Tell = std::function<void(RunPipeline&, RunEvent)>;
 
-  // The rig must be valid. work: where what takes seconds is done; null: nowhere.
+  // The rig must be valid. work: does what takes seconds; null: that is not done.
   RunPipeline(const Rig& rig, KeptDwells kept, const std::shared_ptr<LongWork>& work, Tell tell);
   RunPipeline(const RunPipeline&) = delete;
   RunPipeline& operator=(const RunPipeline&) = delete;
@@ -42,8 +41,7 @@ class RunPipeline {
 
   // A dwell is on.
   [[nodiscard]] bool sees_drive() const noexcept;
-  // At t_ns: its age; for how long it has been in State::idle; for how long no dwell has been on. Of the stream's time,
-  // ns.
+  // At t_ns, in stream time, ns: its age; for how long it has been in State::idle; for how long without a dwell.
   [[nodiscard]] std::int64_t age_ns(std::int64_t t_ns) const noexcept { return t_ns - born_ns_; }
   [[nodiscard]] std::int64_t idle_for_ns(std::int64_t t_ns) const noexcept { return t_ns - not_idle_ns_; }
   [[nodiscard]] std::int64_t unseen_for_ns(std::int64_t t_ns) const noexcept { return t_ns - seen_ns_; }
@@ -59,8 +57,8 @@ class RunPipeline {
   std::vector<std::uint64_t> samples_before_;
   std::uint64_t position_ = 0;
   std::int64_t born_ns_ = 0, start_utc_ns_ = 0;
-  std::int64_t not_idle_ns_ = 0;  // of the newest record that left it in another state
-  std::int64_t seen_ns_ = 0;      // of the newest record that left it with a dwell on
+  std::int64_t not_idle_ns_ = 0;  // of the newest record after which it was not idle
+  std::int64_t seen_ns_ = 0;      // of the newest record after which a dwell was on
 };
 
 }  // namespace dwell

@@ -1,4 +1,4 @@
-// Where the record is taken from the estimation: hands on the stream and, at positions of it, the dwells.
+// Hands the stream to the recorder, and at certain positions of it the dwells.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace dwell {
 // Bound to the estimation thread.
 class RunTap {
  public:
-  // sink: may be null; then nothing is handed on. every_s: of the stream's time, between two looks at a dwell.
+  // sink: may be null; then nothing is handed on. every_s: stream time between two looks at a dwell.
   RunTap(record::StreamSink* sink, double every_s) : sink_(sink), every_ns_(static_cast<std::int64_t>(every_s * 1e9)) {}
 
   // A record, before any pipeline takes it.

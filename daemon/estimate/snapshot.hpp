@@ -53,12 +53,12 @@ struct DeviceView {
   std::uint64_t foreign = 0;                        // readings of channels that are not the device's
 };
 
-// How the run stands.
+// The state of the run.
 struct RunView {
   bool bracketed = false;    // runs begin and end within the session, and are recorded
-  bool on = false;           // one goes on
-  bool by_operator = false;  // an operator has begun it
-  bool held = false;         // an operator has stopped one: none begins by itself before the drive has rested
+  bool on = false;           // a run goes on
+  bool by_operator = false;  // an operator began it
+  bool held = false;         // an operator stopped a run: none begins by itself before the drive has rested
   std::uint32_t number = 0;  // runs of the session so far
 };
 

@@ -1,7 +1,6 @@
-// What has become of the samples of each channel since the session began, whichever pipelines took them.
-//
-// Every sample of the stream counts once: it was taken by the pipeline that was shown when it came. Pipelines come and
-// go; the counts go on.
+// Counts what became of the samples of each channel since the session began, whichever pipelines took them. Every
+// sample of the stream counts once, by what the pipeline shown at that time did with it. Pipelines come and go; the
+// counts go on.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +20,7 @@ class StreamAccounts {
   void give(const Record& record) noexcept {
     if (record.kind == Kind::sample && record.channel < given_.size()) ++given_[record.channel];
   }
-  // From here on this pipeline is shown. Nothing may wait in it, nor in the one shown before; both must live.
+  // From now on this pipeline is shown. No record may wait in it or in the one shown before; both must still exist.
   void follow(const RunPipeline& shown) noexcept;
 
   // By Rig::channels index: samples of the stream so far.
@@ -32,7 +31,7 @@ class StreamAccounts {
   [[nodiscard]] std::uint64_t gaps(std::size_t channel) const noexcept;
 
  private:
-  // Of the pipelines before the one shown, less what that one had counted itself by then.
+  // Sums of the pipelines shown before, less what the current one had counted when it was shown.
   struct Carried {
     std::uint64_t rejected = 0, gaps = 0;
   };

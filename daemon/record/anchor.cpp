@@ -14,7 +14,7 @@
 namespace dwell::record {
 namespace {
 
-// Where an origin begins that stands after a space; npos: nowhere.
+// Position of the origin, which follows a space; npos: there is none.
 std::size_t origin_in(const std::string& line) {
   for (const char* front : {" dwell/run/", " dwell/ledger/"})
     if (const std::size_t at = line.find(front); at != std::string::npos) return at + 1;

@@ -1,5 +1,5 @@
-// Anchors: heads of chains that are kept where the service cannot alter them. A file that does not contain an anchored
-// head was cut or written anew. docs/run-file.md, "Anchors".
+// Anchors: copies of chain heads in a place where the service cannot alter them. A file without an anchored head was
+// cut or written anew. docs/run-file.md, "Anchors".
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace dwell::record {
 
-// That the chain `origin` ("dwell/run/ID", "dwell/ledger/ID") had this head after entry `seq` at `utc`.
+// States: at `utc` the chain `origin` ("dwell/run/ID", "dwell/ledger/ID") had this head, after its entry `seq`.
 struct Anchor {
   std::string utc;  // ISO 8601
   std::string origin;
@@ -22,8 +22,8 @@ struct Anchor {
 // One line: "UTC ORIGIN SEQ BASE64", without a newline.
 [[nodiscard]] std::string to_line(const Anchor& anchor);
 
-// The anchors of a file, one a line. Before the UTC of a line may stand what a journal puts there; lines that name no
-// origin are passed over. Fails with "FILE, line N: what is wrong", and where there is none at all.
+// The anchors of a file, one a line. A line may begin with the prefix that a journal adds; lines without an origin are
+// skipped. Fails with "FILE, line N: what is wrong", and if the file has no anchor at all.
 [[nodiscard]] Result<std::vector<Anchor>> read_anchors(const std::string& path);
 
 }  // namespace dwell::record

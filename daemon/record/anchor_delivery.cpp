@@ -40,7 +40,7 @@ class ChildSetup {
   ChildSetup(const ChildSetup&) = delete;
   ChildSetup& operator=(const ChildSetup&) = delete;
 
-  // errno's number, or 0.
+  // An errno, or 0.
   int spawn(std::vector<std::string> command, pid_t& child) const {
     std::vector<char*> arguments;
     for (std::string& argument : command) arguments.push_back(argument.data());
@@ -59,7 +59,7 @@ std::string exit_text(int status) {
   return std::string("ended by ") + strsignal(WTERMSIG(status));
 }
 
-// Empty: it ended well.
+// Empty: it succeeded.
 std::string await_child(pid_t child, std::chrono::milliseconds limit) {
   const int handle = static_cast<int>(syscall(SYS_pidfd_open, child, 0));
   pollfd ended{handle, POLLIN, 0};
@@ -84,8 +84,8 @@ Result<void> run_command(const std::vector<std::string>& command, const std::str
   if (pipe2(ends, O_CLOEXEC) != 0) return tl::unexpected(name + std::strerror(errno));
   pid_t child = 0;
   const int error = ChildSetup(ends[0]).spawn(command, child);
-  // A few lines are far below what a pipe holds, so this never waits; with our reading end open it raises no SIGPIPE. A
-  // command that does not read it is no failure of ours.
+  // A pipe holds far more than a few lines, so this never waits. Our own reading end is open, so it raises no SIGPIPE.
+  // A command need not read the lines.
   [[maybe_unused]] const auto written = write(ends[1], (lines + "\n").data(), lines.size() + 1);
   close(ends[0]);
   close(ends[1]);

@@ -1,5 +1,5 @@
-// Brings an anchor to where the service cannot alter it afterwards: a file, for instance on another computer, or a
-// command that sends it away. Both may hang: never on a thread that must not wait.
+// Copies an anchor to a place where the service cannot alter it afterwards: a file, for instance on another computer,
+// or a command that sends it away. Both may hang, so call it only on a thread that may wait.
 #pragma once
 
 #include <chrono>
@@ -16,12 +16,13 @@ struct AnchorTarget {
   std::vector<std::string> command;  // program and arguments; empty: none. No shell sees them
 };
 
-// Time that a command may take. Longer: the next anchor waits for one that hangs. Shorter: a slow network is none.
+// Time that a command may take. Doubled, a command that hangs delays the next anchor longer. Halved, a slow network
+// fails.
 inline constexpr std::chrono::seconds kAnchorCommandLimit{30};
 
-// Adds the lines to the file, gives them to the command's standard input; a few, for they must fit into a pipe. Fails
-// with what went wrong: the file, or the command with its exit status or "not done within 30 s", in which case it has
-// been killed with all that it started.
+// Adds the lines to the file, or writes them to the command's standard input. All lines must fit into a pipe. Fails
+// with the file or command and the reason, for instance the exit status. "Not done within 30 s": the command and all
+// that it started were killed.
 [[nodiscard]] Result<void> deliver_anchor(const AnchorTarget& target, const std::string& lines,
                                           std::chrono::milliseconds limit = kAnchorCommandLimit);
 

@@ -16,7 +16,7 @@ tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<s
 
 std::string entry_name(std::int64_t seq) { return "entry " + std::to_string(seq); }
 
-// One pass over a run file. Fills `audit` but for its state as far as it comes.
+// One pass over a run file. Fills `audit`, except its state, as far as the pass comes.
 class RunAudit {
  public:
   RunAudit(Audit& audit, const AuditOptions& options, const std::vector<Anchor>& anchors, const CheckedLedger* ledger)
@@ -80,7 +80,7 @@ Result<void> RunAudit::take(ChainAudit& chain, const ChainReader::Row& row) {
     return take_signature(chain, row);
   }
   if (unsigned_from_ == 0) unsigned_from_ = entry.seq;
-  // Before what it says is looked at: what is not signed need not be anything.
+  // Checked before the body is read: an unsigned entry may hold anything.
   if (!row.note.empty()) {
     if (Result<void> holds = chain.note_holds(row, origin(), key_); !holds) return holds;
     unsigned_from_ = 0;
@@ -106,7 +106,7 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
   audit_.key = key_.fingerprint();
   known_.add(anchors_, origin());
   const bool of_ledger = ledger_ != nullptr && ledger_->knows(key_);
-  // The ledger connects keys: it is signed by all of them in turn, and each vouches for what came before it.
+  // The ledger connects the keys: all of them signed it in turn, and each vouches for the entries before it.
   audit_.trusted = options_.key ? key_ == *options_.key || of_ledger : of_ledger;
   if (options_.key && !audit_.trusted) return fails("signed by " + audit_.key + ", not by the key asked for");
   if (ledger_ == nullptr || header_.run == 0) return {};

@@ -1,5 +1,5 @@
 // Checks that a run file is as it was recorded: the chain of its entries, the notes that sign it, its place in the
-// ledger. Needs neither service nor private key, and alters no byte of what it checks.
+// ledger. Needs neither the service nor a private key, and alters no byte of the files.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@ namespace dwell::record {
 
 enum class AuditState : std::uint8_t {
   intact,    // closed, and nothing was altered
-  open,      // no end: still recorded, or cut off; what there is was not altered
-  tampered,  // altered, or not readable as what it claims to be
+  open,      // without an end: still recorded, or cut off; no entry was altered
+  tampered,  // altered, or not readable as a run file
 };
 
 struct Audit {
   std::string file;
   AuditState state = AuditState::tampered;
-  std::optional<double> until_s;  // of one that is open: valid up to here, on the run's own axis
+  std::optional<double> until_s;  // of an open file: valid up to here, on the run's own axis
   std::string until_utc;
-  std::string where;     // of one that is tampered: the place and what was found there
+  std::string where;     // of a tampered file: the place and what was found there
   std::int64_t run = 0;  // the ledger's number; 0: not known
   std::string id;
   std::uint64_t samples = 0;
@@ -40,7 +40,7 @@ struct AuditOptions {
   std::function<void(double)> progress;  // 0 … 1; empty: none
 };
 
-// Never fails: what cannot be read is tampered, with the reason, but a file that is not there.
+// A file that cannot be read counts as tampered, with the reason. Fails only if the file does not exist.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {
@@ -50,7 +50,7 @@ struct LedgerAudit {
   std::vector<std::string> missing;  // runs that should be in `directory` and are not
 };
 
-// The ledger itself, and whether every run that it knows is in `directory` or was deleted by retention.
+// Checks the ledger itself, and whether every run that it knows is in `directory` or was deleted by retention.
 [[nodiscard]] Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& directory,
                                                const AuditOptions& options);
 

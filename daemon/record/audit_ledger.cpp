@@ -14,9 +14,10 @@ std::string name_of(const LedgerRun& run) {
   return "run " + std::to_string(run.run) + " (" + run.file + ", begun " + run.start_utc + ")";
 }
 
-// Empty: the run is where it should be. A file that cannot be read as a run is there; its own audit says what it is.
+// Empty: the run's file is in its place. A file that cannot be read as a run counts as being there; its own audit says
+// what is wrong with it.
 std::string missing(const LedgerRun& run, const std::string& directory) {
-  // A name alone: a ledger is not to lead out of the directory.
+  // The name alone, without folders: a ledger must not lead out of the directory.
   const std::filesystem::path path = std::filesystem::path(directory) / std::filesystem::path(run.file).filename();
   std::error_code code;
   if (run.file.empty() || !std::filesystem::is_regular_file(path, code)) return name_of(run) + " is not there";
@@ -28,7 +29,7 @@ std::string missing(const LedgerRun& run, const std::string& directory) {
   return {};
 }
 
-// Of runs that an anchor knows and the ledger does not: both were removed.
+// Runs that an anchor knows and the ledger does not: file and ledger entry were removed.
 std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Anchor>& anchors) {
   static constexpr std::string_view kFront = "dwell/run/";
   std::set<std::string> known, others;

@@ -16,7 +16,7 @@ using Byte = std::uint8_t;
 
 constexpr std::uint32_t kBlockVersion = 1;
 constexpr std::size_t kPreamble = 8;  // version, number of records
-// Level 1 yields up to 7 % more bytes and takes at best three quarters of the time; level 9 takes three times as long
+// Level 1 yields up to 7 % more bytes and takes at least three quarters of the time. Level 9 takes three times as long
 // and saves at most 1 %.
 constexpr int kLevel = 3;
 
@@ -29,7 +29,7 @@ constexpr Column kKind{0, 1}, kFlags{1, 1}, kForm{2, 1}, kChannel{3, 2}, kHalf{5
     kValue{25, 8};
 constexpr std::size_t kPlanes = 33;
 
-// How a value becomes 64 bits whose differences are small. A channel's form only ever widens within a block.
+// How a value becomes 64 bits with small differences. Within a block a channel's form only gets wider.
 enum class Form : Byte {
   integer = 0,  // a whole number within ± 2^53
   float32 = 1,  // exact in 32 bits of floating point: these bits
@@ -74,20 +74,20 @@ constexpr double kMostInteger = 9007199254740992.0;
   return Form::float64;
 }
 
-// Small numbers of either sign become small numbers without one: 0, -1, 1, -2 … are 0, 1, 2, 3 …
+// Makes small signed numbers small unsigned ones: 0, -1, 1, -2 … become 0, 1, 2, 3 …
 [[nodiscard]] constexpr std::uint64_t zigzag(std::uint64_t x) noexcept { return (x << 1) ^ (0 - (x >> 63)); }
 [[nodiscard]] constexpr std::uint64_t unzigzag(std::uint64_t z) noexcept { return (z >> 1) ^ (0 - (z & 1)); }
 
-// What the next record of one kind and channel is predicted from.
+// Predicts the next record of one kind and channel.
 struct Track {
   std::uint32_t key = 0;
-  std::uint32_t follower = 0;               // the track of the record that came after the last one of this
+  std::uint32_t follower = 0;               // track of the record that followed this track's last one
   std::uint64_t gap = 0;                    // t_ns less that of the record before it
   std::uint64_t last = 0, before_last = 0;  // values in `form`
   std::uint32_t half = 0;
   Form form = Form::integer;
 
-  // Linear in time, modulo 2^64: a difference alone grows with the frequency of the motion.
+  // Extrapolated linearly in time, modulo 2^64: plain differences grow with the frequency of the motion.
   [[nodiscard]] std::uint64_t predicted(Form now) noexcept {
     if (now != form) last = before_last = 0;
     form = now;
@@ -103,7 +103,7 @@ class Tracks {
  public:
   [[nodiscard]] Track& of(Kind kind, std::uint16_t channel) {
     const std::uint32_t key = static_cast<std::uint32_t>(kind) << 16U | channel;
-    // Channels mostly come in the same order again: then the index is not asked.
+    // Channels mostly come in the same order again. Then no look-up in the index is needed.
     std::uint32_t at = tracks_[at_].follower;
     if (tracks_[at].key != key) {
       const auto [found, fresh] = index_.try_emplace(key, static_cast<std::uint32_t>(tracks_.size()));
@@ -122,7 +122,7 @@ class Tracks {
   std::uint32_t at_ = 0;
 };
 
-// A stretch of a block as numbers of which most are small.
+// A part of a block as numbers, most of them small.
 constexpr std::size_t kStretch = 512;
 struct Stretch {
   std::array<std::uint8_t, kStretch> kind, flags, form;
@@ -251,7 +251,7 @@ std::string encode_block(std::span<const Record> records) {
 
 namespace {
 
-// The planes of a block of `n` records. What the frame says of its size must agree before anything is allocated.
+// The planes of a block of `n` records. Checks the size that the frame states before it allocates anything.
 [[nodiscard]] Result<std::vector<Byte>> decompress(std::string_view frame, std::size_t n) {
   const std::size_t size = kPlanes * n;
   if (ZSTD_getFrameContentSize(frame.data(), frame.size()) != size)

@@ -50,7 +50,7 @@ Result<std::uint64_t> BlockCount::samples(std::string_view block) {
   if (!impl_->context) return fails("out of memory");
 
   ZSTD_DCtx_reset(impl_->context.get(), ZSTD_reset_session_only);
-  // The frame says how much it needs to look back; never more than what it holds.
+  // The frame states the size of its window, which is never larger than its content.
   ZSTD_DCtx_setParameter(impl_->context.get(), ZSTD_d_windowLogMax, 27);
   ZSTD_inBuffer in{frame.data(), frame.size(), 0};
   std::uint64_t count = 0;

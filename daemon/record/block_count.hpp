@@ -1,5 +1,5 @@
-// How many samples a block holds, in a hundredth of the time that decode_block() takes: the kinds of the records are
-// the block's first plane. docs/run-file.md, "Blocks".
+// Counts the samples of a block in a hundredth of the time of decode_block(): the kinds of the records are the block's
+// first plane. docs/run-file.md, "Blocks".
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Keeps some 200 kB from one block to the next.
+// Bound to one thread. Holds some 200 kB.
 class BlockCount {
  public:
   BlockCount();
@@ -18,7 +18,7 @@ class BlockCount {
   BlockCount& operator=(BlockCount&&) noexcept;
   ~BlockCount();
 
-  // Fails where the front of the block, up to the last kind, is none that a writer writes.
+  // Fails if the beginning of the block, up to the last kind, is malformed.
   [[nodiscard]] Result<std::uint64_t> samples(std::string_view block);
 
  private:

@@ -1,4 +1,4 @@
-// Cuts the stream into blocks of about a second, encoded, and keeps those that a run may yet reach back to.
+// Cuts the stream into encoded blocks of about a second, and keeps the blocks that a later run may reach back to.
 #pragma once
 
 #include <cstdint>
@@ -22,11 +22,11 @@ struct Block {
 // Bound to one thread. Memory: the records of one block, a second's or 2^20 (32 MiB) at most.
 class BlockCutter {
  public:
-  // Longer: more is lost with the power. Shorter: more commits, and a block compresses less.
+  // Doubled, a power failure loses more. Halved, there are more commits, and a block compresses less.
   static constexpr std::int64_t kBlock_ns = 1'000'000'000;
   static constexpr std::size_t kBlockRecords = 1u << 20;
 
-  // Whether `next` belongs into a new block: take() first.
+  // Whether `next` needs a new block: then call take() before adding it.
   [[nodiscard]] bool is_due_before(const Record& next) const noexcept;
   void add(const Record& record);
   [[nodiscard]] bool empty() const noexcept { return records_.empty(); }
@@ -34,7 +34,7 @@ class BlockCutter {
   [[nodiscard]] Block take();
   // Forgets the block so far.
   void clear() noexcept { records_.clear(); }
-  // So many records are missing here: the next one is counted as if they had come. The block must be empty.
+  // Counts `records` missing ones, as if they had come. The block must be empty.
   void skip(std::uint64_t records) noexcept { number_ += records; }
   // Of the record added last.
   [[nodiscard]] std::uint64_t number() const noexcept { return number_; }
@@ -44,14 +44,14 @@ class BlockCutter {
   std::uint64_t number_ = 0;
 };
 
-// The blocks since the elder of the two pipelines that wait for a drive was born, so that a run can begin with them.
-// Bound to one thread. Memory: 20 s of the stream, encoded; at most kBytes.
+// The blocks since the birth of the elder of the two pipelines that wait for a drive. A run begins with them. Bound to
+// one thread. Memory: 20 s of the stream, encoded; at most kBytes.
 class KeptBlocks {
  public:
-  // 20 s of 64 channels at 10 kHz are 77 MB. What exceeds this loses its oldest block.
+  // 20 s of 64 channels at 10 kHz are 77 MB. Beyond this the oldest block is dropped.
   static constexpr std::size_t kBytes = 100'000'000;
 
-  // The next block begins with the birth of a pipeline: what lies before the birth before is dropped.
+  // The next block begins with the birth of a pipeline. Drops the blocks before the previous birth.
   void pipeline_born(std::uint64_t number);
   void add(Block block);
   // Hands over everything from record `first` on, and keeps nothing. Empty: `first` is not there.

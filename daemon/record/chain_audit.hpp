@@ -1,5 +1,5 @@
-// Follows the chain of a file from its first entry to its last, and checks everything about the file that does not
-// depend on what the entries say. For audit.hpp.
+// Follows the chain of a file from its first entry to its last. Checks all that does not depend on the bodies of the
+// entries. For audit.hpp.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,20 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Every failure is the place and what was found there, without the path.
+// Bound to one thread. A failure names the place and what was found there, without the path.
 class ChainAudit {
  public:
   [[nodiscard]] static Result<ChainAudit> open(const std::string& path, ChainSort sort);
 
-  // The next entry, whose seq and head follow from those before.
+  // The next entry. Fails if its seq or head does not follow from those before.
   [[nodiscard]] Result<std::optional<ChainReader::Row>> next();
-  // That the note on this entry is there, signs this entry of this chain, follows the note before, and is by `key`.
+  // Checks that this entry has a note, which signs this entry of this chain, follows the previous note, and is by
+  // `key`.
   [[nodiscard]] Result<void> note_holds(const ChainReader::Row& row, const std::string& origin, const PublicKey& key);
-  // After the last entry: that there is nothing else in the file, and that SQLite finds it sound.
+  // Call after the last entry. Checks that the file holds nothing else, and that SQLite finds it sound.
   [[nodiscard]] Result<void> finish();
 
-  // Whether what was found is of one state of the file. false: read again.
+  // false: the file changed while it was read; read it again.
   [[nodiscard]] bool unchanged() const noexcept { return snapshot_.unchanged(); }
   [[nodiscard]] std::int64_t entries() const noexcept { return entries_; }  // so far
   [[nodiscard]] const Digest& head() const noexcept { return head_; }       // of the last one so far
@@ -41,17 +42,17 @@ class ChainAudit {
   Digest head_{};
 };
 
-// Heads that something outside the file knows: an anchor, the ledger.
+// Heads that an anchor or the ledger knows.
 class KnownHeads {
  public:
   void add(std::int64_t seq, const Digest& head, std::string source) {
     heads_.emplace(seq, Known{head, std::move(source)});
   }
-  // Of all anchors those of this chain.
+  // Adds the anchors of this chain.
   void add(const std::vector<Anchor>& anchors, const std::string& origin);
-  // Fails where the head of this entry is known, and is another one.
+  // Fails if another head is known for this entry.
   [[nodiscard]] Result<void> fits(std::int64_t seq, const Digest& head) const;
-  // Fails where an entry after the last one of the file is known.
+  // Fails if a later entry is known than the last one of the file.
   [[nodiscard]] Result<void> all_there(std::int64_t last_seq) const;
 
  private:
@@ -62,10 +63,10 @@ class KnownHeads {
   std::multimap<std::int64_t, Known> heads_;
 };
 
-// Of files of anchors. Fails as read_anchors().
+// Reads files of anchors. Fails as read_anchors().
 [[nodiscard]] Result<std::vector<Anchor>> read_all_anchors(const std::vector<std::string>& paths);
 
-// How often a file is read anew because its writer closed it meanwhile.
+// How often a file is read again if its writer closes it meanwhile.
 inline constexpr int kAuditTries = 5;
 
 }  // namespace dwell::record

@@ -17,39 +17,39 @@ enum class ChainSort : std::uint32_t {
   ledger = 0x44574c47,  // "DWLG"
 };
 
-// Appends. Bound to one thread. Every failure is returned with the reason ("disk full" among them), takes back what was
-// not committed, and leaves what has been committed as it was. While a writer lives no other program's SQLite gets at
-// the file; ChainReader does.
+// Appends entries. Bound to one thread. Every failure is returned with its reason, "disk full" for instance. It
+// discards uncommitted entries and leaves committed ones as they were. While a writer exists, SQLite in no other
+// program can open the file; ChainReader can.
 class ChainWriter {
  public:
   // A new file; fails where there is one. `origin` is the first line of its notes, for instance "dwell/run/<id>".
   [[nodiscard]] static Result<ChainWriter> create(const std::string& path, ChainSort sort, std::string origin,
                                                   const SigningKey& key);
-  // An existing one, to append to it; its chain is followed from the start, its last note must be by `key`.
+  // Opens an existing file to append to it. Follows its chain from the start; its last note must be by `key`.
   [[nodiscard]] static Result<ChainWriter> open(const std::string& path, ChainSort sort, std::string origin,
                                                 const SigningKey& key);
-  // The same where the last note is by another key, `last`: after a change of keys.
+  // The same after a change of keys: the last note must be by `last`.
   [[nodiscard]] static Result<ChainWriter> open(const std::string& path, ChainSort sort, std::string origin,
                                                 const SigningKey& key, const PublicKey& last);
-  // The same without a private key: its commits carry no note. For a `signature` entry that is signed in itself.
+  // The same without a private key. Its commits carry no note: for a `signature` entry, which carries its own.
   [[nodiscard]] static Result<ChainWriter> open_without_key(const std::string& path, ChainSort sort, std::string origin,
                                                             const PublicKey& last);
   ChainWriter(ChainWriter&&) noexcept;
   ChainWriter& operator=(ChainWriter&&) noexcept;
-  ~ChainWriter();  // what was not committed is lost
+  ~ChainWriter();  // discards uncommitted entries
 
   // Appends an entry; it counts once committed.
   [[nodiscard]] Result<void> append(std::string_view kind, std::int64_t t_ns, std::string_view body);
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for
   // the disk. Nothing appended: does nothing.
   [[nodiscard]] Result<void> commit();
-  // Takes back what was appended since the last commit.
+  // Discards what was appended since the last commit.
   void roll_back();
-  // Commits and turns the file into one without -wal. Nothing can be appended after. Where this fails, all that was
-  // committed is in the file and its -wal, and it may be tried again.
+  // Commits, and merges the -wal into the file. Nothing can be appended afterwards. If it fails, all committed entries
+  // are still in the file and its -wal, and it may be tried again.
   [[nodiscard]] Result<void> close();
 
-  // Of the last commit. Before the first: 0, and 32 zero bytes.
+  // Entry and head of the last commit. Before the first: 0, and 32 zero bytes.
   [[nodiscard]] std::int64_t committed() const noexcept;
   [[nodiscard]] const Digest& committed_head() const noexcept;
 
@@ -59,16 +59,16 @@ class ChainWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// Reads what was committed when it was opened, without altering a byte of the file or its -wal, from a read-only place
-// too. While it lives, a writer leaves the -wal as it is, up to kMaxWal bytes; beyond, and where the file is closed
-// meanwhile, reading fails with "written to while it was read: read it again". Bound to one thread. Entries are read
-// one at a time; an entry of more than kMaxBody bytes is an error.
+// Reads the entries that were committed when it was opened. Alters no byte of the file or its -wal, and works on a
+// read-only file system. While it exists, a writer keeps the -wal as it is, up to kMaxWal bytes. If the -wal grows
+// beyond that or the writer closes the file, reading fails with "written to while it was read: read it again". Bound to
+// one thread. Entries are read one at a time; an entry of more than kMaxBody bytes is an error.
 class ChainReader {
  public:
   static constexpr std::int64_t kMaxBody = 64 << 20;
   static constexpr std::int64_t kMaxWal = 512 << 20;
 
-  // Fails with the reason where the file cannot be read or is not of this sort.
+  // Fails with the reason if the file cannot be read or is not of this sort.
   [[nodiscard]] static Result<ChainReader> open(const std::string& path, ChainSort sort);
   ChainReader(ChainReader&&) noexcept;
   ChainReader& operator=(ChainReader&&) noexcept;

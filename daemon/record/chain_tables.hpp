@@ -1,4 +1,4 @@
-// The two tables of a chain file, for those who read and write them. docs/run-file.md, "The container".
+// The two tables of a chain file, for its readers and writers. docs/run-file.md, "The container".
 #pragma once
 
 #include <optional>
@@ -15,11 +15,11 @@ inline constexpr const char* kEntryTable =
 inline constexpr const char* kNoteTable = "CREATE TABLE note (seq INTEGER PRIMARY KEY, text TEXT NOT NULL) STRICT";
 inline constexpr int kFormatVersion = 1;  // user_version
 
-// That the database is a chain file of this sort, with these two tables and nothing else. Fails with what it has
-// instead.
+// Checks that the database is a chain file of this sort, with these two tables and nothing else. Fails with what it
+// found instead.
 [[nodiscard]] Result<void> check_tables(sqlite3* database, ChainSort sort);
 
-// The text that the note on an entry signs. `before`: the entry that the note before is on; 0: this is the first note.
+// The text that the note on an entry signs. `before`: the entry of the previous note; 0: there is none.
 // docs/run-file.md, "The notes".
 [[nodiscard]] std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns,
                                     std::int64_t before);

@@ -17,8 +17,8 @@
 namespace dwell::record {
 namespace {
 
-// Bytes of a page. Blocks are of some 10 kB to some MB: larger pages make fewer links to follow; each commit writes
-// about three pages that were written before, once a second.
+// Bytes of a page. A block has 10 kB to some MB, so larger pages mean fewer links to follow. But each commit, one a
+// second, rewrites about three pages.
 constexpr const char* kPageSize = "PRAGMA page_size = 16384";
 
 // Frames of the log after which its pages go into the database: 16 MB, some seconds of the largest rig.
@@ -27,7 +27,7 @@ constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / 16384);
 
 tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
 
-// While the connection lives, no other one gets at the file, and SQLite needs no -shm.
+// While the connection is open, no other one can open the file, and SQLite needs no -shm.
 bool set_up(sqlite3* database) {
   return execute(database, "PRAGMA locking_mode = EXCLUSIVE") &&
          first_text(database, "PRAGMA journal_mode = WAL") == "wal" &&
@@ -41,7 +41,7 @@ Database open_database(const std::string& path, int flags) {
   return Database(opened);
 }
 
-// That what the directory now says of its files survives a loss of power.
+// Makes changes of the directory survive a loss of power.
 void synchronize_directory(const std::string& path) {
   const std::string directory = std::filesystem::path(path).parent_path().string();
   const int folder = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -50,12 +50,12 @@ void synchronize_directory(const std::string& path) {
   ::close(folder);
 }
 
-// An empty chain at `path`, whole from the instant at which it has that name.
+// Makes an empty chain. It gets its name `path` only when it is complete.
 Result<void> make_file(const std::string& path, ChainSort sort) {
   const std::string unfinished = path + ".new";
   std::error_code ignored;
   if (std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) return fails(path + ": exists already");
-  // What a crash left of an earlier try; a log without its file would be taken for the new file's.
+  // Removes what a crash left of an earlier try. SQLite would take an old log for that of the new file.
   for (const std::string& old :
        {unfinished, unfinished + "-journal", unfinished + "-wal", path + "-wal", path + "-shm", path + "-journal"})
     std::filesystem::remove(old, ignored);
@@ -80,11 +80,11 @@ Result<void> make_file(const std::string& path, ChainSort sort) {
   return {};
 }
 
-// The end of a chain that holds.
+// The end of a valid chain.
 struct Tail {
   std::int64_t seq = 0;
   Digest head{};
-  std::int64_t noted = 0;  // the entry that the last note is on
+  std::int64_t noted = 0;  // entry of the last note
 };
 
 // Follows the chain from its start; its last note must be by `signer`, and only signatures may come after.
@@ -93,7 +93,7 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
   if (!reader) return fails(std::move(reader.error()));
   Tail tail;
   ChainReader::Row noted;   // the last entry with a note, without its body
-  std::int64_t before = 0;  // the one with the note before
+  std::int64_t before = 0;  // the entry of the note before that
   for (;;) {
     Result<std::optional<ChainReader::Row>> row = reader->next();
     if (!row) return fails(std::move(row.error()));
@@ -133,7 +133,7 @@ struct ChainWriter::Impl {
   std::int64_t t_ns = 0;   // of the last entry appended
   int frames = 0;          // of the log, after the last commit
   int wal_file = -1;       // for its flock: Snapshot
-  bool stale_log = false;  // frames of a transaction that failed may lie behind the log's end
+  bool stale_log = false;  // frames of a failed transaction may follow the log's end
 
   Impl() = default;
   Impl(const Impl&) = delete;
@@ -189,8 +189,8 @@ struct ChainWriter::Impl {
     return run(insert_note.get());
   }
 
-  // Moves the log into the database, where it is long enough and nobody reads. Failing costs nothing but room: what
-  // was committed is in the log, and the next commit tries again.
+  // Moves the log into the database if it is long enough and nobody reads. A failure only costs room: the committed
+  // entries are in the log, and the next commit tries again.
   void checkpoint() {
     if (frames < kCheckpointFrames && !stale_log) return;
     if (wal_file < 0) wal_file = ::open((path + "-wal").c_str(), O_RDONLY | O_CLOEXEC);
@@ -243,7 +243,7 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
   impl->origin = std::move(origin);
   impl->pending = impl->committed = *tail;
   if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
-  // Between the two looks somebody else may have written.
+  // Somebody else may have written since the chain was followed.
   const std::string now =
       first_text(impl->database.get(), "SELECT seq || ' ' || lower(hex(head)) FROM entry ORDER BY seq DESC LIMIT 1");
   if (now != (tail->seq == 0 ? "" : std::to_string(tail->seq) + " " + hex(tail->head)))

@@ -62,7 +62,7 @@ std::optional<Digest> from_hex(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data() + 2 * i, text.data() + 2 * i + 2, digest[i], 16);
     if (error != std::errc() || end != text.data() + 2 * i + 2) return std::nullopt;
   }
-  // Capitals have a second form.
+  // Capitals would be a second form of the same digest.
   return hex(digest) == text ? std::optional(digest) : std::nullopt;
 }
 

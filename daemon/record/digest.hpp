@@ -15,7 +15,7 @@ using Digest = std::array<std::uint8_t, 32>;
 struct Entry {
   std::int64_t seq = 0;   // 1, 2, 3 … without a gap
   std::string kind;       // ASCII
-  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC_RAW up to which it tells
+  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC_RAW: the entry covers the time up to it
   std::string body;       // JSON, or the bytes of a block
 };
 
@@ -26,7 +26,7 @@ struct Entry {
 // 64 hexadecimal digits; standard base64 with padding.
 [[nodiscard]] std::string hex(const Digest& digest);
 [[nodiscard]] std::string base64(std::string_view bytes);
-// Back. nullopt: not what hex() and base64() write.
+// The inverse. nullopt: not a text that hex() or base64() writes.
 [[nodiscard]] std::optional<Digest> from_hex(std::string_view text);
 [[nodiscard]] std::optional<std::string> from_base64(std::string_view text);
 

@@ -1,4 +1,4 @@
-// One process at a time works in a recording directory. However that process ends, the directory is free then.
+// Keeps other processes out of a recording directory. The lock ends with the process, however that ends.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ class DirectoryLock {
   DirectoryLock(const DirectoryLock&) = delete;
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
-  // Harmless where it is held already. Fails with "DIRECTORY: why".
+  // Does nothing if it is held already. Fails with "DIRECTORY: why".
   [[nodiscard]] Result<void> take(const std::string& directory);
 
  private:

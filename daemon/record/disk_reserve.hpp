@@ -1,5 +1,5 @@
-// Room on the disk that is given free when the disk is full, so that the last entries of a run can still be written: a
-// file of its size in the recording directory.
+// Reserves room on the disk, with a file of that size in the recording directory. When the disk is full, the room is
+// released, so that the last entries of a run can still be written.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@ namespace dwell::record {
 // Bound to one thread.
 class DiskReserve {
  public:
-  // The last batch of a run (3 MB at 64 channels of 10 kHz, whose second it holds), and what moves from its -wal into
-  // the file as it is closed: 4 MB and a batch. Twice that, and room for the ledger.
+  // Needed: the last batch of a run, one second (3 MB for 64 channels at 10 kHz); and 4 MB and a batch for what moves
+  // from the -wal into the file as it is closed. Twice that, and room for the ledger.
   static constexpr std::int64_t kBytes = 32'000'000;
 
   explicit DiskReserve(std::string path, std::int64_t bytes = kBytes) : path_(std::move(path)), bytes_(bytes) {}
 
-  // Takes the room, unless it is held already; fails with "disk full" or another reason, and holds nothing then.
+  // Takes the room if it is not held already. Fails with "disk full" or another reason; then nothing is held.
   [[nodiscard]] Result<void> hold();
-  // Gives it free; harmless where nothing is held.
+  // Releases the room; does nothing if none is held.
   void release() noexcept;
 
  private:

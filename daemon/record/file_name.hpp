@@ -11,13 +11,14 @@ inline constexpr std::string_view kRunSuffix = ".dwell";
 // A file NAME.dwell.keep beside NAME.dwell protects it: retention never deletes it.
 inline constexpr std::string_view kKeepSuffix = ".keep";
 
-// Letters, digits, "." and "_" of `text`; a "-" for each run of others. At most 64 bytes, neither empty nor hidden.
+// Keeps letters, digits, "." and "_" of `text`; makes each sequence of other characters one "-". At most 64 bytes,
+// neither empty nor hidden.
 [[nodiscard]] std::string tame(std::string_view text);
 
 // `utc`: as compact_utc() writes it.
 [[nodiscard]] std::string run_file_name(std::string_view rig, std::int64_t run, std::string_view utc);
 
-// The run that a file's name tells of; 0: none.
+// The run's number in a file's name; 0: none.
 [[nodiscard]] std::int64_t run_of_file_name(std::string_view name);
 
 }  // namespace dwell::record

@@ -9,7 +9,7 @@
 
 namespace dwell::record {
 
-// What jobs have to tell, on its way to the recorder's thread.
+// Outcomes of jobs, on their way to the recorder's thread.
 struct Housekeeper::Outcomes {
   struct Outcome {
     Notice notice;           // empty text: none
@@ -18,7 +18,7 @@ struct Housekeeper::Outcomes {
   };
   std::mutex mutex;
   std::vector<Outcome> waiting;
-  bool listed = false;  // every run of the directory has been looked at
+  bool listed = false;  // every run of the directory has been read
 
   void put(Outcome outcome) {
     const std::lock_guard lock(mutex);
@@ -64,7 +64,7 @@ void Housekeeper::look_at_all(const std::string& running) {
   });
 }
 
-// Another run is recorded, or none any more: the one before has got its end.
+// Another run is recorded, or none: so the one before has ended.
 void Housekeeper::list(const ListedRun* recorded) {
   if (!listed_.empty())
     jobs_.post([directory = options_.directory, name = listed_, list = list_](const auto&) {
@@ -105,7 +105,7 @@ void Housekeeper::retain(const ClockPair& now) {
     const auto chosen = choose_deletions(*list_->all(), options_.retention, now.utc_ns);
     deletions_.assign(chosen.begin(), chosen.end());
   }
-  // One a turn: each waits for the disk.
+  // Deletes one run a turn, for each waits for the disk.
   if (deletions_.empty()) return;
   const Deletion deletion = std::move(deletions_.front());
   deletions_.pop_front();

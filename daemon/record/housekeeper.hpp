@@ -1,5 +1,5 @@
-// What goes on beside the recording of runs: the list of them, anchors of their heads, retention. Whatever may take
-// long is done on a thread of its own.
+// The work beside the recording of runs: the list of runs, anchors of their heads, retention. Work that may take long
+// has a thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -28,23 +28,23 @@ struct HousekeepingOptions {
 // Bound to the recorder's thread; virtual time.
 class Housekeeper {
  public:
-  // Between two anchors in the journal where the rig file names no time.
+  // Time between two anchors in the journal if the rig file states none.
   static constexpr double kAnchorMinutes = 10.0;
-  // Retention looks for runs that have grown too old so often, and whenever a run has ended.
+  // Retention looks for runs that are too old so often, and after each run.
   static constexpr std::int64_t kRetentionPeriod_ns = 600'000'000'000;
 
   // The folder and `list` outlive it.
   Housekeeper(HousekeepingOptions options, RunFolder& folder, std::shared_ptr<RunList> list, Tell tell);
   ~Housekeeper();
 
-  // One pass: the folder is open. `recorded`: the run that is recorded, as it is to be listed; null: none is.
+  // One pass; the folder must be open. `recorded`: the list's entry of the run that is being recorded; null: none is.
   void turn(const ClockPair& now, const ListedRun* recorded);
 
   // Why the newest anchor did not arrive; empty: it did.
   [[nodiscard]] const std::string& anchor_trouble() const noexcept { return anchor_trouble_; }
 
  private:
-  static constexpr std::size_t kOriginsKnown = 1000;  // a head that is forgotten is anchored once more
+  static constexpr std::size_t kOriginsKnown = 1000;  // a forgotten head is anchored again
   struct Outcomes;
 
   void look_at_all(const std::string& running);
@@ -60,7 +60,7 @@ class Housekeeper {
   const Tell tell_;
   const std::shared_ptr<Outcomes> outcomes_;
   JobThread jobs_;
-  std::string listed_;  // file of the run that goes on
+  std::string listed_;  // file of the current run
   std::int64_t next_anchor_ns_ = 0, next_retention_ns_ = 0;
   std::map<std::string, Digest> anchored_;  // newest head by origin
   std::deque<Deletion> deletions_;

@@ -1,4 +1,4 @@
-// A thread that does one thing after the other for a thread that must not wait for it.
+// Does jobs one after the other, for a thread that must not wait for them.
 #pragma once
 
 #include <chrono>
@@ -9,22 +9,22 @@
 
 namespace dwell::record {
 
-// A job may hang in what it waits for, another computer's disk for instance. Then the thread is left behind: jobs own
-// what they use.
+// A job may hang, for instance on another computer's disk. Then its thread is left behind, so a job must own what it
+// uses.
 class JobThread {
  public:
-  // Jobs that wait at most.
+  // Most jobs that wait.
   static constexpr std::size_t kJobs = 256;
-  // The end waits so long for a job that is being done.
+  // The destructor waits so long for the current job.
   static constexpr std::chrono::seconds kPatience{1};
 
   explicit JobThread(std::string name);
-  // What waits behind the job that is being done is not done.
+  // Drops the jobs that wait behind the current one.
   ~JobThread();
   JobThread(const JobThread&) = delete;
   JobThread& operator=(const JobThread&) = delete;
 
-  // Asked by long jobs: whether the thread is to end. May be called as long as the job runs. Thread-safe.
+  // Whether the thread is to end. Long jobs ask it while they run. Thread-safe.
   using Stopping = std::function<bool()>;
   // false: too many wait. A job must not throw. Thread-safe.
   bool post(std::function<void(const Stopping&)> job);

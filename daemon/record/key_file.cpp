@@ -40,8 +40,8 @@ Result<SigningKey> load_or_make(const std::string& directory, const std::string&
   return key;
 }
 
-// Where a change of keys was cut off: complete if the ledger knows the next key, else as if it never was. The next key
-// is thrown away only when the ledger has opened with the other: it may be the one that signs.
+// Completes a change of keys that was cut off if the ledger knows the next key; otherwise undoes it. The next key is
+// deleted only after the ledger has opened with the old one, for the next one may be the one that signs.
 Result<KeyAndLedger> finish_change(const std::string& directory) {
   auto next = SigningKey::load(next_path(directory));
   if (next) {

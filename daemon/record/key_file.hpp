@@ -21,13 +21,11 @@ struct KeyAndLedger {
   bool made = false;  // the key is new: this is the first start
 };
 
-// Makes a key where there is none, under this name. Completes a change of keys that was cut off. Writes `key.pub`
-// where it is not what it should be.
+// Makes a key with this name if there is none. Completes a change of keys that was cut off. Corrects `key.pub`.
 [[nodiscard]] Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std::string& name);
 
-// Another key signs from now on, under this name; the old private key is destroyed. Fails while a service records here.
-// The old vkey stays in the ledger and
-// in the files that it signed.
+// Changes the key: a new one with this name signs from now on, and the old private key is destroyed. Fails while a
+// service records here. The old vkey stays in the ledger and in the files that it signed.
 [[nodiscard]] Result<PublicKey> change_key(const std::string& directory, const std::string& name);
 
 }  // namespace dwell::record

@@ -1,5 +1,5 @@
-// Ed25519 keys and the text forms of C2SP: public keys ("vkey") and signed notes. Each thing has one form: what is
-// written otherwise, by one bit, is refused. A name is 1 to 100 visible ASCII characters, "+" not among them.
+// Ed25519 keys and the text forms of C2SP: public keys ("vkey") and signed notes. Everything has exactly one form; a
+// text that differs by one bit is refused. A name has 1 to 100 visible ASCII characters without "+".
 #pragma once
 
 #include <memory>
@@ -20,10 +20,10 @@ class PublicKey {
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   // "NAME+1a2b3c4d+BASE64", one line.
   [[nodiscard]] std::string vkey() const;
-  // SHA-256 of the 32 bytes of the key, as 16 groups of four hexadecimal digits: what people compare.
+  // For people to compare: SHA-256 of the 32 bytes of the key, as 16 groups of four hexadecimal digits.
   [[nodiscard]] std::string fingerprint() const;
-  // The signed text of a note, without the signature line, its last newline included. Fails where the note is not by
-  // this key alone, where the signature does not hold, or where it has bytes that no note has. Cost: 0.15 ms.
+  // The signed text of a note: all before the signature line, with its last newline. Fails if the note is not by this
+  // key alone, if the signature does not verify, or if the form is not that of a note. Cost: 0.15 ms.
   [[nodiscard]] Result<std::string> open(std::string_view note) const;
   bool operator==(const PublicKey&) const = default;
 
@@ -36,9 +36,9 @@ class PublicKey {
 // A private key with its name: the service's, or a person's. Bound to one thread.
 class SigningKey {
  public:
-  // A new one. Fails where the name is none, or the system yields no random numbers.
+  // Makes a new key. Fails if the name is not allowed, or the system yields no random numbers.
   [[nodiscard]] static Result<SigningKey> make(const std::string& name);
-  // From a file written by save(); fails with the reason, also where others than the owner may read it. The file's one
+  // Reads a file written by save(). Fails with the reason, also if others than the owner may read the file. Its one
   // line is "PRIVATE+KEY+NAME+1a2b3c4d+BASE64", as Go's note package writes keys.
   [[nodiscard]] static Result<SigningKey> load(const std::string& path);
   // Writes a new file, mode 0600, synchronized to the disk; fails where there is one already.

@@ -9,7 +9,7 @@ Result<ChainReader::Row> last_entry(ChainReader& reader) {
     reader.seek(seq);
     return reader.next();
   };
-  // There is an entry `last.entry.seq`; none from `beyond` on, once that is known.
+  // Invariant: entry `last.entry.seq` exists; entry `beyond`, once known, does not.
   auto first = at(1);
   if (!first) return tl::unexpected(first.error());
   if (!*first) return tl::unexpected(std::string("no entry"));

@@ -1,11 +1,11 @@
-// The last entry of a chained file, found in a few reads however long the file is.
+// Finds the last entry of a chained file in a few reads, however long the file is.
 #pragma once
 
 #include "daemon/record/chain_file.hpp"
 
 namespace dwell::record {
 
-// Fails with the reason, and where the file has no entry. Leaves the reader anywhere.
+// Fails with the reason, also if the file has no entry. The reader's place is undefined afterwards.
 [[nodiscard]] Result<ChainReader::Row> last_entry(ChainReader& reader);
 
 }  // namespace dwell::record

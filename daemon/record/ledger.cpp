@@ -30,7 +30,7 @@ Result<std::string> random_id() {
   return hex(bytes).substr(0, 32);
 }
 
-// The id is in the first entry, and the origin of the notes names it: so entries before notes.
+// The origin of the notes names the id, which the first entry holds. So entries are read before notes.
 Result<LedgerBook> read_book(const std::string& path) {
   LedgerBook book;
   Result<ChainReader> reader = ChainReader::open(path, ChainSort::ledger);
@@ -52,7 +52,7 @@ struct Ledger::Impl {
   std::optional<ChainWriter> file;
   bool key_changed = false;
 
-  // The book first: it refuses what a reader would.
+  // The book first: it refuses what a reader would refuse.
   Result<void> add(const char* kind, const std::string& body, std::int64_t t_ns) {
     if (key_changed) return fails(path + ": the key has changed: open the ledger with the new one");
     LedgerBook next = book;
@@ -91,7 +91,7 @@ Result<Ledger> Ledger::open(const std::string& directory, const SigningKey& key)
     if (!book) return fails(std::move(book.error()));
     impl->book = std::move(*book);
   }
-  // Also where a crash came between making the file and its first entry.
+  // True too after a crash between making the file and its first entry.
   if (impl->book.empty()) {
     if (Result<void> begun = impl->begin(key); !begun) return fails(std::move(begun.error()));
     return Ledger(std::move(impl));

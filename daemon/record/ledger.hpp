@@ -1,5 +1,5 @@
-// The ledger of a recording directory: a chained, signed file that knows every run, so that a removed one shows. It
-// also knows the keys, what retention has deleted, and personal signatures. docs/run-file.md, "The ledger".
+// The ledger of a recording directory: a chained, signed file that lists every run, so that a removed run is noticed.
+// It also lists the keys, the runs that retention deleted, and personal signatures. docs/run-file.md, "The ledger".
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Every call commits before it returns, and so waits for the disk. A failure leaves the ledger as
-// it was.
+// Bound to one thread. Every call commits before it returns, so it waits for the disk. After a failure the ledger is as
+// before.
 class Ledger {
  public:
   // `directory`/ledger.dwell-ledger, made where there is none.
@@ -27,19 +27,19 @@ class Ledger {
   [[nodiscard]] const std::string& newest_head() const noexcept;
   // A run that has begun and not ended: after a crash, the one that was cut off. 0: none.
   [[nodiscard]] std::int64_t running() const noexcept;
-  // Of the last entry; its utc is empty. To be anchored with the heads of the runs.
+  // The head of the last entry, to be anchored with the heads of the runs; its utc is empty.
   [[nodiscard]] Anchor head() const;
 
-  // Fails where `header` does not take next_run() and newest_head(), or another run has not ended.
+  // Fails if `header` does not hold next_run() and newest_head(), or if another run has not ended.
   [[nodiscard]] Result<void> run_begins(const RunHeader& header, const std::string& file);
-  // state: "closed", or "cut off" where a crash ended it; then head is that of its last committed entry, and empty with
-  // seq 0 where nothing was committed.
+  // state: "closed", or "cut off" after a crash. Then `head` is that of its last committed entry; if nothing was
+  // committed, it is empty and seq 0.
   [[nodiscard]] Result<void> run_ends(std::int64_t run, const std::string& head, std::int64_t seq,
                                       const std::string& state);
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
-  // From here on another key signs. Signed by the old one. This ledger then takes nothing more: open it with the new
-  // key.
+  // Adds a change of keys, signed by the old key. Afterwards this object takes nothing more: open the ledger with the
+  // new key.
   [[nodiscard]] Result<void> key_changes(const PublicKey& next);
 
  private:

@@ -8,12 +8,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Never leaves this file.
+// Thrown and caught in this file only.
 struct Wrong {
   std::string what;
 };
 
-// An entry of the ledger is small; so is what a hostile one may take.
+// An entry of the ledger is small. Bounds the memory that a hostile entry takes.
 constexpr std::size_t kMaxBytes = 1 << 20;
 
 std::string text(const Json& object, const char* name) {

@@ -1,5 +1,5 @@
-// What the entries of a ledger tell, one after the other; docs/run-file.md, "The ledger". Checks that each fits those
-// before it. Does not check chain and notes.
+// Reads the entries of a ledger one after the other, and checks that each fits those before it. Does not check chain
+// and notes. docs/run-file.md, "The ledger".
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct LedgerRun {
 // Bound to one thread. Memory: some 500 bytes a run.
 class LedgerBook {
  public:
-  // The next entry. Fails with what does not fit; then the book is as it was.
+  // Takes the next entry. Fails with what does not fit; then the book is as before.
   [[nodiscard]] Result<void> take(const Entry& entry);
 
   [[nodiscard]] bool empty() const noexcept { return keys_.empty(); }
@@ -44,7 +44,7 @@ class LedgerBook {
   [[nodiscard]] std::string origin() const { return "dwell/ledger/" + id_; }
   // The keys that have signed, in their order; the last one signs now.
   [[nodiscard]] const std::vector<PublicKey>& keys() const noexcept { return keys_; }
-  // That signed the last entry: where that changed the key, the one before.
+  // The key that signed the last entry. If that entry changed the key, this is the old key.
   [[nodiscard]] const PublicKey& last_signer() const { return keys_[keys_.size() - (key_just_changed_ ? 2 : 1)]; }
   [[nodiscard]] const std::map<std::int64_t, LedgerRun>& runs() const noexcept { return runs_; }
   [[nodiscard]] std::int64_t next_run() const noexcept { return static_cast<std::int64_t>(runs_.size()) + 1; }

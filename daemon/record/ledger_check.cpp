@@ -15,7 +15,7 @@
 namespace dwell::record {
 namespace {
 
-// By which key an entry must be signed: a change of keys by the one before.
+// The key that must sign an entry. A change of keys is signed by the old key.
 Result<void> take(ChainAudit& chain, CheckedLedger& ledger, KnownHeads& known, const std::vector<Anchor>& anchors,
                   const ChainReader::Row& row) {
   const std::string place = "entry " + std::to_string(row.entry.seq) + ": ";

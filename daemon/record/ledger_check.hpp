@@ -1,4 +1,4 @@
-// A ledger whose chain, notes and keys were checked. For audit.hpp.
+// Checks chain, notes and keys of a ledger. For audit.hpp.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@ struct CheckedLedger {
 
   [[nodiscard]] bool verifies() const noexcept { return broken.empty(); }
   [[nodiscard]] bool knows(const PublicKey& key) const;
-  // nullptr: it does not know a run of this number.
+  // nullptr: the ledger has no run of this number.
   [[nodiscard]] const LedgerRun* find(std::int64_t run) const;
 };
 
-// Fails only where the file is not there or cannot be read at all, or an anchor file cannot.
+// Fails only if the ledger or an anchor file does not exist or cannot be read at all.
 [[nodiscard]] Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& options);
 
 // Fails where there is no readable file at `path`.

@@ -1,4 +1,4 @@
-// What the recorder has to say to the operator: one line for the log, the journal and the alarms.
+// A message of the recorder to the operator: one line for the log, the journal and the alarms.
 #pragma once
 
 #include <cstdint>
