@@ -18,7 +18,8 @@
 namespace dwell::record {
 namespace {
 
-// The features by which glibc's libm chooses between versions that differ in their last bits, and wider vectors.
+// The features by which glibc's libm chooses a version of its functions, and those for wider vectors. The versions
+// differ in the last bits of their results.
 std::string cpu_features() {
   std::string features;
 #if defined(__x86_64__)

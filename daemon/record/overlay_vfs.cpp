@@ -13,7 +13,7 @@
 namespace dwell::record {
 namespace {
 
-// Bytes 18 and 19 of a database tell who may write and read it: 1 with a rollback journal, 2 with a -wal.
+// Bytes 18 and 19 of a database say how it is written and read: 1 with a rollback journal, 2 with a -wal.
 constexpr sqlite3_int64 kWriteVersion = 18;
 constexpr sqlite3_int64 kReadVersion = 19;
 constexpr unsigned char kWithWal = 2;
@@ -48,7 +48,7 @@ OverlayVfs::OverlayVfs(int wal_file) : parent_(sqlite3_vfs_find(nullptr)), vfs_(
   vfs_.pAppData = this;
   vfs_.xOpen = open;
   vfs_.xDelete = [](sqlite3_vfs*, const char*, int) { return SQLITE_READONLY; };
-  // No journal and no log is there for SQLite to follow.
+  // SQLite must find neither journal nor log.
   vfs_.xAccess = [](sqlite3_vfs*, const char*, int, int* there) {
     *there = 0;
     return SQLITE_OK;
@@ -69,7 +69,8 @@ int OverlayVfs::open(sqlite3_vfs* vfs, const char* path, sqlite3_file* file, int
   const int only_read = (flags & ~(SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE)) | SQLITE_OPEN_READONLY;
   File* opened = File::of(file);
   sqlite3_file* real = opened->real();
-  // By SQLite's own file system: closing a file of ours would take its writer's locks, were that in this process.
+  // Opened through SQLite's own file system. If the writer were in this process, closing a descriptor of ours would
+  // release its locks.
   int code = own->parent_->xOpen(own->parent_, path, real, only_read, out_flags);
   if (code == SQLITE_OK) code = own->take_log(real);
   if (code != SQLITE_OK) {
@@ -125,7 +126,7 @@ int OverlayVfs::read(sqlite3_file* file, void* to, int size, sqlite3_int64 offse
   sqlite3_file* real = opened->real();
   const int code =
       in_log != 0 ? read_log(own.wal_file_, to, size, in_log) : real->pMethods->xRead(real, to, size, offset);
-  // SQLite is to take it for a file without a log.
+  // So SQLite takes it for a file without a log.
   auto* bytes = static_cast<unsigned char*>(to);
   for (const sqlite3_int64 at : {kWriteVersion, kReadVersion})
     if (offset <= at && at < offset + size && bytes[at - offset] == kWithWal) bytes[at - offset] = 1;

@@ -1,5 +1,5 @@
-// A file system for SQLite that shows a database together with its -wal as one file that nobody can write. A page comes
-// from the log where a committed frame holds it, else from the database. Nothing is locked, created or altered.
+// A file system for SQLite that shows a database and its -wal as one read-only file. A page comes from the log if a
+// committed frame holds it, otherwise from the database. Nothing is locked, created or altered.
 #pragma once
 
 #include <sqlite3.h>
@@ -10,7 +10,7 @@
 
 namespace dwell::record {
 
-// Registered with SQLite while it lives; outlives the connection that uses it. Bound to one thread.
+// Registered with SQLite while it exists; must outlive the connection that uses it. Bound to one thread.
 class OverlayVfs {
  public:
   // wal_file: an open log, owned by the caller; -1: there is none. It is read when SQLite opens the database.
@@ -20,9 +20,9 @@ class OverlayVfs {
   ~OverlayVfs();
 
   [[nodiscard]] const char* name() const noexcept { return name_.c_str(); }
-  // Why the database could not be opened; empty: SQLite knows.
+  // Why the database could not be opened; empty: SQLite states the reason.
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
-  // What no crash leaves behind in the log, or a log that does not belong to the database; empty: nothing.
+  // Damage of the log that no crash causes, or that the log belongs to another database; empty: neither.
   [[nodiscard]] const std::string& altered() const noexcept { return altered_; }
 
  private:

@@ -11,14 +11,14 @@ constexpr std::size_t kFloor = 1u << 16;
 constexpr std::size_t kCeiling = 1u << 23;
 constexpr std::size_t kBatch = 4096;  // records handed over in one go: 128 KiB
 
-// A gap travels as a record that no stream holds: of Kind::run, without a RunEdge.
+// A gap is sent as a record of Kind::run without a RunEdge, which no stream contains.
 constexpr std::uint8_t kGapMark = 0;
 bool is_gap(const Record& record) { return record.kind == Kind::run && record.flags == kGapMark; }
 
 }  // namespace
 
 std::size_t ring_records(double rate_hz) noexcept {
-  // Beside the samples there are a hundred ticks a second, states, edges: a thousand is ample.
+  // Beside the samples there are states, edges and a hundred ticks a second: a thousand is ample.
   const double records = kSeconds * (std::max(rate_hz, 0.0) + 1000.0);
   if (!(records < static_cast<double>(kCeiling))) return kCeiling;
   return std::max(kFloor, static_cast<std::size_t>(records));
@@ -49,12 +49,12 @@ void RecordRing::push(const Record& record) noexcept {
 }
 
 void RecordRing::push(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) noexcept {
-  // What was published in a gap has no place in the stream.
+  // A result that was published in a gap has no position in the stream, so it is lost too.
   if (pending_gap_ == 0 && results_.push(RingResult{position, final, std::move(dwell), pushed_})) return;
   lost_results_.fetch_add(1, std::memory_order_relaxed);
 }
 
-// A result is visible once a record that was pushed after it is, so none can be missed here.
+// If a record is visible here, so is every result that was pushed before it. So no result is missed.
 void RecordRing::hand_results(const Reader& reader) {
   while (results_.read_available() > 0 && results_.front().after <= popped_) {
     RingResult result;
@@ -64,7 +64,7 @@ void RecordRing::hand_results(const Reader& reader) {
 }
 
 void RecordRing::drain(const Reader& reader) {
-  // No more than there was room for: a producer that keeps up with this must not hold it here.
+  // At most as many records as the ring holds: a producer that keeps pace must not keep this thread here.
   for (std::size_t turns = 1 + capacity_ / kBatch; turns > 0; --turns) {
     const std::size_t count = records_.pop(batch_.data(), batch_.size());
     for (std::size_t i = 0; i < count; ++i) {

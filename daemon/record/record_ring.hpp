@@ -1,8 +1,6 @@
-// The way from the estimation thread to the recorder: records, and the results published between them, in order.
-// Bounded; neither side ever waits for the other.
-//
-// Where the recorder falls so far behind that there is no room, records are left out until half of the ring is free
-// again. In the place of what was left out the reader finds one gap with its count.
+// Carries records, and the results published between them, in order from the estimation thread to the recorder.
+// Bounded; neither side ever waits for the other. If the recorder falls behind until the ring is full, records are
+// dropped until half of the ring is free again. The reader finds one gap in their place, with their count.
 #pragma once
 
 #include <atomic>
@@ -17,9 +15,9 @@
 
 namespace dwell::record {
 
-// Room for this many records: what comes within 6 s, so that a disk which stalls for 5 s costs nothing. At least 65 536
-// (2 MiB: a rig whose rates are not known), at most 8 388 608 (256 MiB: a quarter of what the unit allows the service).
-// rate_hz: records per second, all channels together.
+// Size of the ring, in records: 6 s of the stream, so that nothing is lost while a disk stalls for 5 s. At least 65 536
+// (2 MiB, for a rig whose rates are not known), at most 8 388 608 (256 MiB, a quarter of what the unit allows the
+// service). rate_hz: records per second, all channels together.
 [[nodiscard]] std::size_t ring_records(double rate_hz) noexcept;
 
 // A result on its way. `dwell` is never null.
@@ -30,10 +28,10 @@ struct RingResult {
   std::uint64_t after = 0;  // records that entered the ring before it
 };
 
-// push() belongs to the estimation thread, drain() to the recorder's; what counts is for any thread.
+// push() belongs to the estimation thread, drain() to the recorder's; the counters may be read on any thread.
 class RecordRing {
  public:
-  // Results that wait at most; the dwells are shared, not copied. Further ones are lost, and counted.
+  // Most results that wait; the dwells are shared, not copied. Further ones are lost, and counted.
   static constexpr std::size_t kResults = 256;
 
   explicit RecordRing(std::size_t records);
@@ -48,13 +46,13 @@ class RecordRing {
   struct Reader {
     std::function<void(const Record&)> record;
     std::function<void(const RingResult&)> result;
-    std::function<void(std::uint64_t lost)> gap;  // so many records are missing here
+    std::function<void(std::uint64_t lost)> gap;  // `lost` records are missing here
   };
-  // Hands over all that is there, in order.
+  // Hands over all waiting records and results, in order.
   void drain(const Reader& reader);
 
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
-  // Part of it in use, 0 … 1. Bound to the recorder's thread.
+  // Share of the ring in use, 0 … 1. Bound to the recorder's thread.
   [[nodiscard]] double fill() const;
   // Since the start.
   [[nodiscard]] std::uint64_t lost_records() const noexcept { return lost_.load(std::memory_order_relaxed); }
@@ -67,7 +65,7 @@ class RecordRing {
   boost::lockfree::spsc_queue<Record> records_;
   boost::lockfree::spsc_queue<RingResult, boost::lockfree::capacity<kResults>> results_;
   std::atomic<std::uint64_t> lost_{0}, lost_results_{0};
-  std::uint64_t pending_gap_ = 0;  // the estimation thread: records left out and not told yet
+  std::uint64_t pending_gap_ = 0;  // the estimation thread: dropped records whose gap is not sent yet
   std::uint64_t pushed_ = 0;       // the estimation thread: records in the ring so far, gaps among them
   std::uint64_t popped_ = 0;       // the recorder's thread
   std::vector<Record> batch_;      // the recorder's thread

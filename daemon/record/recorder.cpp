@@ -18,12 +18,12 @@
 namespace dwell::record {
 namespace {
 
-// Between two turns. Longer: the buffer holds more, and more is lost with the power. Shorter: more wake-ups.
+// Between two turns. Doubled, the buffer fills more, and a power failure loses more. Halved, there are more wake-ups.
 constexpr std::chrono::milliseconds kTurn{20};
-// A thread that has not turned for so long waits for the disk: an alarm.
+// If the thread has not turned for so long, it waits for the disk: an alarm.
 constexpr std::int64_t kStall_ns = 2'000'000'000;
 
-// What comes in words rather than in the stream, in its order.
+// Input that does not come through the stream, in its order.
 class Inbox {
  public:
   using Letter = std::variant<StoredEvent, Request>;
@@ -58,7 +58,7 @@ std::string stall_text(std::int64_t ns) {
   return text;
 }
 
-// What is asked of the recorder's thread and answered by it.
+// A question to the recorder's thread, and its answer.
 struct Entering {
   std::int64_t run;
   PersonalSignature signature;
@@ -67,7 +67,7 @@ struct Entering {
 
 }  // namespace
 
-// The thread last: it uses all the rest.
+// The thread last: it uses all other members.
 struct Recorder::Impl {
   explicit Impl(RecorderOptions options)
       : tell(options.tell),
@@ -119,7 +119,7 @@ struct Recorder::Impl {
       turn({raw_now_ns(), utc_now_ns()});
     }
     log.finish();
-    // The list and the last anchor learn of it.
+    // So that the list and the last anchor get the end of the run.
     if (open) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
   }
 
@@ -159,7 +159,7 @@ struct Recorder::Impl {
     }
   }
 
-  // Could a run be recorded? Where one goes on that is not, a new one is asked for.
+  // Can runs be recorded? If so, and the current run is not being recorded, asks for a new run.
   void look(const ClockPair& now) {
     next_look_ns = now.raw_ns + (log.progress() != nullptr ? kStall_ns : kRetry_ns);
     if (log.progress() != nullptr) return trouble.clear();

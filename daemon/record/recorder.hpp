@@ -1,9 +1,7 @@
-// Records the runs of one rig: takes the ordered stream from the estimation thread and writes each run into a file of
-// its own, on a thread of its own. The estimation never waits for it.
-//
-// Where the disk is full, or falls behind for longer than the buffer lasts, recording stops with an event in the file,
-// a line in the log and an alarm in the health; measuring goes on. As soon as there is room again it asks for a new
-// run, see take_restart().
+// Records the runs of one rig. Takes the ordered stream from the estimation thread and writes each run into its own
+// file, on a thread of its own. The estimation never waits for it. If the disk is full, or falls behind for longer than
+// the buffer lasts, recording stops: with an event in the file, a line in the log and an alarm in the health. Measuring
+// goes on. As soon as there is room again, the recorder asks for a new run, see take_restart().
 #pragma once
 
 #include <cstdint>
@@ -32,11 +30,11 @@ struct RecorderOptions {
   StreamNames names;
 };
 
-// How the recording stands.
+// The state of the recording.
 struct RecorderState {
   bool recording = false;
-  std::string why_not;       // of one that does not record: "no run goes on", or what keeps it from it
-  ListedRun run;             // that is recorded
+  std::string why_not;       // while it does not record: "no run goes on", or another reason
+  ListedRun run;             // the one being recorded
   double buffer_fill = 0.0;  // 0 … 1
   std::uint64_t buffer_records = 0;
   std::int64_t committed_ns = 0;                                      // CLOCK_MONOTONIC_RAW, the last commit of the run
@@ -46,15 +44,15 @@ struct RecorderState {
 
 class Recorder final : public StreamSink, public RequestSink {
  public:
-  // Events and requests that wait at most; further ones are lost, and counted.
+  // Most events and requests that wait. Further ones are lost, and counted.
   static constexpr std::size_t kInbox = 256;
-  // The recorder looks again whether it can record so often, and asks for a new run no more often than that: each ends
-  // a dwell.
+  // While it cannot record, the recorder tries again so often. It asks for new runs no more often, since each ends a
+  // dwell.
   static constexpr std::int64_t kRetry_ns = 30'000'000'000;
 
-  // Starts its thread. Never fails: what keeps it from recording is an alarm, and tried again.
+  // Starts its thread. Never fails: if it cannot record, it raises an alarm and tries again.
   explicit Recorder(RecorderOptions options);
-  // Writes what has come and ends the run.
+  // Writes everything received so far and ends the run.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -62,13 +60,15 @@ class Recorder final : public StreamSink, public RequestSink {
   void record(const Record& record) noexcept override;
   void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) override;
   void request(Request request) override;
-  // Into the file of the run that goes on, or of the next one that reaches back so far. Thread-safe, short lock.
+  // Stores the event in the file of the current run, or of the next run if that reaches back so far. Thread-safe, short
+  // lock.
   void event(StoredEvent event);
 
-  // Enters a person's signature into the ledger. Thread-safe; waits for the recorder's thread, and so for the disk.
+  // Adds a person's signature to the ledger. Thread-safe; waits for the recorder's thread, which waits for the disk.
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
 
-  // Whether a new run is wanted, since this one is not recorded any more and could be again: once. Thread-safe.
+  // Whether the recorder wants a new run: it had to stop recording this one, and could record again. True once.
+  // Thread-safe.
   [[nodiscard]] bool take_restart() noexcept;
 
   // Thread-safe, short lock. now_ns: CLOCK_MONOTONIC_RAW.

@@ -1,9 +1,7 @@
-// What an operator asked of the service, for whoever records who did what and why.
-//
-// A request enters the ordered stream as a record that bears its number in Record::channel: `start` as RunEdge::begins
-// (and as RunEdge::ends of the run that it puts an end to), `stop` as RunEdge::ends, `rearm` as Kind::action. The sink
-// is told before that record can come by, so it always knows the number that it meets there. Requests are numbered in
-// the order of the stream.
+// An operator's request to the service, for the record of who did what and why. A request enters the ordered stream as
+// a record with the request's number in Record::channel: `start` as RunEdge::begins (and as RunEdge::ends of the run
+// that it ends), `stop` as RunEdge::ends, `rearm` as Kind::action. The sink gets the request before that record, so it
+// knows every number that comes. Requests are numbered in the order of the stream.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +22,7 @@ struct Request {
 class RequestSink {
  public:
   virtual ~RequestSink() = default;
-  // Thread-safe; waits for nothing. Called on the event loop, once for each request that enters the stream.
+  // Thread-safe; never waits. Called on the event loop, once for each request that enters the stream.
   virtual void request(Request request) = 0;
 };
 

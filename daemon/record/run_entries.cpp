@@ -14,18 +14,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // members stay in the order of the page
 
-// A body is parsed as a whole, in up to 32 times its size: bounds what a hostile file can make a reader allocate.
+// Largest body. Parsing takes up to 32 times its size, so this bounds what a hostile file can make a reader allocate.
 constexpr std::size_t kMaxJson = 8 << 20;
 // A dwell nests six deep.
 constexpr int kMaxNesting = 64;
 
-// Never leaves this file.
+// Thrown and caught in this file only.
 struct Wrong {
   std::string what;
 };
 
-// Members of an object, each described once for writing and reading: fields(io, entry) names them. may(): a member that
-// is left out where it is empty.
+// fields(io, entry) lists the members of an object, once for both writing and reading. may(): a member that is left out
+// if it is empty.
 template <class Io, class T>
 using Of = std::conditional_t<Io::kWrites, const T, T>;
 
@@ -302,7 +302,7 @@ std::string to_json(const StoredEvent& event) { return written(event); }
 std::string to_json(const RunEnd& end) { return written(end); }
 std::string to_json(const PersonalSignature& signature) { return written(signature); }
 
-// The dwell is text already: it is put in as it is, since the recorder has no time to parse it.
+// The dwell is JSON text already and is inserted as it is: the recorder has no time to parse it.
 std::string to_json(const StoredResult& result) {
   return R"({"position":)" + std::to_string(result.position) + R"(,"final":)" + (result.final ? "true" : "false") +
          R"(,"dwell":)" + result.dwell + "}";

@@ -1,5 +1,5 @@
-// What the JSON entries of a run file hold, as plain data. docs/run-file.md, "Kinds of entries". Members that the
-// readers do not know are left alone: newer files stay readable.
+// The JSON entries of a run file as plain data. docs/run-file.md, "Kinds of entries". Readers ignore members that they
+// do not know, so newer files stay readable.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace dwell::record {
 
-// Who did something: a user of the computer, as the control socket's peer credentials tell, or nobody (the drive).
+// Who did something: a user of the computer, by the peer credentials of the control socket.
 struct Person {
   std::uint32_t uid = 0;
   std::string name;  // empty: unknown to the system
 };
 
-// A file as it was: its bytes are in the run file.
+// A file whose bytes are kept in the run file.
 struct KeptFile {
   std::string path;    // as the rig file names it
   std::string sha256;  // hexadecimal
@@ -29,7 +29,7 @@ struct Plugin {
   std::string version;  // as the plugin states it
 };
 
-// Where and with what a run was recorded. What makes the same bits: `build` and `cpu`.
+// Where and with what a run was recorded. A replay gives the same bits if `build` and `cpu` are the same.
 struct Origin {
   std::string version;    // of the program
   std::string build;      // compiler and its version, flags, Eigen, libm
@@ -37,9 +37,9 @@ struct Origin {
   std::string host;       // name
   std::string time_zone;  // "Europe/Berlin", or "" where unknown
   bool clock_synchronized = false;
-  double clock_error_s = 0.0;  // at most, as the kernel reckons; not a number: the kernel may not be asked
+  double clock_error_s = 0.0;  // upper limit by the kernel's own estimate; NaN: not available
 };
-// Of this process, now. Reads the environment: while no thread alters it.
+// The origin of what this process records now. Reads the environment, which no thread may alter meanwhile.
 [[nodiscard]] Origin this_origin();
 
 // The body of the `run` entry.
@@ -92,8 +92,8 @@ struct PersonalSignature {
   std::string utc;
   std::int64_t seq = 0;
   std::string head;  // hexadecimal
-  // Who vouches: the service for the user of the control socket (then `person`), or a key of the person's own (then
-  // `note`: these lines signed by it, and `vkey`).
+  // Who vouches. Either the service, for the user of the control socket: then `person` is set. Or a key of the person's
+  // own: then `vkey` is set, and `note` holds these lines signed by it.
   std::optional<Person> person;
   std::string vkey, note;
 };
@@ -104,8 +104,8 @@ struct PersonalSignature {
 [[nodiscard]] std::string to_json(const RunEnd& end);
 [[nodiscard]] std::string to_json(const PersonalSignature& signature);
 
-// Each fails with what is missing or wrong, also where the body holds more than 8 MiB or nests deeper than 64. Any
-// bytes may come.
+// Each fails with what is missing or wrong, also if the body holds more than 8 MiB or nests deeper than 64. The bytes
+// may be anything.
 [[nodiscard]] Result<RunHeader> parse_run_header(const std::string& body);
 [[nodiscard]] Result<StoredResult> parse_result(const std::string& body);
 [[nodiscard]] Result<StoredEvent> parse_event(const std::string& body);

@@ -58,8 +58,8 @@ Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entr
   return committed;
 }
 
-// Runs of which nothing was ever committed, that have ended, and whose deletion the ledger does not know: a crash came
-// between the two entries.
+// Runs that ended without a committed entry, but are not entered as deleted: a crash came between the two entries of
+// the ledger.
 Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory) {
   auto reader = ChainReader::open(directory + "/ledger.dwell-ledger", ChainSort::ledger);
   if (!reader) return tl::unexpected(reader.error());
@@ -76,7 +76,7 @@ Result<std::vector<std::int64_t>> runs_without_file(const std::string& directory
   return runs;
 }
 
-// What a file that nobody writes any more ends with.
+// The end of a file that nobody writes any more.
 struct Found {
   CutOffRun run;
   std::string head;
@@ -105,7 +105,7 @@ Result<Found> look_into(const std::string& directory, CutOffRun run) {
 
 }  // namespace
 
-// The lock first: it is given free last.
+// The lock first: it is released last.
 struct RunFolder::Impl {
   explicit Impl(FolderOptions the_options)
       : options(std::move(the_options)), reserve(options.directory + "/reserve", options.reserve_bytes) {}
@@ -121,7 +121,7 @@ struct RunFolder::Impl {
   std::int64_t run = 0;
   std::optional<Anchor> last_head;  // of the run before
 
-  // Writes no byte of the file that was cut off.
+  // The file that was cut off is not altered.
   Result<void> tell_of_cut_off() {
     Ledger& ledger = signs->ledger;
     if (ledger.running() == 0) return {};
@@ -136,8 +136,8 @@ struct RunFolder::Impl {
     return told;
   }
 
-  // A run whose file never was is not to look like one whose file was removed.
-  Result<void> tell_of_files_that_never_were() {
+  // A run that never had a file must not look like a run whose file was removed.
+  Result<void> enter_runs_without_file() {
     const auto runs = runs_without_file(options.directory);
     if (!runs) return tl::unexpected(runs.error());
     for (const std::int64_t number : *runs)
@@ -149,7 +149,7 @@ struct RunFolder::Impl {
     return Anchor{{}, origin, file->committed(), file->committed_head()};
   }
 
-  // The ledger knows a run of which there is no file, and why.
+  // Enters a run without a file into the ledger, with the reason.
   void give_up(const std::string& why) {
     file.reset();
     for (const char* part : {"", "-wal", "-shm"}) unlink((options.directory + "/" + name + part).c_str());
@@ -182,7 +182,7 @@ Result<void> RunFolder::open() {
   auto signs = open_key_and_ledger(self.options.directory, self.options.key_name);
   if (!signs) return tl::unexpected(signs.error());
   self.signs.emplace(std::move(*signs));
-  auto told = self.tell_of_cut_off().and_then([&] { return self.tell_of_files_that_never_were(); });
+  auto told = self.tell_of_cut_off().and_then([&] { return self.enter_runs_without_file(); });
   if (!told) self.signs.reset();
   return told;
 }
@@ -214,7 +214,7 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
   self.run = header.run;
   self.origin = "dwell/run/" + header.id;
   self.name = run_file_name(self.options.rig, header.run, compact_utc(header.start_utc));
-  // The ledger first: a file that it does not know would take the number of the next one.
+  // The ledger first: otherwise a crash would leave a file whose number the next run takes again.
   auto begun = self.signs->ledger.run_begins(header, self.name);
   if (!begun) {
     self.name.clear();
@@ -227,14 +227,14 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
 
 Result<void> RunFolder::write(std::span<const NewEntry> batch) {
   auto written = append_and_commit(*impl_->file, batch);
-  // The reason stands in the run's own file.
+  // The reason is in the run's own file.
   const std::string path = impl_->options.directory + "/" + impl_->name + ": ";
   if (!written && written.error().substr(0, path.size()) == path)
     return tl::unexpected(written.error().substr(path.size()));
   return written;
 }
 
-// The last entries, what moves from the -wal into the file, and the ledger's entry: the reserve is for all of them.
+// The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry.
 Result<void> RunFolder::end(std::span<const NewEntry> last) {
   Impl& self = *impl_;
   self.reserve.release();
@@ -245,7 +245,7 @@ Result<void> RunFolder::end(std::span<const NewEntry> last) {
                                                 written ? kClosed : kCutOff);
   self.file.reset();
   self.name.clear();
-  [[maybe_unused]] auto held = self.reserve.hold();  // where there is no room for it now, ready() tries again
+  [[maybe_unused]] auto held = self.reserve.hold();  // if there is no room now, ready() tries again
   return closed ? told : closed;
 }
 

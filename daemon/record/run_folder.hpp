@@ -19,8 +19,8 @@ struct FolderOptions {
   std::string rig;                          // the rig's name, for the files' names
   std::string key_name;                     // of a key that is made; keys.hpp says what a name may be
   std::int64_t reserve_bytes = 32'000'000;  // DiskReserve::kBytes; tests take less
-  // Room that must be free beside the reserve before a run begins: 100 s of 64 channels at 10 kHz. Less: recording
-  // stops again at once. More: a small disk is refused although it would do.
+  // Room that must be free beside the reserve before a run begins: 100 s of 64 channels at 10 kHz. Halved, recording
+  // may stop again at once. Doubled, a small disk is refused although it would do.
   std::int64_t room_bytes = 256'000'000;
 };
 
@@ -39,8 +39,8 @@ class RunFolder final : public RunStore {
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
-  // Makes the directory's parts where they are not there yet, and tells the ledger of a run that was cut off. Harmless
-  // once it is open.
+  // Makes the missing parts of the directory, and enters a run that was cut off into the ledger. Does nothing if it is
+  // open already.
   [[nodiscard]] Result<void> open();
   [[nodiscard]] bool is_open() const noexcept;
 
@@ -53,12 +53,12 @@ class RunFolder final : public RunStore {
   [[nodiscard]] std::optional<CutOffRun> take_cut_off();
   // Of the run that is recorded; empty: none is.
   [[nodiscard]] const std::string& file() const noexcept;
-  // What is to be anchored: the head of the newest run since open() as of its last commit, also once it has ended, and
-  // the ledger's. The caller fills in the instant.
+  // The heads to anchor: that of the ledger, and that of the newest run since open(), as of its last commit, also after
+  // its end. The caller fills in the instant.
   [[nodiscard]] std::vector<Anchor> heads() const;
-  // Enters a person's signature under a run that has ended into the ledger.
+  // Adds a person's signature under a closed run to the ledger.
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
-  // The run's file may be deleted once the ledger says so.
+  // Enters the deletion into the ledger. Only then may the run's file be deleted.
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
 
  private:

@@ -71,7 +71,7 @@ void look_at_runs(const std::string& directory, const std::string& running, cons
     std::string name = entry->path().filename().string();
     if (run_of_file_name(name) > 0 && name != running) names.push_back(std::move(name));
   }
-  // The newest first: they are asked for first.
+  // The newest first: people ask for them first.
   std::sort(names.begin(), names.end(),
             [](const auto& a, const auto& b) { return run_of_file_name(a) > run_of_file_name(b); });
   for (const std::string& name : names) {

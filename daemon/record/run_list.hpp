@@ -1,5 +1,5 @@
-// The runs of a recording directory, as they are listed to people and machines: kept in memory, so that no question
-// reads a file.
+// The list of the runs of a recording directory, for people and machines. Kept in memory, so that no request reads a
+// file.
 #pragma once
 
 #include <cstdint>
@@ -29,11 +29,11 @@ struct ListedRun {
 
 using ListedRuns = std::vector<ListedRun>;  // oldest first
 
-// Looks into the file `name` of the directory. A file that cannot be read is listed as "unreadable". Milliseconds, and
-// longer for one that was cut off: its results are read.
+// Reads the file `name` of the directory. A file that cannot be read is listed as "unreadable". Takes milliseconds;
+// longer for a file that was cut off, since its results are read.
 [[nodiscard]] ListedRun look_at_run(const std::string& directory, const std::string& name);
 
-// All run files of the directory but `running`, as they are found; `stop` is asked between them.
+// Lists all run files of the directory but `running`, one by one; asks `stop` between them.
 void look_at_runs(const std::string& directory, const std::string& running, const std::function<void(ListedRun)>& take,
                   const std::function<bool()>& stop);
 
@@ -43,7 +43,7 @@ void look_at_runs(const std::string& directory, const std::string& running, cons
 // Thread-safe: one thread writes, any reads.
 class RunList {
  public:
-  // The newest so many are listed: 5 MB. Older ones are where they were, and can be read by file.
+  // The newest runs that are listed: 5 MB. Older files stay where they are, and can be read by name.
   static constexpr std::size_t kListed = 10'000;
 
   // Adds it, or replaces the entry of the same file.

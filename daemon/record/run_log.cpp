@@ -24,7 +24,7 @@ std::string why_text(EndOfRun why) {
   return "unknown";
 }
 
-// Whether an operator's request may stand behind it.
+// Whether an operator's request may have caused it.
 bool may_be_requested(const Record& record) { return record.kind == Kind::run || record.kind == Kind::action; }
 
 std::string seconds_text(std::int64_t ns) {
@@ -139,7 +139,7 @@ void RunLog::gap(std::uint64_t lost) {
   follows_ = false;
 }
 
-// A block is complete: into the file, or to those kept.
+// A block is complete. Writes it into the file, or keeps it.
 void RunLog::cut() {
   if (run_ && run_->ending.empty()) return write_block();
   if (run_) close(take_notes(run_->last_t_ns), run_->ending);
@@ -169,7 +169,7 @@ std::vector<NewEntry> RunLog::take_batch() {
   return batch;
 }
 
-// They tell of the time up to t_ns, as the block beside them does.
+// Like the block beside them they cover the time up to t_ns.
 std::vector<NewEntry> RunLog::take_notes(std::int64_t t_ns) {
   for (StoredEvent& told : told_by_stream_.drain(options_.names)) {
     told.utc = utc_now();
@@ -240,7 +240,7 @@ void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector
   batch.push_back({"event", t_ns, to_json(event)});
 }
 
-// Its last dwell may end with it: the file is closed with the next block that is cut.
+// The last dwell may end with the run. So the file is closed only with the next block.
 void RunLog::end(const Record& edge) {
   stopped_.clear();
   if (!run_ || !run_->ending.empty()) return cut();
@@ -257,7 +257,7 @@ void RunLog::end_now(const std::string& why) {
   }
 }
 
-// What was reserved takes a batch that the disk did not, and the reason.
+// The reserve takes the batch that the disk refused, and the reason.
 void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   const std::string run = named(run_->header);
   StoredEvent event = own_event("recording stops: " + reason);

@@ -1,10 +1,8 @@
-// Decides what is written when: which blocks a run begins with, when they are committed, how a run ends, what happens
-// when the disk takes nothing more. Pure: its clock is what it is told, its disk a RunStore.
-//
-// While no run goes on, the blocks are kept that a run may reach back to. While one does, each block is written with
-// the results and events that belong to it, in one batch, about once a second. So a loss of power costs the block that
-// was being gathered and what was not committed yet: below two seconds as long as the disk answers within half a
-// second.
+// Decides what is written and when: the blocks that a run begins with, the commits, the end of a run, what happens if
+// the disk is full. Pure: it gets its time from the caller, and its disk is a RunStore. While no run goes on, it keeps
+// the blocks that a run may reach back to. During a run, each block is written in one batch with its results and
+// events, about once a second. So a loss of power costs the current block and the uncommitted ones: less than two
+// seconds if the disk answers within half a second.
 #pragma once
 
 #include <cstdint>
@@ -26,36 +24,36 @@
 
 namespace dwell::record {
 
-// The run that is being recorded, as far as it is written.
+// The run that is being recorded. Counts what is written.
 struct RunProgress {
   RunHeader header;
   std::uint64_t born = 0;  // number of its first record since the service began
   std::int64_t first_t_ns = 0, last_t_ns = 0;
   std::uint64_t records = 0, samples = 0, dwells = 0, bytes = 0;  // bytes: of the entries' bodies
   std::int64_t committed_ns = 0;                                  // the raw clock at the last commit
-  // Why it has ended. Until it is closed, finals of its last dwell may come; empty: it goes on.
+  // Why it has ended; empty: it goes on. Until the file is closed, final results of its last dwell may come.
   std::string ending;
 };
 
 struct RunLogOptions {
-  std::function<RunHeader()> header;  // what does not depend on the run; called as one begins
-  // The JSON object of a dwell of the run that began at this instant in UTC.
+  std::function<RunHeader()> header;  // the members that do not depend on the run; called as a run begins
+  // The JSON object of a dwell. The instant in UTC: the beginning of the run.
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
   Tell tell;
   StreamNames names;
 };
 
-// Bound to one thread. No call throws but for want of memory.
+// Bound to one thread. Throws std::bad_alloc only.
 class RunLog {
  public:
-  // Requests that may be on their way with their records.
+  // Most requests whose records have not come yet.
   static constexpr std::size_t kRequests = 64;
-  // Events before a run that it may begin with.
+  // Most events before a run that it may begin with.
   static constexpr std::size_t kEarlyEvents = 64;
-  // The wall clock was set if it has moved so far against the raw clock between two turns: an NTP slew, at most 500
-  // ppm, takes 20 s for it.
+  // If the wall clock moves this far against the raw clock between two turns, it was set. An NTP slew of at most 500
+  // ppm takes 20 s for it.
   static constexpr std::int64_t kClockStep_ns = 10'000'000;
-  // A run that the drive begins so soon after an interruption goes on with the one before.
+  // A run that the drive begins this soon after an interruption counts as the continuation of the last one.
   static constexpr std::int64_t kGoesOn_ns = 60'000'000'000;
 
   // The store must outlive it.
@@ -63,26 +61,26 @@ class RunLog {
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
-  // A wall clock that has been set shows between two calls, and is an event.
+  // Both clocks at one instant. If the wall clock was set since the last call, that is an event.
   void set_clock(const ClockPair& now);
   void record(const Record& record);
   void result(std::uint64_t position, bool final, const Dwell& dwell);
-  // Its position and instant are filled in where they are not given.
+  // Fills in the event's position and instant if they are not given.
   void event(StoredEvent event);
-  // So many records of the stream are missing here: the run ends.
+  // `lost` records of the stream are missing here: the run ends.
   void gap(std::uint64_t lost);
-  // What the record that bears its number was asked for by. Must come before that record.
+  // The request whose number a later record will have. Must come before that record.
   void request(Request request);
   // Recording was interrupted, for instance by a crash: the next run says so.
   void interrupted(std::string how) { interrupted_ = std::move(how); }
-  // From now on for kGoesOn_ns a run that no operator begins counts as begun by the service, which goes on.
+  // A run that begins within kGoesOn_ns from now, and not by an operator, counts as begun by the service.
   void goes_on() noexcept { goes_on_until_ns_ = now_.raw_ns + kGoesOn_ns; }
   // The service ends: so does the run.
   void finish();
 
   // What is being recorded; null: nothing.
   [[nodiscard]] const RunProgress* progress() const noexcept { return run_ ? &*run_ : nullptr; }
-  // A run goes on that is not recorded (any more), and why; empty: none does.
+  // Why the current run is not recorded (any more); empty: it is, or there is none.
   [[nodiscard]] const std::string& stopped() const noexcept { return stopped_; }
   [[nodiscard]] std::int64_t stopped_ns() const noexcept { return stopped_ns_; }
   [[nodiscard]] std::size_t kept_bytes() const noexcept { return kept_.bytes(); }
@@ -116,7 +114,7 @@ class RunLog {
   ClockPair now_;
   BlockCutter cutter_;
   KeptBlocks kept_;
-  bool follows_ = false;  // the stream since the birth of a waiting pipeline is whole, in kept_ and cutter_
+  bool follows_ = false;  // kept_ and cutter_ hold the whole stream since the birth of a waiting pipeline
   std::deque<Early> early_;
   StreamEvents told_by_stream_;
   std::vector<NewEntry> notes_;  // results and events since the last block

@@ -12,7 +12,7 @@ namespace {
 
 using Row = ChainReader::Row;
 
-// People sign a run a few times; bounds what a hostile file can make a reader allocate.
+// Most signatures. People sign a run a few times; this bounds what a hostile file can make a reader allocate.
 constexpr std::size_t kMostSignatures = 1000;
 
 }  // namespace
@@ -25,7 +25,7 @@ struct RunReader::Impl {
   std::int64_t begin_ns = 0, end_ns = 0;
   std::int64_t first_block = 0, last_block = 0;  // seq; 0: there is none
 
-  // Errors of `chain` name the file already.
+  // Errors of `chain` already name the file.
   [[nodiscard]] tl::unexpected<std::string> fails(const Entry& entry, const std::string& what) const {
     return tl::unexpected(path + ": entry " + std::to_string(entry.seq) + ": " + what);
   }
@@ -55,7 +55,7 @@ struct RunReader::Impl {
     if (!row) return tl::unexpected(row.error());
     if (!row->has_value()) return tl::unexpected(path + ": holds no entry, but what the run is was expected");
     const Entry& entry = (*row)->entry;
-    // What it is instead may be anything, line breaks too: that is not repeated.
+    // Its kind may be any text, line breaks included, so the message does not repeat it.
     if (entry.kind != "run") return fails(entry, "is not of the kind \"run\", as the first always is");
     auto parsed = parse_run_header(entry.body);
     if (!parsed) return fails(entry, parsed.error());
@@ -63,7 +63,7 @@ struct RunReader::Impl {
     return {};
   }
 
-  // The last entry of the stream, in ever larger steps and then in ever smaller ones: a walk would read the whole file.
+  // Finds the last entry of the stream in ever larger and then ever smaller steps: a walk would read the whole file.
   [[nodiscard]] Result<void> find_last_block() {
     constexpr std::int64_t kMostStep = std::int64_t{1} << 61U;
     std::int64_t step = 1;
@@ -113,7 +113,7 @@ struct RunReader::Impl {
     });
   }
 
-  // The seq of the first block that tells up to t_ns or beyond; t_ns is at most end_ns.
+  // The seq of the first block that reaches t_ns; t_ns is at most end_ns.
   [[nodiscard]] Result<std::int64_t> block_of(std::int64_t t_ns) {
     std::int64_t low = first_block, high = last_block;
     while (low < high) {
@@ -160,7 +160,7 @@ Result<void> RunReader::stream_from(std::int64_t t_ns, const std::function<bool(
 
 Result<void> RunReader::results(bool finals, const std::function<bool(const StoredResult&)>& take) {
   return impl_->each(1, "result", [&](const Entry& entry) -> Result<bool> {
-    // As dwelld writes it. Most results are not the last of their dwell: they need not be parsed to be left out.
+    // The form that dwelld writes. Most results are not final: they are left out without parsing.
     const std::string_view front = std::string_view(entry.body).substr(0, entry.body.find("\"dwell\""));
     if (finals && front.find("\"final\":false") != std::string_view::npos) return true;
     const auto result = parse_result(entry.body);

@@ -1,5 +1,5 @@
-// Reads a run file: what the run was, its stream record by record, its results and events. Does not check chain or
-// signatures: audit.hpp does.
+// Reads a run file: its header, its stream record by record, its results, events and signatures. Does not check chain
+// or signatures: audit.hpp does.
 #pragma once
 
 #include <functional>
@@ -25,19 +25,18 @@ class RunReader {
   [[nodiscard]] const RunHeader& header() const noexcept;
   // How the run ended; none: it is being recorded, or was cut off.
   [[nodiscard]] const std::optional<RunEnd>& end() const noexcept;
-  // The instant of the first record, and the one up to which the last entry of the stream tells; both 0: it has none.
-  // What lies between is for progress bars.
+  // The instants at which the stream begins and ends; both 0: there is no stream. For progress bars.
   [[nodiscard]] std::int64_t begin_ns() const noexcept;
   [[nodiscard]] std::int64_t end_ns() const noexcept;
 
-  // Each hands what it reads to `take`, in order, as long as that returns true. take must not call this reader.
-  // Fails with "FILE: entry N: what is wrong"; what was taken before stands.
+  // Each hands its items to `take`, in order, as long as that returns true. take must not call this reader. Fails with
+  // "FILE: entry N: what is wrong", possibly after some items.
   //
   // Every record of the stream. Cost: about 0.03 µs a record.
   [[nodiscard]] Result<void> stream(const std::function<bool(const Record&)>& take);
-  // The same from the block on that holds the instant t_ns; none where the stream ends before.
+  // The same, from the block on that holds the instant t_ns; none if the stream ends before.
   [[nodiscard]] Result<void> stream_from(std::int64_t t_ns, const std::function<bool(const Record&)>& take);
-  // finals: only those of dwells that have ended.
+  // finals: only the final results of dwells.
   [[nodiscard]] Result<void> results(bool finals, const std::function<bool(const StoredResult&)>& take);
   [[nodiscard]] Result<void> events(const std::function<bool(const StoredEvent&)>& take);
   // Fails where there are more than 1000.

@@ -1,5 +1,5 @@
-// Where a RunLog writes: one run after the other, each a row of entries in batches that are kept whole or not at all.
-// RunFolder is the real one.
+// The destination of a RunLog. It takes one run after the other, as batches of entries; each batch is stored as a whole
+// or not at all. RunFolder is the real one.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,20 @@ struct NewEntry {
   std::string body;
 };
 
-// Bound to one thread. Every call may wait for the disk. What fails has written nothing; the reason is for people.
+// Bound to one thread. Every call may wait for the disk. A call that fails has written nothing; the reason is for
+// people.
 class RunStore {
  public:
   virtual ~RunStore() = default;
-  // Whether a run could begin now, as far as can be told beforehand; why not.
+  // Whether a run could begin now, as far as is known beforehand. Fails with the reason why not.
   [[nodiscard]] virtual Result<void> ready() = 0;
   // Begins a run: puts its number, id, key and predecessor into `header`, writes it and the first entries. t_ns: of the
   // first record.
   [[nodiscard]] virtual Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) = 0;
-  // They survive a loss of power once this returns.
+  // Writes a batch. It survives a loss of power once this returns.
   [[nodiscard]] virtual Result<void> write(std::span<const NewEntry> batch) = 0;
-  // Writes the last entries, with the room that was reserved for them, and closes the run. Where even that fails, the
-  // run stays as it is, cut off. In either case there is no run afterwards.
+  // Writes the last entries, with the room that was reserved for them, and closes the run. If this fails, the run's
+  // file stays cut off. In either case there is no run afterwards.
   [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last) = 0;
 };
 

@@ -1,5 +1,5 @@
-// A person's signature at the end of a closed run file. Either the service vouches for who signs, by its note, or the
-// person signs with a key of their own. docs/run-file.md, "Signatures".
+// Adds a person's signature to the end of a closed run file. Either the service vouches for the person with its note,
+// or the person signs with a key of their own. docs/run-file.md, "Signatures".
 #pragma once
 
 #include <string>
@@ -8,18 +8,17 @@
 
 namespace dwell::record {
 
-// The lines that a key of a person's own signs, each with its newline. Fails where a member holds a control character,
-// a newline for instance.
+// The lines that a person's own key signs, each with its newline. Fails if a member holds a control character, a
+// newline for instance.
 [[nodiscard]] Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature);
 
 // Each appends one signature to the closed run file `path` and returns it as written, for the ledger. The caller fills
-// name, meaning, reason and utc; seq and head are of the last entry there is. Waits for the disk. Fails, with the file
-// as it was, where the run has not ended or its chain does not hold.
-//
-// Countersigned by the service, for the `person` filled in. `service` must be the key that signed the run.
+// in name, meaning, reason and utc; seq and head become those of the last entry. Waits for the disk. Fails if the run
+// has not ended or its chain is broken; then the file is as before. The service countersigns for `person`, which the
+// caller fills in. `service` must be the key that signed the run.
 [[nodiscard]] Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSignature signature,
                                                         const SigningKey& service);
-// With a key of the person's own; needs no service.
+// Signs with the person's own key; needs no service.
 [[nodiscard]] Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature,
                                                         const SigningKey& own);
 

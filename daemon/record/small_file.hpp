@@ -14,7 +14,7 @@ namespace dwell::record {
 [[nodiscard]] Result<void> replace_small_file(const std::string& path, std::string_view bytes);
 // Adds a line to it.
 [[nodiscard]] Result<void> append_line(const std::string& path, std::string_view line);
-// Replaces `to`; it stays so after a loss of power.
+// Gives `from` the name `to`. Survives a loss of power.
 [[nodiscard]] Result<void> rename_durably(const std::string& from, const std::string& to);
 
 }  // namespace dwell::record

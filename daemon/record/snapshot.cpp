@@ -31,7 +31,7 @@ bool same_file(const struct stat& a, const struct stat& b) {
          a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
-// Opens that a writer may break before reading is given up: it closes a file once.
+// How often a writer may spoil an attempt to open before it fails. A writer closes a file only once.
 constexpr int kTries = 5;
 
 }  // namespace
@@ -53,12 +53,12 @@ struct Snapshot::Impl {
     if (wal_file >= 0) ::close(wal_file);
   }
 
-  // Locks the log, if there is one, and notes what must stay as it is.
+  // Locks the log, if there is one, and remembers what must not change.
   Result<void> hold() {
     const std::string wal = path + "-wal";
     wal_file = ::open(wal.c_str(), O_RDONLY | O_CLOEXEC);
     if (wal_file < 0 && errno != ENOENT) return tl::unexpected(wal + ": " + std::strerror(errno));
-    // Where the file system knows no locks there is no writer of ours either.
+    // On a file system without locks there is no writer of ours either.
     while (wal_file >= 0 && ::flock(wal_file, LOCK_SH) != 0 && errno == EINTR) continue;
     if (::stat(path.c_str(), &database_status) != 0) return tl::unexpected(path + ": " + std::strerror(errno));
     wal_header = header_of(wal_file);
@@ -72,7 +72,7 @@ struct Snapshot::Impl {
     database.reset(opened);
     if (code != SQLITE_OK)
       return tl::unexpected(vfs->error().empty() ? sqlite_error(opened, path) : path + ": " + vfs->error());
-    // What the file itself defines is never run, and no value allocates more than an entry may hold.
+    // Nothing that the file defines (triggers, views) is run, and no value may be larger than an entry.
     sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, static_cast<int>(ChainReader::kMaxBody) + 65536);
@@ -86,7 +86,7 @@ struct Snapshot::Impl {
     struct stat now {
     }, wal_now{};
     if (::stat(path.c_str(), &now) != 0 || !same_file(now, database_status)) return false;
-    // A log that came after belongs to later states.
+    // A log that appeared later belongs to a later state.
     if (wal_file < 0) return true;
     return ::fstat(wal_file, &wal_now) == 0 && wal_now.st_nlink > 0 &&
            (wal_header == WalHeader{} || header_of(wal_file) == wal_header);

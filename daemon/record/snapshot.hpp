@@ -1,9 +1,7 @@
-// A database as it was when it was opened, read through SQLite without altering a byte: no lock, no -shm, no recovery,
-// no checkpoint, also from a read-only place, also while its writer goes on.
-//
-// A shared flock on the -wal asks the writer to leave log and database as they are: it makes no checkpoint while it
-// cannot have that lock for itself. Where it must (a log of ChainReader::kMaxWal bytes, the end of the run),
-// unchanged() tells.
+// Reads a database through SQLite in the state at opening, without altering a byte: no lock, no -shm, no recovery, no
+// checkpoint. Works on a read-only file system, and while a writer goes on. A shared flock on the -wal asks the writer
+// not to make a checkpoint. The writer makes one all the same at the end of the run, or if the log has
+// ChainReader::kMaxWal bytes. Then unchanged() returns false.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +20,7 @@ inline constexpr const char* kReadAgain = "written to while it was read: read it
 // Bound to one thread.
 class Snapshot {
  public:
-  // Fails with "PATH: reason", also where it is no SQLite database. Waits for a checkpoint under way.
+  // Fails with "PATH: reason", also if the file is no SQLite database. Waits for a running checkpoint.
   [[nodiscard]] static Result<Snapshot> open(const std::string& path);
   Snapshot(Snapshot&&) noexcept;
   Snapshot& operator=(Snapshot&&) noexcept;
@@ -30,9 +28,9 @@ class Snapshot {
 
   [[nodiscard]] sqlite3* database() const noexcept;
   [[nodiscard]] const std::string& path() const noexcept;
-  // Whether all that was read so far is of one state. Cost: three system calls.
+  // Whether everything read so far is of one state. Cost: three system calls.
   [[nodiscard]] bool unchanged() const noexcept;
-  // What no crash leaves behind in the -wal; empty: nothing.
+  // Damage of the -wal that no crash causes; empty: none.
   [[nodiscard]] const std::string& altered() const noexcept;
 
  private:

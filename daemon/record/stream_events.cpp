@@ -7,7 +7,7 @@
 namespace dwell::record {
 namespace {
 
-// What a hostile or broken stream can make this hold between two calls.
+// Most changes of state kept between two calls: bounds what a hostile or broken stream takes.
 constexpr std::size_t kMostStates = 1000;
 
 std::string named(const char* what, const std::vector<std::string>& names, std::size_t index) {

@@ -1,4 +1,4 @@
-// What the stream itself tells of faults, losses and channels that come and go, as events for people.
+// Makes events for people of the faults, losses and channel states in the stream.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,12 @@ struct StreamNames {
 // Why samples were lost, for people: "the merger was full".
 [[nodiscard]] const char* loss_text(Loss loss) noexcept;
 
-// Bound to one thread. A fault or loss that repeats makes one event a block, with the count of all.
+// Bound to one thread. A fault or loss that repeats makes one event per block, with the total count.
 class StreamEvents {
  public:
   // `position`: of the record in its run.
   void take(const Record& record, std::uint64_t position);
-  // What has come since the last call, in the order of the positions; the instants are not filled in.
+  // The events since the last call, in the order of their positions; without their instants.
   [[nodiscard]] std::vector<StoredEvent> drain(const StreamNames& names);
 
  private:

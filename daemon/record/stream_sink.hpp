@@ -1,11 +1,11 @@
-// What the estimation thread hands to whoever records: the ordered stream, and what was published at which position.
-//
-// A run that the drive begins also holds the time before it. So pipelines are born ahead of runs, each at a record of
-// Kind::run that says RunEdge::armed. While no run goes on, two of them live, the elder at least 10 s old. Every 10 s
-// the elder is given up and a new one is born. Once the elder sees the drive, a record says RunEdge::begins: the run
-// reaches back to the birth of that pipeline. The stream of a run file so begins with the record RunEdge::armed of its
-// pipeline and ends with RunEdge::ends. RunEdge::begins says how far back that is; the recorder keeps the records since
-// the birth of the elder for it. Other records RunEdge::armed may lie in between: of pipelines that were given up.
+// What the estimation thread hands to the recorder: the ordered stream, and the published dwells with their positions.
+// A run that the drive begins also holds some time before the drive. So pipelines are born before runs, each at a
+// record of Kind::run with RunEdge::armed. While no run goes on, two of them live, the elder at least 10 s old. Every
+// 10 s the elder is given up and a new one is born. Once the elder sees the drive, a record says RunEdge::begins: the
+// run reaches back to the birth of that pipeline. So the stream of a run file begins with the record RunEdge::armed of
+// its pipeline and ends with RunEdge::ends. RunEdge::begins states how far back the first record is; for this the
+// recorder keeps the records since the birth of the elder. Records RunEdge::armed of pipelines that were given up may
+// lie in between.
 //
 // Position. The record RunEdge::armed of the run's pipeline is position 1, each further record one more.
 //
@@ -14,7 +14,7 @@
 // - a final result at `position` is the dwell of an event dwell_finished during take() of that record, or, at the
 //   position of RunEdge::ends, during its take() or finish();
 // - any other result is current() after take() of that record.
-// Both are the same bits. At the position of a result the pipeline is in no long piece of work, neither here nor there.
+// Recording and replay give the same bits. At the position of a result neither pipeline is in a long piece of work.
 // Several results may have one position; they come in their order.
 #pragma once
 
@@ -33,9 +33,9 @@ class StreamSink {
   // The next record of the stream, RunEdge records among them, before the pipeline takes it. Real-time safe: never
   // waits, never allocates.
   virtual void record(const Record& record) noexcept = 0;
-  // A dwell of the run that goes on, as it stood right after record `position`. final: it has ended there. Between a
-  // record RunEdge::ends and the next RunEdge::begins only finals come, of the run that has just ended and at the
-  // position of its end. Never waits.
+  // A dwell of the current run, as it was right after record `position`. final: it ended there. Between RunEdge::ends
+  // and the next RunEdge::begins only finals come, of the run that has just ended and at the position of its end. Never
+  // waits.
   virtual void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) = 0;
 };
 

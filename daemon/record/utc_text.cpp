@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 std::string whole_seconds(std::int64_t utc_ns) {
-  // Floor: an instant before 1970 is no reason to fail.
+  // Rounded down, so that instants before 1970 work too.
   const auto seconds = static_cast<std::time_t>(utc_ns / kSecond_ns - (utc_ns % kSecond_ns < 0 ? 1 : 0));
   std::tm parts{};
   gmtime_r(&seconds, &parts);

@@ -16,11 +16,11 @@ struct ClockPair {
 
 // "2026-11-23T03:12:17.250000Z"
 [[nodiscard]] std::string iso_utc(std::int64_t utc_ns);
-// The same, of iso_utc()'s text, to the second and for file names: "20261123T031217Z".
+// The text of iso_utc() shortened to the second, for file names: "20261123T031217Z".
 [[nodiscard]] std::string compact_utc(const std::string& iso);
-// The way back from iso_utc(); fails with what was expected.
+// The inverse of iso_utc(); fails with what was expected.
 [[nodiscard]] Result<std::int64_t> parse_utc(const std::string& iso);
-// Of an instant of the raw clock.
+// UTC at an instant of the raw clock.
 [[nodiscard]] inline std::int64_t utc_of(const ClockPair& now, std::int64_t raw_ns) noexcept {
   return now.utc_ns - (now.raw_ns - raw_ns);
 }

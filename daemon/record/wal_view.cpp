@@ -34,16 +34,16 @@ void add(Sums& sums, const unsigned char* bytes, std::size_t size, bool big) {
   }
 }
 
-// Of an odd number, modulo 2^32: each step doubles the number of right bits.
+// Inverse of an odd number, modulo 2^32. Each step doubles the number of right bits.
 std::uint32_t inverse(std::uint32_t odd) {
   std::uint32_t x = odd;
   for (int i = 0; i < 4; ++i) x *= 2 - odd * x;
   return x;
 }
 
-// Whether sums that differ by `error` are those of data of which one word was changed, or are themselves off by one
-// bit. The sums are linear: a change d in the last pair's words adds (d, d) or (0, d), and every pair after it takes
-// (a, b) to (a + b, a + 2b). By chance this holds for one error in a million.
+// Do the sums differ by `error` because somebody changed one word of the data, or one bit of the sums? The sums are
+// linear: a change d of a word in the last pair adds (d, d) or (0, d), and every further pair takes (a, b) to (a + b, a
+// + 2b). Chance gives such an error once in a million.
 bool one_word_explains(const Sums& stored, const Sums& computed, std::size_t pairs) {
   const std::bitset<64> bits(std::uint64_t{stored[0] ^ computed[0]} << 32 | (stored[1] ^ computed[1]));
   if (bits.count() == 1) return true;
@@ -121,8 +121,8 @@ class Frames {
   std::uint64_t at_ = kHeader, next_ = kHeader;
 };
 
-// `bad` is the first frame that does not hold. Each commit is synchronized before the next begins. So a crash damages
-// the last transaction only, and takes whole sectors of it.
+// `bad` is the first invalid frame. Each commit is synchronized before the next begins. So a crash damages only the
+// last transaction, and whole sectors of it.
 bool altered_by_hand(Frames& frames, const Frame& bad) {
   if (!bad.salted && bad.stored == bad.computed) return true;
   if (bad.salted && one_word_explains(bad.stored, bad.computed, frames.pairs())) return true;

@@ -1,5 +1,5 @@
-// What a write-ahead log of SQLite ("-wal") holds, read without SQLite: which page of the database lies where. SQLite
-// itself would write while it reads one. The format is SQLite's own, fileformat2.html, section 4.
+// Reads a write-ahead log of SQLite ("-wal") without SQLite, which would write while it reads one. Finds the place of
+// each page of the database. The format is SQLite's own, fileformat2.html, section 4.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,18 @@ class WalView {
   // Frames of a log at most: bounds the memory that a hostile file can take, 80 MB.
   static constexpr std::uint64_t kMaxFrames = 1u << 21;
 
-  // Of an open file; reads all of it. Takes what SQLite's recovery would: the frames up to the last commit before the
-  // first frame whose checksum or salt is wrong. Fails where the file cannot be read.
+  // Reads all of an open file. Takes the frames that SQLite's recovery would: up to the last commit before the first
+  // frame whose checksum or salt is wrong. Fails if the file cannot be read.
   [[nodiscard]] static Result<WalView> read(int file);
 
   // Where the page lies in the log; 0: not in it. Pages count from 1.
   [[nodiscard]] std::uint64_t offset_of(std::uint32_t page) const;
   [[nodiscard]] bool empty() const noexcept { return offsets_.empty(); }
   [[nodiscard]] std::uint32_t page_size() const noexcept { return page_size_; }
-  // Of the database, with the log.
+  // Pages of the database, with the log.
   [[nodiscard]] std::uint32_t pages() const noexcept { return pages_; }
-  // What no crash leaves behind: bytes altered before the end of the log. Empty: none. Where power is lost, only what
-  // was written since the last synchronized commit may be missing.
+  // Damage that no crash causes: bytes altered before the end of the log; empty: none. A loss of power can only damage
+  // what was written since the last synchronized commit.
   [[nodiscard]] const std::string& altered() const noexcept { return altered_; }
 
  private:
