@@ -1,5 +1,5 @@
-// A child file: what a run would have said with another rig file. It carries the parent's head, results and events, and
-// no stream: that is in the parent, which stays as it is.
+// A child file: the results and events of a run, computed again with another rig file. It states the parent's head and
+// holds no stream, for that is in the parent. The parent file is not altered.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,25 @@
 
 namespace dwell::ctl {
 
-// The head of the entry that ended a run, hexadecimal; of one that did not end, of its last entry.
+// The head of a run's `end` entry, hexadecimal; if the run has none, the head of its last entry.
 [[nodiscard]] record::Result<std::string> final_head(const std::string& path);
 
-// The header of a child of this run, begun now by whoever runs this program. rig: as given; text: of the rig file.
+// The header of a child of this run, begun now by the user of this program. rig: path as given; text: of the rig file.
 [[nodiscard]] record::RunHeader child_header(const record::RunHeader& parent, std::string parent_head,
                                              record::KeptFile rig);
 
 // Bound to one thread. A file that is not finished is removed again.
 class ChildFile {
  public:
-  // Fails where there is such a file already. t_ns: of the parent's first record.
+  // Fails if the file exists already. t_ns: of the parent's first record.
   [[nodiscard]] static record::Result<ChildFile> create(const std::string& path, const record::RunHeader& header,
                                                         const record::SigningKey& key, std::int64_t t_ns);
   ChildFile(ChildFile&& other) noexcept;
   ChildFile& operator=(ChildFile&&) = delete;
   ~ChildFile();
 
-  // t_ns: of the parent's record at that position. Once one fails all do, and finish() says why.
+  // t_ns: of the parent's record at that position. After the first failure nothing more is added; finish() returns its
+  // reason.
   void add(std::int64_t t_ns, const record::StoredResult& result) { append("result", t_ns, to_json(result)); }
   void add(std::int64_t t_ns, const record::StoredEvent& event) { append("event", t_ns, to_json(event)); }
   [[nodiscard]] record::Result<void> finish(std::int64_t t_ns, const record::RunEnd& end);

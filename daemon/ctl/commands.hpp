@@ -88,8 +88,8 @@ struct KeyOptions {
 [[nodiscard]] int watch(const Service& service, const WatchOptions& options);
 [[nodiscard]] int channels(const Service& service);
 [[nodiscard]] int dwells(const Service& service);
-// What an operator asks of the service. rearm: to end the dwell and to settle anew. start_run, stop_run: to begin and
-// to end a recorded run. comment: empty: none.
+// Operators' requests to the service. rearm: end the dwell and settle anew. start_run, stop_run: begin and end a
+// recorded run. comment: empty: none.
 [[nodiscard]] int rearm(const Service& service, const std::string& comment);
 [[nodiscard]] int start_run(const Service& service, const std::string& label, const std::string& comment);
 [[nodiscard]] int stop_run(const Service& service, const std::string& comment);

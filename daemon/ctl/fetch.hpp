@@ -9,10 +9,10 @@
 
 namespace dwell::ctl {
 
-// The document at `path`, or the exit code after having said on standard error why there is none.
+// The document at `path`; or an exit code, with the reason on standard error.
 [[nodiscard]] tl::expected<Json, int> fetch(const Service& service, const std::string& path);
 
-// Says that what answers at `url` is not the service, and why; returns the exit code.
+// Says on standard error that the answer of `url` is not the service's, and why. Returns the exit code.
 [[nodiscard]] int not_the_service(const std::string& url, const std::string& why);
 
 }  // namespace dwell::ctl

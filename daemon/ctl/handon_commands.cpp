@@ -102,7 +102,8 @@ Result<Written> write_uff(Selection& selection, const Provenance& from, const Ex
       "; " + std::to_string(done->values) + " even values in " + std::to_string(done->datasets) + " datasets",
       {{"values", done->values}, {"datasets", done->datasets}, {"left_out", done->left_out}}};
   if (done->left_out > 0)
-    written.more += "; " + std::to_string(done->left_out) + " samples stand between gaps too short to resample";
+    written.more += "; " + std::to_string(done->left_out) +
+                    " samples left out: the stretches between gaps are too short to resample";
   return written;
 }
 

@@ -27,10 +27,10 @@ struct ReportOptions {
   bool json = false;
 };
 
-// A file that was tampered with is refused, with exit code 1: `unchecked` exports what can be read of it, and the
+// Refuses a file that was tampered with, with exit code 1. With `unchecked` it exports the readable part, and the
 // export says that it was not audited.
 [[nodiscard]] int export_run(const ExportRunOptions& options);
-// A report is made of a file that was tampered with as well, says so, and the exit code is 1.
+// If the file was tampered with, the report says so, and the exit code is 1.
 [[nodiscard]] int report(const ReportOptions& options);
 
 }  // namespace dwell::ctl

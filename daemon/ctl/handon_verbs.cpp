@@ -25,10 +25,10 @@ void HandonVerbs::add_export(CLI::App& app) {
   auto* const from = export_->add_option("--from", exporting_.range.from_s, "only from this second of the run on");
   auto* const to = export_->add_option("--to", exporting_.range.to_s, "only up to this second of the run");
   auto* const in_unit = export_->add_flag("--in-unit", exporting_.in_unit,
-                                          "csv: columns in_unit and unit more; identify does not read these");
+                                          "csv: adds the columns in_unit and unit; identify refuses such a file");
   auto* const binary = export_->add_flag("--binary", exporting_.binary, "uff: 58b, all bits, less than half the size");
   auto* const unchecked = export_->add_flag("--unchecked", exporting_.unchecked,
-                                            "without an audit, also from a file that is tampered with");
+                                            "export without an audit, even from a file that is tampered with");
   auto* const key = add_pinned_key(export_, exporting_.key);
   auto* const json = add_json(export_, exporting_.json);
   auto* const model = export_->add_flag("--model", model_, "matrices as Matrix Market, a state-space model as JSON");

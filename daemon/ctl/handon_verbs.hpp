@@ -16,7 +16,7 @@ class HandonVerbs {
   HandonVerbs(const HandonVerbs&) = delete;
   HandonVerbs& operator=(const HandonVerbs&) = delete;
 
-  // After the command line has been parsed: the exit code of the verb, if it is one of these.
+  // Call after the command line was parsed. Runs the verb and returns its exit code; nullopt: it is another verb.
   [[nodiscard]] std::optional<int> run();
 
  private:

@@ -17,7 +17,7 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 done, 1 the answer is no, 2 wrong usage or unusable input, 3 the service cannot be reached.";
 
 constexpr const char* kRigHelp =
-    "the rig file; its devices are not needed. A run file holds its own; for it another one may be given";
+    "the rig file; its devices are not needed. For a run file: another rig file than its own";
 constexpr const char* kDataHelp = "a run file, or a recording as CSV: t,NAME,… or t,channel,value";
 
 void add_service(CLI::App* verb, Service& service) {
@@ -42,10 +42,10 @@ class RecordVerbs {
     audit_->add_option("files", auditing_.files, "run files");
     add_ledger(audit_, auditing_.ledger);
     add_pinned_key(audit_, auditing_.key);
-    audit_->add_option("--anchor", auditing_.anchors, "files of heads that were kept elsewhere");
+    audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
     add_json(audit_, auditing_.json);
 
-    runs_ = app.add_subcommand("runs", "the runs that have been recorded, by the service or in a folder");
+    runs_ = app.add_subcommand("runs", "the recorded runs of the service, or those in a folder");
     runs_->add_option("directory", folder_, "a folder of run files; without one the service is asked");
     add_service(runs_, service);
 
@@ -127,13 +127,13 @@ int run(int argc, char** argv) {
     verb->add_option("--comment", comment, "why, for the record; at most 4000 bytes");
   };
   CLI::App* start_verb = app.add_subcommand(
-      "start", "begin a recorded run here; exit 1 if one started so goes on, or nothing is recorded");
+      "start", "begin a recorded run now; exit 1 if an operator's run goes on already, or if nothing is recorded");
   start_verb->add_option("--label", label, "what the run is; at most 200 bytes")->required();
   add_comment(start_verb);
   add_control(start_verb, service);
   add_json(start_verb, service.json);
 
-  CLI::App* stop_verb = app.add_subcommand("stop", "end the recorded run here; exit 1 if none goes on");
+  CLI::App* stop_verb = app.add_subcommand("stop", "end the recorded run now; exit 1 if none goes on");
   add_comment(stop_verb);
   add_control(stop_verb, service);
   add_json(stop_verb, service.json);

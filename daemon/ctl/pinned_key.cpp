@@ -6,7 +6,7 @@ namespace dwell::ctl {
 
 record::Result<record::PublicKey> pinned_key(const std::string& asked) {
   std::ifstream file(asked);
-  // A vkey holds "+", and few paths do.
+  // A vkey contains "+"; few paths do.
   if (!file && asked.find('+') != std::string::npos) return record::PublicKey::parse(asked);
   if (!file) return tl::make_unexpected(asked + ": there is no such file; expected a vkey or a file that holds one");
   std::string line;

@@ -7,7 +7,7 @@
 
 namespace dwell::ctl {
 
-// asked: a vkey, or a file whose first line is one. Fails with what is wrong with it.
+// asked: a vkey, or a file whose first line is a vkey. Fails with what is wrong.
 [[nodiscard]] record::Result<record::PublicKey> pinned_key(const std::string& asked);
 
 }  // namespace dwell::ctl

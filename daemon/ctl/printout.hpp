@@ -1,4 +1,5 @@
-// What `identify` and `replay` print of the dwells of a recording, and their exit code. Heavy: include it in .cpp only.
+// Prints the dwells of a recording, for `identify` and `replay`, and gives their exit code. Heavy: include it in .cpp
+// only.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace dwell::ctl {
 
-// Both forms; further members and lines may be added.
+// The printout as JSON and as text; the verbs add members and lines.
 struct Printout {
   Json document;
   std::string text;
@@ -20,9 +21,9 @@ struct Printout {
 // To standard output.
 void print(const Printout& out, bool json);
 
-// Whether some coefficient may be taken from it.
+// Whether the dwell gives a coefficient that may be used.
 [[nodiscard]] bool answers(const Dwell& dwell);
-// kDone, or kNo after saying on standard error why the dwells give no coefficients. source: they come from it.
+// kDone; or kNo, with the reason on standard error why the dwells give no coefficients. source: where they come from.
 [[nodiscard]] int judge(const Rig& rig, const RecordSource& source, const std::vector<Dwell>& dwells);
 
 }  // namespace dwell::ctl

@@ -16,8 +16,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kFirst{500};  // shorter work needs no bar
 constexpr milliseconds kEvery{100};
 constexpr int kLongestBar = 40;     // columns
-constexpr int kShortestBar = 5;     // below that the figures say it better
-constexpr double kTellable = 0.02;  // part of the work from which on the time left can be told
+constexpr int kShortestBar = 5;     // columns; below that only the figures are shown
+constexpr double kTellable = 0.02;  // share of the work before the time left is shown
 
 int terminal_width() {
   winsize size{};

@@ -8,7 +8,7 @@
 
 namespace dwell::ctl {
 
-// Told now and then which part of the work is done, 0 … 1. Empty: nobody wants to know.
+// Called now and then with the share of the work that is done, 0 … 1. Empty: not wanted.
 using Progress = std::function<void(double)>;
 
 // One line, without the carriage return, at most `width` columns wide. elapsed_s: since the work began.
@@ -24,7 +24,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // part: 0 … 1. Cheap enough for every record that is handled: it looks at the clock and seldom writes.
+  // part: 0 … 1. Cheap enough to call for every record: it reads the clock and seldom writes.
   void show(double part);
   // The same as a function, valid as long as the bar; empty where there is no terminal.
   [[nodiscard]] Progress progress();

@@ -14,8 +14,8 @@
 namespace dwell::ctl {
 namespace {
 
-// A recording's samples in the order in which the pipeline takes them: as they are, or, where a device has a clock of
-// its own, at the recovered instants and therefore merged anew.
+// A recording's samples in the order in which the pipeline takes them. If a device has a clock of its own, its samples
+// get the recovered instants, and all are merged anew.
 class Stream {
  public:
   explicit Stream(const Rig& rig) : rig_(rig) {
@@ -55,7 +55,7 @@ class Stream {
 
   const Rig& rig_;
   std::size_t devices_ = 0;
-  std::optional<Assembler> assembler_;  // none: every stamp stands
+  std::optional<Assembler> assembler_;  // none: all stamps stay as they are
 };
 
 }  // namespace

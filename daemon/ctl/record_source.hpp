@@ -1,4 +1,4 @@
-// A recording, whatever its file: its records in the order in which the pipeline takes them.
+// The records of a recording in the order in which the pipeline takes them, whatever the kind of file.
 #pragma once
 
 #include <functional>
@@ -22,13 +22,13 @@ class RecordSource {
   using Take = std::function<void(const Record&)>;
 
   virtual ~RecordSource() = default;
-  // Hands every record to `take`, Record::channel an index into Rig::channels. Times are on the axis on which the
-  // recording's results are told. May be called again. Fails with "FILE: what is wrong", after some records perhaps.
+  // Hands every record to `take`; Record::channel is an index into Rig::channels. Times are on the axis of the
+  // recording's results. May be called again. Fails with "FILE: what is wrong", possibly after some records.
   [[nodiscard]] virtual tl::expected<void, std::string> play(const Progress& progress, const Take& take) const = 0;
 };
 
-// A recording as text: samples alone, as they are stamped. Where a device of the rig has a clock of its own they come
-// at the recovered instants. Columns that the rig does not know are passed over. Never fails.
+// A recording as text: samples only, as they are stamped. Samples of a device with its own clock get the recovered
+// instants. Columns that are not in the rig are skipped. Never fails.
 class CsvSource : public RecordSource {
  public:
   // The rig must outlive this.

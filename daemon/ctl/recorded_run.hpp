@@ -1,5 +1,5 @@
-// A recording and the rig file that goes with it, read and checked: what `identify`, `verify` and `export` begin with.
-// A run file holds both; a recording as text (CSV) needs a rig file beside it.
+// A recording and its rig file, read and checked: the input of `identify`, `verify` and `export`. A run file holds
+// both; a recording as text (CSV) needs a rig file beside it.
 #pragma once
 
 #include <memory>
@@ -16,8 +16,8 @@ namespace dwell::ctl {
 // Bound to one thread.
 class RecordedRun {
  public:
-  // data: a run file or CSV. rig: of a run file another one than that of its run, or empty. Says on standard error what
-  // is wrong, or what is ignored. The error: an exit code.
+  // data: a run file or CSV. rig: for a run file, another rig file than its own, or empty. Says on standard error what
+  // is wrong or ignored. The error is an exit code.
   [[nodiscard]] static tl::expected<RecordedRun, int> load(const std::string& rig, const std::string& data);
 
   [[nodiscard]] const config::RigFile& file() const noexcept { return *file_; }

@@ -1,4 +1,4 @@
-// A run's stream through a new pipeline, as when it was recorded (daemon/record/stream_sink.hpp, "Replay").
+// Takes a run's stream through a new pipeline, as during the recording (daemon/record/stream_sink.hpp, "Replay").
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,18 @@ class Replay {
   // The rig must be valid.
   explicit Replay(const Rig& rig) : pipeline_(rig) {}
 
-  // Hands in the next record of the run, whatever its kind; Record::channel as the rig counts.
+  // Takes the next record of the run, of any kind; Record::channel is an index into the rig's channels.
   void take(const Record& record);
-  // The end of a stream that breaks off without RunEdge::ends: ends the dwell that is on. Nothing may be taken after.
+  // Ends a stream that breaks off without RunEdge::ends: the current dwell ends. Nothing may be taken afterwards.
   void break_off();
-  // Of the record taken last; 0: none was.
+  // Position of the record taken last; 0: none yet.
   [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
 
-  // The dwells that have ended with the record taken last, in order. At RunEdge::ends the run is finished, and so are
-  // the dwells in it.
+  // The dwells that ended with the record taken last, in order. At RunEdge::ends the run's last dwell is among them.
   [[nodiscard]] const std::vector<Dwell>& ended() const noexcept { return ended_; }
-  // Whether the state (idle, settling, measuring) has changed with it.
+  // Whether that record changed the state (idle, settling, measuring).
   [[nodiscard]] bool state_changed() const noexcept { return state_changed_; }
-  // The dwell as it stands; nullopt: the pipeline is in a long piece of work, and nothing is published here. Allocates.
+  // The current dwell; nullopt: the pipeline is in a long piece of work and publishes nothing here. Allocates.
   [[nodiscard]] std::optional<Dwell> current() const;
 
  private:

@@ -13,7 +13,7 @@ std::string index_in(const std::string& dwell) {
   return value.is_object() && index != value.end() && index->is_number_integer() ? index->dump() : "none";
 }
 
-// Of a result as a whole.
+// A difference that concerns a result as a whole.
 Difference whole(std::string stored, std::string replayed) {
   return {"result", std::move(stored), std::move(replayed), kNaN, false};
 }
@@ -85,7 +85,7 @@ void ReplayCheck::hand_over() {
 }
 
 void ReplayCheck::compare(const StoredResults::Entry& stored, const std::string& replayed) {
-  // The bytes that the recorder would have written: nothing differs.
+  // The same bytes as stored: nothing differs.
   if (stored.body == to_json(record::StoredResult{stored.position, stored.final, replayed})) {
     findings_.numbers += numbers_in(replayed);
     return;

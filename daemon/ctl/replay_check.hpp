@@ -1,4 +1,4 @@
-// Compares what a replay gives with what its run file holds, at the position of each stored result.
+// Compares the results of a replay with those stored in the run file, each at its position.
 #pragma once
 
 #include <cstdint>
@@ -35,37 +35,37 @@ struct ReplayFindings {
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
 };
 
-// Bound to one thread. The comparisons, half as much work as the replay, are done on another one meanwhile.
+// Bound to one thread. Compares on a second thread, since comparing takes half as long as the replay.
 class ReplayCheck {
  public:
-  // The JSON object of a dwell as the recording service wrote it. Called on that other thread.
+  // The JSON object of a dwell as the recording service wrote it. Called on the second thread.
   using ToJson = std::function<std::string(const Dwell&)>;
 
-  // closed: the run has ended, so that nothing may be missing. In one that was cut off, results at its very end may be
-  // stored without their records, and the other way round.
+  // closed: the run has ended, so nothing may be missing. At the very end of a run that was cut off, results may be
+  // stored without their records, or records without their results.
   ReplayCheck(StoredResults stored, ToJson to_json, bool closed)
       : stored_(std::move(stored)), to_json_(std::move(to_json)), closed_(closed) {}
 
   ReplayCheck(const ReplayCheck&) = delete;
   ReplayCheck& operator=(const ReplayCheck&) = delete;
 
-  // After each record that the replay has taken.
+  // Call after each record that the replay has taken.
   void follow(const Replay& replay) {
     const StoredResults::Entry* const next = stored_.now();
     if ((next != nullptr && next->position <= replay.position()) || !replay.ended().empty()) look(replay);
   }
-  // After the last one. Fails where the results could not be read to their end.
+  // Call after the last record. Fails if the results could not be read to their end.
   [[nodiscard]] record::Result<ReplayFindings> finish();
 
  private:
-  static constexpr std::size_t kTogether = 32;  // comparisons handed over at once: bounds the dwells that wait
+  static constexpr std::size_t kTogether = 32;  // comparisons handed over at once: bounds how many dwells wait
 
-  // Does this after all that was put off before, on the other thread.
+  // Does `work` on the second thread, after everything put off before.
   void later(std::function<void()> work);
   void hand_over();
   void look(const Replay& replay);
   void compare(const StoredResults::Entry& stored, const std::string& replayed);
-  // In a result as it is stored.
+  // Adds a difference in a stored result.
   void find(const StoredResults::Entry& stored, Difference difference);
   void find(Finding finding);
 
@@ -73,7 +73,7 @@ class ReplayCheck {
   ToJson to_json_;
   bool closed_;
   std::vector<std::function<void()>> put_off_;
-  // Of the other thread, until it is done.
+  // Used by the second thread until it is done.
   std::vector<Finding> tolerable_;
   ReplayFindings findings_;
   std::future<void> work_;  // last: waits for that thread before the rest goes

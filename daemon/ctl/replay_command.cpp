@@ -1,5 +1,5 @@
-// replay: a run's stream through the pipeline once more. With the run's own rig file what comes of it is compared with
-// what was stored; with another one it is new, and may go into a child file.
+// replay: computes a run again from its stream. With the run's own rig file, compares the results with the stored ones.
+// With another rig file the results are new, and may be written to a child file.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -37,8 +37,8 @@ bool begins_a_run(const Record& record) {
   return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::armed);
 }
 
-// Hands every record to the replay, and tells of each. Returns the dwells that ended, the one at a broken-off end
-// included. after: void(const Record&).
+// Hands every record to the replay, and then calls after(record). Returns the dwells that ended. If the stream breaks
+// off, the last one ends there.
 template <class After>
 Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& reader, const ChannelMap& channels,
                                 Replay& replay, const After& after) {
@@ -97,7 +97,7 @@ Result<std::string> text_of(const std::string& path) {
   return text.str();
 }
 
-// The person's key, told of where it is new.
+// The person's key. Says on standard error if it is new.
 Result<record::SigningKey> signing_key(const std::string& given) {
   const Result<std::string> path = given.empty() ? personal_key_path() : given;
   if (!path) return tl::unexpected(path.error());
@@ -123,7 +123,7 @@ Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& r
   return ChildFile::create(options.output, header, *key, reader.begin_ns());
 }
 
-// Another rig file: where the run published a result, and where a dwell ends now.
+// With another rig file: a result at each position where the run published one, and a final one where a dwell ends now.
 int amend(const ReplayOptions& options, record::RunReader& reader) {
   const auto file = config::load(options.rig, {});
   if (!file) {

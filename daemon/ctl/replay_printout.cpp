@@ -9,7 +9,7 @@
 namespace dwell::ctl {
 namespace {
 
-constexpr std::size_t kShown = 50;  // differences on a terminal; JSON has all that were kept
+constexpr std::size_t kShown = 50;  // differences shown as text; JSON holds all that were kept
 
 std::string plain(double value) {
   char text[32];
@@ -21,7 +21,7 @@ std::string count(std::uint64_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-// Long values, as a reason in words, are cut.
+// Cuts long values, for instance a reason in words.
 std::string shown(const std::string& value) {
   constexpr std::size_t most = 120;
   if (value.empty()) return "nothing";

@@ -47,7 +47,7 @@ bool is_instant(std::string_view member) {
 
 bool is_share(std::string_view member) { return member == "stiffness_share" || member == "damping_share"; }
 
-// Where a number stands: what its difference is measured in.
+// What the difference of a number is measured in.
 struct Scale {
   double u = kNaN;        // its standard uncertainty; NaN: none
   double allowed = kNaN;  // difference that another build may make; NaN: a part of the number itself
@@ -59,13 +59,13 @@ Scale scale_of(const Json& object, std::string_view member) {
   if (member == "amplitude" && object.find("u_amplitude") == object.end()) name = "u";  // of a deformation
   if (!name.empty()) scale.u = std::fabs(real(object, name));
   if (is_instant(member)) scale.allowed = kInstantTolerance_s;
-  // A part of the whole variance; those of negligible sources are rounding noise.
+  // A share of the whole variance; shares of negligible sources are rounding noise.
   if (is_share(member)) scale.allowed = kReplayTolerance;
   if (scale.u > 0.0) scale.allowed = kReplayTolerance * scale.u;
   return scale;
 }
 
-// A value in few words; what was stored may be nested to any depth.
+// A value in a few words, for it may be nested to any depth.
 std::string in_words(const Json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return "an array";

@@ -11,25 +11,25 @@
 
 namespace dwell::ctl {
 
-// Whether the file is an SQLite database, as run files are, by its first bytes; false: it is something else, or cannot
+// Whether the file's first bytes are those of an SQLite database, as run files are; false: they are not, or it cannot
 // be read.
 [[nodiscard]] bool is_run_file(const std::string& path);
 
-// Why a child file cannot be computed from: one line.
+// Why nothing can be computed from a child file: one line.
 [[nodiscard]] std::string why_no_stream(const std::string& path, const record::RunHeader& child);
 
-// The rig of the run itself, from the text in the file. Fails with one line.
+// The run's own rig, from the text in the file. Fails with one line.
 [[nodiscard]] tl::expected<config::RigFile, std::string> rig_of(const record::RunHeader& header,
                                                                 const std::string& path);
 
-// Record::channel of a run's records as index into the channels of a rig that has the same ones by name, in any order.
+// Maps Record::channel of a run to the channels of a rig that has the same channels by name, in any order.
 class ChannelMap {
  public:
-  // Fails where the names differ, with those of either side. rig_path, run_path: for that message.
+  // Fails if the names differ, with the names missing on either side. rig_path, run_path: for that message.
   [[nodiscard]] static tl::expected<ChannelMap, std::string> between(const record::RunHeader& header,
                                                                      const std::string& run_path, const Rig& rig,
                                                                      const std::string& rig_path);
-  // The record as the rig has it.
+  // The record with the rig's channel.
   [[nodiscard]] Record map(Record record) const noexcept;
 
  private:
@@ -44,7 +44,7 @@ class RunSource : public RecordSource {
   [[nodiscard]] tl::expected<void, std::string> play(const Progress& progress, const Take& take) const override;
 
  private:
-  mutable record::RunReader reader_;  // reading it moves its place in the file, no more
+  mutable record::RunReader reader_;  // reading only moves its place in the file
   ChannelMap channels_;
 };
 

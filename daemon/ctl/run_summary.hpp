@@ -1,4 +1,4 @@
-// What a run was, without its stream: for a page that people read, and as JSON. Whether it was altered is not checked;
+// A summary of a run without its stream, as a page for people and as JSON. Does not check whether the file was altered:
 // `dwellctl audit` does.
 #pragma once
 
@@ -17,7 +17,7 @@ struct RunSummary {
   std::string file;
   std::uint64_t bytes = 0;  // on the disk, a -wal included
   record::RunHeader header;
-  std::string rig;               // its name; empty: the rig file cannot be read as this program reads it
+  std::string rig;               // its name; empty: this program cannot read the rig file
   std::string key;               // fingerprint
   std::optional<double> span_s;  // from the first to the last entry of the stream; none: it holds nothing
   std::optional<record::RunEnd> end;
@@ -26,7 +26,7 @@ struct RunSummary {
   std::vector<record::PersonalSignature> signatures;
 };
 
-// Fails with "FILE: what is wrong". Cost: a page of the disk for each second of the run, however much it holds.
+// Fails with "FILE: what is wrong". Cost: one page of the disk for each second of the run.
 [[nodiscard]] record::Result<RunSummary> read_summary(const std::string& file);
 
 // "closed", or "open": it is being recorded, or was cut off.
@@ -36,8 +36,8 @@ struct RunSummary {
 [[nodiscard]] std::string summary_page(const RunSummary& run, std::size_t columns);
 [[nodiscard]] nlohmann::ordered_json summary_json(const RunSummary& run);
 
-// "Anna Weber: reviewed, 2026-07-01T10:12:03Z, countersigned by the service for anna (uid 1000)". Whether it holds,
-// audit tells.
+// "Anna Weber: reviewed, 2026-07-01T10:12:03Z, countersigned by the service for anna (uid 1000)". Does not check the
+// signature.
 [[nodiscard]] std::string signature_text(const record::PersonalSignature& signature);
 
 // "1.2 MB"; powers of ten.

@@ -128,7 +128,7 @@ Section dwell_section(const DwellView& view, std::size_t columns) {
   return section;
 }
 
-// An instant to the millisecond, without its date where that is the run's.
+// An instant to the millisecond, without its date if that is the run's.
 std::string instant(const std::string& utc, const record::RunHeader& header) {
   constexpr std::size_t kDate = 11;          // "2026-07-01T"
   constexpr std::size_t kMilliseconds = 23;  // of "2026-07-01T10:12:03.123456Z"

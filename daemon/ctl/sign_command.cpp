@@ -19,7 +19,7 @@
 namespace dwell::ctl {
 namespace {
 
-// For the service to read the file and to be done with those before it: 100 GB from a slow disk.
+// Timeout: the service reads the file, and those before it in the queue. Enough for 100 GB from a slow disk.
 constexpr std::chrono::minutes kPatience{30};
 
 int refuse(int code, const std::string& why) {

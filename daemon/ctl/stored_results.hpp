@@ -1,4 +1,4 @@
-// The results that a run file holds, one at a time in the order of the file.
+// Reads the results of a run file one at a time, in the order of the file.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace dwell::ctl {
 // Bound to one thread. Memory: one result.
 class StoredResults {
  public:
-  // An entry as it stands in the file. Parsing it costs as much as computing it anew, and is seldom needed.
+  // An entry as it is in the file. Parsing it would take as long as computing it, and is seldom needed.
   struct Entry {
     std::uint64_t position = 0;
     bool final = false;
@@ -23,7 +23,7 @@ class StoredResults {
   // Fails with "FILE: what is wrong".
   [[nodiscard]] static record::Result<StoredResults> open(const std::string& path);
 
-  // The result at hand; null: there is none left, or error() says what is wrong with the next one.
+  // The current result; null: there is none left, or error() says what is wrong with the next one.
   [[nodiscard]] const Entry* now() const noexcept { return now_ ? &*now_ : nullptr; }
   // Only if now() is not null.
   void next();
@@ -38,8 +38,7 @@ class StoredResults {
   std::string error_;
 };
 
-// position and final of a body in the form that the recorder writes, without parsing what follows; nullopt: another
-// form.
+// Position and final of a body in the form that the recorder writes, without parsing the rest; nullopt: another form.
 [[nodiscard]] std::optional<StoredResults::Entry> front_of(const std::string& body);
 
 }  // namespace dwell::ctl

@@ -39,7 +39,7 @@ const Channel* table_channel(const Rig& rig) {
 Readings readings_of(const Rig& rig, const Channel& channel, const RecordSource& source) {
   Readings readings;
   const auto index = &channel - rig.channels.data();
-  // What is wrong with the recording was told where it was identified.
+  // Mistakes in the recording were reported when it was identified.
   (void)source.play({}, [&](const Record& record) {
     if (record.kind != Kind::sample || record.channel != index) return;
     const double value = channel.scale * record.value + channel.offset;

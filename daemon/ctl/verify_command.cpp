@@ -28,7 +28,7 @@ struct VerifiedDwell {
   Verification verification;
 };
 
-// Where the settled dwell before this one ends: there its motion begins.
+// The end of the settled dwell before this one. The motion of this one begins there.
 std::int64_t end_before(const std::vector<Dwell>& dwells, const Dwell& of) {
   std::int64_t end_ns = INT64_MIN;
   for (const Dwell& dwell : dwells)

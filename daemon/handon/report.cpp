@@ -128,7 +128,7 @@ std::string traces(const Selection& selection, const RunStory& story) {
       shaded.push_back({view.dwell.settled_s, view.dwell.end_s, std::to_string(view.dwell.index.value_or(0))});
   std::string html = html_heading(2, "Readings over time");
   html += html_paragraph("Smallest and largest reading in each of " + std::to_string(Trace::kBins) +
-                             " parts of the run. Shaded: the data that count of the dwell of that number.",
+                             " parts of the run. Shaded: the data that count, with the number of their dwell.",
                          "lead");
   const std::vector<Channel>& channels = selection.rig().channels;
   for (std::size_t i = 0; i < channels.size() && i < kTraces; ++i)

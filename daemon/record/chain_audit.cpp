@@ -87,7 +87,8 @@ Result<void> KnownHeads::fits(std::int64_t seq, const Digest& head) const {
   const auto [begin, end] = heads_.equal_range(seq);
   for (auto known = begin; known != end; ++known)
     if (known->second.head != head)
-      return fails("up to " + entry_name(seq) + " it is another chain than " + known->second.source + " knows");
+      return fails("up to " + entry_name(seq) + " this is another chain than the one that " + known->second.source +
+                   " knows");
   return {};
 }
 

@@ -53,10 +53,10 @@ struct RunReader::Impl {
   [[nodiscard]] Result<void> read_header() {
     const auto row = find(1, "");
     if (!row) return tl::unexpected(row.error());
-    if (!row->has_value()) return tl::unexpected(path + ": holds no entry, but what the run is was expected");
+    if (!row->has_value()) return tl::unexpected(path + ": holds no entry; expected the \"run\" entry first");
     const Entry& entry = (*row)->entry;
     // Its kind may be any text, line breaks included, so the message does not repeat it.
-    if (entry.kind != "run") return fails(entry, "is not of the kind \"run\", as the first always is");
+    if (entry.kind != "run") return fails(entry, "is not of the kind \"run\"; expected the \"run\" entry first");
     auto parsed = parse_run_header(entry.body);
     if (!parsed) return fails(entry, parsed.error());
     header = std::move(*parsed);

@@ -87,10 +87,9 @@ std::string verification_text(const VerificationView& view) {
   if (v.channels.empty()) return text;
   text += "\n" + channel_table(view).text();
   text +=
-      "error: rms of predicted minus measured; it, U, noise and what the steady phasors do not give (unsteady)\n"
-      "are parts of the channel's rms. U is the expanded uncertainty (k = 2); as is: with the coefficients taken as "
-      "they\n"
-      "are, and noise taken off. magnitude, phase: Sprague and Geers.\n";
+      "error: rms of predicted minus measured. unsteady: rms of what the steady phasors do not predict. error, U,\n"
+      "noise and unsteady are parts of the channel's rms. U: expanded uncertainty (k = 2). as is: U of the error\n"
+      "without noise, for the coefficients as they are. magnitude, phase: Sprague and Geers.\n";
   return text;
 }
 

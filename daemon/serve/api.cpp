@@ -249,8 +249,8 @@ tl::expected<std::string, std::string> text_of(const Json& request, const char* 
   const auto* text = given->get_ptr<const std::string*>();
   const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (text == nullptr || text->size() > most || std::any_of(text->begin(), text->end(), control))
-    return tl::unexpected("\"" + std::string(key) + "\" is not fit: expected text of at most " + std::to_string(most) +
-                          " bytes without control characters");
+    return tl::unexpected("\"" + std::string(key) + "\" cannot be taken: expected text of at most " +
+                          std::to_string(most) + " bytes without control characters");
   return *text;
 }
 

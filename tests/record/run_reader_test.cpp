@@ -158,7 +158,7 @@ std::string refusal(const std::function<void(WrittenRun&)>& write) {
 
 TEST(RunReader, NamesTheFileTheEntryAndWhatIsWrong) {
   EXPECT_EQ(refusal([](WrittenRun& run) { run.block(0); }),
-            "entry 1: is not of the kind \"run\", as the first always is");
+            "entry 1: is not of the kind \"run\"; expected the \"run\" entry first");
   EXPECT_EQ(refusal([](WrittenRun& run) { run.entry("run", 0, "{}"); }), "entry 1: run entry: \"run\" is missing");
   const auto second_block = [](WrittenRun& run) {
     run.header();
