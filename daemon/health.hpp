@@ -23,7 +23,7 @@ struct Health {
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
-// trouble: what the watchdog found; empty: nothing. alarms: what keeps runs from being recorded. Pure.
+// trouble: what the watchdog found; empty: nothing. alarms: why runs are not recorded as they should. Pure.
 [[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines,
                                   const LogStats& log, const std::string& trouble,
                                   const std::vector<std::string>& alarms = {});

@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
   app.add_flag("--lamps-off", lamps_off, "darken the lamps of the rig file's [gpio] and exit: for after the service")
       ->needs(config_option);
   bool new_key = false;
-  app.add_flag("--new-key", new_key, "from now on another key signs what is recorded; print it and exit")
+  app.add_flag("--new-key", new_key, "change the key that signs recordings; print the new one and exit")
       ->needs(config_option);
   app.add_option("--log", log_file, "also log to this file, rotated (default: $LOGS_DIRECTORY/dwelld.log)");
   app.add_option("--control", control_path, "the control socket (default: $RUNTIME_DIRECTORY/control)");
@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
   const dwell::config::SchemaSource drivers = [](std::string_view name) {
     return dwell::acquire::load_plugin(std::string(name));
   };
-  // For lamps and key no driver is needed.
+  // Lamps and keys need no driver.
   auto file = dwell::config::load(path, lamps_off || new_key ? dwell::config::SchemaSource() : drivers);
   if (!file) {
     std::fputs(dwell::config::to_string(path, file.error()).c_str(), stderr);

@@ -9,7 +9,7 @@
 namespace dwell::handon {
 
 struct CsvOptions {
-  bool in_unit = false;  // two columns more: the reading in the channel's unit, and the unit
+  bool in_unit = false;  // adds two columns: the reading in the channel's unit, and the unit
 };
 
 // Lines that begin with # come first: the run, its head and audit, and per channel unit, scale, offset, place and
@@ -25,7 +25,7 @@ struct CsvOptions {
 
 // Nanoseconds as seconds, nine decimals: "-0.000000001".
 [[nodiscard]] std::string exact_seconds(std::int64_t t_ns);
-// The shortest decimal that is this double again: "0.1", "1e-07", "-0".
+// The shortest decimal that parses to the same double: "0.1", "1e-07", "-0".
 [[nodiscard]] std::string shortest(double value);
 
 }  // namespace dwell::handon

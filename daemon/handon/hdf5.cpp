@@ -30,7 +30,7 @@ struct Columns {
   hsize_t written = 0;
 };
 
-// The name of a channel's group: HDF5 takes "/" for a path.
+// The name of a channel's group, without "/", which separates groups in HDF5.
 std::string group_name(std::string name, std::set<std::string>& taken) {
   std::replace(name.begin(), name.end(), '/', '_');
   if (name == "." || name == "..") name += "_";
@@ -200,7 +200,7 @@ Result<std::uint64_t> write_all(Selection& selection, const Provenance& provenan
 
 Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& provenance, const std::string& path,
                                   const Progress& progress) {
-  auto file = OutputFile::create(path);  // tells what stands in the way better than the library does
+  auto file = OutputFile::create(path);  // its message says more than the library's
   if (!file) return tl::make_unexpected(file.error());
   try {
     auto count = write_all(selection, provenance, file->part(), progress);

@@ -1,5 +1,5 @@
-// A run as HDF5: every sample's own instant, the device's own number and the value in the channel's unit, with all that
-// is needed to read them.
+// Exports a run as HDF5: every sample with its own instant, the device's own number and the value in the channel's
+// unit, and the attributes needed to read them.
 //
 //   /                      attributes: the run (id, number, label, times, who, host, program), the stretch, head, audit
 //   /rig_file              the rig file's text

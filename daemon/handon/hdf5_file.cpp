@@ -13,13 +13,13 @@ void write_attribute(const Hdf5Id& of, const char* name, hid_t file_type, hid_t 
   hdf5_check(H5Awrite(attribute.get(), memory_type, value), "H5Awrite");
 }
 
-// Text as HDF5 takes it: it ends at the first zero.
+// Text for HDF5, where a text ends at the first zero.
 const char* up_to_zero(const std::string& text) { return text.c_str(); }
 
 }  // namespace
 
 Hdf5Id hdf5_create(const std::string& path) {
-  // Errors are told by us, not printed by the library.
+  // We report errors; the library must not print them.
   hdf5_check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), "H5Eset_auto2");
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), "H5Pcreate");
   // Readable by HDF5 1.8 and later.

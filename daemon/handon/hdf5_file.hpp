@@ -1,4 +1,4 @@
-// The little of HDF5's C interface that the export needs, with owners for its identifiers. A failure throws Hdf5Error,
+// The part of HDF5's C interface that the export needs, with owners for its identifiers. A failure throws Hdf5Error,
 // which hdf5.cpp turns into a message.
 #pragma once
 
@@ -18,7 +18,7 @@ struct Hdf5Error : std::runtime_error {
 // Owns an identifier of any kind.
 class Hdf5Id {
  public:
-  // Throws where `id` is none: `what` failed.
+  // Throws if `id` is invalid; `what` is the call that failed.
   Hdf5Id(hid_t id, const char* what) : id_(id) {
     if (id < 0) throw Hdf5Error(std::string(what) + " failed");
   }
@@ -52,9 +52,9 @@ void hdf5_text(const Hdf5Id& in, const char* name, const std::string& text);
 
 // An empty dataset of one dimension that grows: `chunk` rows are stored together. compressed: shuffle and deflate.
 [[nodiscard]] Hdf5Id hdf5_growing(const Hdf5Id& in, const char* name, hid_t type, hsize_t chunk, bool compressed);
-// Appends rows behind the `have` that it has.
+// Appends rows to a dataset of `have` rows.
 void hdf5_append(const Hdf5Id& dataset, hsize_t have, hsize_t rows, hid_t memory_type, const void* data);
-// An existing dataset, without a cache of chunks: whole chunks are written.
+// Opens a dataset without a cache of chunks, since only whole chunks are written.
 [[nodiscard]] Hdf5Id hdf5_open(const Hdf5Id& in, const std::string& name);
 
 // Texts of any length, UTF-8.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kReplacement = "\xEF\xBF\xBD";
 
-// Bytes of the UTF-8 character at the beginning of `text`; 0: it is none, or one that no page may show.
+// Bytes of the UTF-8 character at the beginning of `text`; 0: it is invalid, or must not be shown.
 std::size_t character(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const unsigned first = byte(0);
@@ -22,7 +22,7 @@ std::size_t character(std::string_view text) {
   }
   constexpr unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool control = code < 0xA0 || code == 0xFFFE || code == 0xFFFF;
-  // Overrides of the writing direction would let a label rewrite what stands beside it.
+  // With overrides of the writing direction a label could rearrange the text beside it.
   const bool direction = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
   const bool valid = code >= least[length] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
   return valid && !control && !direction ? length : 0;

@@ -1,4 +1,4 @@
-// A file that is there whole or not at all: it is written under another name and gets its own at the end.
+// Writes a file as a whole or not at all: it has another name until it is complete.
 #pragma once
 
 #include <cstdint>
@@ -9,23 +9,23 @@
 
 namespace dwell::handon {
 
-// Bound to one thread. The first failure is kept and told by keep(); what is written after it is dropped.
+// Bound to one thread. keep() returns the first failure; everything written after that is dropped.
 class OutputFile {
  public:
   // An existing file of that name stays until keep().
   [[nodiscard]] static record::Result<OutputFile> create(const std::string& path);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
-  ~OutputFile();  // removes what was not kept
+  ~OutputFile();  // removes the file unless keep() succeeded
 
-  // Behind what was written last; buffered.
+  // Appends; buffered.
   void write(std::string_view bytes);
-  // At that place of the file; not buffered.
+  // Writes at that place of the file; not buffered.
   void write_at(std::int64_t place, std::string_view bytes);
   // Gives the file its name, or fails with "PATH: why".
   [[nodiscard]] record::Result<void> keep();
 
-  // The name it has while it is written.
+  // The file's name while it is written.
   [[nodiscard]] const std::string& part() const noexcept { return part_; }
 
  private:

@@ -34,7 +34,7 @@ std::string text_at(double x, double y, const char* anchor, const std::string& t
          "</text>";
 }
 
-// Where a trace is drawn within its picture, and what it spans.
+// The place of a trace in its picture, and the ranges of its axes.
 struct Frame {
   double left = 62.0, right = kWidth - 4.0, top = 8.0, bottom = 84.0;
   double begin_s, end_s, low, high;
@@ -59,8 +59,8 @@ std::string axes(const Frame& f) {
   return svg;
 }
 
-// The bins with readings that follow one another as one outline: along the maxima, back along the minima. Where there
-// are fewer readings than bins, bins without one stand between them.
+// Draws the bins as one outline: along the maxima, and back along the minima. Bins without a reading are skipped; there
+// are some if there are fewer readings than bins.
 std::string outline(const Trace& trace, const Frame& f) {
   const auto& bins = trace.bins();
   const double wide = (f.end_s - f.begin_s) / static_cast<double>(Trace::kBins);
@@ -85,7 +85,7 @@ std::string outline(const Trace& trace, const Frame& f) {
   return path;
 }
 
-// Angles moved apart so that labels do not overlap; in the order given, which is ascending.
+// Moves ascending angles apart, so that labels do not overlap.
 void spread(std::vector<double>& angles, double apart) {
   for (int round = 0; round < 50; ++round)
     for (std::size_t i = 1; i < angles.size(); ++i) {

@@ -1,5 +1,5 @@
-// Pictures of the report as inline SVG: the chain, a channel over time, phasors. Texts are escaped; sizes are in CSS
-// pixels (96 per inch), so a width of 640 is what A4 has between its margins.
+// Pictures of the report as inline SVG: the chain, a channel over time, phasors. Texts are escaped. Sizes are in CSS
+// pixels (96 per inch); A4 has 640 between its margins.
 #pragma once
 
 #include <complex>
@@ -16,13 +16,13 @@ namespace dwell::handon {
 // Round values (1, 2 or 5 times a power of ten apart) that divide low … high into at most `most` parts.
 [[nodiscard]] std::vector<double> ticks(double low, double high, int most);
 
-// A stretch of time that is shaded: the data that a dwell counted.
+// A shaded stretch of time: the data of a dwell that count.
 struct Shaded {
   double from_s, to_s;
   std::string label;
 };
 
-// Min and max of each part of the time as a filled curve, with axes.
+// Minimum and maximum of each part of the time as a filled curve, with axes.
 [[nodiscard]] std::string trace_picture(const Trace& trace, const std::string& name, const std::string& unit,
                                         double begin_s, double end_s, const std::vector<Shaded>& shaded);
 

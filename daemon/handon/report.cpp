@@ -86,7 +86,7 @@ std::string title_of(const Selection& selection) {
   return run.label.empty() ? number : number + ": " + run.label;
 }
 
-// At the foot of each page. Hexadecimal digits alone: nothing of it can end the style sheet.
+// The foot of each page. Holds hexadecimal digits only, so it cannot end the style sheet.
 std::string page_foot(const Selection& selection, const record::Audit& audit) {
   const auto digits = [](const std::string& text, std::size_t most) {
     std::string clean;
@@ -152,7 +152,7 @@ std::string dwells(const RunStory& story) {
 std::string report_page(const Selection& selection, const RunStory& story, const record::Audit& audit,
                         const Provenance& provenance) {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
-  // No script, nothing from elsewhere: a browser is to refuse what a label might smuggle in.
+  // No script, nothing from elsewhere: the browser refuses whatever a label might smuggle in.
   html += "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n";
   html += "<meta name=\"viewport\" content=\"width=device-width\">\n<title>" + escaped(title_of(selection)) +
           "</title>\n<style>" + kStyle + page_foot(selection, audit) + "</style></head>\n<body>\n";

@@ -9,11 +9,11 @@
 
 namespace dwell::handon {
 
-// Writes the page. audit: of the same file, just made. Fails with "PATH: why"; then there is no file.
+// Writes the page. audit: a fresh one of the same file. Fails with "PATH: why"; then there is no file.
 [[nodiscard]] Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
                                          const std::string& path, const Progress& progress);
 
-// The page's parts; each is whole HTML.
+// The parts of the page; each is complete HTML.
 [[nodiscard]] std::string report_page(const Selection& selection, const RunStory& story, const record::Audit& audit,
                                       const Provenance& provenance);
 // Conditions, rig, channels.

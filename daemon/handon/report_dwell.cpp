@@ -17,7 +17,7 @@ namespace dwell::handon {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kSmallShare = 0.005;  // of a variance: shares below it are summed up
+constexpr double kSmallShare = 0.005;  // of a variance: smaller shares are shown as one sum
 
 std::string percent(double part) {
   std::array<char, 32> text{};

@@ -1,4 +1,4 @@
-// What the report says of the run as a whole: conditions, channels, losses, events, audit.
+// The report on the run as a whole: conditions, channels, losses, events, audit.
 #include <algorithm>
 #include <cmath>
 
@@ -46,7 +46,7 @@ std::string filter_text(const Filter& filter, const char* what) {
          std::to_string(filter.order) + " at " + axis_number(filter.hz) + " Hz";
 }
 
-// What turns a reading into the motion, beside scale and offset.
+// How a reading differs from the motion, beside scale and offset: delay and filters.
 std::string response_text(const Rig& rig, const Channel& c) {
   const double delay_s = c.delay_s + (c.device >= 0 ? rig.devices[static_cast<std::size_t>(c.device)].delay_s : 0.0);
   std::string text = delay_s != 0.0 ? "delay " + join(number_text(delay_s, "s", 4)) : "";

@@ -11,7 +11,8 @@ namespace dwell::handon {
 namespace {
 
 constexpr int N = Resampler::kReadings;
-// Keeps the equations solvable where readings tell the same. 1e-6 makes errors of 5e-5; with 1e-11 rounding shows.
+// Keeps the equations solvable if readings are nearly at one instant. 1e-6 makes errors of 5e-5; with 1e-11 rounding
+// shows.
 constexpr double kRidge = 1e-9;
 constexpr std::uint64_t kReadingsPerCheck = 16;
 
@@ -105,7 +106,7 @@ void Resampler::solve(SharedInstants& shared, bool check) {
   std::transform(x_.begin(), x_.end(), weight_.begin(), [this](double x) { return x - mean_; });
   shared.solve(weight_);
   if (!check) return;
-  // Without reading i its estimate is off by weight_i / (K⁻¹)_ii.
+  // Leaving reading i out, its estimate differs from it by weight_i / (K⁻¹)_ii.
   const auto middle = static_cast<std::size_t>((count_ - N / 2) % N);
   const double off = weight_[middle] / shared.inverse_at(middle);
   check_.sum_of_squares += off * off;

@@ -1,5 +1,5 @@
-// Even instants from readings at instants of their own: the value of the band-limited signal that agrees with the
-// readings around it.
+// Resamples readings at irregular instants to even instants: computes the band-limited signal that agrees with the
+// readings around each instant.
 //
 // The signal is taken as random with a flat spectrum up to B and nothing above it. Its covariance over a time τ is
 // sinc(2Bτ), so the best linear estimate at t from the 32 readings around t (Gauss-Markov, "simple kriging") is
@@ -8,11 +8,9 @@
 //
 // with m the mean of these readings. B is 0.35 of the channel's rate: 70 % of what even readings could carry. Seen on
 // sines up to 0.25 of the rate, readings up to a fifth of an interval off their places: errors below 1e-5 of the
-// amplitude, also where one reading is missing. What lies above B is not represented.
-//
-// How well that holds is told by the readings themselves: now and then one is estimated from the others, without it.
-// What it is off by holds its own noise as well, and the gap that it leaves makes the estimate harder than any that is
-// handed out. So it is an upper figure.
+// amplitude, also where one reading is missing. What lies above B is not represented. The error is measured on the
+// readings themselves: now and then one reading is estimated from the others. The difference is an upper figure: it
+// contains the noise of the reading, and the gap makes this estimate harder than those that are handed out.
 #pragma once
 
 #include <array>
@@ -21,15 +19,15 @@
 
 namespace dwell::handon {
 
-// The equations for one set of readings' instants. They do not depend on the values: channels that are read in the same
-// scans ask for the same set one after the other, and share the work.
+// The equations for one set of instants. They do not depend on the readings' values. Channels that are read in the same
+// scans need the same set one after the other, and so share the work.
 class SharedInstants {
  public:
   static constexpr int kReadings = 32;
   using Instants = std::array<std::int64_t, kReadings>;
   using Values = std::array<double, kReadings>;
 
-  // From here on of these readings; the oldest stands at `oldest`. Cost: 4 µs, or nothing where they are the same.
+  // Takes the instants of these readings; the oldest is at index `oldest`. Cost: 4 µs, or nothing if they are the same.
   void take(const Instants& t_ns, std::size_t oldest, double interval_ns);
   // x becomes (K + εI)⁻¹ x.
   void solve(Values& x) const;
@@ -54,10 +52,10 @@ class Resampler {
   static constexpr int kReadings =
       SharedInstants::kReadings;         // taken into account: half before, half behind. Twice as many cost four times
   static constexpr double kBand = 0.35;  // B in units of the rate. Higher: more readings would be needed
-  // A longer interval, in units of the usual one, ends a stretch. One missing reading is bridged.
+  // A longer interval than this, in usual intervals, ends a stretch. One missing reading is bridged.
   static constexpr double kGap = 2.5;
 
-  // What estimating a reading from the others was off by.
+  // Errors of estimating a reading from the others.
   struct Check {
     std::uint64_t count = 0;
     double sum_of_squares = 0.0, largest = 0.0;
@@ -70,9 +68,9 @@ class Resampler {
   // A stretch without gaps begins; the first even instant is at `first_ns`, not before the 16th reading.
   void begin(std::int64_t first_ns) noexcept;
 
-  // Takes the next reading; t_ns must not go back. Hands the even instants that can now be told to `emit(t_ns, y)`:
-  // those before the 16th of the newest 32 readings' successor. Cost: 1 µs a reading, and 4 µs where `shared` has other
-  // instants; any object will do, one for all channels is best.
+  // Takes the next reading; t_ns must not go back. Calls emit(t_ns, y) for the even instants that can now be computed:
+  // those before the 17th of the newest 32 readings. Cost: 1 µs a reading, and 4 µs if `shared` holds other instants.
+  // One `shared` object for all channels is best.
   template <class Emit>
   void push(SharedInstants& shared, std::int64_t t_ns, double x, const Emit& emit) {
     if (!add(shared, t_ns, x)) return;
@@ -82,11 +80,11 @@ class Resampler {
   [[nodiscard]] const Check& check() const noexcept { return check_; }
 
  private:
-  // false: there are not enough readings, or nothing to tell between the middle two.
+  // false: there are not enough readings, or no even instant between the middle two.
   [[nodiscard]] bool add(SharedInstants& shared, std::int64_t t_ns, double x);
   void solve(SharedInstants& shared, bool check);
   [[nodiscard]] double value_at(SharedInstants& shared, std::int64_t t_ns) const;
-  [[nodiscard]] std::int64_t after_ns() const noexcept;  // the reading behind the middle
+  [[nodiscard]] std::int64_t after_ns() const noexcept;  // of the reading after the middle
 
   double interval_ns_;
   std::int64_t step_ns_, next_ns_ = 0;

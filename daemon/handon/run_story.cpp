@@ -31,7 +31,7 @@ Result<void> read_stream(Selection& selection, RunStory& story, const Progress& 
       progress);
 }
 
-// The dwells that ended, and of a run that was cut off the last one as it was then.
+// The dwells that ended; and of a run that was cut off, the last dwell in its last state.
 Result<void> read_dwells(Selection& selection, RunStory& story) {
   std::optional<DwellView> unfinished;
   const auto take = [&story](DwellView view) {

@@ -1,4 +1,4 @@
-// What the report tells of a run, gathered in one pass over its stream.
+// The content of a run's report, gathered in one pass over its stream.
 #pragma once
 
 #include <cstdint>

@@ -68,7 +68,7 @@ Result<void> Selection::narrow(const Range& range) {
       if (*view->dwell.index == *range.dwell) span = {view->dwell.start_s, view->dwell.end_s};
       return true;
     };
-    // A run that was cut off may lack the last dwell's end: then it reaches to the last result of it.
+    // If a run was cut off, the last dwell's end may be missing. Then the dwell lasts to its last result.
     for (const bool finals : {true, false}) {
       if (auto done = reader_.results(finals, look); !done) return done;
       if (std::isfinite(span.start_s) && std::isfinite(span.end_s)) break;

@@ -1,5 +1,5 @@
-// A run file and the stretch of it that is handed on: whole, one dwell, or a range of time. What the exports and the
-// report read from.
+// A run file and the selected stretch of it: the whole run, one dwell, or a range of time. Exports and report read from
+// it.
 //
 // Bound to one thread. Memory: one block of the stream at a time, whatever the file's size.
 #pragma once
@@ -18,11 +18,11 @@ namespace dwell::handon {
 
 template <class T>
 using Result = record::Result<T>;
-// Told now and then which part of the work is done, 0 … 1. Empty: nobody wants to know.
+// Called now and then with the share of the work that is done, 0 … 1. Empty: not wanted.
 using Progress = std::function<void(double)>;
 
-// Seconds on the run's axis, whose zero is the first record that the pipeline took; both ends belong to the stretch.
-// None given: the whole run. A dwell reaches from the instant it was armed to its end.
+// In seconds on the run's axis, whose zero is the first record that the pipeline took. Both ends are included. Nothing
+// given: the whole run. A dwell lasts from the instant it was armed to its end.
 struct Range {
   std::optional<double> from_s, to_s;
   std::optional<int> dwell;  // its index; excludes the others
@@ -30,7 +30,7 @@ struct Range {
 
 class Selection {
  public:
-  // Fails with "FILE: what is wrong, what was expected"; also where the rig file in it cannot be read.
+  // Fails with "FILE: what is wrong, what was expected", also if the rig file in it cannot be read.
   [[nodiscard]] static Result<Selection> open(const std::string& path, const Range& range);
 
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
@@ -52,7 +52,7 @@ class Selection {
   [[nodiscard]] Result<void> samples(const std::function<bool(const Record&)>& take, const Progress& progress = {});
   // Every record of the stretch.
   [[nodiscard]] Result<void> records(const std::function<bool(const Record&)>& take, const Progress& progress = {});
-  // Whether a dwell from start_s to end_s has a part in the stretch.
+  // Whether a dwell from start_s to end_s overlaps the stretch.
   [[nodiscard]] bool overlaps(double start_s, double end_s) const noexcept;
 
  private:
@@ -67,7 +67,7 @@ class Selection {
   std::int64_t zero_ns_ = 0, from_ns_ = 0, to_ns_ = 0;
 };
 
-// What an export or report says of the file it was made from.
+// What an export or a report states about its origin.
 struct Provenance {
   std::string program;   // "dwellctl 0.1.0"
   std::string made_utc;  // ISO 8601

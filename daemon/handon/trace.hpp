@@ -10,7 +10,7 @@ namespace dwell::handon {
 // The readings of one channel, thinned out: the extremes in each of kBins equal parts of the time.
 class Trace {
  public:
-  static constexpr std::size_t kBins = 600;  // finer than paper shows them at 170 mm
+  static constexpr std::size_t kBins = 600;  // finer than print at a width of 170 mm
   struct Bin {
     double low, high;
   };

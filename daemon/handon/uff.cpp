@@ -26,7 +26,7 @@ std::string format(const char* pattern, Values... values) {
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-// The texts and numbers of one dataset; the error is known once the channel has been read.
+// The texts and numbers of one dataset, without the error, which is known only after reading the channel.
 UffFunction describe(const Selection& selection, std::size_t index, const EvenChannel& even, std::size_t stretch,
                      const Resampler::Check& check, const UffOptions& options) {
   const Rig& rig = selection.rig();
@@ -57,7 +57,7 @@ UffFunction describe(const Selection& selection, std::size_t index, const EvenCh
   return f;
 }
 
-// Writes one channel's values into the places that the plan has for them.
+// Writes one channel's values at their planned places.
 class ChannelValues {
  public:
   ChannelValues(const Channel& channel, const EvenChannel& even, std::vector<std::int64_t> places, std::size_t buffer,
@@ -115,7 +115,7 @@ std::string front(const Selection& selection, const Provenance& provenance) {
          uff_units();
 }
 
-// All values, then the texts before and behind them, which hold what was seen while resampling.
+// First all values, then the texts around them: these hold the errors seen while resampling.
 Result<UffDone> write(Selection& selection, const UffOptions& options, const std::vector<EvenChannel>& plan,
                       std::int64_t place, OutputFile& file, const Progress& progress) {
   const std::vector<Channel>& channels = selection.rig().channels;

@@ -24,8 +24,8 @@ struct UffDone {
   std::uint64_t left_out = 0;  // samples in stretches too short to resample
 };
 
-// Reads the stream twice: lengths stand before values. Memory: 1.5 kB a channel and 48 MB. Fails with "PATH: why";
-// then there is no file.
+// Reads the stream twice, since lengths stand before values. Memory: 48 MB and 1.5 kB a channel. Fails with "PATH:
+// why"; then there is no file.
 [[nodiscard]] Result<UffDone> export_uff(Selection& selection, const Provenance& provenance, const UffOptions& options,
                                          const std::string& path, const Progress& progress);
 

@@ -23,7 +23,7 @@ double median_interval_ns(const std::vector<std::int64_t>& t_ns) {
   return std::max(1.0, static_cast<double>(*middle));
 }
 
-// The readings of one stretch, as far as they matter: which even instants have enough readings on both sides.
+// Counts the readings of one stretch, to find the even instants that have enough readings on both sides.
 struct OpenStretch {
   std::int64_t begin_ns = 0, earliest_ns = 0;  // earliest: the 16th reading
   std::uint64_t readings = 0;
@@ -57,7 +57,7 @@ class ChannelSurvey {
   [[nodiscard]] bool irregular() const { return done_.size() > kStretches; }
   [[nodiscard]] double interval_ns() const { return interval_ns_; }
 
-  // With a step, what the channel will hold.
+  // The plan of the channel, for this step.
   [[nodiscard]] EvenChannel even(std::int64_t zero_ns, std::int64_t step_ns) const {
     EvenChannel channel{interval_ns_, step_ns, {}, readings_, left_out_};
     for (const Done& stretch : done_) {
@@ -105,7 +105,7 @@ class ChannelSurvey {
   std::uint64_t readings_ = 0, left_out_ = 0;
 };
 
-// Seconds that six significant digits tell exactly.
+// Whether six significant digits hold this time, in seconds, exactly.
 bool six_digits(std::int64_t t_ns) {
   while (t_ns != 0 && t_ns % 10 == 0) t_ns /= 10;
   return std::llabs(t_ns) < 1'000'000;
@@ -129,7 +129,7 @@ std::int64_t even_step_ns(double interval_ns) {
 }
 
 std::int64_t even_start_ns(std::int64_t t_ns, std::int64_t step_ns) {
-  // Ten times the step is a multiple of it: coarser multiples need fewer digits.
+  // Tries multiples ten times coarser: they need fewer digits.
   for (std::int64_t coarse_ns = step_ns;; coarse_ns *= 10) {
     const std::int64_t start_ns = (t_ns / coarse_ns + (t_ns % coarse_ns > 0 ? 1 : 0)) * coarse_ns;
     if (six_digits(start_ns) || coarse_ns > std::numeric_limits<std::int64_t>::max() / 100) return start_ns;

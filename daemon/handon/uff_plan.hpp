@@ -1,5 +1,5 @@
-// What a universal file of a run will hold: per channel its even step and its stretches without gaps. Found in a pass
-// over the stream, before anything is written, since each dataset states its length first.
+// Plans a universal file: for each channel its even step and its stretches without gaps. Needs a pass over the stream
+// before anything is written, since each dataset states its length first.
 #pragma once
 
 #include <cstdint>
@@ -17,21 +17,21 @@ struct Stretch {
 };
 
 struct EvenChannel {
-  double interval_ns = 0.0;  // the median time between readings; 0: too few of them, nothing can be told
+  double interval_ns = 0.0;  // the median time between readings; 0: too few readings
   std::int64_t step_ns = 0;
   std::vector<Stretch> stretches;
   std::uint64_t readings = 0;
   std::uint64_t left_out = 0;  // readings of stretches that are too short
 };
 
-// One per channel of the rig. All channels that measure share the step of the fastest; auxiliary ones have their own.
-// Fails where a channel has so many gaps that it is better called irregular.
+// One plan per channel of the rig. All measuring channels share the step of the fastest; auxiliary channels have their
+// own. Fails if a channel has too many gaps.
 [[nodiscard]] Result<std::vector<EvenChannel>> plan_even(Selection& selection, const Progress& progress);
 
 // The step for an interval: the largest of 1, 2, 2.5, 4, 5, 8 times a power of ten of nanoseconds that is at most 2 %
 // longer. Exact in the six digits that the format gives it.
 [[nodiscard]] std::int64_t even_step_ns(double interval_ns);
-// The first multiple of the step at or after t_ns, seconds with six significant digits are exact for. Both relative to
+// The first multiple of the step at or after t_ns that six significant digits hold exactly in seconds. Both relative to
 // the run's zero.
 [[nodiscard]] std::int64_t even_start_ns(std::int64_t t_ns, std::int64_t step_ns);
 

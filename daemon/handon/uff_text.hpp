@@ -15,7 +15,7 @@ namespace dwell::handon {
 // The line "    -1" that begins and ends each dataset.
 inline constexpr std::string_view kUffMark = "    -1\n";
 
-// "2026-11-23T03:12:18.5Z" as "23-NOV-26 03:12:18"; what is no such instant as it is.
+// "2026-11-23T03:12:18.5Z" becomes "23-NOV-26 03:12:18"; any other text stays as it is.
 [[nodiscard]] std::string uff_date(const std::string& utc);
 
 // Dataset 151 with its marks. Instants as ISO 8601.
@@ -27,8 +27,7 @@ struct UffHeader {
 // Dataset 164 with its marks: SI.
 [[nodiscard]] std::string uff_units();
 
-// Dataset 58 of one channel and stretch up to its values, its first mark included. Its length does not depend on the
-// texts.
+// Dataset 58 of one channel and stretch, from its first mark up to its values. Its length does not depend on the texts.
 struct UffFunction {
   std::string description, run, date, method, error;  // ID lines 1 to 5
   const Channel* channel = nullptr;

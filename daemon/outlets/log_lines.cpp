@@ -12,7 +12,7 @@ class LogLines final : public Outlet {
 
   void tell(const RunEvent& event, const Rig& rig) override {
     if (event.lost > 0)
-      log_.warning(std::to_string(event.lost) + " changes of state and finished dwells are not told of");
+      log_.warning(std::to_string(event.lost) + " changes of state or finished dwells are missing here");
     if (event.kind == RunEvent::Kind::dwell_finished) {
       log_.info(finished_line(*event.dwell, rig));
     } else {

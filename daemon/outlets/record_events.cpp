@@ -5,7 +5,7 @@
 namespace dwell {
 namespace {
 
-// Finished dwells are stored as results.
+// Finished dwells are no events here: they are stored as results.
 class RecordEvents final : public Outlet {
  public:
   explicit RecordEvents(record::Recorder& recorder) : recorder_(recorder) {}
@@ -14,7 +14,7 @@ class RecordEvents final : public Outlet {
 
   void tell(const RunEvent& event, const Rig& /*rig*/) override {
     if (event.lost > 0)
-      store("loss", std::to_string(event.lost) + " changes of state and finished dwells are not told of");
+      store("loss", std::to_string(event.lost) + " changes of state or finished dwells are missing here");
     if (event.kind == RunEvent::Kind::state_changed) store("state", state_line(event.before, *event.dwell));
   }
 

@@ -21,7 +21,7 @@
 namespace dwell {
 namespace {
 
-// Files that wait for their turn at most: a control socket has sixteen callers.
+// Most files that wait: the control socket has sixteen callers.
 constexpr std::size_t kMostWaiting = 16;
 
 tl::unexpected<std::string> fail(std::string why) { return tl::unexpected(std::move(why)); }
@@ -40,7 +40,7 @@ User user_of(std::uint32_t uid) {
   return {entry.pw_name, full.substr(0, full.find(','))};
 }
 
-// What the member holds; nullopt: something that is no text.
+// The member's text; nullopt: it is not a text.
 std::optional<std::string> text_of(const Json& request, const char* name) {
   const auto it = request.find(name);
   if (it == request.end() || it->is_null()) return "";
@@ -51,7 +51,7 @@ std::optional<std::string> text_of(const Json& request, const char* name) {
 }  // namespace
 
 std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid) {
-  // Depth first: the parser recurses. No request of ours nests.
+  // Checks the nesting first, since the parser recurses. No valid request nests.
   if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64) return std::nullopt;
   const Json request = Json::parse(line, nullptr, false);
   if (!request.is_object() || text_of(request, "verb") != "sign") return std::nullopt;
@@ -132,7 +132,7 @@ void Countersigner::run() {
   }
 }
 
-// What throws must not end the thread: memory, or a name of the system that is not UTF-8.
+// An exception must not end the thread. Possible causes: no memory, or a user name that is not UTF-8.
 record::Result<Countersigned> Countersigner::sign_or_why_not(const SignRequest& request) const {
   try {
     return sign(request);
@@ -150,7 +150,7 @@ record::Result<Countersigned> Countersigner::sign(const SignRequest& request) co
   if (words.name.empty()) words.name = user.full.empty() ? user.login : user.full;
   if (words.name.empty()) return fail("no name: the system does not know uid " + std::to_string(request.uid));
   words.utc = record::iso_utc(utc_now_ns());
-  // Read each time: the recorder makes it, and it may be changed.
+  // The key is read each time: the recorder makes it, and it may change.
   const auto key = record::SigningKey::load(record::key_path(directory_));
   if (!key) return fail(key.error());
   auto signature = record::sign_by_service(*path, std::move(words), *key);

@@ -1,6 +1,6 @@
-// Signs closed runs for users of this computer who ask over the control socket: their word, vouched for by the
-// service's key. A file's chain is followed before it is signed, which takes as long as reading the file. So this has a
-// thread of its own, which does one file after the other.
+// Signs closed runs for users of this computer who ask over the control socket: the service's key vouches for their
+// words. A file's chain is followed before it is signed, which takes as long as reading the file. So a thread of its
+// own does one file after the other.
 #pragma once
 
 #include <condition_variable>
@@ -29,31 +29,30 @@ struct Countersigned {
   record::PersonalSignature signature;
 };
 
-// A line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}, the last two may be missing.
-// Fails with what was expected. nullopt: the line asks for something else.
+// Parses a line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}; the last two may be
+// missing. Fails with what was expected. nullopt: the line asks for something else.
 [[nodiscard]] std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid);
 // {"run":17,"signature":{…}} or {"error":…}
 [[nodiscard]] std::string sign_answer(const record::Result<Countersigned>& result);
 
-// The file as it may be signed: a regular file *.dwell that lies in `directory` itself, and is no link. Fails with what
-// was found.
+// The path of a file that may be signed: a regular file *.dwell in `directory` itself, and no link. Fails with what was
+// found.
 [[nodiscard]] record::Result<std::string> run_file_in(const std::string& directory, const std::string& file);
 
 class Countersigner {
  public:
-  // Enters what was signed into the ledger. Called on the thread of the signatures; may wait.
+  // Enters the signature into the ledger. Called on the signing thread; may wait.
   using Enter = std::function<record::Result<void>(const Countersigned&)>;
   using Done = std::function<void(const record::Result<Countersigned>&)>;
 
-  // directory: of the recordings, with the service's key in it. Starts the thread.
+  // directory: that of the recordings, which holds the service's key. Starts the thread.
   Countersigner(std::string directory, Enter enter);
-  // Waits for the file that is being signed; for those behind it `done` is called with the reason why not.
+  // Waits for the current file. For the waiting ones `done` is called with an error.
   ~Countersigner();
   Countersigner(const Countersigner&) = delete;
   Countersigner& operator=(const Countersigner&) = delete;
 
-  // Thread-safe, never waits for the disk. done: called once, on the thread of the signatures, or here and now where
-  // too many wait.
+  // Thread-safe, never waits for the disk. done: called once, on the signing thread; or at once, if too many wait.
   void ask(SignRequest request, Done done);
 
  private:

@@ -1,5 +1,5 @@
-// What operators ask for: whether it can be done now, who asks, and what the record is told of it. Every request takes
-// its place in the ordered stream.
+// Handles operators' requests: checks whether they can be done now, and writes to the record who asked for what. Every
+// request takes its place in the ordered stream.
 #pragma once
 
 #include <sys/types.h>
@@ -29,19 +29,19 @@ class OperatorRequests {
   // Run and log must outlive this. recorder: null, or must outlive it too.
   OperatorRequests(Run& run, Log& log, record::RequestSink* recorder) : run_(run), log_(log), recorder_(recorder) {}
 
-  // Enters the stream within 10 ms. Fails with why it cannot be.
+  // The request enters the stream within 10 ms. Fails with the reason why it cannot be done.
   tl::expected<void, std::string> ask(const OperatorRequest& request, const record::Person& by);
 
  private:
   [[nodiscard]] std::string obstacle(record::Request::Verb verb) const;
-  // How the run stands, in words.
+  // The state of the run, in words.
   [[nodiscard]] std::string standing() const;
 
   Run& run_;
   Log& log_;
   record::RequestSink* recorder_;
   std::uint16_t number_ = 0;  // of the newest request
-  // The operator's run that goes on, in words; empty: none does. It ends by `stop` alone, which comes by here too.
+  // The current operator's run, in words; empty: there is none. Only `stop` ends it, which comes through here too.
   std::string operators_run_;
 };
 

@@ -18,10 +18,10 @@
 namespace dwell {
 namespace {
 
-// A larger file that the rig file names is no description of the rig but data, a recording to be replayed for instance:
-// its name alone is kept.
+// Files that the rig file names are kept in the run file up to this size. A larger one is not a description of the rig
+// but data, for instance a recording to be replayed: only its name is kept.
 constexpr std::uintmax_t kKeptFileBytes = 4u << 20;
-// A device that states no rate, a bus for instance, is taken for this many readings of a channel per second.
+// Readings of a channel per second that are assumed for a device without a stated rate, a bus for instance.
 constexpr double kUnstatedRate_hz = 1000.0;
 
 // Files among the values that drivers are given.

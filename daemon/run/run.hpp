@@ -22,7 +22,7 @@ namespace dwell {
 class Run {
  public:
   // devices, edges (null: none), log and sink must outlive this. wake: called on the estimation thread when there is a
-  // new snapshot or event; must not block. sink: where the record goes; null: nowhere.
+  // new snapshot or event; must not block. sink: gets the stream and the results; may be null.
   Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
       std::function<void()> wake, record::StreamSink* sink = nullptr);
 
@@ -35,13 +35,13 @@ class Run {
   [[nodiscard]] const Snapshot& latest() const noexcept { return estimator_.latest(); }
   // What happened next; false: nothing more so far.
   bool next_event(RunEvent& out) { return estimator_.next_event(out); }
-  // What an operator asks for, with the request's number; false: too many at once.
+  // An operator's request, with its number; false: too many at once.
   bool ask(record::Request::Verb verb, std::uint16_t request) noexcept;
   bool rearm() noexcept { return estimator_.rearm(); }
-  // The recorder asks for another run in place of the one that goes on; false: too many at once.
+  // The recorder's request for a new run in place of the current one; false: too many at once.
   bool restart() noexcept { return estimator_.begin_run(0); }
   [[nodiscard]] bool has_room() const noexcept { return estimator_.has_room(); }
-  // Runs begin and end within the session, and are recorded.
+  // Whether runs begin and end within the session, and are recorded.
   [[nodiscard]] bool bracketed() const noexcept { return bracketed_; }
 
   [[nodiscard]] const RunInfo& info() const noexcept { return info_; }
@@ -51,7 +51,7 @@ class Run {
  private:
   const bool bracketed_;
   RunInfo info_;
-  std::int64_t start_utc_ns_ = 0;              // as info_ tells it
+  std::int64_t start_utc_ns_ = 0;              // as in info_
   const std::shared_ptr<LongWork> long_work_;  // shared by the two threads
   Estimator estimator_;
   std::optional<EstimationThread> thread_;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::seconds kStopWithin{1};  // the interface asks for half of that
 constexpr std::int64_t kGpioBound_ns = 2'000'000'000;
-// A disk may hold the recorder up; its buffer lasts for longer than this, and the health says so beyond it.
+// A disk may hold the recorder up for so long: its buffer lasts longer. Beyond this the health reports it.
 constexpr std::int64_t kRecordBound_ns = 10'000'000'000;
 
 }  // namespace

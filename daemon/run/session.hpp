@@ -45,7 +45,7 @@ class Session {
   [[nodiscard]] gpio::Status gpio() const;
   // The rig's lamps; null: it has none.
   [[nodiscard]] Outlet* lamps() noexcept;
-  // What records the runs, and what tells it of changes of state; null: nothing is recorded.
+  // Records the runs and their changes of state; null: nothing is recorded.
   [[nodiscard]] record::Recorder* recorder() noexcept;
   [[nodiscard]] Outlet* record_events() noexcept;
 

@@ -239,10 +239,10 @@ std::string check_answer(const ServiceView& view) {
   return dump(Json{{"rig", view.rig.name}, {"channels", std::move(list)}});
 }
 
-// Longer ones belong into a document beside the run.
+// Longer texts belong into a document beside the run.
 constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
 
-// A text of the request, which may be left out; fails with what is wrong.
+// An optional text of the request; fails with what is wrong.
 tl::expected<std::string, std::string> text_of(const Json& request, const char* key, std::size_t most) {
   const auto given = request.find(key);
   if (given == request.end()) return {};

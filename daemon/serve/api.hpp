@@ -20,13 +20,13 @@ inline constexpr std::size_t kDwellsPerAnswer = 100;
 // memory; smaller: more requests for many large dwells (of 30 elements one has 0.4 to 0.6 MB).
 inline constexpr std::size_t kBytesOfDwells = 4'000'000;
 
-// Runs in one answer of /api/v1/runs at most, and unless ?count= asks for fewer: 60 kB.
+// Runs in one answer of /api/v1/runs, unless ?count= asks for fewer: 60 kB.
 inline constexpr std::size_t kRunsPerAnswer = 100;
 
 // GET `path`.
 [[nodiscard]] HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query);
 
-// Does what an operator asks for, or fails with why not.
+// Does an operator's request, or fails with the reason.
 using Operate = std::function<tl::expected<void, std::string>(const OperatorRequest&)>;
 
 // One line of the control socket.

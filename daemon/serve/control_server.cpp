@@ -110,9 +110,9 @@ class Caller : public std::enable_shared_from_this<Caller> {
     }
   }
 
-  // The server keeps this connection until the answer is there.
+  // The server keeps this connection until the answer has come.
   void await(const std::function<void(ControlReply::Answer)>& work) {
-    deadline_.cancel();  // the time that it takes is not the caller's
+    deadline_.cancel();  // the answer may take its time
     server_->awaiting.insert(shared_from_this());
     work([weak = weak_from_this()](std::string line) {
       if (const auto self = weak.lock()) self->answer(std::move(line), true);

@@ -30,10 +30,10 @@ struct Peer {
   pid_t pid = -1;
 };
 
-// What the handler says to a line: the answer's line, or a function that is given the way to answer later.
+// The handler's reply to a line: the answer, or a function that gets a callback to answer later.
 struct ControlReply {
-  // Called once, on the loop's thread; the connection may have gone by then, or the server. Not called: the caller
-  // waits until it gives up.
+  // To be called once, on the loop's thread, even after the connection or the server has gone. If it is not called, the
+  // caller waits until it gives up.
   using Answer = std::function<void(std::string line)>;
 
   ControlReply(std::string line) : now(std::move(line)) {}

@@ -12,7 +12,7 @@ struct Page {
   std::size_t count = 0;    // at most
 };
 
-// nullopt: not understood. No `count`, or one beyond `most`: as many as `most`.
+// nullopt: the query is not understood. Without `count`, or if it is above `most`: `most`.
 [[nodiscard]] std::optional<Page> page_of(std::string_view query, std::size_t most);
 
 // A decimal number and nothing else.

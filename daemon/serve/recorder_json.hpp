@@ -1,4 +1,4 @@
-// What the service says of its recorder: the object in the health, and the list of runs. Pure, as api.hpp. Heavy:
+// The recorder in the service's answers: the object in the health, and the list of runs. Pure, as api.hpp. Heavy:
 // include it in .cpp only.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace dwell {
 
-// How the recorder stands; null where the service has none.
+// The recorder's state; null if the service has none.
 [[nodiscard]] Json recorder_json(const ServiceView& view);
 
 // GET /api/v1/runs.

@@ -55,7 +55,7 @@ TEST_F(OutletTest, TheLogSaysHowManyEventsItWasNotToldOf) {
   RunEvent late = event(RunEvent::Kind::state_changed, State::settling);
   late.lost = 6;
   make_log_lines(log)->tell(late, rig);
-  EXPECT_EQ(log.lines().front(), "warning 6 changes of state and finished dwells are not told of");
+  EXPECT_EQ(log.lines().front(), "warning 6 changes of state or finished dwells are missing here");
 }
 
 TEST_F(OutletTest, TheLampsShowTheHealthAndNothingElse) {
