@@ -1,6 +1,6 @@
 // The verdict of a comparison, after ASME V&V 20-2009. Of a channel, in parts of its rms: `error` = rms of predicted
-// minus measured; off = √(error² - noise²), what of it is not noise. Two uncertainties of that: U of all sources, and
-// U_as_is of a model whose coefficients and masses are its own numbers, which the standard calls hard-wired.
+// minus measured; off = √(error² - noise²), the error without noise. It has two uncertainties: U counts all sources;
+// U_as_is takes coefficients and masses as the model's own numbers, which the standard calls hard-wired.
 //
 //   adequate       off + U_as_is <= accuracy, and <= beyond_steady / kBeyondSteady
 //                  of a model that is not consistent: 2 · error + U, for another motion may show as much again

@@ -18,7 +18,7 @@ namespace dwell {
 struct Causes {
   std::vector<MissingTerm> missing;    // likeliest first; empty: none is named
   std::vector<std::string> unchecked;  // what these readings cannot decide
-  std::string none;                    // why none is named; empty: one is
+  std::string none;                    // why no cause is named; empty: one is named
 };
 
 // Whether a cause is to be looked for: the model is not consistent or not adequate, or the coefficients are doubted.

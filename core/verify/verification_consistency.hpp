@@ -4,8 +4,8 @@
 //   χ²         the weighted squares of the residuals and of the sources, over their mean in the draws
 //   whiteness  Q = Σ_channels N Σ_{l <= 10} ρ_l²  (Box and Pierce 1970), ρ_l the residuals' correlation at lag l
 //
-// The table's noise passes through the chain, so that even a right model leaves residuals that are not white. Draws of
-// all noise and all sources, not tables of χ², therefore tell what is normal.
+// The table's noise passes through the chain, so even a right model leaves residuals that are not white. So both
+// statistics are compared with draws of all noise and all sources, not with tables of χ².
 #pragma once
 
 #include <Eigen/Core>
@@ -15,10 +15,10 @@ namespace dwell {
 
 struct Consistency {
   double chi2 = 0.0;    // over its mean of the draws
-  double p_chi2 = 1.0;  // probability of as much by chance
+  double p_chi2 = 1.0;  // probability of such a value by chance
   double p_white = 1.0;
-  Eigen::VectorXd left;  // of the weighted error, the sources taken out
-  // Of both tests (Bonferroni).
+  Eigen::VectorXd left;  // the weighted error without the sources' part
+  // Probability of both tests together (Bonferroni).
   [[nodiscard]] double p() const;
 };
 
@@ -31,9 +31,9 @@ class SourceFit {
   explicit SourceFit(Eigen::MatrixXd sources);
   // The residuals of a weighted error: what the sources do not explain.
   [[nodiscard]] Eigen::VectorXd left(const Eigen::VectorXd& error) const;
-  // Σ left² + Σ z², z the sources' amplitudes: what χ² is of.
+  // χ²: Σ left² + Σ z², z the sources' amplitudes.
   [[nodiscard]] double chi2(const Eigen::VectorXd& error) const;
-  // Of the sources, in standard deviations, as they explain the error best within their priors.
+  // Amplitudes of the sources, in standard deviations, that explain the error best within their priors.
   [[nodiscard]] Eigen::VectorXd amplitudes(const Eigen::VectorXd& error) const;
   [[nodiscard]] const Eigen::MatrixXd& sources() const noexcept { return sources_; }
 

@@ -1,7 +1,9 @@
 // The evidence for or against a model: one or several stretches of motion that its coefficients were not fitted to. The
 // first is the transient before the dwell that gave the coefficients. The others are transients of other dwells, with
-// some of their steady motion. The chain is linear, so each stretch is scaled to the table's amplitude in the first.
-// All vectors here have their rows channel by channel, and within a channel stretch by stretch.
+// some of their steady motion.
+//
+// The chain is linear, so each stretch is scaled to the table's amplitude in the first. All vectors here have their
+// rows channel by channel, and within a channel stretch by stretch.
 #pragma once
 
 #include <Eigen/Core>

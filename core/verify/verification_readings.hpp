@@ -1,4 +1,4 @@
-// The readings that count, kept for a verification: what the pipeline's intake lets pass, channel by channel.
+// Keeps the readings that count for a verification: those that the pipeline's intake accepts, channel by channel.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class VerificationReadings {
  public:
   explicit VerificationReadings(std::size_t channels) : of_channel_(channels) {}
 
-  // What has come since the last call, as long as the history still holds it. O(new readings).
+  // Takes the readings since the last call, if the history still holds them. O(new readings).
   void take(const SampleHistory& history) {
     for (next_ = std::max(next_, history.begin()); next_ < history.end(); ++next_) {
       const SampleHistory::Sample& sample = history[next_];
@@ -24,7 +24,7 @@ class VerificationReadings {
       channel.value.push_back(sample.value);
     }
   }
-  // Those at or after from, and before until, one entry per channel.
+  // The readings in [from, until), one entry per channel.
   [[nodiscard]] std::vector<ChannelReadings> between(std::int64_t from_ns, std::int64_t until_ns) const {
     std::vector<ChannelReadings> out(of_channel_.size());
     for (std::size_t c = 0; c < out.size(); ++c) {

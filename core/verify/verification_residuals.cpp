@@ -50,7 +50,7 @@ class Players {
     out.bottomRows(test_.model().states()) = of(c).bottomRows(test_.model().states());
     return out;
   }
-  // What was read, and the noise of each draw, of the same readings.
+  // The measured values, and the noise of each draw, of the same readings.
   [[nodiscard]] MatrixXd read(int c) const {
     const auto i = static_cast<std::size_t>(c);
     const std::vector<double>& value = stretch_.readings[i].value;
@@ -115,14 +115,14 @@ class Players {
   std::vector<PredictedReadings> played_;
 };
 
-// Where a series of channel c begins to be there: an instant before the input's first knot has no prediction.
+// The first predicted reading of channel c: there is no prediction before the input's first knot.
 Index first_known(const MatrixXd& driven) {
   Index first = 0;
   while (first < driven.cols() && !std::isfinite(driven(0, first))) ++first;
   return first;
 }
 
-// Unknowns × (1 + draws): what fits the readings that are not scored.
+// Unknowns × (1 + draws): the initial states that fit the unscored readings best.
 MatrixXd initial_conditions(const VerificationStretch& stretch, const Players& players) {
   const Index unknowns = players.unknowns();
   MatrixXd normal = MatrixXd::Zero(unknowns, unknowns), right = MatrixXd::Zero(unknowns, 1 + players.draws());

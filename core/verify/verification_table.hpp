@@ -1,10 +1,11 @@
 // Keeps the noise of the table's readings out of the virtual test. Where the table moves steadily, its readings are
 // replaced by the harmonics of the drive that fit them best. Otherwise a lightly damped chain would respond to the
-// noise as to a motion: at Q = 130 and twelve readings a period with eight times the noise. The steady part is the
-// longest stretch up to the end whose residuals from the harmonics are no larger than noise, window by window and as a
-// whole. Readings before it stay as they are. The replacement is linear in the readings, so draws of noise go through
-// it as the measured readings do. The harmonics are sampled so densely that a spline through them is exact, however few
-// readings there were.
+// noise as to a motion: at Q = 130 and twelve readings a period with eight times the noise.
+//
+// The steady part is the longest stretch up to the end whose residuals from the harmonics are no larger than noise,
+// window by window and as a whole. Readings before it stay as they are. The replacement is linear in the readings, so
+// draws of noise go through it as the measured readings do. The harmonics are sampled so densely that a spline through
+// them is exact, however few readings there were.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,7 @@
 // Keeps what a new pipeline needs to know of the stream so far: the newest state of each channel, and the level of the
-// interlock. A pipeline may be born in the middle of the stream. Its records repeat what older pipelines know already,
-// so they change nothing for these.
+// interlock. A pipeline may be born in the middle of the stream.
+//
+// Its records repeat what older pipelines know already, so they change nothing for these.
 #pragma once
 
 #include <cstddef>

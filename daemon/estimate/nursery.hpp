@@ -1,6 +1,7 @@
 // Makes pipelines in advance, and destroys those that are given up. Both take tens of milliseconds, too long for the
-// estimation thread. A thread of its own keeps one pipeline ready. In virtual time there is no such thread: everything
-// is done at once.
+// estimation thread.
+//
+// A thread of its own keeps one pipeline ready. In virtual time there is no such thread: everything is done at once.
 #pragma once
 
 #include <atomic>

@@ -1,6 +1,7 @@
-// Decides when runs begin and end, which pipeline takes the stream, and what is shown meanwhile. Without bracketing
-// there is one run, as long as the session. With bracketing, runs begin and end with the drive or at an operator's
-// request:
+// Decides when runs begin and end, which pipeline takes the stream, and what is shown meanwhile.
+//
+// Without bracketing there is one run, as long as the session. With bracketing, runs begin and end with the drive or at
+// an operator's request:
 //
 //   waiting   no run goes on. Two pipelines live, born one span apart (record/stream_sink.hpp). As soon as the elder
 //             sees the drive, a run begins; it reaches back to that pipeline's birth
@@ -8,6 +9,7 @@
 //             with `stop` alone
 //   held      waiting, after an operator has stopped a run while the drive was on. No run begins before the drive has
 //             been idle for a span: else the stop would be undone within a second
+//
 // `start` ends the current run, if any, and begins one with a new pipeline. The recorder may ask for the same; the new
 // run then counts as begun by whoever began the old one. Requests come as records of Kind::run, at their place in the
 // stream. The recorder does not get these, but the Kind::run records made here.

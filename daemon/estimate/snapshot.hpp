@@ -39,7 +39,7 @@ struct ChannelView {
   std::string condition_reason;              // … in words, with figures; empty: nothing is wrong with them
   double rate_hz = 0.0;                      // samples per second, over the last second or so
   ClockView clock;
-  double half_width_s = 0.0;  // of what is known of the newest sample's instant
+  double half_width_s = 0.0;  // the newest sample's true instant is its stamp ± this
   std::uint64_t gaps = 0;     // times that samples were lost
   Tally tally;
 };

@@ -1,6 +1,7 @@
-// Counts what became of the samples of each channel since the session began, whichever pipelines took them. Every
-// sample of the stream counts once, by what the pipeline shown at that time did with it. Pipelines come and go; the
-// counts go on.
+// Counts what became of the samples of each channel since the session began, whichever pipelines took them.
+//
+// Every sample of the stream counts once, by what the pipeline shown at that time did with it. Pipelines come and go;
+// the counts go on.
 #pragma once
 
 #include <cstddef>

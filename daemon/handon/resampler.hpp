@@ -8,9 +8,11 @@
 //
 // with m the mean of these readings. B is 0.35 of the channel's rate: 70 % of what even readings could carry. Seen on
 // sines up to 0.25 of the rate, readings up to a fifth of an interval off their places: errors below 1e-5 of the
-// amplitude, also where one reading is missing. What lies above B is not represented. The error is measured on the
-// readings themselves: now and then one reading is estimated from the others. The difference is an upper figure: it
-// contains the noise of the reading, and the gap makes this estimate harder than those that are handed out.
+// amplitude, also where one reading is missing. What lies above B is not represented.
+//
+// The error is measured on the readings themselves: now and then one reading is estimated from the others. The
+// difference is an upper figure: it contains the noise of the reading, and the gap makes this estimate harder than
+// those that are handed out.
 #pragma once
 
 #include <array>

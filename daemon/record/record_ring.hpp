@@ -1,6 +1,8 @@
 // Carries records, and the results published between them, in order from the estimation thread to the recorder.
-// Bounded; neither side ever waits for the other. If the recorder falls behind until the ring is full, records are
-// dropped until half of the ring is free again. The reader finds one gap in their place, with their count.
+// Bounded; neither side ever waits for the other.
+//
+// If the recorder falls behind until the ring is full, records are dropped until half of the ring is free again. The
+// reader finds one gap in their place, with their count.
 #pragma once
 
 #include <atomic>

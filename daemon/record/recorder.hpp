@@ -1,7 +1,9 @@
 // Records the runs of one rig. Takes the ordered stream from the estimation thread and writes each run into its own
-// file, on a thread of its own. The estimation never waits for it. If the disk is full, or falls behind for longer than
-// the buffer lasts, recording stops: with an event in the file, a line in the log and an alarm in the health. Measuring
-// goes on. As soon as there is room again, the recorder asks for a new run, see take_restart().
+// file, on a thread of its own. The estimation never waits for it.
+//
+// If the disk is full, or falls behind for longer than the buffer lasts, recording stops: with an event in the file, a
+// line in the log and an alarm in the health. Measuring goes on. As soon as there is room again, the recorder asks for
+// a new run, see take_restart().
 #pragma once
 
 #include <cstdint>

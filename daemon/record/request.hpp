@@ -1,7 +1,9 @@
-// An operator's request to the service, for the record of who did what and why. A request enters the ordered stream as
-// a record with the request's number in Record::channel: `start` as RunEdge::begins (and as RunEdge::ends of the run
-// that it ends), `stop` as RunEdge::ends, `rearm` as Kind::action. The sink gets the request before that record, so it
-// knows every number that comes. Requests are numbered in the order of the stream.
+// An operator's request to the service, for the record of who did what and why.
+//
+// A request enters the ordered stream as a record with the request's number in Record::channel: `start` as
+// RunEdge::begins (and as RunEdge::ends of the run that it ends), `stop` as RunEdge::ends, `rearm` as Kind::action. The
+// sink gets the request before that record, so it knows every number that comes. Requests are numbered in the order of
+// the stream.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +18,7 @@ struct Request {
   Verb verb = Verb::start;
   std::uint16_t number = 0;  // 1 … 65535, then 1 again
   std::string label;         // of start: the run's; empty: none
-  StoredEvent event;         // of what == "action"; its position and instant are the record's: the sink fills them in
+  StoredEvent event;         // its `what` is "action"; the sink fills in position and instant of the record
 };
 
 class RequestSink {

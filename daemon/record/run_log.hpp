@@ -1,8 +1,9 @@
 // Decides what is written and when: the blocks that a run begins with, the commits, the end of a run, what happens if
-// the disk is full. Pure: it gets its time from the caller, and its disk is a RunStore. While no run goes on, it keeps
-// the blocks that a run may reach back to. During a run, each block is written in one batch with its results and
-// events, about once a second. So a loss of power costs the current block and the uncommitted ones: less than two
-// seconds if the disk answers within half a second.
+// the disk is full. Pure: it gets its time from the caller, and its disk is a RunStore.
+//
+// While no run goes on, it keeps the blocks that a run may reach back to. During a run, each block is written in one
+// batch with its results and events, about once a second. So a loss of power costs the current block and the
+// uncommitted ones: less than two seconds if the disk answers within half a second.
 #pragma once
 
 #include <cstdint>

@@ -14,8 +14,9 @@ namespace dwell::record {
 
 // Each appends one signature to the closed run file `path` and returns it as written, for the ledger. The caller fills
 // in name, meaning, reason and utc; seq and head become those of the last entry. Waits for the disk. Fails if the run
-// has not ended or its chain is broken; then the file is as before. The service countersigns for `person`, which the
-// caller fills in. `service` must be the key that signed the run.
+// has not ended or its chain is broken; then the file is as before.
+//
+// The service countersigns for `person`, which the caller fills in. `service` must be the key that signed the run.
 [[nodiscard]] Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSignature signature,
                                                         const SigningKey& service);
 // Signs with the person's own key; needs no service.

@@ -1,7 +1,8 @@
 // Reads a database through SQLite in the state at opening, without altering a byte: no lock, no -shm, no recovery, no
-// checkpoint. Works on a read-only file system, and while a writer goes on. A shared flock on the -wal asks the writer
-// not to make a checkpoint. The writer makes one all the same at the end of the run, or if the log has
-// ChainReader::kMaxWal bytes. Then unchanged() returns false.
+// checkpoint. Works on a read-only file system, and while a writer goes on.
+//
+// A shared flock on the -wal asks the writer not to make a checkpoint. The writer makes one all the same at the end of
+// the run, or if the log has ChainReader::kMaxWal bytes. Then unchanged() returns false.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
 // What the estimation thread hands to the recorder: the ordered stream, and the published dwells with their positions.
+//
 // A run that the drive begins also holds some time before the drive. So pipelines are born before runs, each at a
 // record of Kind::run with RunEdge::armed. While no run goes on, two of them live, the elder at least 10 s old. Every
 // 10 s the elder is given up and a new one is born. Once the elder sees the drive, a record says RunEdge::begins: the
