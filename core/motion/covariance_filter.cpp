@@ -45,7 +45,7 @@ void CovarianceFilter::propagate(const Step& step, const std::vector<int>& deriv
   P_.triangularView<Eigen::StrictlyUpper>() = P_.transpose();  // what rounding makes of symmetry would grow
 }
 
-void CovarianceFilter::take(int c, Gain& out) {
+void CovarianceFilter::take(int c, KalmanGain& out) {
   const auto C = linear_.C.row(c);
   const double variance = variance_[static_cast<std::size_t>(c)];
   g_.noalias() = P_.lazyProduct(C.transpose());
@@ -58,7 +58,7 @@ void CovarianceFilter::take(int c, Gain& out) {
   P_.noalias() += out.S * out.K * out.K.transpose();
 }
 
-void CovarianceFilter::take_derivatives(int c, const VectorXd& g, Gain& out) {
+void CovarianceFilter::take_derivatives(int c, const VectorXd& g, KalmanGain& out) {
   const auto C = linear_.C.row(c);
   const double variance = variance_[static_cast<std::size_t>(c)];
   const auto p = static_cast<Index>(parameters_.size());

@@ -17,7 +17,7 @@
 namespace dwell {
 
 // What one reading does. p parameters, m states.
-struct Gain {
+struct KalmanGain {
   double S = 0.0;      // variance of the innovation
   Eigen::VectorXd K;   // m
   Eigen::VectorXd dS;  // p
@@ -32,11 +32,11 @@ class CovarianceFilter {
   // Over an interval in the given stretch.
   void propagate(const Step& step, const std::vector<int>& derivative_of, int stretch);
   // A reading of channel c: its gain into `out`, P to after it.
-  void take(int c, Gain& out);
+  void take(int c, KalmanGain& out);
   [[nodiscard]] const Eigen::MatrixXd& P() const noexcept { return P_; }
 
  private:
-  void take_derivatives(int c, const Eigen::VectorXd& g, Gain& out);
+  void take_derivatives(int c, const Eigen::VectorXd& g, KalmanGain& out);
 
   const LinearModel& linear_;
   std::vector<Parameter> parameters_;

@@ -18,7 +18,7 @@ bool GainSchedule::same_place(const Slot& slot, std::int64_t dt_ns, int channel,
   return slot.channel == channel && slot.stretch == stretch && std::abs(slot.dt_ns - dt_ns) <= kSameInterval_ns;
 }
 
-bool GainSchedule::steady(const Gain& before, const Gain& now) {
+bool GainSchedule::steady(const KalmanGain& before, const KalmanGain& now) {
   if (before.K.size() != now.K.size() || (before.K - now.K).norm() > kSteadyGain * now.K.norm()) return false;
   if (largest_dK_.size() != now.dK.cols()) largest_dK_.setZero(now.dK.cols());
   bool all = true;
@@ -29,7 +29,7 @@ bool GainSchedule::steady(const Gain& before, const Gain& now) {
   return all;
 }
 
-void GainSchedule::run(std::int64_t dt_ns, int channel, int stretch, Gain& out) {
+void GainSchedule::run(std::int64_t dt_ns, int channel, int stretch, KalmanGain& out) {
   if (dt_ns > 0) filter_.propagate(steps_.over(dt_ns), steps_.derivative_of(), stretch);
   filter_.take(channel, out);
 }

@@ -18,7 +18,7 @@ class GainSchedule {
   // `step`; may differ from the one asked for by kSameInterval_ns, which the caller makes good at the next.
   struct Due {
     const Step* step;
-    const Gain* gain;
+    const KalmanGain* gain;
     std::int64_t dt_ns;
   };
 
@@ -32,11 +32,11 @@ class GainSchedule {
   struct Slot {
     std::int64_t dt_ns = 0;
     int channel = -1, stretch = -1;
-    Gain gain;
+    KalmanGain gain;
   };
   [[nodiscard]] static bool same_place(const Slot& slot, std::int64_t dt_ns, int channel, int stretch) noexcept;
-  [[nodiscard]] bool steady(const Gain& before, const Gain& now);
-  void run(std::int64_t dt_ns, int channel, int stretch, Gain& out);
+  [[nodiscard]] bool steady(const KalmanGain& before, const KalmanGain& now);
+  void run(std::int64_t dt_ns, int channel, int stretch, KalmanGain& out);
   void thaw();
 
   CovarianceFilter& filter_;
@@ -45,7 +45,7 @@ class GainSchedule {
   std::size_t at_ = 0;       // the slot of the next reading
   bool repeats_ = false;     // all slots of this cycle so far are as in the last
   bool frozen_ = false;
-  Gain now_;
+  KalmanGain now_;
   Eigen::VectorXd largest_dK_;  // per parameter, seen so far: what a change of dK is held against
 };
 

@@ -70,7 +70,7 @@ class GivenTable {
     std::vector<std::vector<MotionInnovation>> out(variance_.size());
     CovarianceFilter filter(model_, linear_, unknowns_.theta, false);
     VectorXd x = unknowns_.initial;
-    Gain gain;
+    KalmanGain gain;
     for (std::size_t i = 0; i < data_.readings.size(); ++i) {
       const MotionReading& reading = data_.readings[i];
       if (const std::int64_t dt_ns = interval_ns(i); dt_ns > 0) {

@@ -64,7 +64,7 @@ class Means {
     return e;
   }
   [[nodiscard]] auto derivatives() const { return row_.tail(row_.size() - 1); }
-  void take(const Gain& gain) {
+  void take(const KalmanGain& gain) {
     X_.noalias() += gain.K * row_;
     if (p_ > 0) X_.middleCols(1, p_) += row_(0) * gain.dK;
   }
@@ -86,7 +86,7 @@ class Sums {
     information_ = meat_ = MatrixXd::Zero(size, size);
   }
 
-  void add(const Gain& gain, double e, const Eigen::RowVectorXd& de) {
+  void add(const KalmanGain& gain, double e, const Eigen::RowVectorXd& de) {
     const double weight = 1 / std::sqrt(gain.S), part = e * e / gain.S;
     by_e_.col(used_) = de.transpose() * weight;
     by_S_.col(used_) = gain.dS / (gain.S * std::sqrt(2.0));

@@ -10,6 +10,7 @@
 #include "core/motion/given_table.hpp"
 #include "core/rig/transducer.hpp"
 #include "tests/core/motion_case.hpp"
+#include "tests/under_sanitizer.hpp"
 
 namespace dwell {
 namespace {
@@ -31,18 +32,7 @@ MotionData start_up(const Rig& rig, const Chain& chain, const Drive& drive, doub
   return readings_of(rig, driven, 0.0, seconds, rate_hz, part_of_steady(rig, chain, drive, noise), seed, 2e-4);
 }
 
-// Under a sanitizer one draw takes seconds: there few are enough, for its errors are of memory.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int kDraws = 4;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr int kDraws = 4;
-#else
-constexpr int kDraws = 24;
-#endif
-#else
-constexpr int kDraws = 24;
-#endif
+constexpr int kDraws = draws(24, 4);
 
 TEST(MotionEstimate, FindsTheCoefficientsOfStartUpsWithTheirUncertainty) {
   std::mt19937_64 rng(12);

@@ -5,8 +5,6 @@
 
 namespace {
 thread_local int allocations_left = -1;
-
-bool may_allocate() noexcept { return allocations_left < 0 || allocations_left-- != 0; }
 }  // namespace
 
 namespace dwell::test {
@@ -21,7 +19,8 @@ void fail_allocation(int left) noexcept { allocations_left = left; }
 #endif
 #ifndef DWELL_NOTHING_FAILS
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return may_allocate() ? std::malloc(size == 0 ? 1 : size) : nullptr;
+  const bool may_allocate = allocations_left < 0 || allocations_left-- != 0;
+  return may_allocate ? std::malloc(size == 0 ? 1 : size) : nullptr;
 }
 void* operator new(std::size_t size) {
   if (void* const memory = operator new(size, std::nothrow)) return memory;

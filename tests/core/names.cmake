@@ -1,0 +1,16 @@
+# No two headers define a type of the same name: the linker would take one destructor for both, without a word.
+# usage: cmake -DCORE=FOLDER -P names.cmake
+file(GLOB_RECURSE files RELATIVE ${CORE} ${CORE}/*.hpp)
+if(NOT files)
+  message(FATAL_ERROR "no header of core in '${CORE}'")
+endif()
+foreach(file ${files})
+  file(STRINGS ${CORE}/${file} definitions REGEX "^(struct|class|enum class) [A-Za-z0-9_]+ [^;]*{")
+  foreach(line ${definitions})
+    string(REGEX REPLACE "^(struct|class|enum class) ([A-Za-z0-9_]+).*" "\\2" name "${line}")
+    if(DEFINED defined_${name})
+      message(SEND_ERROR "core/${file}: ${name} is defined in core/${defined_${name}} as well")
+    endif()
+    set(defined_${name} ${file})
+  endforeach()
+endforeach()

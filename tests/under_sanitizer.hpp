@@ -1,0 +1,22 @@
+#pragma once
+
+namespace dwell {
+
+// True where the tests are built with AddressSanitizer. What it looks for are errors of memory, for which a few draws
+// of a population do; each takes seconds there.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kUnderSanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool kUnderSanitizer = true;
+#else
+inline constexpr bool kUnderSanitizer = false;
+#endif
+#else
+inline constexpr bool kUnderSanitizer = false;
+#endif
+
+// How many draws of a population a test plays: `all`, or `few` under AddressSanitizer.
+constexpr int draws(int all, int few) { return kUnderSanitizer ? few : all; }
+
+}  // namespace dwell
