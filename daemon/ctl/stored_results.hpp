@@ -38,7 +38,4 @@ class StoredResults {
   std::string error_;
 };
 
-// Position and final of a body in the form that the recorder writes, without parsing the rest; nullopt: another form.
-[[nodiscard]] std::optional<StoredResults::Entry> front_of(const std::string& body);
-
 }  // namespace dwell::ctl

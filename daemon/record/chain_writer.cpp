@@ -84,7 +84,7 @@ Result<void> make_file(const std::string& path, ChainSort sort) {
 struct Tail {
   std::int64_t seq = 0;
   Digest head{};
-  std::int64_t noted = 0;  // entry of the last note
+  NoteLink note;  // the last
 };
 
 // Follows the chain from its start; its last note must be by `signer`, and only signatures may come after.
@@ -92,8 +92,8 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
   Result<ChainReader> reader = ChainReader::open(path, sort);
   if (!reader) return fails(std::move(reader.error()));
   Tail tail;
-  ChainReader::Row noted;   // the last entry with a note, without its body
-  std::int64_t before = 0;  // the entry of the note before that
+  ChainReader::Row noted;  // the last entry with a note, without its body
+  NoteLink before;         // the note before that one
   for (;;) {
     Result<std::optional<ChainReader::Row>> row = reader->next();
     if (!row) return fails(std::move(row.error()));
@@ -108,7 +108,7 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
       if (entry.kind != "signature") noted.note.clear();
       continue;
     }
-    before = std::exchange(tail.noted, entry.seq);
+    before = std::exchange(tail.note, {entry.seq, note_hash((*row)->note)});
     noted = std::move(**row);
     noted.entry.body.clear();
   }
@@ -183,7 +183,8 @@ struct ChainWriter::Impl {
 
   bool add_note() {
     if (!key) return true;
-    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, committed.noted));
+    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, committed.note));
+    pending.note = {pending.seq, note_hash(note)};
     sqlite3_bind_int64(insert_note.get(), 1, pending.seq);
     sqlite3_bind_text(insert_note.get(), 2, note.data(), static_cast<int>(note.size()), SQLITE_STATIC);
     return run(insert_note.get());
@@ -280,7 +281,6 @@ Result<void> ChainWriter::commit() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
   if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
-  if (own.key) own.pending.noted = own.pending.seq;
   own.committed = own.pending;
   own.checkpoint();
   return {};

@@ -76,8 +76,11 @@ TEST(ChainFile, WhatWasCommittedIsReadBackWithHeadsAndNotes) {
   }
   EXPECT_EQ((*rows)[1].entry.body, large);
   EXPECT_EQ((*rows)[0].note, "") << "the note is on the last entry of a commit";
+  const auto text_of = [](const Digest& digest) {
+    return base64({reinterpret_cast<const char*>(digest.data()), digest.size()});
+  };
   const std::string text =
-      std::string(kOrigin) + "\n3\n" + base64({reinterpret_cast<const char*>(head.data()), head.size()}) + "\n7\n2\n";
+      std::string(kOrigin) + "\n3\n" + text_of(head) + "\n7\n2\n" + text_of(note_hash((*rows)[1].note)) + "\n";
   EXPECT_EQ(service_key().public_key().open((*rows)[2].note).value_or("?"), text);
   EXPECT_EQ(writer->committed_head(), head);
   EXPECT_EQ(contents(scratch.path()).size(), 1u) << "a closed file is one file";
