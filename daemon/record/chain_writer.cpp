@@ -12,6 +12,7 @@
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/chain_tables.hpp"
+#include "daemon/record/run_entries.hpp"
 #include "daemon/record/sqlite.hpp"
 
 namespace dwell::record {
@@ -26,6 +27,11 @@ constexpr int kCheckpointFrames = 1000;
 constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / 16384);
 
 tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+// Largest body of an entry that readers take.
+std::size_t most_bytes(std::string_view kind) {
+  return kind == "stream" ? static_cast<std::size_t>(ChainReader::kMaxBody) : kMaxJson;
+}
 
 // While the connection is open, no other one can open the file, and SQLite needs no -shm.
 bool set_up(sqlite3* database) {
@@ -255,10 +261,10 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
 Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::string_view body) {
   Impl& own = *impl_;
   if (!own.insert_entry) return fails(own.path + ": is closed");
-  if (body.size() > static_cast<std::size_t>(ChainReader::kMaxBody)) {
+  if (const std::size_t most = most_bytes(kind); body.size() > most) {
     own.roll_back();
-    return fails(own.path + ": an entry of " + std::to_string(body.size()) + " bytes; at most " +
-                 std::to_string(ChainReader::kMaxBody) + " fit");
+    return fails(own.path + ": a " + std::string(kind) + " entry of " + std::to_string(body.size()) +
+                 " bytes; at most " + std::to_string(most) + " can be read back");
   }
   if (sqlite3_get_autocommit(own.database.get()) != 0 && !execute(own.database.get(), "BEGIN IMMEDIATE"))
     return own.failed();

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/record/run_entries.hpp"
 #include "tests/record/scratch.hpp"
 
 namespace dwell::record {
@@ -102,6 +103,24 @@ TEST(ChainFile, WhatIsNotCommittedIsNotRead) {
   ASSERT_EQ(rows->size(), 2u);
   EXPECT_EQ(rows->back().entry.body, "kept");
   EXPECT_EQ(rows->back().head, writer.committed_head());
+}
+
+TEST(ChainFile, WhatNoReaderWouldTakeIsNotWritten) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  ChainWriter writer = *ChainWriter::create(path, ChainSort::run, kOrigin, service_key());
+  ASSERT_TRUE(writer.append("run", 1, "{}"));
+  ASSERT_TRUE(writer.commit());
+  for (const char* kind : {"run", "result", "event", "signature"}) {
+    const Result<void> refused = writer.append(kind, 2, std::string(kMaxJson + 1, ' '));
+    ASSERT_FALSE(refused) << kind;
+    EXPECT_NE(refused.error().find(path + ": a " + kind + " entry of 8388609 bytes; at most 8388608 can be read back"),
+              std::string::npos)
+        << refused.error();
+  }
+  ASSERT_TRUE(writer.append("stream", 2, std::string(kMaxJson + 1, ' '))) << "blocks may be larger";
+  ASSERT_TRUE(writer.close());
+  EXPECT_EQ(read_all(path)->size(), 2u);
 }
 
 TEST(ChainFile, ReadingAltersNoByteWhileItIsWrittenAndAfterACrash) {
