@@ -17,8 +17,8 @@ namespace dwell::record {
 template <class T>
 class Ahead {
  public:
-  // make: the next thing; nullopt: there is none left, and it is not called again. most: things that wait at most, so
-  // that memory is bounded. Both threads wait for one another without working.
+  // make: the next thing; nullopt: there is none left, and it is not called again. most: things at most that wait or
+  // are being made, so that memory is bounded. Both threads wait for one another without working.
   Ahead(std::function<std::optional<T>()> make, std::size_t most)
       : make_(std::move(make)), most_(most), thread_([this] { run(); }) {}
   // Waits for the thing that is being made.
@@ -49,14 +49,22 @@ class Ahead {
   }
 
  private:
+  // Before a thing is made, so that there are never more of them. false: shall end.
+  bool waits_for_room() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return things_.size() < most_ || stop_; });
+    return !stop_;
+  }
+
   void run() {
     try {
-      while (std::optional<T> thing = make_()) {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [this] { return things_.size() < most_ || stop_; });
-        if (stop_) return;
-        things_.push_back(std::move(*thing));
-        lock.unlock();
+      while (waits_for_room()) {
+        std::optional<T> thing = make_();
+        if (!thing) break;
+        {
+          const std::lock_guard lock(mutex_);
+          things_.push_back(std::move(*thing));
+        }
         changed_.notify_all();
       }
     } catch (...) {

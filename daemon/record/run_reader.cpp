@@ -16,7 +16,7 @@ using Row = ChainReader::Row;
 // Most signatures. People sign a run a few times; this bounds what a hostile file can make a reader allocate.
 constexpr std::size_t kMostSignatures = 1000;
 
-// Decoded blocks that wait. One evens out what a block costs to read; each may take 34 MB.
+// Decoded blocks that wait or are being decoded, beside the one in use; each may take 34 MB.
 constexpr std::size_t kBlocksAhead = 1;
 
 }  // namespace

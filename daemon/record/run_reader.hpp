@@ -13,7 +13,7 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Memory: four blocks at a time, whatever the file's size.
+// Bound to one thread. Memory: three blocks at a time, whatever the file's size.
 class RunReader {
  public:
   // Fails with "FILE: what is wrong".
