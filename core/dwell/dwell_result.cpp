@@ -160,14 +160,14 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
     }
 }
 
-Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
+DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   Dwell dwell;
   dwell.state = states.state();
   dwell.memory_time_predicted_s = std::isfinite(provisional_chain.time_constant_s())
                                       ? -provisional_chain.time_constant_s() * std::log(rig.tolerance)
                                       : kNaN;
   dwell.settling_reason = settling_reason();
-  if (at.origin_ns == INT64_MIN) return dwell;
+  if (at.origin_ns == INT64_MIN) return DwellDraft(std::move(dwell));
   const bool active = !states.at_rest();
   if (active) {
     dwell.index = states.index();
@@ -225,7 +225,7 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
       if (barred_reason().empty()) dwell.settles_in_s = verdict.settles_in_s;
       dwell.warnings.push_back("not settled: " + dwell.settling_reason);
     }
-    return dwell;
+    return DwellDraft(std::move(dwell));
   }
   dwell.settled_s = axis_s(std::max(at.settled_ns, blocks().count() > 0 ? blocks().block(0).begin_ns : at.settled_ns));
   dwell.verdict_s = axis_s(at.verdict_ns);
@@ -241,11 +241,15 @@ Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
   if (!reason.empty()) {
     dwell.settling_reason = reason;
     dwell.warnings.push_back("no coefficients: " + reason);
-    return dwell;
+    return DwellDraft(std::move(dwell));
   }
   warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);
-  report_elements(rig, G, results, w, u, modes.modes(), dwell);
-  return dwell;
+  const auto seen = modes.modes();
+  return {std::move(dwell), {&rig, &G, std::move(results), w, u, {seen.begin(), seen.end()}}};
+}
+
+Dwell Pipeline::Impl::evaluate(int to, bool with_open, bool up_to_now) const {
+  return draft(to, with_open, up_to_now).finish();
 }
 
 }  // namespace dwell

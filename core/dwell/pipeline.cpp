@@ -103,6 +103,7 @@ std::uint8_t Pipeline::finish() {
 }
 
 Dwell Pipeline::current() const { return impl_->evaluate(impl_->blocks().count(), true, true); }
+DwellDraft Pipeline::current_draft() const { return impl_->draft(impl_->blocks().count(), true, true); }
 const Dwell& Pipeline::completed() const noexcept { return impl_->finished.dwell(); }
 bool Pipeline::may_take_long(const Record& record) const noexcept {
   return record.kind == Kind::edge || record.kind == Kind::action ||

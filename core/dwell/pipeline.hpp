@@ -16,6 +16,8 @@
 
 namespace dwell {
 
+class DwellDraft;
+
 // What a push brought about: a set of bits.
 enum Change : std::uint8_t {
   kNothing = 0,
@@ -50,6 +52,9 @@ class Pipeline {
 
   // The present dwell so far: all phasors, coefficients, uncertainties. Allocates; for every Rig::update_s.
   [[nodiscard]] Dwell current() const;
+
+  // The same without its coefficients, which the draft computes, on any thread. Refers to this pipeline's rig.
+  [[nodiscard]] DwellDraft current_draft() const;
 
   // The dwell that ended last; valid after push() or finish() has returned kCompleted.
   [[nodiscard]] const Dwell& completed() const noexcept;

@@ -23,6 +23,7 @@
 #include "core/drive/frequency_search.hpp"
 #include "core/drive/window_length.hpp"
 #include "core/dwell/counted_data.hpp"
+#include "core/dwell/dwell_draft.hpp"
 #include "core/dwell/dwell_states.hpp"
 #include "core/dwell/dwell_times.hpp"
 #include "core/dwell/finished_dwell.hpp"
@@ -191,6 +192,7 @@ struct Pipeline::Impl {
   // Evaluates blocks up to `to`. up_to_now: withholds channels that do not deliver now; without it a dwell that has
   // ended keeps them.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
+  [[nodiscard]] DwellDraft draft(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] std::string settling_reason() const;
   [[nodiscard]] std::string left_out_of_dwell() const;
   [[nodiscard]] std::string taken_back_reason() const;

@@ -104,6 +104,7 @@ int audit_files(const AuditRequest& request) {
   record::AuditOptions options;
   options.ledger = request.ledger;
   options.anchors = request.anchors;
+  options.every_signature = request.every_signature;
   if (!request.key.empty()) {
     const auto key = pinned_key(request.key);
     if (!key) return unusable("--key: " + key.error());

@@ -67,6 +67,7 @@ struct AuditRequest {
   std::string ledger;                // file; empty: none
   std::string key;                   // a vkey, or a file that holds one; empty: none pinned
   std::vector<std::string> anchors;  // files
+  bool every_signature = false;      // AuditOptions
   bool json = false;
 };
 

@@ -43,6 +43,8 @@ class RecordVerbs {
     add_ledger(audit_, auditing_.ledger);
     add_pinned_key(audit_, auditing_.key);
     audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
+    audit_->add_flag("--every-signature", auditing_.every_signature,
+                     "verify each note's signature by itself; slower, and finds nothing else: the newest covers all");
     add_json(audit_, auditing_.json);
 
     runs_ = app.add_subcommand("runs", "the recorded runs of the service, or those in a folder");

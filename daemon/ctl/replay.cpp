@@ -26,6 +26,11 @@ std::optional<Dwell> Replay::current() const {
   return pipeline_.pipeline().current();
 }
 
+std::optional<DwellDraft> Replay::draft() const {
+  if (pipeline_.busy()) return std::nullopt;
+  return pipeline_.pipeline().current_draft();
+}
+
 void Replay::note(std::uint8_t change) {
   if ((change & kCompleted) != 0) ended_.push_back(pipeline_.pipeline().completed());
   if ((change & kStateChanged) != 0) state_changed_ = true;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/dwell/dwell_draft.hpp"
 #include "core/dwell/paced_pipeline.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
@@ -31,6 +32,8 @@ class Replay {
   [[nodiscard]] bool state_changed() const noexcept { return state_changed_; }
   // The current dwell; nullopt: the pipeline is in a long piece of work and publishes nothing here. Allocates.
   [[nodiscard]] std::optional<Dwell> current() const;
+  // The same, its coefficients not computed yet: that may be done on another thread, as long as this lives.
+  [[nodiscard]] std::optional<DwellDraft> draft() const;
 
  private:
   void finish();

@@ -1,5 +1,6 @@
 #include "daemon/ctl/replay_check.hpp"
 
+#include <memory>
 #include <utility>
 
 #include "daemon/report/dwell_json_value.hpp"
@@ -23,26 +24,29 @@ Difference whole(std::string stored, std::string replayed) {
 void ReplayCheck::look(const Replay& replay) {
   std::size_t ended = 0;
   for (; stored_.now() != nullptr && stored_.now()->position <= replay.position(); stored_.next()) {
-    const StoredResults::Entry& stored = *stored_.now();
-    const auto compare_with = [&](const Dwell& dwell) {
-      later([this, stored, dwell] { compare(stored, to_json_(dwell)); });
+    // Both are large: they are handed over, not copied.
+    const auto stored = std::make_shared<const StoredResults::Entry>(stored_.take());
+    const auto compare_with = [&](DwellDraft draft) {
+      later([this, stored, replayed = std::make_shared<DwellDraft>(std::move(draft))] {
+        compare(*stored, to_json_(replayed->finish()));
+      });
     };
     const auto find_whole = [&](const char* is, const char* would_be) {
-      later([this, stored, is, would_be] { find(stored, whole(is, would_be)); });
+      later([this, stored, is, would_be] { find(*stored, whole(is, would_be)); });
     };
-    later([this, final = stored.final] { ++(final ? findings_.finals : findings_.results); });
-    if (stored.position < replay.position()) {
+    if (stored->position < replay.position()) {
       find_whole("stored after a result of a later record", "");
-    } else if (stored.final) {
+    } else if (stored->final) {
       if (ended < replay.ended().size())
-        compare_with(replay.ended()[ended++]);
+        compare_with(DwellDraft(replay.ended()[ended++]));
       else
         find_whole("a dwell ends here", "none does");
-    } else if (const auto current = replay.current()) {
-      compare_with(*current);
+    } else if (auto draft = replay.draft()) {
+      compare_with(std::move(*draft));
     } else {
       find_whole("published here", "nothing: the pipeline is in a long piece of work");
     }
+    ++(stored->final ? finals_ : results_);
   }
   const bool cut_off = !closed_ && stored_.now() == nullptr;
   for (; ended < replay.ended().size(); ++ended)
@@ -58,6 +62,8 @@ void ReplayCheck::look(const Replay& replay) {
 record::Result<ReplayFindings> ReplayCheck::finish() {
   hand_over();
   work_.get();
+  findings_.finals = finals_;
+  findings_.results = results_;
   for (; stored_.now() != nullptr; stored_.next()) {
     const StoredResults::Entry& stored = *stored_.now();
     const std::string at = "record " + std::to_string(stored.position);

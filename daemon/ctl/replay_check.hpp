@@ -35,7 +35,8 @@ struct ReplayFindings {
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
 };
 
-// Bound to one thread. Compares on a second thread, since comparing takes half as long as the replay.
+// Bound to one thread. Computes the coefficients of each result and compares on a second thread, since that takes half
+// as long as the replay. The replay must outlive it.
 class ReplayCheck {
  public:
   // The JSON object of a dwell as the recording service wrote it. Called on the second thread.
@@ -72,6 +73,7 @@ class ReplayCheck {
   StoredResults stored_;
   ToJson to_json_;
   bool closed_;
+  std::uint64_t results_ = 0, finals_ = 0;  // looked at
   std::vector<std::function<void()>> put_off_;
   // Used by the second thread until it is done.
   std::vector<Finding> tolerable_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/clock.hpp"
+#include "daemon/ctl/child_events.hpp"
 #include "daemon/ctl/child_file.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/personal_key.hpp"
@@ -37,8 +38,8 @@ bool begins_a_run(const Record& record) {
   return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::armed);
 }
 
-// Hands every record to the replay, and then calls after(record). Returns the dwells that ended. If the stream breaks
-// off, the last one ends there.
+// Hands every record to the replay, and then calls after(record), the record as the replay's rig has it. Returns the
+// dwells that ended. If the stream breaks off, the last one ends there.
 template <class After>
 Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& reader, const ChannelMap& channels,
                                 Replay& replay, const After& after) {
@@ -49,9 +50,10 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
   const double length_ns = static_cast<double>(reader.end_ns()) - begin_ns + 1.0;
   const auto played = reader.stream([&](const Record& record) {
     if (replay.position() == 0 && !begins_a_run(record)) return false;
-    replay.take(channels.map(record));
+    const Record mapped = channels.map(record);
+    replay.take(mapped);
     if (!replay.ended().empty()) keep();
-    after(record);
+    after(mapped);
     if (replay.position() % kShowEvery == 0) bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
     return true;
   });
@@ -75,10 +77,10 @@ int check(const ReplayOptions& options, record::RunReader& reader) {
   if (!stored) return cannot_replay(stored.error());
   // As the service put it.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
+  Replay replay(file->rig);
   ReplayCheck check(
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
       reader.end().has_value());
-  Replay replay(file->rig);
   const auto dwells = play(options.file, reader, *channels, replay, [&](const Record&) { check.follow(replay); });
   if (!dwells) return cannot_replay(dwells.error());
   const auto findings = check.finish();
@@ -123,6 +125,14 @@ Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& r
   return ChildFile::create(options.output, header, *key, reader.begin_ns());
 }
 
+// The device names by their numbers in the stream of this run; empty: this version cannot read its rig file.
+std::vector<std::string> devices_of(const record::RunHeader& parent) {
+  std::vector<std::string> names;
+  if (const auto file = config::parse(parent.rig.text, parent.rig.path, {}))
+    for (const Device& device : file->rig.devices) names.push_back(device.name);
+  return names;
+}
+
 // With another rig file: a result at each position where the run published one, and a final one where a dwell ends now.
 int amend(const ReplayOptions& options, record::RunReader& reader) {
   const auto file = config::load(options.rig, {});
@@ -146,8 +156,10 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
   const auto add_result = [&](std::int64_t t_ns, bool final, const Dwell& dwell) {
     child->add(t_ns, record::StoredResult{replay.position(), final, to_json(dwell, file->rig, info)});
   };
+  ChildEvents events(header, reader.begin_ns(), file->rig, devices_of(header));
   const auto dwells = play(options.file, reader, *channels, replay, [&](const Record& record) {
     if (!child) return;
+    for (const record::StoredEvent& event : events.follow(record, replay)) child->add(record.t_ns, event);
     for (const Dwell& dwell : replay.ended()) add_result(record.t_ns, true, dwell);
     for (; stored->now() != nullptr && stored->now()->position <= replay.position(); stored->next())
       if (!stored->now()->final)
@@ -155,6 +167,7 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
   });
   if (!dwells) return cannot_replay(dwells.error());
   if (child) {
+    for (const record::StoredEvent& event : events.finish()) child->add(reader.end_ns(), event);
     if (auto finished = child->finish(reader.end_ns(), {"replay", 0, 0, record::iso_utc(utc_now_ns())}); !finished)
       return cannot_replay(finished.error());
   }

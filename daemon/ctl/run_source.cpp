@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t kProgressEvery = 1U << 12U;  // records
 
-std::string names_of(const std::vector<std::string>& names) {
+std::string listed(const std::vector<std::string>& names) {
   if (names.empty()) return "none";
   std::string text;
   for (const std::string& name : names) text.append(text.empty() ? "" : ", ").append(name);
@@ -55,7 +55,7 @@ tl::expected<ChannelMap, std::string> ChannelMap::between(const record::RunHeade
   const std::vector<std::string> lacking = missing(header.channels, names), surplus = missing(names, header.channels);
   if (!lacking.empty() || !surplus.empty() || names.size() != header.channels.size())
     return tl::unexpected(rig_path + ": expected the channels of " + run_path +
-                          ", in any order; missing: " + names_of(lacking) + "; not in the run: " + names_of(surplus));
+                          ", in any order; missing: " + listed(lacking) + "; not in the run: " + listed(surplus));
   ChannelMap map;
   if (names == header.channels) return map;
   for (const std::string& name : header.channels)

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "daemon/ctl/folded_events.hpp"
 #include "daemon/ctl/run_summary.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/line.hpp"
@@ -137,8 +138,11 @@ std::string instant(const std::string& utc, const record::RunHeader& header) {
   return same ? text.substr(kDate) : text;
 }
 
-std::string event_text(const record::StoredEvent& event) {
+std::string event_text(const FoldedEvent& folded, const record::RunHeader& header) {
+  const record::StoredEvent& event = folded.event;
   std::string text = event.text;
+  if (folded.entries > 1)
+    text += ", up to " + instant(folded.last_utc, header);
   const std::string who = event.person ? person_text(*event.person) : "";
   if (text.find(who) == std::string::npos) text += ", by " + who;
   if (event.before != event.after) text += ": " + event.before + " → " + event.after;
@@ -149,25 +153,27 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   std::size_t when = 0;
   std::size_t what = 0;
   std::size_t left_out = 0;
-  std::vector<const record::StoredEvent*> shown;
-  for (const record::StoredEvent& event : run.events) {
+  const std::vector<FoldedEvent> all = folded(run.events);
+  std::vector<const FoldedEvent*> shown;
+  for (const FoldedEvent& one : all) {
+    const record::StoredEvent& event = one.event;
     if ((event.what == "loss") != losses) continue;
     if (shown.size() == kMostEvents) {
       ++left_out;
       continue;
     }
-    shown.push_back(&event);
+    shown.push_back(&one);
     when = std::max(when, width(printable(instant(event.utc, run.header))));
     what = std::max(what, width(printable(event.what)));
   }
   Section section;
   if (shown.empty()) return section;
   section.head.push_back({losses ? "losses" : "events", Style::title});
-  for (const record::StoredEvent* event : shown) {
-    std::string line = "  " + pad_right(printable(instant(event->utc, run.header)), when) + "  ";
-    if (!losses) line += pad_right(printable(event->what), what) + "  ";
+  for (const FoldedEvent* one : shown) {
+    std::string line = "  " + pad_right(printable(instant(one->event.utc, run.header)), when) + "  ";
+    if (!losses) line += pad_right(printable(one->event.what), what) + "  ";
     const std::size_t indent = width(line);
-    for (std::string& part : wrapped(line + printable(event_text(*event)), columns, indent))
+    for (std::string& part : wrapped(line + printable(event_text(*one, run.header)), columns, indent))
       section.body.push_back({std::move(part), Style::plain});
   }
   if (left_out > 0)

@@ -32,17 +32,17 @@ Json row_of(const record::ListedRun& run) {
           {"dwells", run.dwells},   {"kept", run.kept}};
 }
 
-std::string text_of(const Json& row, const char* name) {
+std::string row_text(const Json& row, const char* name) {
   const auto it = row.is_object() ? row.find(name) : row.end();
   return it != row.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
-double number_of(const Json& row, const char* name) {
+double row_number(const Json& row, const char* name) {
   const auto it = row.is_object() ? row.find(name) : row.end();
   return it != row.end() && it->is_number() ? it->get<double>() : kNaN;
 }
 
-std::string count_of(const Json& row, const char* name) {
+std::string row_count(const Json& row, const char* name) {
   const auto it = row.is_object() ? row.find(name) : row.end();
   return it != row.end() && it->is_number_integer() ? it->dump() : kNoNumber;
 }
@@ -65,15 +65,15 @@ std::string length(const std::string& begun, const std::string& ended) {
 std::string runs_table(const Json& list) {
   std::vector<std::string> numbers, starts, lengths, states, dwells, sizes, labels, files;
   for (const Json& row : list) {
-    numbers.push_back(count_of(row, "run"));
-    starts.push_back(instant(text_of(row, "begun")));
-    lengths.push_back(length(text_of(row, "begun"), text_of(row, "ended")));
-    states.push_back(text_of(row, "state"));
-    dwells.push_back(count_of(row, "dwells"));
-    const double bytes = number_of(row, "bytes");
+    numbers.push_back(row_count(row, "run"));
+    starts.push_back(instant(row_text(row, "begun")));
+    lengths.push_back(length(row_text(row, "begun"), row_text(row, "ended")));
+    states.push_back(row_text(row, "state"));
+    dwells.push_back(row_count(row, "dwells"));
+    const double bytes = row_number(row, "bytes");
     sizes.push_back(std::isfinite(bytes) ? bytes_text(bytes) : kNoNumber);
-    labels.push_back(text_of(row, "label"));
-    files.push_back(text_of(row, "file"));
+    labels.push_back(row_text(row, "label"));
+    files.push_back(row_text(row, "file"));
   }
   Table table;
   table.add("run", std::move(numbers), Align::right);

@@ -1,58 +1,59 @@
 #include "daemon/ctl/stored_results.hpp"
 
-#include <charconv>
-#include <string_view>
 #include <utility>
 
-namespace dwell::ctl {
+#include "daemon/record/result_text.hpp"
 
-std::optional<StoredResults::Entry> front_of(const std::string& body) {
-  static constexpr std::string_view position = R"({"position":)", yes = R"(,"final":true,"dwell":)",
-                                    no = R"(,"final":false,"dwell":)";
-  const std::string_view text = body;
-  if (text.substr(0, position.size()) != position) return std::nullopt;
-  StoredResults::Entry entry;
-  const char* const digits = text.data() + position.size();
-  const auto [end, code] = std::from_chars(digits, text.data() + text.size(), entry.position);
-  if (code != std::errc{}) return std::nullopt;
-  const std::string_view rest = text.substr(static_cast<std::size_t>(end - text.data()));
-  entry.final = rest.substr(0, yes.size()) == yes;
-  if (!entry.final && rest.substr(0, no.size()) != no) return std::nullopt;
-  return entry;
+namespace dwell::ctl {
+namespace {
+
+using record::Result;
+
+constexpr std::size_t kResultsAhead = 8;
+
+Result<StoredResults::Entry> result_in(record::Entry&& entry, const std::string& path) {
+  StoredResults::Entry result;
+  if (const auto front = record::front_of(entry.body)) {
+    result = {front->position, front->final, {}};
+  } else {
+    const auto parsed = record::parse_result(entry.body);
+    if (!parsed) return tl::unexpected(path + ": entry " + std::to_string(entry.seq) + ": " + parsed.error());
+    result = {parsed->position, parsed->final, {}};
+  }
+  result.body = std::move(entry.body);
+  return result;
 }
 
-record::Result<StoredResults> StoredResults::open(const std::string& path) {
-  auto reader = record::ChainReader::open(path, record::ChainSort::run);
-  if (!reader) return tl::unexpected(reader.error());
+}  // namespace
+
+Result<StoredResults> StoredResults::open(const std::string& path) {
+  auto opened = record::ChainReader::open(path, record::ChainSort::run);
+  if (!opened) return tl::unexpected(opened.error());
+  const auto reader = std::make_shared<record::ChainReader>(std::move(*opened));
   reader->seek(1, "result");
-  StoredResults results(path, std::move(*reader));
+  const auto read = [reader, path, failed = false]() mutable -> std::optional<Result<Entry>> {
+    if (failed) return std::nullopt;
+    auto row = reader->next();
+    if (row && !*row) return std::nullopt;
+    Result<Entry> result = row ? result_in(std::move((*row)->entry), path) : tl::unexpected(row.error());
+    failed = !result;
+    return result;
+  };
+  StoredResults results(std::make_unique<Reading>(read, kResultsAhead));
   if (!results.error_.empty()) return tl::unexpected(results.error_);
   return results;
 }
 
-StoredResults::StoredResults(std::string path, record::ChainReader reader)
-    : path_(std::move(path)), reader_(std::move(reader)) {
-  next();
-}
+StoredResults::StoredResults(std::unique_ptr<Reading> reading) : reading_(std::move(reading)) { next(); }
 
 void StoredResults::next() {
   now_.reset();
-  auto row = reader_.next();
-  if (!row) {
-    error_ = row.error();
-  } else if (*row) {
-    std::string& body = (*row)->entry.body;
-    now_ = front_of(body);
-    if (!now_) {
-      const auto result = record::parse_result(body);
-      if (!result) {
-        error_ = path_ + ": entry " + std::to_string((*row)->entry.seq) + ": " + result.error();
-        return;
-      }
-      now_ = Entry{result->position, result->final, {}};
-    }
-    now_->body = std::move(body);
-  }
+  auto result = reading_->next();
+  if (!result) return;
+  if (*result)
+    now_ = std::move(**result);
+  else
+    error_ = std::move(result->error());
 }
 
 }  // namespace dwell::ctl

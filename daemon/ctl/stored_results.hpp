@@ -2,15 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "daemon/record/ahead.hpp"
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/run_entries.hpp"
 
 namespace dwell::ctl {
 
-// Bound to one thread. Memory: one result.
+// Bound to one thread; another one of its own reads ahead. Memory: ten results.
 class StoredResults {
  public:
   // An entry as it is in the file. Parsing it would take as long as computing it, and is seldom needed.
@@ -27,18 +30,18 @@ class StoredResults {
   [[nodiscard]] const Entry* now() const noexcept { return now_ ? &*now_ : nullptr; }
   // Only if now() is not null.
   void next();
+  // The result at hand for the caller to keep, until next() an empty one stands there. Only if now() is not null.
+  [[nodiscard]] Entry take() { return std::exchange(*now_, {}); }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
 
  private:
-  StoredResults(std::string path, record::ChainReader reader);
+  using Reading = record::Ahead<record::Result<Entry>>;
 
-  std::string path_;
-  record::ChainReader reader_;
+  explicit StoredResults(std::unique_ptr<Reading> reading);
+
+  std::unique_ptr<Reading> reading_;
   std::optional<Entry> now_;
   std::string error_;
 };
-
-// Position and final of a body in the form that the recorder writes, without parsing the rest; nullopt: another form.
-[[nodiscard]] std::optional<StoredResults::Entry> front_of(const std::string& body);
 
 }  // namespace dwell::ctl

@@ -48,7 +48,10 @@ ul.warning { color: var(--open); }
 figure { margin: 0 0 3mm; break-inside: avoid; }
 figcaption { font-size: 8.6pt; color: var(--soft); }
 .trace figcaption { color: var(--ink); font-weight: 600; }
-.beside { display: grid; grid-template-columns: 78mm 1fr; gap: 4mm; align-items: start; }
+.beside { display: flex; flex-wrap: wrap; gap: 0 4mm; align-items: flex-start; }
+.beside figure { flex: 0 0 74mm; }
+.beside div { flex: 1 1 90mm; min-width: min-content; }
+.beside td:last-child { overflow-wrap: break-word; }
 svg { display: block; max-width: 100%; height: auto; }
 svg text { font: 9.5px "Liberation Sans", "DejaVu Sans", Arial, sans-serif; fill: var(--soft); }
 svg text.label { fill: var(--ink); font-weight: 600; }

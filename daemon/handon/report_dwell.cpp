@@ -102,6 +102,9 @@ std::string harmonics_text(const ChannelPhasor& p) {
   std::string text;
   for (std::size_t i = 0; i < p.harmonics.size(); ++i)
     text += (i > 0 ? ", " : "") + std::to_string(i + 2) + "f " + small_percent(p.harmonics[i]);
+  // Lines break between harmonics, not within one.
+  for (std::size_t at = text.find(' '); at != std::string::npos; at = text.find(' ', at + 1))
+    if (text[at - 1] != ',') text.replace(at, 1, "\u00a0");
   return text;
 }
 

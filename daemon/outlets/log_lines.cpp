@@ -1,5 +1,5 @@
-#include "daemon/outlets/dwell_line.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/report/dwell_line.hpp"
 
 namespace dwell {
 namespace {

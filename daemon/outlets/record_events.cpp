@@ -1,6 +1,6 @@
-#include "daemon/outlets/dwell_line.hpp"
 #include "daemon/outlets/outlet.hpp"
 #include "daemon/record/recorder.hpp"
+#include "daemon/report/dwell_line.hpp"
 
 namespace dwell {
 namespace {

@@ -38,6 +38,9 @@ struct AuditOptions {
   std::string ledger;                    // path of a ledger; empty: none
   std::vector<std::string> anchors;      // files of heads kept elsewhere
   std::function<void(double)> progress;  // 0 … 1; empty: none
+  // Verify the signature of each note by itself. Not needed: the newest covers all before it, and where it does not
+  // hold all are looked at. The signatures of a ledger are always all verified.
+  bool every_signature = false;
 };
 
 // A file that cannot be read counts as tampered, with the reason. Fails only if the file does not exist.

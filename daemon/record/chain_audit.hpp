@@ -17,13 +17,17 @@ namespace dwell::record {
 // Bound to one thread. A failure names the place and what was found there, without the path.
 class ChainAudit {
  public:
-  [[nodiscard]] static Result<ChainAudit> open(const std::string& path, ChainSort sort);
+  // every_signature: note_holds() verifies each signature, which takes most of an audit's time. Otherwise it leaves
+  // that out, and newest_note_holds() covers them all: each note holds the hash of the one before.
+  [[nodiscard]] static Result<ChainAudit> open(const std::string& path, ChainSort sort, bool every_signature);
 
   // The next entry. Fails if its seq or head does not follow from those before.
   [[nodiscard]] Result<std::optional<ChainReader::Row>> next();
   // Checks that this entry has a note, which signs this entry of this chain, follows the previous note, and is by
   // `key`.
   [[nodiscard]] Result<void> note_holds(const ChainReader::Row& row, const std::string& origin, const PublicKey& key);
+  // That the signature of the note given last verifies. `key`: of all notes so far. Right away where each was verified.
+  [[nodiscard]] Result<void> newest_note_holds(const PublicKey& key) const;
   // Call after the last entry. Checks that the file holds nothing else, and that SQLite finds it sound.
   [[nodiscard]] Result<void> finish();
 
@@ -34,11 +38,14 @@ class ChainAudit {
   [[nodiscard]] std::int64_t last_seq() const;                              // as the file claims; for progress
 
  private:
-  explicit ChainAudit(Snapshot snapshot);
+  ChainAudit(Snapshot snapshot, bool every_signature);
 
   Snapshot snapshot_;
   ChainRows rows_;
-  std::int64_t entries_ = 0, notes_ = 0, last_note_ = 0;
+  bool every_signature_;
+  std::int64_t entries_ = 0, notes_ = 0;
+  NoteLink last_note_;
+  std::string unverified_;  // the text of the last note; empty: there is none whose signature was not verified
   Digest head_{};
 };
 

@@ -38,7 +38,8 @@ class ChainWriter {
   ChainWriter& operator=(ChainWriter&&) noexcept;
   ~ChainWriter();  // discards uncommitted entries
 
-  // Appends an entry; it counts once committed.
+  // Appends an entry; it counts once committed. Refuses a body that readers would refuse: of more than kMaxJson bytes,
+  // of a "stream" more than ChainReader::kMaxBody.
   [[nodiscard]] Result<void> append(std::string_view kind, std::int64_t t_ns, std::string_view body);
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for
   // the disk. Nothing appended: does nothing.

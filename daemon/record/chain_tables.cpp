@@ -10,6 +10,10 @@ constexpr std::string_view kSelect =
     "SELECT e.seq, e.kind, e.t_ns, e.body, e.head, n.text FROM entry AS e LEFT JOIN note AS n ON n.seq = e.seq "
     "WHERE e.seq >= ?1 ";
 
+std::string text_of(const Digest& digest) {
+  return base64({reinterpret_cast<const char*>(digest.data()), digest.size()});
+}
+
 std::string sort_of(ChainSort sort) { return sort == ChainSort::run ? "run file" : "ledger"; }
 
 }  // namespace
@@ -39,11 +43,13 @@ Result<void> check_tables(sqlite3* database, ChainSort sort) {
   return {};
 }
 
+std::string note_front(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns) {
+  return origin + "\n" + std::to_string(seq) + "\n" + text_of(head) + "\n" + std::to_string(t_ns) + "\n";
+}
+
 std::string note_text(const std::string& origin, std::int64_t seq, const Digest& head, std::int64_t t_ns,
-                      std::int64_t before) {
-  return origin + "\n" + std::to_string(seq) + "\n" +
-         base64({reinterpret_cast<const char*>(head.data()), head.size()}) + "\n" + std::to_string(t_ns) + "\n" +
-         std::to_string(before) + "\n";
+                      const NoteLink& before) {
+  return note_front(origin, seq, head, t_ns) + std::to_string(before.seq) + "\n" + text_of(before.hash) + "\n";
 }
 
 ChainRows::ChainRows(sqlite3* database)
@@ -76,20 +82,22 @@ Result<std::optional<ChainReader::Row>> ChainRows::next() {
 
   ChainReader::Row row;
   row.entry.seq = sqlite3_column_int64(current_, 0);
-  const std::string place = "entry " + std::to_string(row.entry.seq) + ": ";
+  const auto fails = [&row](const std::string& what) {
+    return tl::unexpected("entry " + std::to_string(row.entry.seq) + ": " + what);
+  };
   static constexpr int kTypes[] = {SQLITE_INTEGER, SQLITE_TEXT, SQLITE_INTEGER, SQLITE_BLOB, SQLITE_BLOB};
   for (int column = 0; column < 5; ++column)
     if (sqlite3_column_type(current_, column) != kTypes[column])
-      return tl::unexpected(place + "its row has values of other types than the table's");
+      return fails("its row has values of other types than the table's");
   row.entry.kind = column_bytes(current_, 1);
   row.entry.t_ns = sqlite3_column_int64(current_, 2);
   row.entry.body = column_bytes(current_, 3);
-  if (sqlite3_errcode(database_) == SQLITE_NOMEM) return tl::unexpected(place + "out of memory");
+  if (sqlite3_errcode(database_) == SQLITE_NOMEM) return fails("out of memory");
   if (row.entry.body.size() > static_cast<std::size_t>(ChainReader::kMaxBody))
-    return tl::unexpected(place + "more than " + std::to_string(ChainReader::kMaxBody) + " bytes");
+    return fails("more than " + std::to_string(ChainReader::kMaxBody) + " bytes");
   const std::string_view head = column_bytes(current_, 4);
   if (head.size() != row.head.size())
-    return tl::unexpected(place + "its head has " + std::to_string(head.size()) + " bytes, expected 32");
+    return fails("its head has " + std::to_string(head.size()) + " bytes, expected 32");
   std::copy(head.begin(), head.end(), row.head.begin());
   if (sqlite3_column_type(current_, 5) != SQLITE_NULL) row.note = column_bytes(current_, 5);
   return std::optional(std::move(row));

@@ -12,6 +12,7 @@
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/chain_tables.hpp"
+#include "daemon/record/run_entries.hpp"
 #include "daemon/record/sqlite.hpp"
 
 namespace dwell::record {
@@ -26,6 +27,11 @@ constexpr int kCheckpointFrames = 1000;
 constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / 16384);
 
 tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
+
+// Largest body of an entry that readers take.
+std::size_t most_bytes(std::string_view kind) {
+  return kind == "stream" ? static_cast<std::size_t>(ChainReader::kMaxBody) : kMaxJson;
+}
 
 // While the connection is open, no other one can open the file, and SQLite needs no -shm.
 bool set_up(sqlite3* database) {
@@ -84,7 +90,7 @@ Result<void> make_file(const std::string& path, ChainSort sort) {
 struct Tail {
   std::int64_t seq = 0;
   Digest head{};
-  std::int64_t noted = 0;  // entry of the last note
+  NoteLink note;  // the last
 };
 
 // Follows the chain from its start; its last note must be by `signer`, and only signatures may come after.
@@ -92,8 +98,8 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
   Result<ChainReader> reader = ChainReader::open(path, sort);
   if (!reader) return fails(std::move(reader.error()));
   Tail tail;
-  ChainReader::Row noted;   // the last entry with a note, without its body
-  std::int64_t before = 0;  // the entry of the note before that
+  ChainReader::Row noted;  // the last entry with a note, without its body
+  NoteLink before;         // the note before that one
   for (;;) {
     Result<std::optional<ChainReader::Row>> row = reader->next();
     if (!row) return fails(std::move(row.error()));
@@ -108,7 +114,7 @@ Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& 
       if (entry.kind != "signature") noted.note.clear();
       continue;
     }
-    before = std::exchange(tail.noted, entry.seq);
+    before = std::exchange(tail.note, {entry.seq, note_hash((*row)->note)});
     noted = std::move(**row);
     noted.entry.body.clear();
   }
@@ -183,7 +189,8 @@ struct ChainWriter::Impl {
 
   bool add_note() {
     if (!key) return true;
-    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, committed.noted));
+    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, committed.note));
+    pending.note = {pending.seq, note_hash(note)};
     sqlite3_bind_int64(insert_note.get(), 1, pending.seq);
     sqlite3_bind_text(insert_note.get(), 2, note.data(), static_cast<int>(note.size()), SQLITE_STATIC);
     return run(insert_note.get());
@@ -254,10 +261,10 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
 Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::string_view body) {
   Impl& own = *impl_;
   if (!own.insert_entry) return fails(own.path + ": is closed");
-  if (body.size() > static_cast<std::size_t>(ChainReader::kMaxBody)) {
+  if (const std::size_t most = most_bytes(kind); body.size() > most) {
     own.roll_back();
-    return fails(own.path + ": an entry of " + std::to_string(body.size()) + " bytes; at most " +
-                 std::to_string(ChainReader::kMaxBody) + " fit");
+    return fails(own.path + ": a " + std::string(kind) + " entry of " + std::to_string(body.size()) +
+                 " bytes; at most " + std::to_string(most) + " can be read back");
   }
   if (sqlite3_get_autocommit(own.database.get()) != 0 && !execute(own.database.get(), "BEGIN IMMEDIATE"))
     return own.failed();
@@ -280,7 +287,6 @@ Result<void> ChainWriter::commit() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
   if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
-  if (own.key) own.pending.noted = own.pending.seq;
   own.committed = own.pending;
   own.checkpoint();
   return {};

@@ -3,6 +3,7 @@
 #include <openssl/evp.h>
 
 #include <charconv>
+#include <initializer_list>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -12,6 +13,22 @@ namespace {
 
 void append_u64(std::string& to, std::uint64_t value) {
   for (int i = 0; i < 8; ++i) to += static_cast<char>(value >> (8 * i) & 0xffu);
+}
+
+// Of the parts one after the other. Looking the algorithm up and making a context cost more than a short text does.
+Digest sha256(std::initializer_list<std::string_view> parts) {
+  using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+  static EVP_MD* const kAlgorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  thread_local const Context context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  Digest digest{};
+  unsigned int length = 0;
+  bool done = kAlgorithm != nullptr && context && EVP_DigestInit_ex(context.get(), kAlgorithm, nullptr) == 1;
+  for (const std::string_view part : parts)
+    done = done && EVP_DigestUpdate(context.get(), part.data(), part.size()) == 1;
+  // Fails only if the library was built without SHA-256 or memory is out.
+  if (!done || EVP_DigestFinal_ex(context.get(), digest.data(), &length) != 1 || length != digest.size())
+    throw std::runtime_error("SHA-256 is not available from libcrypto");
+  return digest;
 }
 
 }  // namespace
@@ -24,17 +41,10 @@ Digest next_head(const Digest& before, const Entry& entry) {
   front += entry.kind;
   append_u64(front, static_cast<std::uint64_t>(entry.t_ns));
   append_u64(front, entry.body.size());
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  Digest head{};
-  unsigned int length = 0;
-  // Fails only if the library was built without SHA-256 or memory is out.
-  if (!context || EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) != 1 ||
-      EVP_DigestUpdate(context.get(), front.data(), front.size()) != 1 ||
-      EVP_DigestUpdate(context.get(), entry.body.data(), entry.body.size()) != 1 ||
-      EVP_DigestFinal_ex(context.get(), head.data(), &length) != 1 || length != head.size())
-    throw std::runtime_error("SHA-256 is not available from libcrypto");
-  return head;
+  return sha256({front, entry.body});
 }
+
+Digest note_hash(std::string_view note) { return sha256({"dwell note v1\n", note}); }
 
 std::string hex(const Digest& digest) {
   static constexpr char kDigits[] = "0123456789abcdef";

@@ -23,6 +23,9 @@ struct Entry {
 // chain".
 [[nodiscard]] Digest next_head(const Digest& before, const Entry& entry);
 
+// What the next note says of this one. docs/run-file.md, "The notes".
+[[nodiscard]] Digest note_hash(std::string_view note);
+
 // 64 hexadecimal digits; standard base64 with padding.
 [[nodiscard]] std::string hex(const Digest& digest);
 [[nodiscard]] std::string base64(std::string_view bytes);

@@ -92,13 +92,14 @@ Result<std::string> public_of(EVP_PKEY* key) {
 
 }  // namespace
 
+PublicKey::PublicKey(std::string name, std::string key)
+    : name_(std::move(name)), key_(std::move(key)), hash_(key_hash(name_, key_)) {}
+
 Result<PublicKey> PublicKey::parse(std::string_view vkey) {
   if (vkey.substr(0, kPrivate.size()) == kPrivate) return fails("this is a private key: keep it to yourself");
   Result<KeyText> parts = parse_key_text(vkey);
   if (!parts) return fails(std::move(parts.error()));
-  PublicKey key;
-  key.name_ = std::move(parts->name);
-  key.key_ = std::move(parts->key);
+  PublicKey key(std::move(parts->name), std::move(parts->key));
   if (key.vkey() != vkey) return fails("the hash of the key does not fit its name and its bytes");
   return key;
 }
@@ -112,31 +113,48 @@ std::string PublicKey::fingerprint() const {
   return out;
 }
 
-Result<std::string> PublicKey::open(std::string_view note) const {
+// Views of a note, and the signature decoded.
+struct PublicKey::Parts {
+  std::string_view text;
+  std::string signature;  // 64 bytes
+};
+
+Result<PublicKey::Parts> PublicKey::parts_of(std::string_view note) const {
   // The text ends before the last empty line.
   const std::size_t gap = note.rfind("\n\n");
   if (gap == std::string_view::npos) return fails("not a signed note: no empty line before the signature");
-  const std::string text(note.substr(0, gap + 1));
-  const std::string_view line = note.substr(gap + 2);
-  const std::string front = std::string(kDash) + name_ + " ";
+  std::string_view line = note.substr(gap + 2);
   if (line.substr(0, kDash.size()) != kDash || line.back() != '\n')
     return fails("not a signed note: no line of a signature at its end");
   if (line.find('\n') != line.size() - 1) return fails("the note has more lines of signatures than one");
-  if (line.substr(0, front.size()) != front) return fails("the note is not signed by \"" + name_ + "\"");
-  const std::optional<std::string> signature = from_base64(line.substr(front.size(), line.size() - front.size() - 1));
+  line = line.substr(kDash.size(), line.size() - kDash.size() - 1);
+  if (line.substr(0, name_.size()) != name_ || line.substr(name_.size(), 1) != " ")
+    return fails("the note is not signed by \"" + name_ + "\"");
+  const std::optional<std::string> signature = from_base64(line.substr(name_.size() + 1));
   if (!signature || signature->size() != kKeyHashBytes + kSignatureBytes)
     return fails("the signature of the note is not 68 bytes in base64");
-  if (signature->substr(0, kKeyHashBytes) != key_hash(name_, key_))
+  if (hash_.empty() || signature->compare(0, kKeyHashBytes, hash_) != 0)
     return fails("the note is signed by another key named \"" + name_ + "\"");
+  return Parts{note.substr(0, gap + 1), signature->substr(kKeyHashBytes)};
+}
 
+Result<std::string_view> PublicKey::read(std::string_view note) const {
+  Result<Parts> parts = parts_of(note);
+  if (!parts) return fails(std::move(parts.error()));
+  return parts->text;
+}
+
+Result<std::string> PublicKey::open(std::string_view note) const {
+  Result<Parts> parts = parts_of(note);
+  if (!parts) return fails(std::move(parts.error()));
   const Pkey key(EVP_PKEY_new_raw_public_key(EVP_PKEY_ED25519, nullptr, bytes_of(key_), key_.size()), EVP_PKEY_free);
   const Context context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   if (!key || !context || EVP_DigestVerifyInit(context.get(), nullptr, nullptr, nullptr, key.get()) != 1)
     return fails("libcrypto cannot use this Ed25519 key");
-  if (EVP_DigestVerify(context.get(), bytes_of(*signature) + kKeyHashBytes, kSignatureBytes, bytes_of(text),
-                       text.size()) != 1)
+  if (EVP_DigestVerify(context.get(), bytes_of(parts->signature), kSignatureBytes, bytes_of(parts->text),
+                       parts->text.size()) != 1)
     return fails("the signature does not hold");
-  return text;
+  return std::string(parts->text);
 }
 
 struct SigningKey::Private {
@@ -152,8 +170,7 @@ Result<SigningKey> SigningKey::make(const std::string& name) {
   if (!public_key) return fails(std::move(public_key.error()));
   SigningKey key;
   key.key_ = std::move(own);
-  key.public_.name_ = name;
-  key.public_.key_ = std::move(*public_key);
+  key.public_ = PublicKey(name, std::move(*public_key));
   return key;
 }
 
@@ -186,8 +203,7 @@ Result<SigningKey> SigningKey::load(const std::string& path) {
     return of_file("damaged: the hash of the key does not fit its name and its bytes");
   SigningKey key;
   key.key_ = std::move(own);
-  key.public_.name_ = std::move(parts->name);
-  key.public_.key_ = std::move(*public_key);
+  key.public_ = PublicKey(std::move(parts->name), std::move(*public_key));
   return key;
 }
 
@@ -232,7 +248,7 @@ std::string SigningKey::sign(std::string_view text) const {
   std::string note(text);
   note += "\n";
   note += kDash;
-  note += public_.name_ + " " + base64(key_hash(public_.name_, public_.key_) + signature) + "\n";
+  note += public_.name_ + " " + base64(public_.hash_ + signature) + "\n";
   return note;
 }
 

@@ -15,6 +15,7 @@ using Result = tl::expected<T, std::string>;
 // A public key with its name. A value; any thread.
 class PublicKey {
  public:
+  PublicKey() = default;  // none: no note is by it
   // From the text of a vkey; fails with what is wrong.
   [[nodiscard]] static Result<PublicKey> parse(std::string_view vkey);
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -23,14 +24,21 @@ class PublicKey {
   // For people to compare: SHA-256 of the 32 bytes of the key, as 16 groups of four hexadecimal digits.
   [[nodiscard]] std::string fingerprint() const;
   // The signed text of a note: all before the signature line, with its last newline. Fails if the note is not by this
-  // key alone, if the signature does not verify, or if the form is not that of a note. Cost: 0.15 ms.
+  // key alone, if the signature does not verify, or if the form is not that of a note. Cost: 0.1 ms.
   [[nodiscard]] Result<std::string> open(std::string_view note) const;
-  bool operator==(const PublicKey&) const = default;
+  // The same, but whether the signature holds is not checked: a part of `note`. Cost: 1 µs.
+  [[nodiscard]] Result<std::string_view> read(std::string_view note) const;
+  bool operator==(const PublicKey& other) const { return name_ == other.name_ && key_ == other.key_; }
 
  private:
   friend class SigningKey;
+  struct Parts;
+  PublicKey(std::string name, std::string key);
+  [[nodiscard]] Result<Parts> parts_of(std::string_view note) const;
+
   std::string name_;
-  std::string key_;  // 32 bytes
+  std::string key_;   // 32 bytes
+  std::string hash_;  // 4 bytes, of both
 };
 
 // A private key with its name: the service's, or a person's. Bound to one thread.

@@ -64,7 +64,7 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
   if (!anchors) return tl::unexpected(anchors.error());
   for (int tries = 1;; ++tries) {
     CheckedLedger ledger;
-    Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger);
+    Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::ledger, true);
     const Result<void> sound = chain ? walk(*chain, ledger, *anchors) : tl::unexpected(chain.error());
     if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
     if (!sound) ledger.broken = sound.error();

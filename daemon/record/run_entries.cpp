@@ -14,8 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // members stay in the order of the page
 
-// Largest body. Parsing takes up to 32 times its size, so this bounds what a hostile file can make a reader allocate.
-constexpr std::size_t kMaxJson = 8 << 20;
 // A dwell nests six deep.
 constexpr int kMaxNesting = 64;
 

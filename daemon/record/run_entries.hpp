@@ -2,6 +2,7 @@
 // do not know, so newer files stay readable.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,6 +11,10 @@
 #include "daemon/record/keys.hpp"
 
 namespace dwell::record {
+
+// Largest JSON body. Parsing takes up to 32 times its size, so this bounds what a hostile file can make a reader
+// allocate. A writer must not exceed it: what it wrote could not be read back.
+inline constexpr std::size_t kMaxJson = 8 << 20;
 
 // Who did something: a user of the computer, by the peer credentials of the control socket.
 struct Person {

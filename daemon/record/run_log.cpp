@@ -96,8 +96,13 @@ void RunLog::note_request(const Record& record) {
 void RunLog::result(std::uint64_t position, bool final, const Dwell& dwell) {
   if (!run_) return;
   if (final) ++run_->dwells;
-  notes_.push_back(
-      {"result", 0, to_json(StoredResult{position, final, options_.dwell_json(dwell, run_->header.start_utc)})});
+  std::string body = to_json(StoredResult{position, final, options_.dwell_json(dwell, run_->header.start_utc)});
+  if (body.size() <= kMaxJson) return notes_.push_back({"result", 0, std::move(body)});
+  StoredEvent event = own_event("the result here is not recorded: it has " + std::to_string(body.size()) +
+                                " bytes; at most " + std::to_string(kMaxJson) + " can be read back");
+  event.position = position;
+  options_.tell({Notice::Grade::error, named(run_->header) + ": " + event.text, run_->header.run, {}});
+  note(std::move(event));
 }
 
 void RunLog::event(StoredEvent event) {

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/record/ahead.hpp"
 #include "daemon/record/block.hpp"
 #include "daemon/record/chain_file.hpp"
 
@@ -14,6 +15,9 @@ using Row = ChainReader::Row;
 
 // Most signatures. People sign a run a few times; this bounds what a hostile file can make a reader allocate.
 constexpr std::size_t kMostSignatures = 1000;
+
+// Decoded blocks that wait or are being decoded, beside the one in use; each may take 34 MB.
+constexpr std::size_t kBlocksAhead = 1;
 
 }  // namespace
 
@@ -102,15 +106,35 @@ struct RunReader::Impl {
     });
   }
 
+  using Records = std::vector<Record>;
+
+  // The next block; nullopt: there is none left.
+  [[nodiscard]] std::optional<Result<Records>> next_block() {
+    const auto row = chain.next();
+    if (!row) return tl::unexpected(row.error());
+    if (!row->has_value()) return std::nullopt;
+    Records records;
+    if (const auto decoded = decode_block((*row)->entry.body, records); !decoded)
+      return fails((*row)->entry, decoded.error());
+    return records;
+  }
+
+  // Reading and decoding take a fifth of the time that a pipeline does: they go on beside `take`.
   [[nodiscard]] Result<void> stream(std::int64_t seq, const std::function<bool(const Record&)>& take) {
-    std::vector<Record> records;
-    return each(seq, "stream", [&](const Entry& entry) -> Result<bool> {
-      if (const auto decoded = decode_block(entry.body, records); !decoded) return tl::unexpected(decoded.error());
-      for (const Record& record : records) {
-        if (!take(record)) return false;
-      }
-      return true;
-    });
+    chain.seek(seq, "stream");
+    const auto make = [this, failed = false]() mutable -> std::optional<Result<Records>> {
+      if (failed) return std::nullopt;
+      auto block = next_block();
+      failed = block && !*block;
+      return block;
+    };
+    Ahead<Result<Records>> blocks(make, kBlocksAhead);
+    while (const auto block = blocks.next()) {
+      if (!*block) return tl::unexpected(block->error());
+      for (const Record& record : **block)
+        if (!take(record)) return {};
+    }
+    return {};
   }
 
   // The seq of the first block that reaches t_ns; t_ns is at most end_ns.

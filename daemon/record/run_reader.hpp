@@ -13,7 +13,7 @@
 
 namespace dwell::record {
 
-// Bound to one thread. Memory: one block at a time, whatever the file's size.
+// Bound to one thread. Memory: three blocks at a time, whatever the file's size.
 class RunReader {
  public:
   // Fails with "FILE: what is wrong".
@@ -32,7 +32,7 @@ class RunReader {
   // Each hands its items to `take`, in order, as long as that returns true. take must not call this reader. Fails with
   // "FILE: entry N: what is wrong", possibly after some items.
   //
-  // Every record of the stream. Cost: about 0.03 µs a record.
+  // Every record of the stream; blocks are read on a thread of its own, ahead of `take`. Cost: about 0.03 µs a record.
   [[nodiscard]] Result<void> stream(const std::function<bool(const Record&)>& take);
   // The same, from the block on that holds the instant t_ns; none if the stream ends before.
   [[nodiscard]] Result<void> stream_from(std::int64_t t_ns, const std::function<bool(const Record&)>& take);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <climits>
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +22,8 @@ namespace {
 // Files that the rig file names are kept in the run file up to this size. A larger one is not a description of the rig
 // but data, for instance a recording to be replayed: only its name is kept.
 constexpr std::uintmax_t kKeptFileBytes = 4u << 20;
+// Of the JSON of a run's header, for what comes to it as the run begins: label, comment, origin, keys.
+constexpr std::size_t kHeaderRoom = 64u << 10;
 // Readings of a channel per second that are assumed for a device without a stated rate, a bus for instance.
 constexpr double kUnstatedRate_hz = 1000.0;
 
@@ -33,7 +36,7 @@ std::vector<std::string> files_named(const config::RigFile& file) {
       std::error_code failed;
       if (text != nullptr && !text->empty() &&
           std::filesystem::is_regular_file(std::filesystem::path(file.directory) / *text, failed))
-        names.push_back(*text);
+        if (std::find(names.begin(), names.end(), *text) == names.end()) names.push_back(*text);
     }
   };
   for (const config::DeviceSettings& device : file.devices) {
@@ -52,6 +55,15 @@ tl::expected<record::KeptFile, std::string> keep(const config::RigFile& file, co
   return record::KeptFile{name, config::sha256(*text), std::move(*text)};
 }
 
+std::string too_large(const config::RigFile& file, const record::RunHeader& header, std::size_t bytes) {
+  std::string text = file.path + ": with the files that it names it takes " + std::to_string(bytes) +
+                     " bytes of each run file, as JSON; at most " + std::to_string(record::kMaxJson - kHeaderRoom) +
+                     " can be read back. The files:";
+  for (const record::KeptFile& kept : header.files)
+    text += " " + kept.path + " (" + std::to_string(kept.text.size()) + " bytes)";
+  return text;
+}
+
 tl::expected<record::RunHeader, std::string> header_of(const config::RigFile& file,
                                                        const config::SchemaSource& drivers) {
   record::RunHeader header;
@@ -67,6 +79,8 @@ tl::expected<record::RunHeader, std::string> header_of(const config::RigFile& fi
     header.plugins.push_back({device.driver, states ? (*table)->version : ""});
   }
   for (const Channel& channel : file.rig.channels) header.channels.push_back(channel.name);
+  if (const std::size_t bytes = to_json(header).size(); bytes > record::kMaxJson - kHeaderRoom)
+    return tl::unexpected(too_large(file, header, bytes));
   return header;
 }
 

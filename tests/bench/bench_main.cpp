@@ -172,6 +172,13 @@ void print(Medians& medians) {
   table.at_least("replay, 10 min of 8 channels at 1 kHz, wall clock", seconds("replay_ten_minutes"),
                  real_time("replay_ten_minutes"), 1000);
   table.plain("... of it reading the file", seconds("reading_ten_minutes"));
+  for (const char* rate : {"25", "200", "1000"}) {
+    const std::string bench = std::string("audit_over_sha256sum/") + rate;
+    const std::string figure =
+        "audit / sha256sum, run of " + text("%.0f kB/s", 1e-3 * medians.of(bench, "recorded_bytes_per_s"));
+    table.at_least(figure.c_str(), text("%.0f MB/s", 1e-6 * medians.of(bench, "bytes_per_s")),
+                   medians.of(bench, "ratio"), 0.5);
+  }
   table.at_least("virtual test, 10 min of 8 masses at 1 kHz, shared instants", seconds("virtual_test_shared_instants"),
                  real_time("virtual_test_shared_instants"), 3000);
   table.plain("virtual test, the same, each sample its own instant", seconds("virtual_test_own_instants"),

@@ -11,6 +11,7 @@
 #include "daemon/record/ledger.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/number_text.hpp"
+#include "tests/api_schema.hpp"
 #include "tests/ctl/program.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
@@ -167,6 +168,59 @@ TEST_F(RecordVerbs, ShowLinesUpIn80Columns) {
   int count = 0;
   for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(width(line), 80u) << line;
   EXPECT_GT(count, 20);
+}
+
+TEST_F(RecordVerbs, JsonIsAsTheSchemaSays) {
+  const test::ApiSchema schema;
+  SampleRun open = make("open.dwell");
+  open.closed = false;
+  open.header.parent_id = std::string(32, '1');
+  open.header.parent_head = std::string(64, '2');
+  open.header.begun_by = "replay";
+  open.header.person.reset();
+  open.header.rig.text = "\xff not UTF-8";
+  open.header.files = {{"motor.dbc", std::string(64, 'b'), "VERSION"}};
+  open.header.origin.clock_error_s = kNaN;
+  open.results.clear();
+  write(open, key);
+  const std::string run = written("run.dwell"), bad = written("bad.dwell");
+  const std::string own = folder.path("own-key"), ledger = folder.path("ledger.dwell-ledger");
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  ASSERT_EQ(test::run({"sign", run, "--meaning", "reviewed", "--reason", "why", "--key", own}).code, 0);
+  alter(bad, "DELETE FROM entry WHERE seq = 4");
+  {
+    auto made = record::Ledger::open(folder.path(""), key);
+    ASSERT_TRUE(made) << made.error();
+    record::RunHeader gone = open.header;
+    gone.run = made->next_run();
+    ASSERT_TRUE(made->run_begins(gone, "gone.dwell"));
+  }
+  EXPECT_EQ(schema.faults_of_text("audit", test::run({"audit", "--json", run, open.path, bad}).out), "");
+  EXPECT_EQ(schema.faults_of_text("audit", test::run({"audit", "--json", "--ledger", ledger}).out), "");
+  EXPECT_EQ(schema.faults_of_text("shown_run", test::run({"show", "--json", run}).out), "");
+  EXPECT_EQ(schema.faults_of_text("shown_run", test::run({"show", "--json", open.path}).out), "");
+  EXPECT_EQ(schema.faults_of_text("folder_runs", test::run({"runs", "--json", folder.path("")}).out), "");
+}
+
+TEST_F(RecordVerbs, ShowTellsOfAFaultThatLastsOnceWithItsSum) {
+  SampleRun run = make("run.dwell");
+  for (int second = 10; second < 50; ++second) {
+    const std::string utc = "2026-07-01T10:12:" + std::to_string(second) + ".250000Z";
+    run.events.push_back({100, utc, "fault", "device amplifier: timeout, 3 times", {}, "", "", ""});
+    run.events.push_back({100, utc, "fault", "device amplifier: crc, 1 times", {}, "", "", ""});
+    run.events.push_back({101, utc, "fault", "channel y0 does not deliver: timeout", {}, "", "", ""});
+    run.events.push_back({102, utc, "loss", "channel y0: 5 samples lost, no room on their way", {}, "", "", ""});
+  }
+  run.events.push_back({5000, "2026-07-01T10:12:51.000000Z", "action", "rearm", {}, "", "", "the last"});
+  write(run, key);
+  const std::string out = test::run({"show", run.path}).out;
+  for (const char* part : {"10:12:10.250  fault   device amplifier: timeout, 120 times, up to 10:12:49.250",
+                           "device amplifier: crc, 40 times, up to 10:12:49.250", "rearm: the last",
+                           "channel y0 does not deliver: timeout, 40 times, up to",
+                           "10:12:10.250  channel y0: 200 samples lost, no room on their way, up to"})
+    EXPECT_TRUE(holds(out, part)) << part << "\n" << out;
+  EXPECT_FALSE(holds(out, "which --json shows")) << out;
+  EXPECT_EQ(nlohmann::json::parse(test::run({"show", "--json", run.path}).out)["events"].size(), 3u + 161u);
 }
 
 TEST_F(RecordVerbs, ShowAsJsonHoldsTheEntriesAsTheyAre) {

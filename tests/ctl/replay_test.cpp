@@ -14,8 +14,10 @@
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/identify.hpp"
 #include "daemon/ctl/run_source.hpp"
+#include "daemon/estimate/measurement.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "daemon/report/dwell_json.hpp"
+#include "daemon/report/dwell_line.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/ctl/run_file_builder.hpp"
 #include "tests/ctl/temporary.hpp"
@@ -302,6 +304,51 @@ TEST_F(AmendTest, AChildHoldsWhatTheOtherRigFileGivesAndTheParentStaysAsItIs) {
   const Printed of_child = replayed(child);
   EXPECT_EQ(of_child.code, kUsage);
   EXPECT_NE(of_child.err.find(written.header.id), std::string::npos) << of_child.err;
+}
+
+// What the service would have told of this stream with the other rig file.
+std::vector<std::string> states_told(const std::vector<Record>& stream, const std::string& rig_text) {
+  const auto rig = config::parse(rig_text, "other.toml", {});
+  std::vector<std::string> told;
+  Measurement measurement(rig->rig, KeptDwells(1, 1'000'000), [&](const RunEvent& event) {
+    if (event.kind == RunEvent::Kind::state_changed) told.push_back(state_line(event.before, *event.dwell));
+  });
+  for (const Record& record : stream) measurement.take(record);
+  measurement.finish();
+  return told;
+}
+
+TEST_F(AmendTest, AChildHoldsTheEventsOfItsReplay) {
+  StreamBuilder builder(bench(), {.frequency_hz = 6.0, .amplitude = 3e-3, .ramp_s = 0.2}, 6);
+  builder.run_to(5.0);
+  builder.add(Kind::fault, 0, static_cast<std::uint8_t>(Fault::timeout), 3.0);
+  builder.add(Kind::loss, 1, static_cast<std::uint8_t>(Loss::late), 2.0);
+  builder.run_to(12.0);
+  const std::vector<Record> stream = builder.end();
+  const std::string parent = folder.path("run.dwell"), child = folder.path("child.dwell");
+  test::write_run(parent, bench().rig_text(), stream);
+  const std::string other = bench().rig_text(1.002);
+  ASSERT_EQ(amend(parent, other, child).code, kDone);
+
+  std::vector<std::string> states, others, utc;
+  std::uint64_t fault_at = 0;
+  auto reader = record::RunReader::open(child);
+  ASSERT_TRUE(reader) << reader.error();
+  ASSERT_TRUE(reader->events([&](const record::StoredEvent& event) {
+    (event.what == "state" ? states : others).push_back(event.what == "state" ? event.text : event.what);
+    if (event.what == "fault") fault_at = event.position;
+    utc.push_back(event.utc);
+    return true;
+  }));
+  EXPECT_EQ(states, states_told(stream, other));
+  EXPECT_GE(states.size(), 3u) << "settling, measuring, idle";
+  EXPECT_EQ(others, (std::vector<std::string>{"fault", "loss"}));
+  ASSERT_GT(fault_at, 0u);
+  EXPECT_EQ(stream.at(fault_at - 1).kind, Kind::fault);
+  for (const std::string& instant : utc) {
+    EXPECT_GE(instant, "2026-11-23T03:12:17.250000Z");
+    EXPECT_LE(instant, "2026-11-23T03:12:30.000000Z");
+  }
 }
 
 TEST_F(AmendTest, TheScaleOfAChannelCanBeCorrected) {

@@ -205,6 +205,7 @@ WrittenRun write_run(const std::string& path, const std::string& rig_text, const
     must(writer.append("stream", block.back().t_ns, record::encode_block(block)));
     for (const record::StoredResult& result : results)
       must(writer.append("result", block.back().t_ns, to_json(result)));
+    if (changes.commits) must(writer.commit());
     block.clear();
     results.clear();
   };

@@ -70,6 +70,7 @@ struct Changes {
   std::function<bool(record::StoredResult&)> result = {};  // false: it is left out
   bool without_end = false;
   double every_s = 0.25;  // between two results, on the stream
+  bool commits = false;   // each block is committed and signed by itself, as the service does; else all at once
 };
 
 struct WrittenRun {

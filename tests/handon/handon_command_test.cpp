@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/api_schema.hpp"
 #include "tests/handon/handed_run.hpp"
 
 namespace dwell {
@@ -42,6 +43,15 @@ class HandonCommand : public ::testing::Test {
   record::Scratch scratch_;
   test::HandedRun run_;
 };
+
+TEST_F(HandonCommand, JsonIsAsTheSchemaSays) {
+  const test::ApiSchema schema;
+  for (const char* format : {"csv", "hdf5", "uff"}) {
+    const Said said = say(std::string("export run.dwell --json -o out --format ") + format);
+    EXPECT_EQ(schema.faults_of_text("exported_run", said.out), "") << format << said.err;
+  }
+  EXPECT_EQ(schema.faults_of_text("report", say("report run.dwell -o out.html --json").out), "");
+}
 
 TEST_F(HandonCommand, ExportsInEachFormatAndSaysWhatWasWritten) {
   const Said csv = say("export run.dwell --format csv -o out.csv");

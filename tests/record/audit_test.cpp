@@ -111,6 +111,38 @@ TEST(Audit, ANoteThatIsGoneIsMissedThoughALaterOneCoversItsEntries) {
   EXPECT_TRUE(says(audited(path).where, "does not follow")) << audited(path).where;
 }
 
+// The newest signature is the only one that an audit verifies; the hash in each note covers the others.
+TEST(Audit, AnAlteredSignatureUnderAnEarlierNoteIsFoundThoughOnlyTheNewestIsVerified) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .blocks = 5});
+  const Files files = files_in(scratch);
+  for (const int from_end : {10, 50, 80}) {
+    put_files(scratch, files);
+    const std::string at = "(length(text) - " + std::to_string(from_end) + ")";
+    // Another letter of base64, so that only the signature's own bytes differ.
+    ASSERT_TRUE(forge(path, "UPDATE note SET text = substr(text, 1, " + at + ") || CASE substr(text, 1 + " + at +
+                                ", 1) WHEN 'x' THEN 'y' ELSE 'x' END || substr(text, 2 + " + at +
+                                ") WHERE seq = (SELECT min(seq) FROM note)"));
+    ASSERT_NE(files_in(scratch), files);
+    for (const bool every : {false, true}) {
+      const Audit audit =
+          audited(path, {.key = {}, .ledger = {}, .anchors = {}, .progress = {}, .every_signature = every});
+      EXPECT_EQ(audit.state, AuditState::tampered);
+      EXPECT_TRUE(says(audit.where, "the note on entry 4: the signature does not hold")) << audit.where;
+    }
+  }
+}
+
+TEST(Audit, EverySignatureCanBeVerifiedByItself) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_both});
+  const Audit audit = audited(path, {.key = {}, .ledger = {}, .anchors = {}, .progress = {}, .every_signature = true});
+  EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
+  EXPECT_EQ(audit.head, audited(path).head);
+}
+
 TEST(Audit, WhatIsNoRunFileIsTamperedAndWhatIsNotThereIsAnError) {
   const Scratch scratch(true);
   EXPECT_EQ(audited(scratch.write("text.dwell", "time,x\n")).state, AuditState::tampered);

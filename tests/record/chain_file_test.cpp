@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/record/run_entries.hpp"
 #include "tests/record/scratch.hpp"
 
 namespace dwell::record {
@@ -76,8 +77,11 @@ TEST(ChainFile, WhatWasCommittedIsReadBackWithHeadsAndNotes) {
   }
   EXPECT_EQ((*rows)[1].entry.body, large);
   EXPECT_EQ((*rows)[0].note, "") << "the note is on the last entry of a commit";
+  const auto text_of = [](const Digest& digest) {
+    return base64({reinterpret_cast<const char*>(digest.data()), digest.size()});
+  };
   const std::string text =
-      std::string(kOrigin) + "\n3\n" + base64({reinterpret_cast<const char*>(head.data()), head.size()}) + "\n7\n2\n";
+      std::string(kOrigin) + "\n3\n" + text_of(head) + "\n7\n2\n" + text_of(note_hash((*rows)[1].note)) + "\n";
   EXPECT_EQ(service_key().public_key().open((*rows)[2].note).value_or("?"), text);
   EXPECT_EQ(writer->committed_head(), head);
   EXPECT_EQ(contents(scratch.path()).size(), 1u) << "a closed file is one file";
@@ -99,6 +103,24 @@ TEST(ChainFile, WhatIsNotCommittedIsNotRead) {
   ASSERT_EQ(rows->size(), 2u);
   EXPECT_EQ(rows->back().entry.body, "kept");
   EXPECT_EQ(rows->back().head, writer.committed_head());
+}
+
+TEST(ChainFile, WhatNoReaderWouldTakeIsNotWritten) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  ChainWriter writer = *ChainWriter::create(path, ChainSort::run, kOrigin, service_key());
+  ASSERT_TRUE(writer.append("run", 1, "{}"));
+  ASSERT_TRUE(writer.commit());
+  for (const char* kind : {"run", "result", "event", "signature"}) {
+    const Result<void> refused = writer.append(kind, 2, std::string(kMaxJson + 1, ' '));
+    ASSERT_FALSE(refused) << kind;
+    EXPECT_NE(refused.error().find(path + ": a " + kind + " entry of 8388609 bytes; at most 8388608 can be read back"),
+              std::string::npos)
+        << refused.error();
+  }
+  ASSERT_TRUE(writer.append("stream", 2, std::string(kMaxJson + 1, ' '))) << "blocks may be larger";
+  ASSERT_TRUE(writer.close());
+  EXPECT_EQ(read_all(path)->size(), 2u);
 }
 
 TEST(ChainFile, ReadingAltersNoByteWhileItIsWrittenAndAfterACrash) {

@@ -126,7 +126,7 @@ def rows(path, folder):
     database = sqlite3.connect(copy)
     try:
         check(database.execute("PRAGMA application_id").fetchone()[0] == 0x44574C4C, "no run file")
-        check(database.execute("PRAGMA user_version").fetchone()[0] == 1, "a version that this page does not tell of")
+        check(database.execute("PRAGMA user_version").fetchone()[0] == 2, "a version that this page does not tell of")
         notes = dict(database.execute("SELECT seq, text FROM note"))
         yield notes
         yield from database.execute("SELECT seq, kind, t_ns, body, head FROM entry ORDER BY seq")
@@ -143,7 +143,8 @@ class Reader:
         self.pinned, self.out = pinned, out
         self.key = self.origin = self.end = None
         self.head, self.seq = bytes(32), 0
-        self.note = self.covered = 0  # the last note, and the last entry that a signature covers
+        self.note, self.note_hash = 0, bytes(32)  # the last note
+        self.covered = 0  # the last entry that a signature covers
         self.heads, self.result = [], {"records": 0, "samples": 0, "results": [], "events": [], "signatures": []}
 
     def read(self, path, folder):
@@ -160,10 +161,12 @@ class Reader:
             if kind == "signature":
                 self.signature(where, before, json.loads(body))
             if seq in notes:
-                lines = self.key.open(notes.pop(seq), f"note {seq}")
-                check(lines == [self.origin, str(seq), base64.b64encode(head).decode(), str(t_ns), str(self.note)],
+                note = notes.pop(seq)
+                check(self.key.open(note, f"note {seq}") == [self.origin, str(seq), base64.b64encode(head).decode(), str(t_ns),
+                                                             str(self.note), base64.b64encode(self.note_hash).decode()],
                       f"note {seq}: signs something else")
                 self.note = self.covered = seq
+                self.note_hash = hashlib.sha256(b"dwell note v1\n" + note.encode()).digest()
         check(not notes, f"notes without an entry: {sorted(notes)}")
         check(self.seq > 0, "no entries")
         check(self.covered == self.seq, f"entries from {self.covered + 1} on are not signed")

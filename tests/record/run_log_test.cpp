@@ -58,7 +58,7 @@ StoredEvent event_of(const std::string& text) {
 struct RunLogTest : testing::Test {
   RunLogTest()
       : log(store, {[] { return RunHeader(); },
-                    [](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"}"; },
+                    [this](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"" + more + "}"; },
                     [this](const Notice& notice) { notices.push_back(notice); },
                     {{"y0", "y1"}, {"amplifier"}}}),
         stream(2, 200.0, [this](const Record& record) {
@@ -100,11 +100,37 @@ struct RunLogTest : testing::Test {
 
   static constexpr std::int64_t kUtc_ns = 1'790'000'000'000'000'000;
   MemoryStore store;
+  std::string more;  // in each dwell's JSON
   std::vector<Notice> notices;
   std::vector<Record> handed;
   RunLog log;
   SyntheticStream stream;
 };
+
+TEST_F(RunLogTest, AResultThatNoReaderTakesIsAnEventInstead) {
+  stream.armed();
+  stream.play(1.0);
+  stream.begins();
+  more = ",\"x\":\"" + std::string(kMaxJson, 'x') + "\"";
+  log.result(20, false, {});
+  more.clear();
+  log.result(21, true, {});
+  stream.play(1.5);
+  stream.ends();
+  stream.play(1.1);
+  const MemoryRun& run = store.runs.at(0);
+  EXPECT_TRUE(run.closed);
+  for (const NewEntry& entry : run.entries) EXPECT_TRUE(entry.kind == "stream" || entry.body.size() <= kMaxJson);
+  EXPECT_EQ(std::count_if(run.entries.begin(), run.entries.end(), [](const NewEntry& e) { return e.kind == "result"; }),
+            1);
+  const auto events = events_of(run);
+  const auto left_out =
+      std::find_if(events.begin(), events.end(), [](const StoredEvent& e) { return e.what == "recording"; });
+  ASSERT_NE(left_out, events.end());
+  EXPECT_EQ(left_out->position, 20u);
+  EXPECT_NE(left_out->text.find("is not recorded"), std::string::npos) << left_out->text;
+  EXPECT_TRUE(told("is not recorded"));
+}
 
 TEST_F(RunLogTest, ARunHoldsTheStreamFromTheBirthOfItsPipelineToItsEnd) {
   stream.play(0.3);

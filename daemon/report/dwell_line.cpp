@@ -1,4 +1,4 @@
-#include "daemon/outlets/dwell_line.hpp"
+#include "daemon/report/dwell_line.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -1,0 +1,59 @@
+#include "daemon/ctl/child_events.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "daemon/record/utc_text.hpp"
+#include "daemon/report/dwell_line.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+constexpr std::int64_t kTogether_ns = 1'000'000'000;  // a fault that repeats makes one event in so long, as in a run
+
+}  // namespace
+
+ChildEvents::ChildEvents(const record::RunHeader& parent, std::int64_t begin_ns, const Rig& rig,
+                         std::vector<std::string> devices)
+    : start_utc_ns_(record::parse_utc(parent.start_utc).value_or(0)),
+      begin_ns_(begin_ns),
+      newest_ns_(begin_ns),
+      drain_ns_(begin_ns + kTogether_ns),
+      names_{{}, std::move(devices)} {
+  for (const Channel& channel : rig.channels) names_.channels.push_back(channel.name);
+}
+
+std::vector<record::StoredEvent> ChildEvents::follow(const Record& record, const Replay& replay) {
+  std::vector<record::StoredEvent> events;
+  newest_ns_ = record.t_ns;
+  stream_.take(record, replay.position());
+  if (record.t_ns >= drain_ns_) drain(events);
+  if (!replay.state_changed()) return events;
+  const std::optional<Dwell> dwell = replay.current();
+  if (!dwell || dwell->state == state_) return events;
+  record::StoredEvent event;
+  event.position = replay.position();
+  event.utc = utc_of(record.t_ns);
+  event.what = "state";
+  event.text = state_line(std::exchange(state_, dwell->state), *dwell);
+  events.push_back(std::move(event));
+  return events;
+}
+
+std::vector<record::StoredEvent> ChildEvents::finish() {
+  std::vector<record::StoredEvent> events;
+  drain(events);
+  return events;
+}
+
+void ChildEvents::drain(std::vector<record::StoredEvent>& into) {
+  drain_ns_ = newest_ns_ + kTogether_ns;
+  for (record::StoredEvent& event : stream_.drain(names_)) {
+    event.utc = utc_of(newest_ns_);
+    into.push_back(std::move(event));
+  }
+}
+
+std::string ChildEvents::utc_of(std::int64_t t_ns) const { return record::iso_utc(start_utc_ns_ + (t_ns - begin_ns_)); }
+
+}  // namespace dwell::ctl

@@ -1,0 +1,38 @@
+// The events of a replay: what a service with this rig file would have told of the stream.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+#include "daemon/ctl/replay.hpp"
+#include "daemon/record/run_entries.hpp"
+#include "daemon/record/stream_events.hpp"
+
+namespace dwell::ctl {
+
+// Changes of state as the replay has them; faults, losses and channels that come and go as the stream has them. What
+// people did is in the parent alone. Bound to one thread.
+class ChildEvents {
+ public:
+  // begin_ns: of the parent's first record. rig: as the replay's. devices: names by the numbers that the stream has.
+  ChildEvents(const record::RunHeader& parent, std::int64_t begin_ns, const Rig& rig, std::vector<std::string> devices);
+
+  // After each record that the replay has taken, as the rig has it: events up to there, about once a second those that
+  // the stream tells.
+  [[nodiscard]] std::vector<record::StoredEvent> follow(const Record& record, const Replay& replay);
+  // What the stream has told since.
+  [[nodiscard]] std::vector<record::StoredEvent> finish();
+
+ private:
+  [[nodiscard]] std::string utc_of(std::int64_t t_ns) const;
+  void drain(std::vector<record::StoredEvent>& into);
+
+  std::int64_t start_utc_ns_, begin_ns_, newest_ns_, drain_ns_;
+  record::StreamNames names_;
+  record::StreamEvents stream_;
+  State state_ = State::idle;
+};
+
+}  // namespace dwell::ctl

@@ -1,0 +1,22 @@
+// Events for a page that people read: faults and losses come once a second as long as they last, so those that say the
+// same of the same device or channel become one line.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "daemon/record/run_entries.hpp"
+
+namespace dwell::ctl {
+
+struct FoldedEvent {
+  record::StoredEvent event;  // the first; its text has the sum of the counts, or how often
+  std::uint64_t entries = 1;  // so many say it
+  std::string last_utc;       // the last of them
+};
+
+// In the order of the first of each. All but faults and losses stay as they are.
+[[nodiscard]] std::vector<FoldedEvent> folded(const std::vector<record::StoredEvent>& events);
+
+}  // namespace dwell::ctl
