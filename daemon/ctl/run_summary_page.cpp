@@ -51,8 +51,8 @@ std::string begun_text(const record::RunHeader& header) {
 std::string origin_text(const record::Origin& origin) {
   std::string text = "on " + origin.host;
   if (!origin.time_zone.empty()) text += " (" + origin.time_zone + ")";
+  if (!std::isfinite(origin.clock_error_s)) return text + ", the clock's state is not known";
   if (!origin.clock_synchronized) return text + ", clock not synchronized";
-  if (!std::isfinite(origin.clock_error_s)) return text + ", clock synchronized";
   return text + ", clock synchronized within " + seconds_text(origin.clock_error_s, 6);
 }
 

@@ -20,8 +20,8 @@ std::string person_text(const record::Person& person) {
 Markup hash(const std::string& text) { return Markup::made(text.empty() ? "" : "<code>" + escaped(text) + "</code>"); }
 
 std::string clock_text(const record::Origin& origin) {
+  if (!std::isfinite(origin.clock_error_s)) return "not known: the kernel could not be asked";
   const std::string state = origin.clock_synchronized ? "synchronized" : "not synchronized";
-  if (!std::isfinite(origin.clock_error_s)) return state + "; its error is not known";
   return state + "; off by at most " + join(number_text(origin.clock_error_s, "s", 3)) + ", as the kernel reckons";
 }
 

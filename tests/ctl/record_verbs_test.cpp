@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -156,6 +157,16 @@ TEST_F(RecordVerbs, ShowTellsWhatTheRunWas) {
                            "dwell 1 · measuring", "stiffness", "kN/m", "3 samples of reaction came too late", "knocked",
                            "ended      2026-07-01T10:12:20Z: operator"})
     EXPECT_TRUE(holds(outcome.out, part)) << part << "\n" << outcome.out;
+}
+
+TEST_F(RecordVerbs, ShowSaysWhereTheClocksStateIsNotKnown) {
+  SampleRun run = make("run.dwell");
+  run.header.origin.clock_synchronized = false;
+  run.header.origin.clock_error_s = std::nan("");
+  write(run, key);
+  const Outcome outcome = test::run({"show", run.path});
+  EXPECT_TRUE(holds(outcome.out, "the clock's state is not known")) << outcome.out;
+  EXPECT_FALSE(holds(outcome.out, "not synchronized")) << outcome.out;
 }
 
 TEST_F(RecordVerbs, ShowLinesUpIn80Columns) {

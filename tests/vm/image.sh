@@ -20,7 +20,7 @@ modules=$stage/usr/lib/modules/$version
 mkdir -p "$modules/extra"
 depmod -b "$folder/kernel" "$version"
 for module in virtio_pci virtio_mmio virtio_console virtio_rng 9p 9pnet_virtio vcan vxcan can can_raw can_bcm can_gw \
-  can_isotp can_j1939 configfs autofs4 unix af_packet; do
+  can_isotp can_j1939 configfs autofs4 unix af_packet loop dm_mod dm_log_writes dm_delay ext4 crc32c_generic crc32c_intel; do
   modprobe -d "$folder/kernel" -S "$version" --show-depends "$module" 2>/dev/null | awk '$1 == "insmod" {print $2}' || true
 done | sort -u | while read -r file; do
   install -D -m644 "$file" "$modules/${file#*lib/modules/"$version"/}"

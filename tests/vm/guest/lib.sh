@@ -30,7 +30,7 @@ start_rig() {  # OPTION…
   rm -f "$work/rig.in"
   mkfifo "$work/rig.in"
   exec 3<>"$work/rig.in"
-  systemd-run -q --unit=rigsim -p StandardInput="file:$work/rig.in" /mnt/host/bin/rigsim "$@"
+  systemd-run -q --unit=rigsim -p StandardInput="file:$work/rig.in" /usr/local/bin/rigsim "$@"
   rigsim --print-truth "$@" >"$work/truth.json"
 }
 rig_says() { echo "$*" >&3; }  # a control line, such as: frequency 4.1
@@ -56,24 +56,26 @@ canopen_rig() {  # INTERFACE
   sed "s/^update .*/update = 0.4/; s/^interface .*/interface = \"$1\"/; s/^rate .*/rate = 80\nrate_shift = false/" /usr/share/dwell/rigs/canopen.toml
 }
 property() { systemctl show dwelld -p "$1" --value; }
+# Whether EXPRESSION is true of the JSON text. Nothing at all is no answer; jq of Debian 12 would take it for one.
+holds() { [ -n "$1" ] && jq -e "${@:2}" <<<"$1"; }  # JSON [OPTION…] EXPRESSION
 health() {  # a jq expression that must be true of /api/v1/health
   local answer
   exec 4<>/dev/tcp/127.0.0.1/8380
   printf 'GET /api/v1/health HTTP/1.0\r\n\r\n' >&4
   answer=$(sed '1,/^\r*$/d' <&4)
   exec 4>&-
-  jq -e "$1" <<<"$answer" || { jq -c '[.status, .reason, .stale, .gpio]' <<<"$answer"; return 1; }
+  holds "$answer" "$1" || { jq -c '[.status, .reason, .stale, .gpio]' <<<"$answer"; return 1; }
 }
-last_dwell() { dwellctl dwells --json | jq -e ".dwells[-1] | $1" || { dwellctl dwells | tail -n 4; return 1; }; }
+last_dwell() { holds "$(dwellctl dwells --json)" ".dwells[-1] | $1" || { dwellctl dwells | tail -n 4; return 1; }; }
 channel() {  # NAME EXPRESSION: a jq expression that must be true of what /api/v1/channels says of it
   local said
   said=$(dwellctl channels --json | jq -c --arg name "$1" '.channels[] | select(.name == $name)')
-  jq -e "$2" <<<"$said" || { echo "$said"; return 1; }
+  holds "$said" "$2" || { echo "$said"; return 1; }
 }
 # Faults of one kind of the first device so far.
 faults() { health . | jq --arg kind "$1" '.devices[0].faults[$kind] // 0'; }
 faults_reach() { [ "$(faults "$1")" -ge "$2" ] || { health . | jq -c '.devices[0].faults'; return 1; }; }
-dwell_is() { dwellctl status --json | jq -e "$1" || { dwellctl status --json | jq -c '[.state, .warnings]'; return 1; }; }
+dwell_is() { holds "$(dwellctl status --json)" "$1" || { dwellctl status --json | jq -c '[.state, .warnings]'; return 1; }; }
 log_of_service() { journalctl -u dwelld --no-pager --after-cursor="$cursor" "${@:--ocat}"; }  # OPTION…
 log_has() { log_of_service | grep -qE -- "$1" || { log_of_service | tail -n 4; return 1; }; }
 
@@ -113,6 +115,10 @@ stop_gpio() {
 tidy_up() {
   systemctl stop dwelld 'dwelld@*' rigsim 2>/dev/null
   systemctl reset-failed dwelld rigsim 2>/dev/null
+  umount /var/lib/dwell "$work/recorded" "$work/left" 2>/dev/null
+  [ ! -e /dev/mapper/power ] || dmsetup remove power slow
+  losetup -D
+  clock-set synchronized -1
   rm -rf /run/systemd/system/dwelld.service.d "$work" /etc/dwell /var/lib/dwell/* /var/log/dwell/*
   systemctl daemon-reload
   stop_gpio

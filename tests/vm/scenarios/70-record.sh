@@ -1,0 +1,42 @@
+# Recorded dwells under systemd, on a disk of its own: runs of the drive and of an operator, checked, replayed and signed; the
+# files under the unit's sandbox; what was altered or removed is found.
+. guest/record.sh
+
+start_recorded_rig
+claim "record: the folder is the service's, its group may read it" owner_is $folder "dwell:dwell 750"
+claim "record: the key is the service's alone" eventually 10 owner_is $folder/key "dwell:dwell 600"
+claim "record: an operator cannot read it" may_not as_anna cat $folder/key
+claim "record: but its public part" as_anna cat $folder/key.pub
+sleep 12
+
+rig_says start
+claim "record: a run begins with the drive" eventually 40 run 1 '.state == "recording" and .begun_by == "drive"'
+claim "record: every coefficient is within 4 u of the truth" every_coefficient_is_right 8 90
+rig_says stop
+claim "record: and ends with it" eventually 60 run 1 '.state == "closed" and .dwells == 1'
+
+claim "record: an operator begins one" as_anna dwellctl start --label "sweep 3" --comment "new damper"
+rig_says start
+claim "record: every coefficient is right in it" every_coefficient_is_right 8 90
+claim "record: the operator ends it" as_anna dwellctl stop
+claim "record: it is listed with its label" eventually 20 run 2 '.state == "closed" and .label == "sweep 3" and .begun_by == "operator"'
+first=$(file_of 1) second=$(file_of 2)
+claim "record: its file is the service's, the group may read it" owner_is "$second" "dwell:dwell 640"
+claim "record: show says whose run it was" says "by the operator, anna \(uid [0-9]+\)" as_anna dwellctl show "$second"
+claim "record: the drive's holds the 10 s before it" shown "$first" '.dwells[0].start_s >= 10'
+claim "record: the clock's state is known, by the kernel's word" \
+  shown "$second" '.header.origin | .clock_synchronized == true and .clock_error_s > 0.001 and .clock_error_s < 0.1'
+claim "record: both are intact, by the key that the service keeps" says_times 2 ": intact$" as_anna dwellctl audit "$first" "$second" --key $folder/key.pub
+claim "record: the ledger knows both" says "ledger: unbroken$" audit "$first" "$second"
+claim "record: the replay of the drive's is identical" says "identical: .* bit for bit" as_anna dwellctl replay "$first"
+claim "record: the replay of the operator's is identical" says "identical: .* bit for bit" as_anna dwellctl replay "$second"
+claim "record: an operator signs" as_anna dwellctl sign "$second" --name "Anna Weber" --meaning reviewed --reason "certificate 2231"
+claim "record: the service vouches for her" says "Anna Weber: reviewed .*countersigned by the service for user [0-9]+ \(anna\)" audit "$second"
+
+cp -r $folder "$work/copy"
+rm "$work/copy/reserve"
+copy=$work/copy/${second##*/}
+flip "$copy" $(($(stat -c %s "$copy") / 2))
+claim "record: one flipped bit is found" refused "${second##*/}: tampered: " dwellctl audit "$copy"
+rm "$work/copy/${first##*/}"
+claim "record: a run that was removed is found" refused "missing: run 1 \(${first##*/}" dwellctl audit "$copy" --ledger "$work/copy/ledger.dwell-ledger"

@@ -1,0 +1,41 @@
+# What befalls a service that records: it is killed amid a run, and its disk fills up. Measuring goes on.
+. guest/record.sh
+held_up_to() { dwellctl audit "$1" --json | jq -r '.files[0].until_utc'; }
+fill_the_disk() {  # nothing may be left, not for the file system's own use either
+  fallocate -l $(($(df --output=avail -B1 $folder | tail -n 1) - 1000000)) $folder/filler
+  cat /dev/zero >>$folder/filler 2>/dev/null
+  [ "$(df --output=avail $folder | tail -n 1)" -eq 0 ] || { df $folder; return 1; }
+}
+lost_since() {  # FILE UTC SECONDS
+  local lost
+  lost=$(($(date -d "$2" +%s%3N) - $(date -d "$(held_up_to "$1")" +%s%3N)))
+  echo "$lost ms are lost"
+  [ "$lost" -ge 0 ] && [ "$lost" -le $(($3 * 1000)) ]
+}
+
+start_recorded_rig
+rig_says start
+claim "record faults: a run begins" eventually 40 run 1 '.state == "recording"'
+sleep 5
+systemctl kill -s KILL dwelld
+killed=$(date -u +%Y-%m-%dT%H:%M:%S.%NZ)
+claim "record faults: killed, it goes on with a new run" eventually 60 run 2 '.state == "recording" and .begun_by == "service"'
+claim "record faults: the killed one is listed as cut off" eventually 20 run 1 '.state == "cut off"'
+first=$(file_of 1) second=$(file_of 2)
+claim "record faults: it is open, not tampered" says "${first##*/}: open until " audit "$first"
+claim "record faults: it misses two seconds at most" lost_since "$first" "$killed" 2
+claim "record faults: what is left of it is replayed" says "identical: " dwellctl replay "$first"
+
+claim "record faults: a dwell is measured" eventually 60 dwell_is '.state == "measuring"'
+claim "record faults: the disk is filled" fill_the_disk
+claim "record faults: recording stops with an alarm" eventually 20 health '.status == "degraded" and (.reason | test("disk full"))'
+claim "record faults: and a line in the log" log_has "recording stops: disk full; measuring goes on"
+claim "record faults: the run was closed with the room kept for that" says "${second##*/}: intact$" audit "$second"
+claim "record faults: it says why it ended" shown "$second" 'any(.events[]; .text | test("recording stops: disk full"))'
+claim "record faults: and that it went on after an interruption" shown "$second" 'any(.events[]; .text | test("goes on after an interruption"))'
+claim "record faults: the dwell is measured on" every_coefficient_is_right 8 60
+rm $folder/filler
+claim "record faults: with room again a new run begins" eventually 60 run 3 '.state == "recording" and .begun_by == "service"'
+claim "record faults: and the alarm is over" eventually 20 health '.status == "ok"'
+systemctl stop dwelld
+claim "record faults: each run is there, and the ledger unbroken" says "ledger: unbroken$" audit $folder/*.dwell
