@@ -1,0 +1,102 @@
+// What the page knows, and how it comes: the live stream, and answers asked for once a second. It never gives up: a
+// connection that broke is made again each second.
+import { applyChange } from './change.mjs';
+import { LastNumbers } from './coefficients.mjs';
+import { Freshness } from './freshness.mjs';
+
+const ASK_MS = 1000;
+const ANSWER_MS = 2000; // then the question is given up
+const SILENT_S = 5; // a stream that says nothing for so long, while answers come, is opened anew
+const SELDOM_MS = 10_000; // between questions for what changes seldom
+
+export class Feed {
+  dwell = null;
+  health = null;
+  channels = null;
+  events = [];
+  dwells = []; // summaries of finished ones, oldest first
+  runs = null;
+  last = new LastNumbers();
+  fresh = new Freshness();
+  #clock;
+  #changed;
+  #source = null;
+  #spoke_s = -Infinity; // the stream
+  #seldom_s = -Infinity; // when what changes seldom was asked for
+  #asking = false;
+  #told = '';
+
+  // changed: called whenever something came.
+  constructor(clock, changed) {
+    this.#clock = clock;
+    this.#changed = changed;
+  }
+
+  begin() {
+    this.#listen();
+    this.#ask();
+    setInterval(() => this.#ask(), ASK_MS);
+  }
+
+  #now() {
+    return this.#clock.now();
+  }
+
+  #listen() {
+    this.#source?.close();
+    const source = new EventSource('/api/v1/stream');
+    this.#source = source;
+    this.#spoke_s = this.#now();
+    source.addEventListener('dwell', (event) => this.#take(JSON.parse(event.data)));
+    source.addEventListener('change', (event) => {
+      const whole = applyChange(this.dwell, JSON.parse(event.data));
+      if (whole) this.#take(whole);
+    });
+    source.onerror = () => this.#ask();
+  }
+
+  #take(dwell) {
+    const now = this.#now();
+    this.#spoke_s = now;
+    this.dwell = dwell;
+    this.fresh.tookDwell(dwell, now);
+    this.last.take(dwell, now);
+    const told = `${dwell.start_utc} ${dwell.index} ${dwell.state}`;
+    if (told !== this.#told) this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
+    this.#told = told;
+    this.#changed();
+  }
+
+  async #get(path) {
+    const answer = await fetch(path, { signal: AbortSignal.timeout(ANSWER_MS), cache: 'no-store' });
+    const value = await answer.json();
+    this.fresh.heard(this.#now());
+    // Health is told with 503 where the service itself does not work.
+    if (!answer.ok && path !== '/api/v1/health') throw new Error(value.error);
+    return value;
+  }
+
+  async #ask() {
+    if (this.#asking) return;
+    this.#asking = true;
+    try {
+      const [health, channels] = await Promise.all([this.#get('/api/v1/health'), this.#get('/api/v1/channels')]);
+      if (this.health && this.health.version !== health.version) location.reload(); // a newer page belongs to it
+      this.health = health;
+      this.channels = channels.channels;
+      if (this.#source.readyState === EventSource.CLOSED || this.#now() - this.#spoke_s > SILENT_S) this.#listen();
+      if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) await this.#askSeldom();
+    } catch {
+      // An error status is an answer as well: then the service is there.
+      if (this.#now() - this.fresh.heard_s > ASK_MS / 1e3) this.fresh.broke(this.#now());
+    } finally {
+      this.#asking = false;
+      this.#changed();
+    }
+  }
+
+  async #askSeldom() {
+    this.#seldom_s = this.#now();
+    this.runs = await this.#get('/api/v1/runs?count=20');
+  }
+}

@@ -1,0 +1,35 @@
+// The page: draws what the feed knows, when something came or time has made something old.
+import { showCoefficients } from './coefficients_view.mjs';
+import { Feed } from './feed.mjs';
+import { Clock } from './freshness.mjs';
+import { showHead } from './head_view.mjs';
+
+// Ages and the connection are looked at so often even when nothing comes.
+const TICK_MS = 250;
+
+const clock = new Clock(() => performance.now() / 1e3, () => Date.now() / 1e3);
+let due = false;
+
+function draw() {
+  due = false;
+  const now = clock.now();
+  const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
+  const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
+    dwells: feed.dwells, runs: feed.runs, fresh: feed.fresh, last: feed.last, now, nowMs: Date.now(),
+    broken: silent.size > 0 };
+  showHead(view);
+  showCoefficients(view);
+}
+
+// At most once for each picture that the screen shows, and not at all while nobody sees the page.
+function changed() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(draw);
+}
+
+const feed = new Feed(clock, changed);
+if (new URLSearchParams(location.search).has('kiosk')) document.documentElement.classList.add('kiosk');
+draw();
+feed.begin();
+setInterval(changed, TICK_MS);
