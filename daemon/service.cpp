@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <climits>
 #include <cstring>
 #include <optional>
@@ -98,9 +99,11 @@ struct Service::Impl {
     run.refresh();
     ServiceView now{session->file().rig, run.info(), run.latest()};
     now.now_ns = raw_now_ns();
+    now.now_utc_ns = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
     now.uptime_s = static_cast<double>(now.now_ns - started_ns) * 1e-9;
     if (http) now.http = http->server().stats();
     now.log = log.stats();
+    now.events = &log.newest();
     now.threads = session->threads();
     now.gpio = session->gpio();
     now.accuracy = session->file().verification.accuracy;

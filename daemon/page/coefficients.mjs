@@ -1,5 +1,6 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
+import { isGeneral } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
 // c_1, r_1 … of an element, as people write them.
@@ -22,12 +23,15 @@ export function namesChannel(text, name) {
   return at.includes(name) || (/[^\p{L}\p{N}_-]/u.test(name) && text.includes(name));
 }
 
-// Warnings that name neither an element nor a channel belong to the dwell as a whole.
-export function generalWarnings(dwell) {
+// Each warning stands once: beside the elements that it names, else with the channels that it names, else with the dwell.
+function unsaid(dwell) {
   const said = new Set(dwell.doubts.map((doubt) => doubt.what));
   return dwell.warnings.filter((text) => !said.has(text) && !text.startsWith('not settled: ') &&
-    !dwell.elements.some((e) => namesElement(text, e.k)) && !dwell.phasors.some((p) => namesChannel(text, p.channel)));
+    !dwell.elements.some((e) => namesElement(text, e.k)));
 }
+const namesSomeChannel = (dwell, text) => dwell.phasors.some((p) => namesChannel(text, p.channel));
+export const channelWarnings = (dwell) => unsaid(dwell).filter((text) => namesSomeChannel(dwell, text));
+export const generalWarnings = (dwell) => unsaid(dwell).filter((text) => !namesSomeChannel(dwell, text));
 
 // Names a dwell among all of a service's runs: its index begins anew with each.
 export const keyOf = (dwell) => `${dwell.start_utc} ${dwell.index}`;
@@ -68,7 +72,7 @@ const marksOf = (coefficient, doubted) =>
 function cellsOf(element, doubted, struckAge) {
   return COEFFICIENTS.map(({ key, letter, name }) => {
     const coefficient = element[key];
-    const cell = { symbol: letter + subscript(element.k), name, number: null, struck: struckAge, marks: [] };
+    const cell = { of: [key, element.k], symbol: letter + subscript(element.k), name, number: null, struck: struckAge, marks: [] };
     if (element.identifiable && coefficient && isNumber(coefficient.value)) {
       cell.number = numberText(coefficient.value, coefficient.U95, coefficient.unit);
       cell.marks = marksOf(coefficient, doubted);
@@ -97,8 +101,9 @@ export function coefficientsOf({ dwell, fresh, now, last, broken }) {
       k: e.k,
       reason: e.identifiable ? null : e.reason ?? 'no reason stated',
       cells: cellsOf(e, doubted, age),
+      budget: e.budget ?? [],
       last: before ? cellsOf(before, false, ageText(now - before.seen)) : null,
-      notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${d.what}` })),
+      notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
         ...dwell.warnings.filter((text) => namesElement(text, e.k) && !doubts.some((d) => d.what === text))
           .map((text) => ({ tone: 'care', text }))],
     };
@@ -123,6 +128,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken }) {
     title: `last dwell: ${last.index}, ended ${lastAge} ago${last.ended_by ? `: ${last.ended_by}` : ''}`,
     reason: null,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, false, gone ? lastAge : null), last: null, notes: [] })),
+      cells: cellsOf(e, false, gone ? lastAge : null), last: null, notes: [],
+      budget: [] })),
   };
 }

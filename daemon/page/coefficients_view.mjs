@@ -1,9 +1,13 @@
 // The coefficients on the page: coefficients.js decides what stands there, this puts it there.
-import { coefficientsOf, generalWarnings } from './coefficients.mjs';
-import { h, keyed, setAttributes, setText, show } from './dom.mjs';
+import { budgetOf } from './budget.mjs';
+import { COEFFICIENTS, coefficientsOf, generalWarnings, subscript } from './coefficients.mjs';
+import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { trendPaths } from './history.mjs';
+import { percentText } from './number.mjs';
 
 const $ = (id) => document.getElementById(id);
 
+const TREND = { width: 160, height: 32 };
 const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
 
 // Parts of a number apart, so that they can be aligned and the unit stand smaller.
@@ -25,32 +29,66 @@ export function renewNumber(node, { number, struck, marks = [] }) {
 function makeCell(cell) {
   return h('div', { class: 'coefficient' },
     h('dt', {}, h('span', { class: 'symbol' }, cell.symbol), h('span', { class: 'name' }, ` ${cell.name}`)),
-    h('dd', {}, makeNumber()));
+    h('dd', {}, makeNumber(), s('svg', { class: 'trend', viewBox: `0 0 ${TREND.width} ${TREND.height}`, preserveAspectRatio: 'none',
+      'aria-hidden': 'true' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' })));
+}
+
+// The trend changes little: it is drawn anew once a second at most.
+const drawn = new WeakMap();
+function renewTrend(node, cell, view, source) {
+  const [, trend, deviation] = node.lastChild.children;
+  const second = Math.floor(view.now);
+  if (drawn.get(node) === second) return;
+  drawn.set(node, second);
+  const [, k] = cell.of;
+  const paths = trendPaths(view.history.of(cell.of[0], k, view.nowMs), view.nowMs, TREND.width, TREND.height);
+  trend.classList.toggle('none', !paths);
+  setAttributes(trend.children[0], { d: paths?.band ?? '' });
+  setAttributes(trend.children[1], { d: paths?.line ?? '' });
+  const moved = source === 'measured' ? view.history.deviation(cell.of[0], k, view.dwell) : null;
+  setText(deviation, moved?.text ?? '');
+  setAttributes(deviation, { class: moved?.beyond ? 'deviation beyond' : 'deviation' });
 }
 
 function makeElement(element) {
   return h('li', { class: 'element' }, h('h3', {}, `Element ${element.k}`), h('p', { class: 'reason' }), h('dl', {}),
-    h('ul', { class: 'notes' }));
+    h('ul', { class: 'notes' }), h('details', { class: 'budget' }, h('summary', {}, `What makes up ± of element ${element.k}`),
+      ...COEFFICIENTS.map(({ letter }) => h('div', {}, h('p', {}, letter + subscript(element.k)), h('ul', { class: 'bars' })))));
 }
 
 const EMPTY = { value: '—', u: '', unit: '' };
 
-function renewElement(node, element) {
-  const [, reason, list, notes] = node.children;
+function renewBudget(details, element) {
+  show(details, element.budget.length > 0);
+  if (!details.open) return;
+  COEFFICIENTS.forEach(({ key, letter }, i) => {
+    const { bars, advice } = budgetOf(element, key);
+    const [head, list] = details.children[i + 1].children;
+    setText(head, `± of ${letter}${subscript(element.k)}: ${advice ? `first ${advice}` : 'not known'}`);
+    keyed(list, bars, (bar) => bar.source, (bar) => h('li', {}, h('span', { class: 'bar' }), h('span', {})), (item, bar) => {
+      item.firstChild.style.width = `${(100 * bar.share).toFixed(0)}%`;
+      setText(item.lastChild, `${bar.source} ${percentText(bar.share)}`);
+    });
+  });
+}
+
+function renewElement(node, element, view, source) {
+  const [, reason, list, notes, budget] = node.children;
+  renewBudget(budget, element);
   show(reason, element.reason !== null);
   setText(reason, element.reason === null ? '' : `no coefficients: ${element.reason}`);
   const cells = element.last ?? (element.reason === null ? element.cells : []);
   keyed(list, cells, (cell) => cell.symbol, makeCell,
-    (made, cell) => renewNumber(made.lastChild.firstChild, { ...cell, number: cell.number ?? EMPTY }));
+    (made, cell) => {
+      renewNumber(made.lastChild.firstChild, { ...cell, number: cell.number ?? EMPTY });
+      renewTrend(made, cell, view, source);
+    });
   show(notes, element.notes.length > 0);
   keyed(notes, element.notes, (note) => note.text, (note) => h('li', { 'data-tone': note.tone }, note.text));
 }
 
-const FROM = {
-  measured: '', none: '',
-  transient: 'provisional',
-  last: 'not of now',
-};
+// Said above numbers that are not simply those of now.
+const FROM = { transient: 'provisional', last: 'not of now' };
 
 function legendOf(shown, dwell) {
   if (shown.elements.length === 0) return '';
@@ -67,11 +105,12 @@ function legendOf(shown, dwell) {
 export function showCoefficients(view) {
   const shown = coefficientsOf(view);
   setAttributes($('coefficients'), { 'data-source': shown.source });
-  setText($('coefficients-from'), FROM[shown.source] ? `${FROM[shown.source]} · ${shown.title}` : shown.title);
-  show($('coefficients-from'), shown.title !== '');
+  show($('coefficients-from'), Boolean(FROM[shown.source]));
+  setText($('coefficients-from'), `${FROM[shown.source]} · ${shown.title}`);
   setText($('coefficients-none'), shown.reason ? `No coefficients: ${shown.reason}` : '');
   show($('coefficients-none'), shown.reason !== null);
-  keyed($('elements'), shown.elements, (element) => element.k, makeElement, renewElement);
+  keyed($('elements'), shown.elements, (element) => element.k, makeElement,
+    (node, element) => renewElement(node, element, view, shown.source));
   const warnings = view.dwell ? generalWarnings(view.dwell) : [];
   show($('warnings'), warnings.length > 0);
   keyed($('warnings'), warnings, (text) => text, (text) => h('li', { 'data-tone': 'care' }, text));

@@ -29,7 +29,7 @@ export function setAttributes(node, attributes) {
 }
 
 export function show(node, on) {
-  if (node.hidden === on) node.hidden = !on;
+  if (node.hasAttribute('hidden') === on) node.toggleAttribute('hidden', !on); // SVG has no property of that name
 }
 
 // One child of `parent` for each item, in their order: made anew for a key that has come, renewed where the key stays.
@@ -39,7 +39,8 @@ export function keyed(parent, items, keyOf, make, renew) {
   const now = new Map();
   let at = parent.firstChild;
   for (const item of items) {
-    const key = keyOf(item);
+    let key = keyOf(item);
+    while (now.has(key)) key += '\'';
     const node = before.get(key) ?? make(item);
     before.delete(key);
     now.set(key, node);

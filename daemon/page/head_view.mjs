@@ -60,7 +60,7 @@ export function showHead(view) {
   setText($('rig'), rig);
   document.title = `${state.word} · ${rig}`;
   setAttributes($('state'), { 'data-tone': state.tone, 'data-kind': state.kind });
-  showShape(state.kind);
+  showShape(state.doubted ? 'fault' : state.kind);
   setText($('word'), state.word);
   setText($('detail'), state.detail);
   const old = view.fresh.gone(view.now);

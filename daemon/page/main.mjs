@@ -3,6 +3,8 @@ import { showCoefficients } from './coefficients_view.mjs';
 import { Feed } from './feed.mjs';
 import { Clock } from './freshness.mjs';
 import { showHead } from './head_view.mjs';
+import { showPhasors } from './phasors_view.mjs';
+import { showTables } from './tables_view.mjs';
 
 // Ages and the connection are looked at so often even when nothing comes.
 const TICK_MS = 250;
@@ -15,10 +17,12 @@ function draw() {
   const now = clock.now();
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
   const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
-    dwells: feed.dwells, runs: feed.runs, fresh: feed.fresh, last: feed.last, now, nowMs: Date.now(),
-    broken: silent.size > 0 };
+    dwells: feed.dwells, runs: feed.runs, fresh: feed.fresh, last: feed.last, history: feed.history, now,
+    nowMs: feed.nowMs(), broken: silent.size > 0 };
   showHead(view);
   showCoefficients(view);
+  showPhasors(view);
+  showTables(view);
 }
 
 // At most once for each picture that the screen shows, and not at all while nobody sees the page.

@@ -6,6 +6,16 @@ import { ageText, isNumber, joined, NORMAL_95, numberText, percentText, plainTex
 const TONES = { connecting: 'calm', idle: 'calm', settling: 'calm', measuring: 'calm', complete: 'calm', fault: 'alarm',
   gone: 'alarm' };
 
+// Of whom doubts are: "any element", "element 2", "elements 1, 3".
+export function whom(doubts) {
+  if (doubts.some((doubt) => doubt.elements.length === 0)) return 'any element';
+  const ks = [...new Set(doubts.flatMap((doubt) => doubt.elements))].sort((a, b) => a - b);
+  return `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`;
+}
+
+// A doubt about one element stands beside it, any other above them all, once.
+export const isGeneral = (doubt) => doubt.elements.length !== 1;
+
 // The state as the page must show it. view: { dwell, health, fresh, now }; dwell and health may be null.
 export function stateOf({ dwell, health, fresh, now }) {
   const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
@@ -22,8 +32,11 @@ export function stateOf({ dwell, health, fresh, now }) {
     return said('settling', 'settling', isNumber(dwell.settles_in_s)
       ? `about ${secondsText(dwell.settles_in_s)} left` : 'time left not known');
   }
-  if (dwell.state === 'measuring')
-    return said('measuring', 'measuring', `${secondsText(dwell.end_s - dwell.settled_s)} of data`);
+  if (dwell.state === 'measuring') {
+    const state = said('measuring', 'measuring', `${secondsText(dwell.end_s - dwell.settled_s)} of data`);
+    if (dwell.doubts.length === 0) return state;
+    return { ...state, tone: 'alarm', doubted: true, detail: `${state.detail}; do not rely on ${whom(dwell.doubts)}` };
+  }
   if (dwell.state === 'complete') return said('complete', 'complete', `ended by: ${dwell.ended_by}`);
   return said('idle', 'idle', dwell.settling_reason || 'the table does not move');
 }
@@ -88,6 +101,6 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   }
   for (const alarm of health?.recorder?.alarms ?? []) add('alarm', `recording: ${alarm}`);
   if (health?.log.failing) add('care', `the log loses lines, ${health.log.dropped} so far`);
-  for (const doubt of dwell.doubts) if (doubt.elements.length === 0) add('alarm', `do not rely on any element: ${doubt.what}`);
+  for (const doubt of dwell.doubts) if (isGeneral(doubt)) add('alarm', `do not rely on ${whom([doubt])}: ${doubt.what}`);
   return list;
 }

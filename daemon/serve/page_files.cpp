@@ -46,9 +46,27 @@ std::optional<std::string> bytes_of(const fs::path& path) {
 
 }  // namespace
 
+const std::vector<std::string_view>& PageFiles::names() {
+  static const std::vector<std::string_view> kNames{
+      "index.html",  // the skeleton, and what stands there without JavaScript
+      "page.css",         "icon.svg",
+      "main.mjs",  // draws what the feed knows
+      "feed.mjs",  // the stream, and what is asked for
+      "change.mjs",
+      "freshness.mjs",     // what is old
+      "history.mjs",       // trends and deviations
+      "number.mjs",        // value ± U95
+      "wording.mjs",       // the first line
+      "coefficients.mjs",  // what stands in place of each coefficient
+      "budget.mjs",       "polar.mjs",       "dom.mjs",        "head_view.mjs", "coefficients_view.mjs",
+      "phasors_view.mjs", "tables_view.mjs", "dwell_view.mjs",
+  };
+  return kNames;
+}
+
 PageFiles PageFiles::read(const std::string& folder) {
   PageFiles page{std::string()};
-  for (const std::string_view name : kNames) {
+  for (const std::string_view name : names()) {
     const fs::path path = fs::path(folder) / name;
     auto bytes = bytes_of(path);
     if (!bytes) return PageFiles(path.string() + " cannot be read: expected a file of 1 to 100 000 bytes");

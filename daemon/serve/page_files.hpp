@@ -3,7 +3,6 @@
 // is served as ever.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -18,19 +17,7 @@ namespace dwell {
 class PageFiles {
  public:
   // What the folder holds: index.html is `/`, every other one `/page/NAME`.
-  static constexpr std::array kNames{"index.html",
-                                     "page.css",
-                                     "icon.svg",
-                                     "main.mjs",
-                                     "change.mjs",
-                                     "coefficients.mjs",
-                                     "coefficients_view.mjs",
-                                     "dom.mjs",
-                                     "feed.mjs",
-                                     "freshness.mjs",
-                                     "head_view.mjs",
-                                     "number.mjs",
-                                     "wording.mjs"};
+  [[nodiscard]] static const std::vector<std::string_view>& names();
   // A larger file is not taken: each answer holds a copy, for each of 128 clients.
   static constexpr std::size_t kLargest = 100'000;
 

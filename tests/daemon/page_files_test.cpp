@@ -31,7 +31,7 @@ TEST_F(PageFilesTest, AreExactlyThoseOfTheFolderBesideTheProgram) {
   const std::string own = own_page_folder();
   const PageFiles page = PageFiles::read(own);
   EXPECT_EQ(page.trouble(), "");
-  EXPECT_EQ(names_in(fs::canonical(own)), std::set<std::string>(PageFiles::kNames.begin(), PageFiles::kNames.end()));
+  EXPECT_EQ(names_in(fs::canonical(own)), std::set<std::string>(PageFiles::names().begin(), PageFiles::names().end()));
 }
 
 TEST_F(PageFilesTest, SayWhatTheyAreAndLetNothingForeignIn) {
@@ -59,8 +59,8 @@ TEST_F(PageFilesTest, NoPathReachesAnotherFile) {
 
 TEST_F(PageFilesTest, AFolderThatLacksOneLeavesNoPageAndTheSlashSaysWhich) {
   fs::create_directories(folder);
-  for (const char* name : PageFiles::kNames)
-    if (std::string_view(name) != "page.css") std::ofstream(folder / name) << "x";
+  for (const std::string_view name : PageFiles::names())
+    if (name != "page.css") std::ofstream(folder / name) << "x";
   const PageFiles page = PageFiles::read(folder.string());
   const auto reply = page.answer("/");
   ASSERT_TRUE(reply);
@@ -73,7 +73,7 @@ TEST_F(PageFilesTest, AFolderThatLacksOneLeavesNoPageAndTheSlashSaysWhich) {
 
 TEST_F(PageFilesTest, AreReadOnceAndNotAgain) {
   fs::create_directories(folder);
-  for (const char* name : PageFiles::kNames) std::ofstream(folder / name) << "before";
+  for (const std::string_view name : PageFiles::names()) std::ofstream(folder / name) << "before";
   const PageFiles page = PageFiles::read(folder.string());
   fs::remove_all(folder);
   EXPECT_EQ(page.answer("/")->body, "before");
@@ -81,7 +81,7 @@ TEST_F(PageFilesTest, AreReadOnceAndNotAgain) {
 
 TEST_F(PageFilesTest, OneThatIsTooLargeIsNotTaken) {
   fs::create_directories(folder);
-  for (const char* name : PageFiles::kNames) std::ofstream(folder / name) << "x";
+  for (const std::string_view name : PageFiles::names()) std::ofstream(folder / name) << "x";
   std::ofstream(folder / "main.mjs") << std::string(PageFiles::kLargest + 1, 'x');
   EXPECT_NE(PageFiles::read(folder.string()).trouble(), "");
 }

@@ -58,14 +58,14 @@ class Program {
 }
 
 export class Bench {
-  // rig: options of rigsim; edit: changes the text of the rig file.
+  // rig: options of rigsim; edit: changes the text of the rig file, given the folder.
   static async begin({ rig = [], edit = (text) => text } = {}) {
     const bench = new Bench();
     bench.folder = await mkdtemp(join(tmpdir(), 'dwell-page-'));
     bench.rigOptions = ['--unit', 'mm', '--noise', '0.001', ...rig];
     await bench.startRig();
     let text = await readFile(join(ROOT, 'config/rigs/clamped.toml'), 'utf8');
-    text = edit(text.replace(/^port .*/m, `port = ${bench.rigPort}`).replace(/^rate .*/m, 'rate = 200'));
+    text = edit(text.replace(/^port .*/m, `port = ${bench.rigPort}`).replace(/^rate .*/m, 'rate = 200'), bench.folder);
     bench.rigFile = (port) => text.replace(/^listen .*/m, `listen = "127.0.0.1:${port}"`);
     await bench.startService();
     return bench;

@@ -1,7 +1,7 @@
 // Numbers, or the reason in place of the number.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { coefficientsOf, generalWarnings, LastNumbers, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
+import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
 import { Freshness } from '../../daemon/page/freshness.mjs';
 import { joined } from '../../daemon/page/number.mjs';
 import { dwellOf, idleOf, settlingOf } from './sample.js';
@@ -83,6 +83,7 @@ test('a doubt and a warning stand beside the element they name, all others with 
   assert.deepEqual(two.notes, [{ tone: 'alarm', text: 'do not rely on this: r_2 is negative' }]);
   assert.deepEqual(two.cells.map((c) => c.marks), [['?'], ['?']]);
   assert.deepEqual(generalWarnings(dwell), ['the clock is not synchronized']);
+  assert.deepEqual(channelWarnings(dwell), ['y1 is gated']);
 });
 
 test('names are found as words', () => {

@@ -26,6 +26,12 @@ test('the state is one word, what belongs to it, and a colour only where it is a
     'fault alarm: service fault, thread estimate stands still');
 });
 
+test('numbers that are doubted are an alarm in the first line', () => {
+  const doubt = { elements: [2], what: 'r_2 is negative' };
+  assert.equal(said(viewOf(dwellOf({ doubts: [doubt] }))), 'measuring alarm: measuring, 10.0 s of data; do not rely on element 2');
+  assert.match(said(viewOf(dwellOf({ doubts: [doubt, { elements: [], what: 'x' }] }))), /do not rely on any element$/);
+});
+
 test('a service that is gone comes before all it said last', () => {
   assert.equal(said(viewOf(dwellOf(), { now: 112 })), 'gone alarm: service gone, nothing heard for 12 s; trying again every second');
 });
@@ -67,10 +73,11 @@ test('channels that fail alike are told together, with the cause in full', () =>
 test('recording, GPIO and doubts about the whole dwell stand beside the state', () => {
   const health = { status: 'degraded', gpio: { interlock: { works: true, level: 0 }, ready: { works: false, reason: 'no such chip' } },
     recorder: { alarms: ['the disk is full'] }, log: { failing: true, dropped: 7 } };
-  const dwell = dwellOf({ doubts: [{ elements: [], what: 'y1 and y2 look swapped' }, { elements: [2], what: 'x' }] });
+  const dwell = dwellOf({ doubts: [{ elements: [], what: 'y1 and y2 look swapped' }, { elements: [1, 2], what: 'z' },
+    { elements: [2], what: 'x' }] });
   assert.deepEqual(troubles(viewOf(dwell, { health })).map((t) => t.text), ['interlock open: the shaker may not run',
     'GPIO ready: no such chip', 'recording: the disk is full', 'the log loses lines, 7 so far',
-    'do not rely on any element: y1 and y2 look swapped']);
+    'do not rely on any element: y1 and y2 look swapped', 'do not rely on elements 1, 2: z']);
 });
 
 test('numbers that stand still are told, with their age', () => {
