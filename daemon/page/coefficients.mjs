@@ -12,12 +12,17 @@ export const COEFFICIENTS = [
   { key: 'damping', letter: 'r', name: 'damping' },
 ];
 
-// Whether a text names the element ("element 2", "elements 2, 3", "mass 2" does not count) or the channel.
+// Whether a text names the element ("element 2", "elements 1, 3 and 4", "elements 1 … 4"; "mass 2" does not count) …
 export function namesElement(text, k) {
-  for (const [, numbers] of text.matchAll(/\belements? (\d+(?:(?:, | and )\d+)*)/g))
-    if (numbers.split(/, | and /).some((n) => Number(n) === k)) return true;
+  for (const [, numbers] of text.matchAll(/\belements? (\d+(?:(?:, | and | … )\d+)*)/g)) {
+    for (const part of numbers.split(/, | and /)) {
+      const [first, last = first] = part.split(' … ').map(Number);
+      if (first <= k && k <= last) return true;
+    }
+  }
   return false;
 }
+// … or the channel.
 export function namesChannel(text, name) {
   const at = text.split(/[^\p{L}\p{N}_-]+/u);
   return at.includes(name) || (/[^\p{L}\p{N}_-]/u.test(name) && text.includes(name));
@@ -104,7 +109,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken }) {
       budget: e.budget ?? [],
       last: before ? cellsOf(before, false, ageText(now - before.seen)) : null,
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
-        ...dwell.warnings.filter((text) => namesElement(text, e.k) && !doubts.some((d) => d.what === text))
+        ...dwell.warnings.filter((text) => namesElement(text, e.k) && !dwell.doubts.some((d) => d.what === text))
           .map((text) => ({ tone: 'care', text }))],
     };
   }) });

@@ -76,8 +76,8 @@ test('a page that is opened later knows the last dwell from the list', () => {
 });
 
 test('a doubt and a warning stand beside the element they name, all others with the dwell', () => {
-  const dwell = dwellOf({ doubts: [{ elements: [2], what: 'r_2 is negative' }],
-    warnings: ['r_2 is negative', 'element 1 moves little', 'y1 is gated', 'the clock is not synchronized'] });
+  const dwell = dwellOf({ doubts: [{ elements: [2], what: 'r_2 is negative' }, { elements: [], what: 'elements 1 … 2 look swapped' }],
+    warnings: ['r_2 is negative', 'elements 1 … 2 look swapped', 'element 1 moves little', 'y1 is gated', 'the clock is not synchronized'] });
   const [one, two] = coefficientsOf(after(dwell)).elements;
   assert.deepEqual(one.notes, [{ tone: 'care', text: 'element 1 moves little' }]);
   assert.deepEqual(two.notes, [{ tone: 'alarm', text: 'do not rely on this: r_2 is negative' }]);
@@ -89,6 +89,7 @@ test('a doubt and a warning stand beside the element they name, all others with 
 test('names are found as words', () => {
   assert.equal(namesElement('elements 2, 3 and 12 are alike', 12), true);
   assert.equal(namesElement('element 12', 1), false);
+  assert.equal(namesElement('the chain (elements 1 … 4) has none', 3), true);
   assert.equal(namesElement('mass 2', 2), false);
   assert.equal(namesChannel('scale of y1: off', 'y1'), true);
   assert.equal(namesChannel('scale of y11', 'y1'), false);
