@@ -12,6 +12,18 @@ const TICK_MS = 250;
 const clock = new Clock(() => performance.now() / 1e3, () => Date.now() / 1e3);
 let due = false;
 
+// Draws at most `times` a second: nobody reads a table faster, and ten times a second it would be most of the load.
+function atMost(times, show) {
+  let last = -1;
+  return (view) => {
+    const turn = Math.floor(times * view.now);
+    if (turn === last) return;
+    last = turn;
+    show(view);
+  };
+}
+const slower = [atMost(2, showPhasors), atMost(1, showTables)];
+
 function draw() {
   due = false;
   const now = clock.now();
@@ -21,8 +33,7 @@ function draw() {
     nowMs: feed.nowMs(), broken: silent.size > 0 };
   showHead(view);
   showCoefficients(view);
-  showPhasors(view);
-  showTables(view);
+  for (const part of slower) part(view);
 }
 
 // At most once for each picture that the screen shows, and not at all while nobody sees the page.
