@@ -15,6 +15,7 @@
 #include "daemon/log/log.hpp"
 #include "daemon/record/key_file.hpp"
 #include "daemon/run/recording.hpp"
+#include "daemon/serve/page_files.hpp"
 #include "daemon/service.hpp"
 #include "daemon/version.hpp"
 
@@ -90,6 +91,7 @@ int serve(RigFile file, const dwell::config::SchemaSource& drivers, const std::s
   }
   dwell::ServiceOptions options;
   options.control_path = control_path;
+  options.page_folder = dwell::own_page_folder();
   auto service = dwell::Service::make(std::move(file), drivers, options, **log);
   if (!service) {
     (*log)->error(service.error().message);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <climits>
 #include <cstring>
 #include <optional>
@@ -98,9 +99,11 @@ struct Service::Impl {
     run.refresh();
     ServiceView now{session->file().rig, run.info(), run.latest()};
     now.now_ns = raw_now_ns();
+    now.now_utc_ns = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
     now.uptime_s = static_cast<double>(now.now_ns - started_ns) * 1e-9;
     if (http) now.http = http->server().stats();
     now.log = log.stats();
+    now.events = &log.newest();
     now.threads = session->threads();
     now.gpio = session->gpio();
     now.accuracy = session->file().verification.accuracy;
@@ -189,9 +192,12 @@ struct Service::Impl {
     return {};
   }
 
-  Made make_http() {
+  Made make_http(const std::string& page_folder) {
     const config::ServerSettings& server = session->file().server;
-    auto made = Http::make(loop, http_options(server), [this] { return view(); });
+    PageFiles page = page_folder.empty() ? PageFiles() : PageFiles::read(page_folder);
+    if (!page_folder.empty() && !page.trouble().empty()) log.warning("no page for operators: " + page.trouble());
+    auto made = Http::make(
+        loop, http_options(server), [this] { return view(); }, std::move(page));
     if (!made) return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, made.error().message});
     http = std::move(*made);
     if (http->server().awaits_address())
@@ -244,7 +250,7 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
   auto impl = std::make_unique<Impl>(log, drivers);
   Impl& self = *impl;
   auto made = self.make_session(std::move(file))
-                  .and_then([&] { return self.make_http(); })
+                  .and_then([&] { return self.make_http(options.page_folder); })
                   .and_then([&] { return self.make_control(options.control_path); })
                   .and_then([&] { return options.handle_signals ? self.await_signals() : Impl::Made(); })
                   .and_then([&] { return self.start(); });

@@ -15,6 +15,7 @@ namespace dwell {
 
 struct ServiceOptions {
   std::string control_path;    // empty: no control socket
+  std::string page_folder{};   // of the page's files; empty: no page
   bool handle_signals = true;  // those of service_signals(), which must be blocked in every thread
 };
 

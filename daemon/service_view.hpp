@@ -23,8 +23,9 @@ struct ServiceView {
   const Rig& rig;
   const RunInfo& run;
   const Snapshot& snapshot;
-  Health health{};          // judged of all the rest
-  std::int64_t now_ns = 0;  // CLOCK_MONOTONIC_RAW
+  Health health{};              // judged of all the rest
+  std::int64_t now_ns = 0;      // CLOCK_MONOTONIC_RAW
+  std::int64_t now_utc_ns = 0;  // 0: not known
   double uptime_s = 0.0;
   HttpStats http{};
   LogStats log{};
@@ -32,6 +33,7 @@ struct ServiceView {
   gpio::Status gpio{};                               // of the lines that are configured
   std::optional<record::RecorderState> recorder{};   // none: the service does not record
   std::shared_ptr<const record::ListedRuns> runs{};  // null: as an empty list
+  const NewestLines* events = nullptr;               // null: none are kept
   double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
 };
 

@@ -1,5 +1,5 @@
 # Installs what was built under a prefix of its own and has the installed service check the installed rig files: it finds
-# its plugins there, and the unit starts the program that lies there. Arguments: BUILD, our build folder; WORK, the prefix.
+# its plugins there, the operators' page lies where it looks for it, and the unit starts the program that lies there. Arguments: BUILD, our build folder; WORK, the prefix.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
@@ -16,6 +16,9 @@ endif()
 foreach(rig ${rigs})
   run(${CMAKE_COMMAND} -E env --unset=DWELL_DRIVER_PATH ${WORK}/bin/dwelld --check-config ${rig})
 endforeach()
+if(NOT EXISTS ${WORK}/share/dwell/page/index.html)
+  message(FATAL_ERROR "the operators' page is not installed")
+endif()
 file(STRINGS ${WORK}/lib/systemd/system/dwelld.service start REGEX "^ExecStart=${WORK}/bin/dwelld ")
 if(NOT start)
   message(FATAL_ERROR "the unit does not start the installed program")

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -96,6 +97,8 @@ class WithoutFields final : public spdlog::sinks::base_sink<spdlog::details::nul
 }  // namespace
 
 struct Log::Impl {
+  NewestLines newest;
+  Level level = Level::info;
   std::atomic<std::uint64_t> lines{0};
   std::atomic<std::uint64_t> failed{0};
   std::shared_ptr<Trouble> trouble = std::make_shared<Trouble>();
@@ -113,6 +116,7 @@ Log::~Log() {
 
 tl::expected<std::unique_ptr<Log>, std::string> Log::make(const LogOptions& options) {
   auto impl = std::make_unique<Impl>();
+  impl->level = options.level;
   std::vector<spdlog::sink_ptr> sinks;
   try {
     if (options.console && is_journal(std::getenv("JOURNAL_STREAM"), STDERR_FILENO)) {
@@ -143,6 +147,9 @@ void Log::write(Level level, std::string_view message, std::initializer_list<Log
   try {
     const std::string payload = make_payload(message, fields);
     impl_->lines.fetch_add(1, std::memory_order_relaxed);
+    if (level >= impl_->level)
+      impl_->newest.push(level, message_of(payload),
+                         std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count());
     impl_->logger->log(to_spdlog(level), spdlog::string_view_t(payload.data(), payload.size()));
   } catch (...) {
     impl_->failed.fetch_add(1, std::memory_order_relaxed);
@@ -161,6 +168,8 @@ LogStats Log::stats() const noexcept {
   }
   return stats;
 }
+
+const NewestLines& Log::newest() const noexcept { return impl_->newest; }
 
 bool is_journal(const char* journal_stream, int descriptor) noexcept {
   if (journal_stream == nullptr) return false;

@@ -14,9 +14,9 @@
 #include <tl/expected.hpp>
 #include <utility>
 
-namespace dwell {
+#include "daemon/log/newest_lines.hpp"
 
-enum class Level : std::uint8_t { debug, info, warning, error };
+namespace dwell {
 
 // A journald field beside the message, for instance {"DWELL_DEVICE", "amplifier"}.
 using LogField = std::pair<std::string_view, std::string_view>;
@@ -58,6 +58,8 @@ class Log {
   }
 
   [[nodiscard]] LogStats stats() const noexcept;
+  // What was written last, whatever became of it.
+  [[nodiscard]] const NewestLines& newest() const noexcept;
 
  private:
   struct Impl;

@@ -7,10 +7,14 @@
 namespace dwell {
 
 tl::expected<std::unique_ptr<Http>, HttpServer::Failure> Http::make(EventLoop& loop, const HttpOptions& options,
-                                                                    Now now) {
+                                                                    Now now, PageFiles page) {
   std::unique_ptr<Http> made(new Http);
   auto server = HttpServer::make(
-      loop, options, [now](std::string_view path, std::string_view query) { return http_answer(now(), path, query); },
+      loop, options,
+      [now, page = std::move(page)](std::string_view path, std::string_view query) {
+        if (auto file = page.answer(path)) return std::move(*file);
+        return http_answer(now(), path, query);
+      },
       [now, stream = &made->stream_] {
         stream->joined();
         return event_text("dwell", dwell_text_json(now()));

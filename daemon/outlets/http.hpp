@@ -9,6 +9,7 @@
 #include "daemon/outlets/dwell_stream.hpp"
 #include "daemon/outlets/outlet.hpp"
 #include "daemon/serve/http_server.hpp"
+#include "daemon/serve/page_files.hpp"
 
 namespace dwell {
 
@@ -16,9 +17,9 @@ class Http final : public Outlet {
  public:
   using Now = std::function<ServiceView()>;
 
-  // Binds and listens. now: how the service stands, asked for each answer.
+  // Binds and listens. now: how the service stands, asked for each answer. page: served beside it.
   static tl::expected<std::unique_ptr<Http>, HttpServer::Failure> make(EventLoop& loop, const HttpOptions& options,
-                                                                       Now now);
+                                                                       Now now, PageFiles page = PageFiles());
 
   void show(const ServiceView& now) override;
   void tell(const RunEvent& /*event*/, const Rig& /*rig*/) override {}

@@ -5,9 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/record/utc_text.hpp"
+#include "daemon/report/dwell_brief.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/verification_json.hpp"
+#include "daemon/serve/events_json.hpp"
 #include "daemon/serve/page_query.hpp"
 #include "daemon/serve/recorder_json.hpp"
 
@@ -129,6 +132,7 @@ Json health_json(const ServiceView& view) {
           {"rig", view.rig.name},
           {"rig_sha256", view.run.rig_sha256},
           {"version", view.run.version},
+          {"utc", view.now_utc_ns == 0 ? Json(nullptr) : Json(record::iso_utc(view.now_utc_ns))},
           {"uptime_s", number(view.uptime_s)},
           {"stale", stale},
           {"devices", devices_json(view)},
@@ -153,15 +157,15 @@ const FinishedDwells& finished(const ServiceView& view) {
 
 // Oldest first: those from an index on, or the newest; as many as one answer may hold.
 HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kDwellsPerAnswer);
+  const auto page = page_of(query, kDwellsPerAnswer, true);
   if (!page)
     return http_error(400, "the query is not understood: expected from=INDEX, count=1 to " +
-                               std::to_string(kDwellsPerAnswer) + ", or both joined by &");
+                               std::to_string(kDwellsPerAnswer) + ", brief=1, or several joined by &");
   const FinishedDwells& all = finished(view);
   std::vector<std::string> texts;
   std::size_t bytes = 0;
   const auto take = [&](const Dwell& dwell) {
-    std::string text = to_json(dwell, view.rig, view.run);
+    std::string text = page->brief ? dump(brief_json(dwell, view.rig, view.run)) : to_json(dwell, view.rig, view.run);
     if (texts.size() == page->count || (!texts.empty() && bytes + text.size() > kBytesOfDwells)) return false;
     bytes += text.size();
     texts.push_back(std::move(text));
@@ -275,12 +279,14 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
   if (path == "/api/v1/verification") return verification_answer(view);
+  if (path == "/api/v1/events") return events_answer(view, query);
   if (path == "/api/v1/runs") return runs_answer(view, query);
   if (path == "/api/v1/health")
     return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
-  return http_error(404,
-                    "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
-                    "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/health and /api/v1/stream");
+  return http_error(
+      404,
+      "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
+      "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/events, /api/v1/health and /api/v1/stream");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate) {

@@ -18,4 +18,12 @@ std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector
   return std::nullopt;
 }
 
+HttpReply unless_known(HttpReply reply, const HttpRequest& request) {
+  // A tag holds no quotes but its own, so that to find it is to find it whole.
+  if (reply.tag.empty() || request.known.find(reply.tag) == std::string_view::npos) return reply;
+  reply.status = 304;
+  reply.body.clear();
+  return reply;
+}
+
 }  // namespace dwell

@@ -19,6 +19,7 @@ struct HttpRequest {
   std::size_t hosts = 1;    // Host fields
   std::string_view host;    // the first of them
   std::string_view target;
+  std::string_view known{};  // If-None-Match: tags of what the client has
 
   // `/api/v1/dwells` and `from=3` of "/api/v1/dwells?from=3".
   [[nodiscard]] std::string_view path() const noexcept { return target.substr(0, target.find('?')); }
@@ -35,5 +36,8 @@ struct HttpRefusal {
 };
 // names: by which clients may ask, beside numeric addresses and "localhost".
 [[nodiscard]] std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector<std::string>& names);
+
+// The reply, or 304 without a body where the client has these bytes.
+[[nodiscard]] HttpReply unless_known(HttpReply reply, const HttpRequest& request);
 
 }  // namespace dwell

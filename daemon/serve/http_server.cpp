@@ -134,13 +134,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (error) return;  // gone, or out of time: what it wanted is not known
     ++server_->counts.requests;
     const auto& read = parser_->get();
-    const auto host = read[http::field::host];
+    const auto host = read[http::field::host], known = read[http::field::if_none_match];
     const HttpRequest request{read.method() == http::verb::get,
                               read.method() == http::verb::head,
                               read.version() >= 11,
                               read.count(http::field::host),
                               {host.data(), host.size()},
-                              {read.target().data(), read.target().size()}};
+                              {read.target().data(), read.target().size()},
+                              {known.data(), known.size()}};
     const bool head = request.head;
     if (auto refused = refusal(request, server_->options.names))
       return answer(std::move(refused->reply), head, !refused->ends && read.keep_alive());
@@ -154,7 +155,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       reply.content_type = "text/event-stream";
     } else {
       try {
-        reply = server_->handler(path, request.query());
+        reply = unless_known(server_->handler(path, request.query()), request);
       } catch (const std::exception&) {
         reply = http_error(500, "the answer could not be made");
       }
@@ -163,10 +164,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   template <class Body>
-  void set_fields(http::response<Body>& response, const std::string& content_type) const {
+  void set_fields(http::response<Body>& response, const HttpReply& reply) const {
     response.set(http::field::server, server_->options.server);
-    response.set(http::field::content_type, content_type);
-    response.set(http::field::cache_control, "no-store");
+    response.set(http::field::content_type, reply.content_type);
+    response.set(http::field::cache_control, reply.tag.empty() ? "no-store" : "no-cache");
+    if (!reply.tag.empty()) response.set(http::field::etag, reply.tag);
+    if (!reply.policy.empty()) response.set("Content-Security-Policy", reply.policy);
     response.set("X-Content-Type-Options", "nosniff");
     if (response.result() == http::status::method_not_allowed) response.set(http::field::allow, "GET, HEAD");
   }
@@ -185,9 +188,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     // HTTP/1.1 in the status line even where 1.0 was asked, as RFC 9110 has it; the connection is as the client wants.
     auto response = std::make_shared<http::response<http::string_body>>();
     response->result(static_cast<unsigned>(reply.status));
-    set_fields(*response, reply.content_type);
+    set_fields(*response, reply);
     response->keep_alive(keep_alive);
-    response->content_length(reply.body.size());
+    if (reply.status != 304) response->content_length(reply.body.size());
     if (!head) response->body() = std::move(reply.body);
     stream_.expires_after(server_->options.request_time);
     http::async_write(stream_, *response,
@@ -217,7 +220,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     phase_ = Phase::answered;
     server_->streams.insert(this);
     http::response<http::empty_body> response(http::status::ok, 11);
-    set_fields(response, "text/event-stream");
+    set_fields(response, {200, {}, "text/event-stream"});
     response.keep_alive(false);
     std::ostringstream head;
     head.exceptions(std::ios::badbit);  // or what memory does not suffice for is left out

@@ -25,6 +25,9 @@ struct HttpReply {
   int status = 200;
   std::string body;
   std::string content_type = "application/json";
+  std::string
+      tag{};  // names the bytes, with quotes (ETag): a client that has them is answered 304; empty: news each time
+  std::string policy{};  // Content-Security-Policy; empty: none
 };
 
 struct HttpOptions {

@@ -13,8 +13,8 @@ std::optional<int> integer_of(std::string_view text) {
   return number;
 }
 
-std::optional<Page> page_of(std::string_view query, std::size_t most) {
-  Page page{std::nullopt, most};
+std::optional<Page> page_of(std::string_view query, std::size_t most, bool may_be_brief) {
+  Page page{std::nullopt, most, false};
   bool counted = false;
   while (!query.empty()) {
     const std::string_view term = query.substr(0, query.find('&'));
@@ -27,6 +27,8 @@ std::optional<Page> page_of(std::string_view query, std::size_t most) {
       page.from = *value;
     } else if (key == "count" && !std::exchange(counted, true) && *value >= 1) {
       page.count = std::min(static_cast<std::size_t>(*value), most);
+    } else if (key == "brief" && may_be_brief && !page.brief && *value == 1) {
+      page.brief = true;
     } else {
       return std::nullopt;
     }

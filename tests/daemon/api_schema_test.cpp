@@ -66,6 +66,7 @@ struct ApiSchemaTest : testing::Test {
     transient->given = 2310;
     snapshot.transient = transient;
     snapshot.transient_e_n = 0.4;
+    events.push(Level::info, "state idle -> settling", 1'700'000'000'000'000'000);
     auto verified = std::make_shared<VerifiedDwell>();
     verified->dwell = snapshot.dwell;
     verified->verification = test::sample_verification();
@@ -74,11 +75,13 @@ struct ApiSchemaTest : testing::Test {
   [[nodiscard]] ServiceView view() const {
     ServiceView now{rig, run, snapshot};
     now.now_ns = 2'000'000'000;
+    now.now_utc_ns = 1'700'000'000'000'000'000;
     now.uptime_s = 3.5;
     now.threads = {{"estimate", 1'990'000'000, 1'000'000'000}};
     now.gpio = lines;
     now.recorder = recording;
     now.runs = runs;
+    now.events = &events;
     now.health = judge_health(rig, snapshot, now.gpio, now.log, "");
     return now;
   }
@@ -89,6 +92,8 @@ struct ApiSchemaTest : testing::Test {
   void expect_all() const {
     EXPECT_EQ(schema.faults_of_text("dwell", get("/api/v1/dwell")), "");
     EXPECT_EQ(schema.faults_of_text("dwells", get("/api/v1/dwells")), "");
+    EXPECT_EQ(schema.faults_of_text("brief_dwells", http_answer(view(), "/api/v1/dwells", "brief=1").body), "");
+    EXPECT_EQ(schema.faults_of_text("events", get("/api/v1/events")), "");
     EXPECT_EQ(schema.faults_of_text("channels", get("/api/v1/channels")), "");
     EXPECT_EQ(schema.faults_of_text("verification", get("/api/v1/verification")), "");
     EXPECT_EQ(schema.faults_of_text("runs", get("/api/v1/runs")), "");
@@ -102,6 +107,7 @@ struct ApiSchemaTest : testing::Test {
   RunInfo run = test::sample_run();
   Snapshot snapshot;
   gpio::Status lines{};
+  NewestLines events;
   std::optional<record::RecorderState> recording = recording_a_run();
   std::shared_ptr<const record::ListedRuns> runs =
       std::make_shared<const record::ListedRuns>(record::ListedRuns{recording_a_run().run});

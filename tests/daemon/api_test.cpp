@@ -143,7 +143,7 @@ TEST_F(ApiTest, FinishedDwellsComeInBoundedPortions) {
   EXPECT_EQ(get("/api/v1/dwells", "count=1000")["dwells"].size(), kDwellsPerAnswer);
   EXPECT_TRUE(get("/api/v1/dwells", "from=250")["next"].is_null());
   for (const char* wrong : {"from=", "from=x", "from=1&x=2", "to=3", "from=99999999999999999999", "count=0", "count=-1",
-                            "from=1&from=2", "count=1&count=1", "from", "count=1x"})
+                            "from=1&from=2", "count=1&count=1", "from", "count=1x", "brief=2", "brief"})
     EXPECT_EQ(http_answer(view(), "/api/v1/dwells", wrong).status, 400) << wrong;
 }
 

@@ -23,6 +23,7 @@ struct HttpServerTest : testing::Test {
         loop, options,
         [](std::string_view path, std::string_view query) {
           if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(query) + "\"}"};
+          if (path == "/page") return HttpReply{200, "bytes", "text/html", "\"tag\"", "default-src 'self'"};
           if (path == "/large") return HttpReply{200, std::string(5'000'000, ' ')};
           if (path == "/throw") throw std::runtime_error("no");
           return http_error(404, "nothing here");
@@ -84,6 +85,23 @@ TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
   EXPECT_EQ(answer.status, 200);
   EXPECT_NE(answer.head.find("Content-Length: 12\r\n"), std::string::npos) << answer.head;
   EXPECT_EQ(client.all(), "");
+}
+
+TEST_F(HttpServerTest, APageCarriesItsPolicyAndIsSentOnce) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("GET /page HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  const Answer first = read_answer(client);
+  EXPECT_EQ(first.body, "bytes");
+  for (const char* field : {"ETag: \"tag\"\r\n", "Content-Security-Policy: default-src 'self'\r\n",
+                            "Cache-Control: no-cache\r\n", "X-Content-Type-Options: nosniff\r\n"})
+    EXPECT_NE(first.head.find(field), std::string::npos) << field << first.head;
+  client.send("GET /page HTTP/1.1\r\nHost: localhost\r\nIf-None-Match: \"tag\"\r\n\r\n");
+  EXPECT_NE(client.until("\r\n\r\n").find("304 Not Modified"), std::string::npos);
+  client.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  const Answer next = read_answer(client);
+  EXPECT_EQ(next.body, "{\"hello\":\"\"}") << "304 has no body: the connection goes on";
+  EXPECT_NE(next.head.find("Cache-Control: no-store\r\n"), std::string::npos);
 }
 
 TEST_F(HttpServerTest, WhatIsNotThereIs404WithAReason) {

@@ -1,0 +1,139 @@
+// What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
+// concerns it. Pure.
+import { isGeneral } from './wording.mjs';
+import { ageText, isNumber, numberText, secondsText } from './number.mjs';
+
+// c_1, r_1 … of an element, as people write them.
+const SUBSCRIPT = '₀₁₂₃₄₅₆₇₈₉';
+export const subscript = (k) => String(k).replace(/\d/g, (c) => SUBSCRIPT[c]);
+
+export const COEFFICIENTS = [
+  { key: 'stiffness', letter: 'c', name: 'stiffness' },
+  { key: 'damping', letter: 'r', name: 'damping' },
+];
+
+// Whether a text names the element ("element 2", "elements 1, 3 and 4", "elements 1 … 4"; "mass 2" does not count) …
+export function namesElement(text, k) {
+  for (const [, numbers] of text.matchAll(/\belements? (\d+(?:(?:, | and | … )\d+)*)/g)) {
+    for (const part of numbers.split(/, | and /)) {
+      const [first, last = first] = part.split(' … ').map(Number);
+      if (first <= k && k <= last) return true;
+    }
+  }
+  return false;
+}
+// … or the channel.
+export function namesChannel(text, name) {
+  const at = text.split(/[^\p{L}\p{N}_-]+/u);
+  return at.includes(name) || (/[^\p{L}\p{N}_-]/u.test(name) && text.includes(name));
+}
+
+// Each warning stands once: beside the elements that it names, else with the channels that it names, else with the dwell.
+function unsaid(dwell) {
+  const said = new Set(dwell.doubts.map((doubt) => doubt.what));
+  return dwell.warnings.filter((text) => !said.has(text) && !text.startsWith('not settled: ') &&
+    !dwell.elements.some((e) => namesElement(text, e.k)));
+}
+const namesSomeChannel = (dwell, text) => dwell.phasors.some((p) => namesChannel(text, p.channel));
+export const channelWarnings = (dwell) => unsaid(dwell).filter((text) => namesSomeChannel(dwell, text));
+export const generalWarnings = (dwell) => unsaid(dwell).filter((text) => !namesSomeChannel(dwell, text));
+
+// Names a dwell among all of a service's runs: its index begins anew with each.
+export const keyOf = (dwell) => `${dwell.start_utc} ${dwell.index}`;
+
+// Coefficients that a dwell or its transient gives, remembered for when they are withdrawn: an operator must see that the
+// number before his eyes a second ago is gone, and from when it was.
+export class LastNumbers {
+  key = null; // of their dwell
+  index = null;
+  elements = []; // as in a dwell
+  t = null; // when they were seen last, s of the page's clock
+  ended_by = null;
+
+  take(dwell, now) {
+    if (dwell.settled_s === null || dwell.elements.length === 0) return;
+    const before = this.key === keyOf(dwell) ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
+    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: now } : before.get(e.k) ?? e));
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t: now,
+      ended_by: dwell.state === 'complete' ? dwell.ended_by : null });
+  }
+
+  // A dwell of the service's list: what ended before the page was opened, and how what was seen has ended.
+  takeEnded(dwell, ended_ms, now, nowMs) {
+    if (this.key === keyOf(dwell)) {
+      this.ended_by = dwell.ended_by;
+      return;
+    }
+    if (this.t !== null && now - this.t < (nowMs - ended_ms) / 1e3) return;
+    const t = now - (nowMs - ended_ms) / 1e3;
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, elements: dwell.elements.map((e) => ({ ...e, seen: t })),
+      t, ended_by: dwell.ended_by });
+  }
+}
+
+const marksOf = (coefficient, doubted) =>
+  [...(coefficient.significant === false ? ['n.s.'] : []), ...(doubted ? ['?'] : [])];
+
+function cellsOf(element, doubted, struckAge) {
+  return COEFFICIENTS.map(({ key, letter, name }) => {
+    const coefficient = element[key];
+    const cell = { of: [key, element.k], symbol: letter + subscript(element.k), name, number: null, struck: struckAge, marks: [] };
+    if (element.identifiable && coefficient && isNumber(coefficient.value)) {
+      cell.number = numberText(coefficient.value, coefficient.U95, coefficient.unit);
+      cell.marks = marksOf(coefficient, doubted);
+    }
+    return cell;
+  });
+}
+
+// { source, title, reason, elements: [{ k, reason, cells, last, notes }] }
+//   source  'measured', 'transient', 'last' or 'none'
+//   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks
+//   last    the cells as they were, struck, where the number is withheld now
+// view: { dwell, fresh, now, last: LastNumbers, broken: a channel that counts is gone }
+export function coefficientsOf({ dwell, fresh, now, last, broken }) {
+  const none = (reason) => ({ source: 'none', title: '', reason, elements: [] });
+  if (!dwell) return none('the service has not told of a dwell yet');
+  const old = fresh.dwellOld(now);
+  const age = old ? ageText(fresh.dwellAge_s(now)) : null;
+
+  const shown = (elements, source, title) => ({ source, title, reason: null, elements: elements.map((e) => {
+    const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
+    const doubted = doubts.length > 0 || dwell.doubts.some((d) => d.elements.length === 0);
+    const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
+      ? last.elements.find((b) => b.k === e.k && b.identifiable) : null;
+    return {
+      k: e.k,
+      reason: e.identifiable ? null : e.reason ?? 'no reason stated',
+      cells: cellsOf(e, doubted, age),
+      budget: e.budget ?? [],
+      last: before ? cellsOf(before, false, ageText(now - before.seen)) : null,
+      notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
+        ...dwell.warnings.filter((text) => namesElement(text, e.k) && !dwell.doubts.some((d) => d.what === text))
+          .map((text) => ({ tone: 'care', text }))],
+    };
+  }) });
+
+  if (dwell.settled_s !== null && dwell.elements.length > 0)
+    return shown(dwell.elements, 'measured', `dwell ${dwell.index}`);
+
+  const m = dwell.motion;
+  if (dwell.state === 'settling' && m && m.elements.length > 0) {
+    const stretch = `${m.start_s.toFixed(1)} to ${secondsText(m.end_s)}`;
+    return shown(m.elements, 'transient', `from the transient, ${stretch}: an estimate before the verdict`);
+  }
+  if (dwell.state === 'settling')
+    return none(`settling: ${dwell.settling_reason || 'the transient is not over'}`);
+
+  if (last.t === null) return none(dwell.settling_reason || 'nothing has been measured yet');
+  const gone = old || broken || dwell.state === 'fault';
+  const lastAge = ageText(now - last.t);
+  return {
+    source: 'last',
+    title: `last dwell: ${last.index}, ended ${lastAge} ago${last.ended_by ? `: ${last.ended_by}` : ''}`,
+    reason: null,
+    elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
+      cells: cellsOf(e, false, gone ? lastAge : null), last: null, notes: [],
+      budget: [] })),
+  };
+}

@@ -1,0 +1,118 @@
+// The coefficients on the page: coefficients.js decides what stands there, this puts it there.
+import { budgetOf } from './budget.mjs';
+import { COEFFICIENTS, coefficientsOf, generalWarnings, subscript } from './coefficients.mjs';
+import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { trendPaths } from './history.mjs';
+import { percentText } from './number.mjs';
+
+const $ = (id) => document.getElementById(id);
+
+const TREND = { width: 160, height: 32 };
+const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
+
+// Parts of a number apart, so that they can be aligned and the unit stand smaller.
+export function makeNumber() {
+  return h('span', { class: 'number' }, h('span', { class: 'value' }), h('span', { class: 'pm' }), h('span', { class: 'unit' }),
+    h('span', { class: 'marks' }), h('span', { class: 'age' }));
+}
+
+export function renewNumber(node, { number, struck, marks = [] }) {
+  const [value, pm, unit, mark, age] = node.children;
+  setAttributes(node, { class: struck ? 'number struck' : 'number' });
+  setText(value, number.value);
+  setText(pm, number.u ? ` ± ${number.u}` : '');
+  setText(unit, number.unit ? ` ${number.unit}` : '');
+  setText(mark, marks.map((m) => ` ${m}`).join(''));
+  setText(age, struck ? ` ${struck} old` : '');
+}
+
+function makeCell(cell) {
+  return h('div', { class: 'coefficient' },
+    h('dt', {}, h('span', { class: 'symbol' }, cell.symbol), h('span', { class: 'name' }, ` ${cell.name}`)),
+    h('dd', {}, makeNumber(), s('svg', { class: 'trend', viewBox: `0 0 ${TREND.width} ${TREND.height}`, preserveAspectRatio: 'none',
+      'aria-hidden': 'true' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' })));
+}
+
+// The trend changes little: it is drawn anew once a second at most.
+const drawn = new WeakMap();
+function renewTrend(node, cell, view, source) {
+  const [, trend, deviation] = node.lastChild.children;
+  const second = Math.floor(view.now);
+  if (drawn.get(node) === second) return;
+  drawn.set(node, second);
+  const [, k] = cell.of;
+  const paths = trendPaths(view.history.of(cell.of[0], k, view.nowMs), view.nowMs, TREND.width, TREND.height);
+  trend.classList.toggle('none', !paths);
+  setAttributes(trend.children[0], { d: paths?.band ?? '' });
+  setAttributes(trend.children[1], { d: paths?.line ?? '' });
+  const moved = source === 'measured' ? view.history.deviation(cell.of[0], k, view.dwell) : null;
+  setText(deviation, moved?.text ?? '');
+  setAttributes(deviation, { class: moved?.beyond ? 'deviation beyond' : 'deviation' });
+}
+
+function makeElement(element) {
+  return h('li', { class: 'element' }, h('h3', {}, `Element ${element.k}`), h('p', { class: 'reason' }), h('dl', {}),
+    h('ul', { class: 'notes' }), h('details', { class: 'budget' }, h('summary', {}, `What makes up ± of element ${element.k}`),
+      ...COEFFICIENTS.map(({ letter }) => h('div', {}, h('p', {}, letter + subscript(element.k)), h('ul', { class: 'bars' })))));
+}
+
+const EMPTY = { value: '—', u: '', unit: '' };
+
+function renewBudget(details, element) {
+  show(details, element.budget.length > 0);
+  if (!details.open) return;
+  COEFFICIENTS.forEach(({ key, letter }, i) => {
+    const { bars, advice } = budgetOf(element, key);
+    const [head, list] = details.children[i + 1].children;
+    setText(head, `± of ${letter}${subscript(element.k)}: ${advice ? `first ${advice}` : 'not known'}`);
+    keyed(list, bars, (bar) => bar.source, (bar) => h('li', {}, h('span', { class: 'bar' }), h('span', {})), (item, bar) => {
+      item.firstChild.style.width = `${(100 * bar.share).toFixed(0)}%`;
+      setText(item.lastChild, `${bar.source} ${percentText(bar.share)}`);
+    });
+  });
+}
+
+function renewElement(node, element, view, source) {
+  const [, reason, list, notes, budget] = node.children;
+  renewBudget(budget, element);
+  show(reason, element.reason !== null);
+  setText(reason, element.reason === null ? '' : `no coefficients: ${element.reason}`);
+  const cells = element.last ?? (element.reason === null ? element.cells : []);
+  keyed(list, cells, (cell) => cell.symbol, makeCell,
+    (made, cell) => {
+      renewNumber(made.lastChild.firstChild, { ...cell, number: cell.number ?? EMPTY });
+      renewTrend(made, cell, view, source);
+    });
+  show(notes, element.notes.length > 0);
+  keyed(notes, element.notes, (note) => note.text, (note) => h('li', { 'data-tone': note.tone }, note.text));
+}
+
+// Said above numbers that are not simply those of now.
+const FROM = { transient: 'provisional', last: 'not of now' };
+
+function legendOf(shown, dwell) {
+  if (shown.elements.length === 0) return '';
+  const parts = ['± is the half width of the 95 % interval'];
+  const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
+  for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
+  if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
+    parts.push('struck through: no longer renewed, and from so long ago');
+  if (shown.source !== 'last' && dwell.unstated.length > 0)
+    parts.push(`± covers noise, clock and what the rig file states; not stated: ${dwell.unstated.join(', ')}`);
+  return `${parts.join('. ')}.`;
+}
+
+export function showCoefficients(view) {
+  const shown = coefficientsOf(view);
+  setAttributes($('coefficients'), { 'data-source': shown.source });
+  show($('coefficients-from'), Boolean(FROM[shown.source]));
+  setText($('coefficients-from'), `${FROM[shown.source]} · ${shown.title}`);
+  setText($('coefficients-none'), shown.reason ? `No coefficients: ${shown.reason}` : '');
+  show($('coefficients-none'), shown.reason !== null);
+  keyed($('elements'), shown.elements, (element) => element.k, makeElement,
+    (node, element) => renewElement(node, element, view, shown.source));
+  const warnings = view.dwell ? generalWarnings(view.dwell) : [];
+  show($('warnings'), warnings.length > 0);
+  keyed($('warnings'), warnings, (text) => text, (text) => h('li', { 'data-tone': 'care' }, text));
+  setText($('legend'), legendOf(shown, view.dwell));
+}

@@ -1,0 +1,53 @@
+// The little that the page needs to build and renew its elements. Text enters as text, never as markup. What has not
+// changed is not touched: ten renewals a second must cost next to nothing.
+
+const SVG = 'http://www.w3.org/2000/svg';
+
+function fill(node, attributes, children) {
+  for (const [name, value] of Object.entries(attributes ?? {})) node.setAttribute(name, value);
+  node.append(...children.filter((child) => child !== null));
+  return node;
+}
+
+export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
+export const s = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
+
+export function setText(node, text) {
+  const only = node.childNodes.length === 1 && node.firstChild.nodeType === Node.TEXT_NODE ? node.firstChild : null;
+  if (only) {
+    if (only.data !== text) only.data = text;
+  } else if (node.childNodes.length > 0 || text !== '') {
+    node.textContent = text;
+  }
+}
+
+export function setAttributes(node, attributes) {
+  for (const [name, value] of Object.entries(attributes)) {
+    const text = String(value);
+    if (node.getAttribute(name) !== text) node.setAttribute(name, text);
+  }
+}
+
+export function show(node, on) {
+  if (node.hasAttribute('hidden') === on) node.toggleAttribute('hidden', !on); // SVG has no property of that name
+}
+
+// One child of `parent` for each item, in their order: made anew for a key that has come, renewed where the key stays.
+const kept = new WeakMap();
+export function keyed(parent, items, keyOf, make, renew) {
+  const before = kept.get(parent) ?? new Map();
+  const now = new Map();
+  let at = parent.firstChild;
+  for (const item of items) {
+    let key = keyOf(item);
+    while (now.has(key)) key += '\'';
+    const node = before.get(key) ?? make(item);
+    before.delete(key);
+    now.set(key, node);
+    if (node === at) at = at.nextSibling;
+    else parent.insertBefore(node, at);
+    renew?.(node, item);
+  }
+  for (const node of before.values()) node.remove();
+  kept.set(parent, now);
+}

@@ -1,0 +1,51 @@
+// One finished dwell, opened from the list: everything the service keeps of it.
+import { budgetOf } from './budget.mjs';
+import { COEFFICIENTS, subscript } from './coefficients.mjs';
+import { h, setText } from './dom.mjs';
+import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
+
+const $ = (id) => document.getElementById(id);
+
+const line = (name, text) => h('div', {}, h('dt', {}, name), h('dd', {}, text));
+
+function elementItem(e) {
+  if (!e.identifiable) return h('li', {}, `Element ${e.k}: no coefficients: ${e.reason}`);
+  return h('li', {}, COEFFICIENTS.map(({ key, letter }) =>
+    `${letter}${subscript(e.k)} = ${joined(numberText(e[key].value, e[key].U95, e[key].unit))}`).join(', '));
+}
+
+function contentOf(d) {
+  const settled = d.settled_s !== null;
+  return [
+    h('ul', { class: 'notes' }, ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${
+      doubt.elements.length ? `element ${doubt.elements.join(', ')}` : 'any element'}: ${doubt.what}`)),
+    ...d.warnings.filter((text) => !d.doubts.some((doubt) => doubt.what === text)).map((text) => h('li', { 'data-tone': 'care' }, text))),
+    h('ul', { class: 'plain' }, ...d.elements.map(elementItem)),
+    h('dl', { class: 'facts' },
+      line('data', settled ? `${secondsText(d.settled_s, 2)} to ${secondsText(d.end_s, 2)} of the run` : 'never settled'),
+      line('settling', d.settling_reason || NO_NUMBER),
+      line('frequency', joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz'))),
+      line('ended by', d.ended_by),
+      line('phasors', d.phasors.map((p) => `${p.channel} ${p.valid ? plainText(p.amplitude, p.unit, 4) : NO_NUMBER}`).join(', ')),
+      ...d.elements.filter((e) => e.budget?.length).map((e) => line(`± of c${subscript(e.k)}`, budgetOf(e, 'stiffness').bars
+        .map((bar) => `${bar.source} ${percentText(bar.share)}`).join(', ')))),
+  ];
+}
+
+export async function openDwell(brief) {
+  setText($('dwell-title'), `Dwell ${brief.index}`);
+  $('dwell-json').href = `/api/v1/dwells/${brief.index}`;
+  $('dwell-content').replaceChildren(h('p', {}, 'loading …'));
+  $('dwell').showModal();
+  try {
+    const answer = await fetch(`/api/v1/dwells/${brief.index}`);
+    const dwell = await answer.json();
+    if (!answer.ok) throw new Error(dwell.error);
+    // Indices begin anew with each run: the service has only those of the newest.
+    if (dwell.start_utc !== brief.start_utc) throw new Error('it is of an earlier run: dwellctl show RUN.dwell has it');
+    $('dwell-content').replaceChildren(...contentOf(dwell));
+  } catch (failure) {
+    $('dwell-content').replaceChildren(h('p', {}, `It cannot be shown: ${failure.message}`));
+  }
+}
+$('dwell-close').addEventListener('click', () => $('dwell').close());

@@ -1,0 +1,141 @@
+// What the page knows, and how it comes: the live stream, and answers asked for once a second. It never gives up: a
+// connection that broke is made again each second.
+import { applyChange } from './change.mjs';
+import { keyOf, LastNumbers } from './coefficients.mjs';
+import { Freshness } from './freshness.mjs';
+import { History } from './history.mjs';
+import { utcMs } from './wording.mjs';
+
+const ASK_MS = 1000;
+const ANSWER_MS = 2000; // then the question is given up
+const SILENT_S = 5; // a stream that says nothing for so long, while answers come, is opened anew
+const SELDOM_MS = 10_000; // between questions for what changes seldom
+const KEPT_EVENTS = 500;
+const KEPT_DWELLS = 300;
+
+export class Feed {
+  dwell = null;
+  health = null;
+  channels = null;
+  events = [];
+  dwells = []; // summaries of finished ones, oldest first
+  runs = [];
+  last = new LastNumbers();
+  history = new History();
+  fresh = new Freshness();
+  #clock;
+  #changed;
+  #source = null;
+  #spoke_s = -Infinity; // the stream
+  #seldom_s = -Infinity; // when what changes seldom was asked for
+  #asking = false;
+  #nextEvent = 0;
+  #ahead_ms = 0; // the service's clock before this computer's
+  #told = '';
+
+  // changed: called whenever something came.
+  constructor(clock, changed) {
+    this.#clock = clock;
+    this.#changed = changed;
+  }
+
+  begin() {
+    this.#listen();
+    this.#ask();
+    setInterval(() => this.#ask(), ASK_MS);
+  }
+
+  #now() {
+    return this.#clock.now();
+  }
+
+  // UTC as the service has it: the clock of a phone may be anything.
+  nowMs() {
+    return Date.now() + this.#ahead_ms;
+  }
+
+  #listen() {
+    this.#source?.close();
+    const source = new EventSource('/api/v1/stream');
+    this.#source = source;
+    this.#spoke_s = this.#now();
+    source.addEventListener('dwell', (event) => this.#take(JSON.parse(event.data)));
+    source.addEventListener('change', (event) => {
+      const whole = applyChange(this.dwell, JSON.parse(event.data));
+      if (whole) this.#take(whole);
+    });
+    source.onerror = () => this.#ask();
+  }
+
+  #take(dwell) {
+    const now = this.#now();
+    this.#spoke_s = now;
+    this.dwell = dwell;
+    this.fresh.tookDwell(dwell, now);
+    this.last.take(dwell, now);
+    this.history.take(dwell, this.nowMs());
+    const told = `${dwell.start_utc} ${dwell.index} ${dwell.state}`;
+    if (told !== this.#told) this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
+    this.#told = told;
+    this.#changed();
+  }
+
+  async #get(path) {
+    const answer = await fetch(path, { signal: AbortSignal.timeout(ANSWER_MS), cache: 'no-store' });
+    const value = await answer.json();
+    this.fresh.heard(this.#now());
+    // Health is told with 503 where the service itself does not work.
+    if (!answer.ok && path !== '/api/v1/health') throw new Error(value.error);
+    return value;
+  }
+
+  async #ask() {
+    if (this.#asking) return;
+    this.#asking = true;
+    try {
+      const [health, channels] = await Promise.all([this.#get('/api/v1/health'), this.#get('/api/v1/channels')]);
+      if (this.health && this.health.version !== health.version) location.reload(); // a newer page belongs to it
+      this.health = health;
+      this.#ahead_ms = Date.parse(health.utc) - Date.now();
+      this.channels = channels.channels;
+      if (this.#source.readyState === EventSource.CLOSED || this.#now() - this.#spoke_s > SILENT_S) this.#listen();
+      if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) await this.#askSeldom();
+    } catch {
+      // An error status is an answer as well: then the service is there.
+      if (this.#now() - this.fresh.heard_s > ASK_MS / 1e3) this.fresh.broke(this.#now());
+    } finally {
+      this.#asking = false;
+      this.#changed();
+    }
+  }
+
+  // Lists that grow: only what is new is asked for. After a restart of the service its numbers begin anew.
+  async #askSeldom() {
+    this.#seldom_s = this.#now();
+    const events = await this.#get(`/api/v1/events${this.#nextEvent ? `?from=${this.#nextEvent}` : ''}`);
+    if (events.next < this.#nextEvent) this.events = [];
+    if (events.next < this.#nextEvent && events.events.length === 0) this.#nextEvent = 0;
+    else this.#nextEvent = events.next;
+    this.events = [...this.events, ...events.events.map(withState)].slice(-KEPT_EVENTS);
+
+    const run = this.dwell?.start_utc;
+    const from = this.dwells.findLast((d) => d.start_utc === run)?.index;
+    const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from + 1}` : ''}`);
+    const known = new Set(list.dwells.map(keyOf));
+    this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells].slice(-KEPT_DWELLS);
+    for (const dwell of list.dwells) {
+      const ended = utcMs(dwell, dwell.end_s);
+      if (dwell.elements.length > 0 && ended !== null) {
+        this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
+        this.history.takeEnded(dwell, ended);
+      }
+    }
+    this.runs = (await this.#get('/api/v1/runs?count=20')).runs;
+  }
+}
+
+// What a line tells of a change of state.
+function withState(event) {
+  const state = event.text.match(/^state \w+ -> (\w+)/)?.[1];
+  return state ? { ...event, kind: 'state', state } : event;
+}

@@ -1,0 +1,86 @@
+// What is known of how old everything on the page is, by the page's own clock: a service that says nothing cannot say
+// that it says nothing. Pure: instants are seconds of one clock, given by the caller.
+
+// Nothing heard for so long: the service is gone. The stream speaks once a second and the page asks once a second.
+// Halved: a busy network blinks. Doubled: an operator looks at dead numbers for five seconds.
+export const GONE_S = 2.5;
+// Numbers not renewed for so long are old, as in dwellctl watch …
+export const OLD_S = 2.5;
+// … or for so many of the usual times between renewals, where the rig file has them further apart.
+const USUAL_TIMES = 2.5;
+
+const hasData = (dwell) => dwell.settled_s !== null || dwell.state === 'settling' || dwell.state === 'measuring';
+
+const moved = (before, after) => before.index !== after.index || before.state !== after.state ||
+  before.end_s !== after.end_s;
+
+export class Freshness {
+  heard_s = -Infinity; // anything from the service
+  connected_s = null; // since when the service answers without a break; null: it does not
+  gone_s = null; // since when it does not
+  #moved_s = -Infinity; // the dwell's data went on
+  #turns = [0, 0, 0]; // times between the last renewals
+  #dwell = null;
+
+  heard(now) {
+    this.heard_s = now;
+    if (this.connected_s === null) this.connected_s = now;
+    this.gone_s = null;
+  }
+
+  // The connection broke, which the browser may know before the time is up.
+  broke(now) {
+    if (this.gone_s === null) this.gone_s = now;
+    this.connected_s = null;
+  }
+
+  tookDwell(dwell, now) {
+    this.heard(now);
+    if (!this.#dwell || !hasData(dwell) || moved(this.#dwell, dwell)) {
+      this.#turns = [Number.isFinite(this.#moved_s) ? now - this.#moved_s : 0, ...this.#turns.slice(0, 2)];
+      this.#moved_s = now;
+    }
+    this.#dwell = dwell;
+  }
+
+  gone(now) {
+    return this.gone_s !== null || now - this.heard_s > GONE_S;
+  }
+
+  silence_s(now) {
+    return now - this.heard_s;
+  }
+
+  // How old the dwell's numbers are, and whether that is too old.
+  dwellAge_s(now) {
+    return now - this.#moved_s;
+  }
+
+  dwellOld(now) {
+    // One outage among three renewals must not pass as usual: the shortest counts.
+    const limit = Math.max(OLD_S, USUAL_TIMES * Math.min(...this.#turns));
+    return this.gone(now) || this.dwellAge_s(now) > limit;
+  }
+}
+
+// A clock that goes on while the computer sleeps: a browser's monotonic one may not, and numbers from before the lid was
+// closed would pass as fresh. A wall clock that is set forward makes them look old until the next message.
+export class Clock {
+  #monotonic;
+  #wall;
+  #slept_s = 0;
+  #last = null;
+
+  constructor(monotonic_s, wall_s) {
+    this.#monotonic = monotonic_s;
+    this.#wall = wall_s;
+  }
+
+  now() {
+    const m = this.#monotonic();
+    const w = this.#wall();
+    if (this.#last && w - this.#last.w > m - this.#last.m + 1) this.#slept_s += w - this.#last.w - (m - this.#last.m);
+    this.#last = { m, w };
+    return m + this.#slept_s;
+  }
+}

@@ -1,0 +1,77 @@
+// The first line: state in word, shape and colour, and what an operator asks next.
+import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { ageText } from './number.mjs';
+import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from './wording.mjs';
+
+const $ = (id) => document.getElementById(id);
+
+// One shape for each kind, 24 × 24: told apart without any colour.
+const SHAPES = {
+  connecting: [['circle', { cx: 12, cy: 12, r: 9, class: 'line dashed' }]],
+  idle: [['circle', { cx: 12, cy: 12, r: 9, class: 'line' }]],
+  settling: [['path', { d: 'M5 3h14M5 21h14M7 3c0 6 10 12 10 18M17 3c0 6 -10 12 -10 18', class: 'line' }]],
+  measuring: [['circle', { cx: 12, cy: 12, r: 9, class: 'line' }], ['circle', { cx: 12, cy: 12, r: 5, class: 'area' }]],
+  complete: [['rect', { x: 4, y: 4, width: 16, height: 16, class: 'area' }]],
+  fault: [['path', { d: 'M12 2L23 21H1Z', class: 'area' }], ['path', { d: 'M12 9v6M12 17v2', class: 'cut' }]],
+  gone: [['path', { d: 'M8 2h8l6 6v8l-6 6h-8l-6 -6v-8z', class: 'area' }], ['path', { d: 'M8 8l8 8M16 8l-8 8', class: 'cut' }]],
+};
+
+let drawn = null;
+function showShape(kind) {
+  if (drawn === kind) return;
+  drawn = kind;
+  $('shape').replaceChildren(s('svg', { viewBox: '0 0 24 24' }, ...SHAPES[kind].map(([tag, attributes]) => s(tag, attributes))));
+}
+
+const timeOfDay = (ms) => new Date(ms).toLocaleTimeString('en-GB');
+
+function sinceText(view) {
+  const ms = view.dwell ? sinceMs(view.dwell, view.events) : null;
+  return ms === null ? null : `${timeOfDay(ms)} (${ageText((view.nowMs - ms) / 1e3)})`;
+}
+
+// What stands behind the state, in this order; what is not known is left out.
+function factsOf(view) {
+  const { dwell, health } = view;
+  const model = modelOf(dwell?.model);
+  const facts = [
+    ['model', model?.text, model?.tone],
+    ['since', sinceText(view)],
+    ['frequency', dwell && frequencyText(dwell)],
+    ['dwell', dwell?.index ? String(dwell.index) : null],
+    ['run', runText(health)],
+  ];
+  return facts.filter(([, text]) => text).map(([name, text, tone]) => ({ name, text, tone: tone ?? 'calm' }));
+}
+
+let spoken = '';
+// Said aloud when the kind of state changes or a trouble comes or goes, not with each second that passes.
+function speak(state, list) {
+  const gist = `${state.word}${list.length ? `; ${list.length} ${list.length > 1 ? 'troubles' : 'trouble'}` : ''}`;
+  if (gist === spoken) return;
+  spoken = gist;
+  setText($('spoken'), gist);
+}
+
+export function showHead(view) {
+  const state = stateOf(view);
+  const list = troubles(view);
+  const rig = view.health?.rig ?? 'Dwell';
+  setText($('rig'), rig);
+  document.title = `${state.word} · ${rig}`;
+  setAttributes($('state'), { 'data-tone': state.tone, 'data-kind': state.kind });
+  showShape(state.doubted ? 'fault' : state.kind);
+  setText($('word'), state.word);
+  setText($('detail'), state.detail);
+  const old = view.fresh.gone(view.now);
+  keyed($('facts'), factsOf(view), (fact) => fact.name,
+    (fact) => h('div', {}, h('dt', {}, fact.name), h('dd', {})),
+    (node, fact) => {
+      setText(node.lastChild, fact.text);
+      setAttributes(node, { 'data-tone': fact.tone, class: old ? 'struck' : '' });
+    });
+  keyed($('troubles'), list, (trouble) => trouble.text.replace(/[\d.]+ (s|min|h|d) ago/, ''),
+    (trouble) => h('li', { 'data-tone': trouble.tone }, ''), (node, trouble) => setText(node, trouble.text));
+  show($('troubles'), list.length > 0);
+  speak(state, list);
+}

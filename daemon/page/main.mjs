@@ -1,0 +1,50 @@
+// The page: draws what the feed knows, when something came or time has made something old.
+import { showCoefficients } from './coefficients_view.mjs';
+import { Feed } from './feed.mjs';
+import { Clock } from './freshness.mjs';
+import { showHead } from './head_view.mjs';
+import { showPhasors } from './phasors_view.mjs';
+import { showTables } from './tables_view.mjs';
+
+// Ages and the connection are looked at so often even when nothing comes.
+const TICK_MS = 250;
+
+const clock = new Clock(() => performance.now() / 1e3, () => Date.now() / 1e3);
+let due = false;
+
+// Draws at most `times` a second: nobody reads a table faster, and ten times a second it would be most of the load.
+function atMost(times, show) {
+  let last = -1;
+  return (view) => {
+    const turn = Math.floor(times * view.now);
+    if (turn === last) return;
+    last = turn;
+    show(view);
+  };
+}
+const slower = [atMost(2, showPhasors), atMost(1, showTables)];
+
+function draw() {
+  due = false;
+  const now = clock.now();
+  const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
+  const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
+    dwells: feed.dwells, runs: feed.runs, fresh: feed.fresh, last: feed.last, history: feed.history, now,
+    nowMs: feed.nowMs(), broken: silent.size > 0 };
+  showHead(view);
+  showCoefficients(view);
+  for (const part of slower) part(view);
+}
+
+// At most once for each picture that the screen shows, and not at all while nobody sees the page.
+function changed() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(draw);
+}
+
+const feed = new Feed(clock, changed);
+if (new URLSearchParams(location.search).has('kiosk')) document.documentElement.classList.add('kiosk');
+draw();
+feed.begin();
+setInterval(changed, TICK_MS);

@@ -1,0 +1,88 @@
+// The polar picture and the table beside it.
+import { channelWarnings } from './coefficients.mjs';
+import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText } from './number.mjs';
+import { placeLabels, polarOf } from './polar.mjs';
+
+const $ = (id) => document.getElementById(id);
+const RADIUS = 100;
+
+function makeArrow(arrow) {
+  return s('g', { class: 'arrow' }, s('line', { class: 'shaft' }), s('ellipse', { class: 'ellipse' }), s('circle', { r: 2.5, class: 'tip' }),
+    s('line', { class: 'leader' }), s('text', {}, arrow.channel));
+}
+
+function renewArrow(node, arrow, units) {
+  const [shaft, ellipse, tip, leader, text] = node.children;
+  // Quantities differ by their stroke, not by colour.
+  setAttributes(shaft, { x1: 0, y1: 0, x2: arrow.x.toFixed(1), y2: arrow.y.toFixed(1), class: `shaft dash${units.indexOf(arrow.unit) % 4}` });
+  setAttributes(ellipse, { rx: arrow.radial.toFixed(2), ry: arrow.tangential.toFixed(2),
+    transform: `translate(${arrow.x.toFixed(1)} ${arrow.y.toFixed(1)}) rotate(${arrow.degrees.toFixed(1)})` });
+  setAttributes(tip, { cx: arrow.x.toFixed(1), cy: arrow.y.toFixed(1) });
+  const end = arrow.side * (RADIUS + 12);
+  setAttributes(leader, { x1: arrow.x.toFixed(1), y1: arrow.y.toFixed(1), x2: end, y2: arrow.at.toFixed(1) });
+  setAttributes(text, { x: end + 3 * arrow.side, y: (arrow.at + 4).toFixed(1), 'text-anchor': arrow.side < 0 ? 'end' : 'start' });
+}
+
+const degrees = (rad) => {
+  const turn = rad / (2 * Math.PI);
+  return 360 * (turn - Math.round(turn));
+};
+
+function rowsOf(view) {
+  const { dwell, fresh, now } = view;
+  const reference = dwell.phasors.find((p) => p.valid);
+  const provisional = dwell.settled_s === null;
+  const old = fresh.dwellOld(now) ? ageText(fresh.dwellAge_s(now)) : null;
+  return dwell.phasors.map((p) => {
+    const channel = view.channels?.find((c) => c.name === p.channel);
+    const gone = view.health?.stale.includes(p.channel) ? ageText(channel?.age_s) : null;
+    const row = { key: p.channel, struck: old ?? gone, cells: [p.channel] };
+    if (!p.valid) return { ...row, reason: p.reason ?? 'no reason stated' };
+    const phase = degrees(p.phase_rad - reference.phase_rad);
+    const largest = p.harmonics.reduce((best, value, i) => (isNumber(value) && value > (best?.value ?? 0) ? { value, i } : best), null);
+    row.cells.push(
+      provisional ? plainText(p.amplitude, p.unit, 3) : joined(numberText(p.amplitude, NORMAL_95 * p.u_amplitude, p.unit)),
+      p === reference ? '0°' : provisional ? plainText(phase, '°', 3).replace(' °', '°')
+        : joined(numberText(phase, NORMAL_95 * 180 / Math.PI * p.u_relative_phase_rad, '°')).replace(' °', '°'),
+      plainText(p.mean, p.unit, 3), largest ? `${percentText(largest.value)} (${largest.i + 2}f)` : NO_NUMBER);
+    return row;
+  });
+}
+
+function showNotes(dwell) {
+  const texts = channelWarnings(dwell);
+  show($('phasor-notes'), texts.length > 0);
+  keyed($('phasor-notes'), texts, (text) => text.replace(/\b\d+/g, ''), () => h('li', { 'data-tone': 'care' }), setText);
+}
+
+export function showPhasors(view) {
+  // While the table rests, what is left is noise.
+  const some = view.dwell !== null && view.dwell.state !== 'idle';
+  show($('phasors'), some);
+  if (!some) return;
+  const polar = polarOf(view.dwell.phasors, RADIUS);
+  const units = polar.scales.map((scale) => scale.unit);
+  const arrows = placeLabels(polar.arrows, 15, RADIUS);
+  show($('polar'), arrows.length > 0);
+  setAttributes($('polar'), { class: view.fresh.dwellOld(view.now) ? 'old' : '' });
+  keyed($('arrows'), arrows, (arrow) => arrow.channel, makeArrow, (node, arrow) => renewArrow(node, arrow, units));
+  const small = polar.arrows.every((a) => a.radial < 2.5 && a.tangential < 2.5);
+  const strokes = ['solid', 'dashed', 'dotted', 'dash-dotted'];
+  setText($('scales'), arrows.length === 0 ? '' : `Circle: ${polar.scales.map((scale, i) =>
+    `${plainText(scale.full, scale.unit, 3)} (${strokes[i % 4]})`).join(', ')}; phases to ${arrows[0].channel}. Ellipses hold 95 % (k = 2.45)${
+    small ? '; all are smaller than the dots' : ''}.`);
+  showNotes(view.dwell);
+  const rows = rowsOf(view);
+  setText($('phasors-note'), view.dwell.settled_s === null && arrows.length > 0
+    ? 'Not settled: part of the transient is in these numbers, so they have no ±.' : '');
+  keyed($('phasor-rows'), rows, (row) => `${row.key} ${row.reason !== undefined}`,
+    (row) => (row.reason !== undefined ? h('tr', {}, h('th', { scope: 'row' }, row.key), h('td', { colspan: 4, class: 'words' }))
+      : h('tr', {}, h('th', { scope: 'row' }, row.key), ...Array.from({ length: 4 }, () => h('td', {}, h('span', {}))))),
+    (node, row) => {
+      setAttributes(node, { class: row.struck ? 'struck' : '' });
+      if (row.reason !== undefined) return setText(node.lastChild, row.reason);
+      row.cells.slice(1).forEach((text, i) => setText(node.children[i + 1].firstChild, text));
+      return setText(node.firstChild, row.struck ? `${row.key}, ${row.struck} old` : row.key);
+    });
+}

@@ -1,0 +1,46 @@
+// Phasors of all channels in one circle, and how sure each is. Pure: lengths are in units of the picture.
+import { isNumber } from './number.mjs';
+
+// Radius that holds 95 % of a normal distribution in the plane, in standard uncertainties: sqrt(-2 ln 0.05).
+export const ELLIPSE_K = 2.45;
+
+// Every unit has a scale of its own: its largest amplitude is on the circle. Phases are relative to the first valid
+// channel, so that the picture stands still. Phase 0 points right, positive phases turn counter-clockwise.
+// { scales: [{ unit, full }], arrows: [{ channel, unit, x, y, phase, radial, tangential, degrees }], silent: [...] }
+export function polarOf(phasors, radius) {
+  const valid = phasors.filter((p) => p.valid && isNumber(p.amplitude));
+  const full = new Map();
+  for (const p of valid) full.set(p.unit, Math.max(full.get(p.unit) ?? 0, p.amplitude));
+  const reference = valid[0]?.phase_rad ?? 0;
+  const arrows = valid.map((p) => {
+    const phase = p.phase_rad - reference;
+    const scale = full.get(p.unit) > 0 ? radius / full.get(p.unit) : 0;
+    const length = scale * p.amplitude;
+    return { channel: p.channel, unit: p.unit, phase, x: length * Math.cos(phase), y: -length * Math.sin(phase),
+      radial: ELLIPSE_K * p.u_amplitude * scale, tangential: ELLIPSE_K * p.u_relative_phase_rad * length,
+      degrees: -phase * 180 / Math.PI };
+  });
+  return { scales: [...full].map(([unit, value]) => ({ unit, full: value })), arrows,
+    silent: phasors.filter((p) => !valid.includes(p)).map((p) => ({ channel: p.channel, reason: p.reason ?? 'no reason stated' })) };
+}
+
+// Where the labels stand: in a column left or right of the circle, beside their arrow's end, at least `gap` apart and
+// within ±reach. Adds { side: -1 or 1, at } to each arrow.
+export function placeLabels(arrows, gap, reach) {
+  const placed = arrows.map((arrow) => ({ ...arrow, side: arrow.x < 0 ? -1 : 1, at: arrow.y }));
+  for (const side of [-1, 1]) {
+    const column = placed.filter((arrow) => arrow.side === side).sort((a, b) => a.y - b.y);
+    let free = -reach;
+    for (const arrow of column) {
+      arrow.at = Math.max(arrow.y, free);
+      free = arrow.at + gap;
+    }
+    // What was pushed out below pushes the others up again.
+    let limit = reach;
+    for (const arrow of column.reverse()) {
+      arrow.at = Math.min(arrow.at, limit);
+      limit = arrow.at - gap;
+    }
+  }
+  return placed;
+}

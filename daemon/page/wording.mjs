@@ -1,0 +1,106 @@
+// What the first line says: the state in one word, what belongs to it, and what is wrong. Pure.
+import { ageText, isNumber, joined, NORMAL_95, numberText, percentText, plainText, secondsText } from './number.mjs';
+
+// Grey unless abnormal (ISA-101): `calm` is grey, `care` amber, `alarm` red. Each kind has a shape of its own, so that
+// nobody needs the colour.
+const TONES = { connecting: 'calm', idle: 'calm', settling: 'calm', measuring: 'calm', complete: 'calm', fault: 'alarm',
+  gone: 'alarm' };
+
+// Of whom doubts are: "any element", "element 2", "elements 1, 3".
+export function whom(doubts) {
+  if (doubts.some((doubt) => doubt.elements.length === 0)) return 'any element';
+  const ks = [...new Set(doubts.flatMap((doubt) => doubt.elements))].sort((a, b) => a - b);
+  return `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`;
+}
+
+// A doubt about one element stands beside it, any other above them all, once.
+export const isGeneral = (doubt) => doubt.elements.length !== 1;
+
+// The state as the page must show it. view: { dwell, health, fresh, now }; dwell and health may be null.
+export function stateOf({ dwell, health, fresh, now }) {
+  const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
+  if (!dwell) {
+    return fresh.gone(now) && Number.isFinite(fresh.heard_s)
+      ? said('gone', 'service gone', 'no answer; trying again every second')
+      : said('connecting', 'connecting', 'waiting for the first word of the service');
+  }
+  if (fresh.gone(now))
+    return said('gone', 'service gone', `nothing heard for ${ageText(fresh.silence_s(now))}; trying again every second`);
+  if (health?.status === 'fault') return said('fault', 'service fault', health.reason ?? 'no reason stated');
+  if (dwell.state === 'fault') return said('fault', 'fault', dwell.settling_reason || 'the data do not suffice');
+  if (dwell.state === 'settling') {
+    return said('settling', 'settling', isNumber(dwell.settles_in_s)
+      ? `about ${secondsText(dwell.settles_in_s)} left` : 'time left not known');
+  }
+  if (dwell.state === 'measuring') {
+    const state = said('measuring', 'measuring', `${secondsText(dwell.end_s - dwell.settled_s)} of data`);
+    if (dwell.doubts.length === 0) return state;
+    return { ...state, tone: 'alarm', doubted: true, detail: `${state.detail}; do not rely on ${whom(dwell.doubts)}` };
+  }
+  if (dwell.state === 'complete') return said('complete', 'complete', `ended by: ${dwell.ended_by}`);
+  return said('idle', 'idle', dwell.settling_reason || 'the table does not move');
+}
+
+// The verdict on the model, or null where there is none. A verdict that is still to come is no trouble.
+export function modelOf(model) {
+  if (!model) return null;
+  let text = model.verdict;
+  if (isNumber(model.seen)) text += `, off by ${percentText(model.seen)} ± ${percentText(model.U)}`;
+  text += ` (accuracy asked for: ${percentText(model.asked)})`;
+  if (model.consistent === false) text += '; not consistent: noise and stated uncertainties do not explain all that is left';
+  const bad = model.verdict === 'not adequate' || model.consistent === false;
+  return { text, tone: bad ? 'care' : 'calm' };
+}
+
+export function frequencyText(dwell) {
+  const f = dwell.frequency_hz;
+  if (!f || !isNumber(f.value)) return null;
+  if (dwell.settled_s === null) return `${plainText(f.value, 'Hz', 4)} so far`;
+  return joined(numberText(f.value, NORMAL_95 * f.u, 'Hz'));
+}
+
+// UTC of an instant on the run's time axis, ms; null: not known.
+export function utcMs(dwell, t_s) {
+  const start = dwell.start_utc ? Date.parse(dwell.start_utc) : NaN;
+  return Number.isFinite(start) && isNumber(t_s) ? start + 1e3 * t_s : null;
+}
+
+// When the state that is shown began, ms of UTC; null: not known. events: newest last.
+export function sinceMs(dwell, events) {
+  if (dwell.state === 'settling') return utcMs(dwell, dwell.start_s);
+  if (dwell.state === 'measuring') return utcMs(dwell, dwell.verdict_s);
+  const newest = events.findLast((event) => event.kind === 'state');
+  return newest?.state === dwell.state && newest.utc ? Date.parse(newest.utc) : null;
+}
+
+export function runText(health) {
+  if (!health) return null;
+  const run = health.recorder?.run;
+  if (!run) return health.run.recorded ? 'none goes on' : 'not recorded';
+  return `${run.run}${run.label ? `, “${run.label}”` : ''}`;
+}
+
+// What is wrong, each { tone, text }: beside the state, so that no trouble hides below. Channels that fail alike are told
+// together.
+export function troubles({ dwell, health, channels, fresh, now }) {
+  const list = [];
+  const add = (tone, text) => list.push({ tone, text });
+  if (!dwell || fresh.gone(now)) return list;
+  if (fresh.dwellOld(now))
+    add('alarm', `old numbers, from ${ageText(fresh.dwellAge_s(now))} ago: the service answers, but no new data come`);
+  const alike = new Map();
+  for (const channel of channels ?? []) {
+    if (channel.status === 'ok' || channel.status === 'held' || channel.status === 'gated') continue;
+    const why = channel.reason && channel.reason !== channel.status ? `${channel.status}, ${channel.reason}` : channel.status;
+    alike.set(why, [...(alike.get(why) ?? []), channel.name]);
+  }
+  for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);
+  for (const [name, line] of Object.entries(health?.gpio ?? {})) {
+    if (!line.works) add('alarm', `GPIO ${name}: ${line.reason ?? 'does not work'}`);
+    else if (name === 'interlock' && line.level === 0) add('alarm', 'interlock open: the shaker may not run');
+  }
+  for (const alarm of health?.recorder?.alarms ?? []) add('alarm', `recording: ${alarm}`);
+  if (health?.log.failing) add('care', `the log loses lines, ${health.log.dropped} so far`);
+  for (const doubt of dwell.doubts) if (isGeneral(doubt)) add('alarm', `do not rely on ${whom([doubt])}: ${doubt.what}`);
+  return list;
+}

@@ -1,0 +1,14 @@
+// A finished dwell in short: its coefficients against time, frequency and amplitude, for those who follow many of them.
+// A tenth of the whole object, which has phasors, covariance and budgets. Pure.
+#pragma once
+
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
+#include "daemon/report/dwell_json_value.hpp"
+#include "daemon/report/dwell_view.hpp"
+
+namespace dwell {
+
+[[nodiscard]] Json brief_json(const Dwell& dwell, const Rig& rig, const RunInfo& run);
+
+}  // namespace dwell

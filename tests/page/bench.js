@@ -1,0 +1,101 @@
+// A simulated rig, the service and a browser, for tests: the ports are the kernel's choice, all files lie in a folder of
+// their own that goes with them.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const ROOT = fileURLToPath(new URL('../../', import.meta.url));
+const BIN = join(ROOT, process.env.DWELL_BUILD ?? 'build', 'bin');
+const CHROMIUM = process.env.DWELL_CHROMIUM ?? '/usr/bin/chromium';
+// For something to come that must come; what is slow on a loaded machine is late, not wrong.
+export const PATIENCE_MS = 20_000;
+
+const running = new Set();
+process.on('exit', () => running.forEach((child) => child.kill('SIGKILL')));
+
+class Program {
+  output = '';
+  #child;
+
+  constructor(name, options) {
+    this.#child = spawn(join(BIN, name), options, { stdio: ['pipe', 'pipe', 'pipe'] });
+    running.add(this.#child);
+    this.ended = once(this.#child, 'exit').then(() => running.delete(this.#child));
+    for (const stream of [this.#child.stdout, this.#child.stderr]) {
+      stream.on('data', (bytes) => {
+        this.output += bytes;
+        this.onOutput?.();
+      });
+    }
+  }
+
+  // What the group of `pattern` matches in the output, once it does.
+  async said(pattern) {
+    const deadline = Date.now() + PATIENCE_MS;
+    for (;;) {
+      const match = this.output.match(pattern);
+      if (match) return match[1];
+      if (this.#child.exitCode !== null || Date.now() > deadline) throw new Error(`no ${pattern} in:\n${this.output}`);
+      await Promise.race([new Promise((done) => (this.onOutput = done)), this.ended, new Promise((done) => setTimeout(done, 1000))]);
+    }
+  }
+
+  say(line) {
+    this.#child.stdin.write(`${line}\n`);
+  }
+  signal(name) {
+    this.#child.kill(name);
+  }
+  async end(signal = 'SIGTERM') {
+    this.#child.kill('SIGCONT');
+    this.#child.kill(signal);
+    await this.ended;
+  }
+}
+
+export class Bench {
+  // rig: options of rigsim; edit: changes the text of the rig file, given the folder.
+  static async begin({ rig = [], edit = (text) => text } = {}) {
+    const bench = new Bench();
+    bench.folder = await mkdtemp(join(tmpdir(), 'dwell-page-'));
+    bench.rigOptions = ['--unit', 'mm', '--noise', '0.001', ...rig];
+    await bench.startRig();
+    let text = await readFile(join(ROOT, 'config/rigs/clamped.toml'), 'utf8');
+    text = edit(text.replace(/^port .*/m, `port = ${bench.rigPort}`).replace(/^rate .*/m, 'rate = 200'), bench.folder);
+    bench.rigFile = (port) => text.replace(/^listen .*/m, `listen = "127.0.0.1:${port}"`);
+    await bench.startService();
+    return bench;
+  }
+
+  async startRig(port = 0) {
+    this.rig = new Program('rigsim', ['--tcp', `127.0.0.1:${port}`, ...this.rigOptions, '--stopped']);
+    this.rigPort = await this.rig.said(/^tcp .*:(\d+)$/m);
+  }
+
+  // A service that begins anew takes the port that it had.
+  async startService() {
+    const path = join(this.folder, 'rig.toml');
+    await writeFile(path, this.rigFile(this.port ?? 0));
+    this.service = new Program('dwelld', ['--config', path, '--control', join(this.folder, 'control')]);
+    this.port = await this.service.said(/serving rig.* port (\d+)/);
+    this.url = `http://127.0.0.1:${this.port}`;
+  }
+
+  async get(path) {
+    return (await fetch(this.url + path)).json();
+  }
+
+  async end() {
+    await Promise.all([this.rig?.end(), this.service?.end()]);
+    await rm(this.folder, { recursive: true, force: true });
+  }
+}
+
+export const SIZES = { phone: { width: 360, height: 780 }, desk: { width: 1440, height: 900 }, wall: { width: 1920, height: 1080 } };
+
+export const openBrowser = () => chromium.launch({ executablePath: CHROMIUM, args: ['--headless', '--no-sandbox',
+  '--disable-gpu', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run'] });

@@ -1,0 +1,84 @@
+// Trends, deviations, the polar picture and the budget: geometry and words, without a browser.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
+import { History, HOUR_MS, trendPaths } from '../../daemon/page/history.mjs';
+import { placeLabels, polarOf } from '../../daemon/page/polar.mjs';
+import { dwellOf, settlingOf } from './sample.js';
+
+const at = Date.parse('2026-11-23T07:00:00Z');
+const withStiffness = (value, more) => {
+  const dwell = dwellOf(more);
+  dwell.elements[0].stiffness.value = value;
+  return dwell;
+};
+
+test('a trend has the dwells that ended, the current one every ten seconds, and now', () => {
+  const history = new History();
+  history.takeEnded(withStiffness(24100, { index: 2 }), at);
+  history.takeEnded(withStiffness(24100, { index: 2 }), at);
+  for (let s = 0; s <= 25; s += 1) history.take(withStiffness(24000 + s), at + 60_000 + 1e3 * s);
+  assert.deepEqual(history.of('stiffness', 1, at + 90_000).map((p) => p.value), [24100, 24000, 24010, 24020, 24025]);
+  assert.equal(history.of('stiffness', 1, at + 30_000 + HOUR_MS).length, 4, 'what is older than an hour is left out');
+  assert.equal(history.of('stiffness', 9, at).length, 0);
+});
+
+test('a dwell that has not settled adds nothing', () => {
+  const history = new History();
+  history.take(settlingOf(), at);
+  history.takeEnded(settlingOf({ index: 1 }), at);
+  assert.equal(history.of('stiffness', 1, at).length, 0);
+});
+
+test('the deviation is told against the dwell before, with both uncertainties', () => {
+  const history = new History();
+  assert.equal(history.deviation('stiffness', 1, dwellOf()), null);
+  history.takeEnded(withStiffness(24000, { index: 2 }), at);
+  assert.deepEqual(history.deviation('stiffness', 1, withStiffness(24012)),
+    { beyond: false, text: '+0.05 ± 0.14 % since dwell 2' });
+  assert.deepEqual(history.deviation('stiffness', 1, withStiffness(23000)),
+    { beyond: true, text: 'moved by \u22124.17 ± 0.14 % since dwell 2' });
+});
+
+test('a trend is drawn within its box, dwells apart', () => {
+  const points = [{ ms: at - HOUR_MS / 4, from: at - HOUR_MS / 2, value: 10, U95: 1, key: 'a' }, { ms: at, from: at - 1, value: 12, U95: 1, key: 'b' }];
+  const { line, band } = trendPaths(points, at, 100, 32);
+  assert.equal(line.match(/M/g).length, 2);
+  assert.match(line, /^M0\.0 23\.5L50\.0 23\.5M97\.0 8\.5L100\.0 8\.5$/, 'half an hour fills the width');
+  for (const [, y] of band.matchAll(/ (-?[\d.]+)/g)) assert.ok(y >= 0 && y <= 32, y);
+  assert.equal(trendPaths([], at, 100, 32), null);
+  assert.doesNotMatch(trendPaths([{ ms: at, from: at, value: 0, U95: 0, key: 'a' }], at, 100, 32).line, /NaN/);
+});
+
+const phasor = (channel, amplitude, phase_rad, more) => ({ channel, unit: 'm', amplitude, phase_rad, u_amplitude: amplitude / 100,
+  u_relative_phase_rad: 0.02, valid: true, ...more });
+
+test('phases are relative to the first channel, each unit has its own scale, ellipses are 2.45 u', () => {
+  const polar = polarOf([phasor('y0', 0.004, 1), phasor('y1', 0.002, 1 + Math.PI / 2), phasor('f', 50, 1, { unit: 'N' }),
+    { channel: 'y2', valid: false, reason: 'stale', unit: 'm', amplitude: null }], 100);
+  const [y0, y1, f] = polar.arrows;
+  assert.deepEqual([y0.x, Math.abs(y0.y), f.x], [100, 0, 100]);
+  assert.ok(Math.abs(y1.x) < 1e-9 && Math.abs(y1.y + 50) < 1e-9, 'ahead by 90°: up');
+  assert.ok(Math.abs(y0.radial - 2.45) < 1e-9);
+  assert.ok(Math.abs(y1.tangential - 2.45 * 0.02 * 50) < 1e-9);
+  assert.deepEqual(polar.silent, [{ channel: 'y2', reason: 'stale' }]);
+  assert.deepEqual(polarOf([], 100).arrows, []);
+});
+
+test('labels do not overlap and stay beside the circle', () => {
+  const arrows = Array.from({ length: 9 }, (_, i) => ({ x: 90, y: 80 + i }));
+  const at9 = placeLabels(arrows, 15, 100).map((a) => a.at).sort((a, b) => a - b);
+  for (let i = 1; i < at9.length; ++i) assert.ok(at9[i] - at9[i - 1] >= 15 - 1e-9);
+  assert.ok(at9.at(-1) <= 100);
+});
+
+test('the budget says what to do about the largest part, noise of all channels as one', () => {
+  const element = { budget: [{ source: 'noise of y1', stiffness_share: 0.2, damping_share: 0.5 }, { source: 'scale of y1', stiffness_share: 0.5, damping_share: 0.1 },
+    { source: 'noise of y0', stiffness_share: 0.2, damping_share: 0.4 }, { source: 'frequency', stiffness_share: 0.001, damping_share: 0 }] };
+  assert.deepEqual(budgetOf(element, 'stiffness').bars, [{ source: 'scale of y1', share: 0.5 }, { source: 'noise of all channels', share: 0.4 }]);
+  assert.equal(budgetOf(element, 'stiffness').advice, 'calibrate the scale of y1');
+  assert.equal(budgetOf(element, 'damping').advice, 'measure longer');
+  assert.equal(budgetOf({}, 'damping').advice, null);
+  assert.equal(adviceOn('mass 2'), 'weigh mass 2 more exactly');
+  assert.equal(adviceOn('errors to second order'), 'look at: errors to second order');
+});

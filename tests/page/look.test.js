@@ -1,0 +1,115 @@
+// The page at a phone's, a desk's and a wall's size: nothing is cut off, everything can be reached by keyboard, axe-core
+// finds nothing against WCAG 2.2 AA. DWELL_PICTURES=FOLDER keeps a picture of each.
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+
+const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
+const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
+
+let browser;
+let bench;
+let wrong; // a spring that the chain does not have
+before(async () => {
+  [browser, bench, wrong] = await Promise.all([openBrowser(),
+    Bench.begin({ edit: (text, folder) => `${text}\n[recording]\ndirectory = "${folder}/runs"\n` }),
+    Bench.begin({ rig: ['--side-spring', '2:ground:3000'] })]);
+  wrong.rig.say('start');
+  bench.rig.say('start');
+});
+after(async () => {
+  await Promise.all([browser?.close(), bench?.end(), wrong?.end()]);
+});
+
+async function open(size, query = '', at = bench) {
+  const page = await browser.newPage({ viewport: SIZES[size], bypassCSP: true }); // axe-core is put in as a script
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.goto(`${at.url}/${query}`);
+  return page;
+}
+
+async function check(page, name) {
+  if (process.env.DWELL_PICTURES)
+    await page.screenshot({ path: join(process.env.DWELL_PICTURES, `${name}.png`), fullPage: !name.includes('wall') });
+  await page.evaluate(await readFile(AXE, 'utf8'));
+  const { violations } = await page.evaluate((rules) => window.axe.run(document, { runOnly: rules }), RULES);
+  const found = violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join(', ')}`);
+  assert.deepEqual(found, [], name);
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert.ok(wide <= 0, `${name}: ${wide} px are cut off at the right`);
+}
+
+test('a model fault: the first line says not to rely on the numbers, and each of them as well', async () => {
+  const page = await open('desk', '', wrong);
+  await page.waitForSelector('#state[data-kind=measuring][data-tone=alarm]');
+  assert.match(await page.locator('#detail').innerText(), /; do not rely on /);
+  await page.locator('#troubles li, .notes li', { hasText: /^do not rely on / }).first().waitFor();
+  assert.match(await page.locator('.coefficient .number').first().innerText(), /\?$/);
+  await check(page, 'fault-desk');
+  await page.close();
+});
+
+for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
+  test(`measured, at the size of a ${size}`, async () => {
+    const page = await open(size, query);
+    await page.waitForSelector('#state[data-kind=measuring]');
+    await page.waitForSelector('.arrow');
+    if (size !== 'wall') await page.locator('#event-rows li').first().waitFor();
+    await check(page, `measured-${size}`);
+    if (size === 'wall') {
+      // Read from across the room, without scrolling.
+      const overflow = await page.evaluate(() => document.querySelector('#coefficients').getBoundingClientRect().bottom - window.innerHeight);
+      assert.ok(overflow <= 0, `${overflow} px of the coefficients are below the screen`);
+      assert.ok(await page.evaluate(() => parseFloat(getComputedStyle(document.querySelector('.coefficient .value')).fontSize)) >= 28);
+    }
+    await page.close();
+  });
+}
+
+test('a dwell is opened and left by keyboard, events are filtered', async () => {
+  const page = await open('desk');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  bench.rig.say('stop');
+  await page.waitForSelector('#state[data-kind=idle]');
+  await page.locator('#dwell-rows button').first().focus();
+  await page.keyboard.press('Enter');
+  await page.locator('#dwell-content li', { hasText: /c₁ = .* ± .* kN\/m/ }).waitFor();
+  await check(page, 'dwell-desk');
+  await page.keyboard.press('Escape');
+  assert.equal(await page.evaluate(() => document.activeElement.closest('#dwell-rows') !== null), true, 'the focus is back');
+  const all = await page.locator('#event-rows li').count();
+  await page.locator('#event-words').fill('-> idle');
+  await page.waitForFunction((before) => document.querySelectorAll('#event-rows li').length < before, all);
+  assert.match(await page.locator('#event-rows li').first().innerText(), /state \w+ -> idle/);
+  bench.rig.say('start');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.locator('.deviation:not(:empty)').first().waitFor({ state: 'attached' });
+  await page.close();
+});
+
+test('every control is reached with the tabulator, the first is the way past the head', async () => {
+  const page = await open('desk');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.className), 'skip');
+  const unreachable = await page.evaluate(() => [...document.querySelectorAll('a, button, select, input, summary')]
+    .filter((node) => node.tabIndex < 0).map((node) => node.outerHTML));
+  assert.deepEqual(unreachable, []);
+  await page.close();
+});
+
+test('fault and a service that is gone, at the size of a phone', async () => {
+  const page = await open('phone');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  bench.rig.signal('SIGSTOP');
+  await page.waitForSelector('#state[data-kind=fault]');
+  await page.waitForSelector('.coefficient .struck');
+  await check(page, 'stale-phone');
+  bench.service.signal('SIGKILL');
+  await page.waitForSelector('#state[data-kind=gone]');
+  await check(page, 'gone-phone');
+  await page.close();
+});

@@ -1,0 +1,146 @@
+// The page in Chromium, fed by the real service on a simulated rig. Waiting is for what must come, never for a time.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+
+let browser;
+let bench;
+before(async () => {
+  [browser, bench] = await Promise.all([openBrowser(), Bench.begin()]);
+});
+after(async () => {
+  await Promise.all([browser?.close(), bench?.end()]);
+});
+
+// A page of this size, shown; whatever the browser complains of (the policy, a file, our own code) fails the test.
+async function openPage(at, { size = 'desk', query = '' } = {}) {
+  const page = await browser.newPage({ viewport: SIZES[size] });
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.complaints = [];
+  page.on('pageerror', (error) => page.complaints.push(error.message));
+  page.on('console', (message) => {
+    // A service that is gone or tells of its trouble (503) is the situation, not a fault of the page.
+    if (message.type() === 'error' && !/status of 503|ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY|ERR_SOCKET/.test(message.text()))
+      page.complaints.push(message.text());
+  });
+  await page.goto(`${at.url}/${query}`);
+  return page;
+}
+
+async function closePage(page) {
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+}
+
+const kind = (page, wanted) => page.waitForSelector(`#state[data-kind=${wanted}]`);
+const textOf = (page, selector) => page.locator(selector).first().innerText();
+const texts = (page, selector) => page.locator(selector).allInnerTexts();
+
+test('the page is there within a few hundred milliseconds and kilobytes', async () => {
+  const page = await openPage(bench);
+  await kind(page, 'idle');
+  const { first, bytes } = await page.evaluate(() => ({
+    first: performance.getEntriesByName('first-contentful-paint')[0].startTime,
+    bytes: [...performance.getEntriesByType('resource'), ...performance.getEntriesByType('navigation')]
+      .reduce((sum, entry) => sum + entry.transferSize, 0),
+  }));
+  console.log(`first picture after ${first.toFixed(0)} ms, ${(bytes / 1000).toFixed(0)} kB transferred`);
+  assert.ok(bytes > 10_000 && bytes < 300_000, `${bytes} bytes`);
+  await closePage(page);
+});
+
+test('a dwell settles and is measured: each coefficient with ± and unit', async () => {
+  const page = await openPage(bench);
+  await kind(page, 'idle');
+  assert.match(await textOf(page, '#coefficients-none'), /^No coefficients: /);
+  bench.rig.say('start');
+  await kind(page, 'measuring');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  assert.equal(await textOf(page, '#rig'), 'clamped bench, three masses');
+  assert.match(await textOf(page, '#facts'), /frequency\s+[34]\.\d+ ± 0\.\d+ Hz/);
+  const numbers = await texts(page, '.coefficient .number');
+  assert.equal(numbers.length, 8);
+  for (const [i, number] of numbers.entries()) assert.match(number, i % 2 ? /^\d+(\.\d+)? ± \d+(\.\d+)? N·s\/m$/ : /^\d+\.\d+ ± \d\.\d+ kN\/m$/);
+  assert.equal(await page.locator('.struck').count(), 0);
+  assert.match(await page.title(), /^measuring · clamped bench/);
+
+  const session = await page.context().newCDPSession(page);
+  await session.send('Performance.enable');
+  const metric = async (name) => (await session.send('Performance.getMetrics')).metrics.find((m) => m.name === name).value;
+  const dataOf = async () => Number((await textOf(page, '#detail')).match(/^[\d.]+/)[0]);
+  const [t0, task0, data0] = [await metric('Timestamp'), await metric('TaskDuration'), await dataOf()];
+  await page.waitForFunction((least) => parseFloat(document.querySelector('#detail').innerText) > least, data0 + 5);
+  const share = (await metric('TaskDuration') - task0) / (await metric('Timestamp') - t0);
+  console.log(`renderer's task time ${share.toFixed(3)} s per second at 10 updates a second`);
+  await closePage(page);
+});
+
+test('while it settles, coefficients from the transient are marked as such', async () => {
+  // So little damping that it settles for a minute: long enough for a slow machine to find them.
+  const slow = await Bench.begin({ rig: ['--damping', '3,2,1.5,2'] });
+  try {
+    const page = await openPage(slow);
+    slow.rig.say('start');
+    await kind(page, 'settling');
+    await page.waitForSelector('#coefficients[data-source=transient] .element', { timeout: 3 * PATIENCE_MS });
+    assert.match(await textOf(page, '#coefficients-from'), /^provisional · from the transient, /);
+    assert.match(await textOf(page, '.coefficient .number'), /^\d+\.\d+ ± \d+\.\d+ kN\/m$/);
+    await closePage(page);
+  } finally {
+    await slow.end();
+  }
+});
+
+test('the device dies: the numbers are struck through with their age, the cause is named once for all channels', async () => {
+  const page = await openPage(bench);
+  await kind(page, 'measuring');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  bench.rig.signal('SIGSTOP');
+  await kind(page, 'fault');
+  await page.waitForSelector('#coefficients[data-source=last] .coefficient .number.struck');
+  const struck = await texts(page, '.coefficient .number');
+  assert.equal(struck.length, 8);
+  for (const number of struck) assert.match(number, /± .* (\d+|\d\.\d) s old$/);
+  await page.locator('#troubles li', { hasText: /^channels y0, y1, y2, y3, reaction: / }).waitFor();
+  // Whoever opens the page now sees the same.
+  const late = await openPage(bench);
+  await kind(late, 'fault');
+  bench.rig.signal('SIGCONT');
+  await kind(page, 'measuring');
+  await page.waitForFunction(() => !document.querySelector('.struck') && document.querySelector('#troubles').hidden);
+  await closePage(late);
+  await closePage(page);
+});
+
+test('the drive stops: idle, and the last dwell stays with how it ended', async () => {
+  const page = await openPage(bench);
+  await kind(page, 'measuring');
+  bench.rig.say('stop');
+  await kind(page, 'idle');
+  await page.waitForSelector('#coefficients[data-source=last] .element');
+  assert.equal(await page.locator('.coefficient .struck').count(), 0);
+  bench.rig.say('start');
+  await kind(page, 'measuring');
+  await closePage(page);
+});
+
+test('the service hangs or is killed: the page says so by its own clock, and comes back by itself', async () => {
+  const page = await openPage(bench);
+  await kind(page, 'measuring');
+  for (const signal of ['SIGSTOP', 'SIGKILL']) {
+    await page.waitForSelector('#coefficients[data-source=measured] .element');
+    bench.service.signal(signal);
+    const from = Date.now();
+    await kind(page, 'gone');
+    console.log(`${signal}: shown as gone after ${((Date.now() - from) / 1e3).toFixed(1)} s`);
+    // If the dwell ended at that very moment there is no number; none may be left as if it were of now.
+    await page.waitForFunction(() => !document.querySelector('.coefficient .number:not(.struck)'));
+    for (const number of await texts(page, '.coefficient .number')) assert.match(number, / s old$/);
+    if (signal === 'SIGSTOP') bench.service.signal('SIGCONT');
+    else await bench.service.ended.then(() => bench.startService());
+    await page.waitForFunction(() => document.querySelector('#state').dataset.kind !== 'gone');
+    await kind(page, 'measuring');
+    await page.waitForFunction(() => !document.querySelector('.coefficient .struck'));
+  }
+  await closePage(page);
+});

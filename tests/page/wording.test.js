@@ -1,0 +1,93 @@
+// What the first line says in each situation.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Freshness } from '../../daemon/page/freshness.mjs';
+import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { dwellOf, idleOf, settlingOf } from './sample.js';
+
+function viewOf(dwell, more = {}) {
+  const fresh = new Freshness();
+  if (dwell) fresh.tookDwell(dwell, 100);
+  return { dwell, health: null, channels: null, fresh, now: 100.2, ...more };
+}
+const said = (view) => {
+  const { kind, word, detail, tone } = stateOf(view);
+  return `${kind} ${tone}: ${word}, ${detail}`;
+};
+
+test('the state is one word, what belongs to it, and a colour only where it is abnormal', () => {
+  assert.equal(said(viewOf(null)), 'connecting calm: connecting, waiting for the first word of the service');
+  assert.equal(said(viewOf(settlingOf())), 'settling calm: settling, about 3.2 s left');
+  assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known');
+  assert.equal(said(viewOf(dwellOf())), 'measuring calm: measuring, 10.0 s of data');
+  assert.equal(said(viewOf(idleOf())), 'idle calm: idle, the table does not move');
+  assert.equal(said(viewOf(idleOf({ state: 'fault', settling_reason: 'y0 is timeout' }))), 'fault alarm: fault, y0 is timeout');
+  assert.equal(said(viewOf(dwellOf(), { health: { status: 'fault', reason: 'thread estimate stands still' } })),
+    'fault alarm: service fault, thread estimate stands still');
+});
+
+test('numbers that are doubted are an alarm in the first line', () => {
+  const doubt = { elements: [2], what: 'r_2 is negative' };
+  assert.equal(said(viewOf(dwellOf({ doubts: [doubt] }))), 'measuring alarm: measuring, 10.0 s of data; do not rely on element 2');
+  assert.match(said(viewOf(dwellOf({ doubts: [doubt, { elements: [], what: 'x' }] }))), /do not rely on any element$/);
+});
+
+test('a service that is gone comes before all it said last', () => {
+  assert.equal(said(viewOf(dwellOf(), { now: 112 })), 'gone alarm: service gone, nothing heard for 12 s; trying again every second');
+});
+
+test('the model is told with figures, and colours only where it is not good', () => {
+  const model = { verdict: 'adequate', consistent: true, asked: 0.05, seen: 0.012, U: 0.004 };
+  assert.deepEqual(modelOf(model), { text: 'adequate, off by 1.2 % ± 0.4 % (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.equal(modelOf({ ...model, verdict: 'not adequate' }).tone, 'care');
+  assert.equal(modelOf({ ...model, consistent: false }).tone, 'care');
+  assert.deepEqual(modelOf({ verdict: 'not verified yet', consistent: null, asked: 0.05, seen: null, U: null }),
+    { text: 'not verified yet (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.equal(modelOf(null), null);
+});
+
+test('the frequency has its ± once the dwell has settled', () => {
+  assert.equal(frequencyText(dwellOf()), '4.000300 ± 0.000039 Hz');
+  assert.equal(frequencyText(settlingOf()), '4.000 Hz so far');
+  assert.equal(frequencyText(idleOf({ frequency_hz: { value: null, u: null } })), null);
+});
+
+test('since when: from the dwell, while idle from the events', () => {
+  const at = Date.parse('2026-11-23T07:00:00Z');
+  assert.equal(sinceMs(dwellOf(), []), at + 12500);
+  assert.equal(sinceMs(settlingOf(), []), at + 10000);
+  assert.equal(sinceMs(idleOf(), []), null);
+  const events = [{ kind: 'state', state: 'settling', utc: '2026-11-23T06:00:00Z' }, { kind: 'state', state: 'idle', utc: '2026-11-23T07:00:07Z' }];
+  assert.equal(sinceMs(idleOf(), events), at + 7000);
+  assert.equal(sinceMs(idleOf({ state: 'fault' }), events), null);
+});
+
+test('channels that fail alike are told together, with the cause in full', () => {
+  const silent = { status: 'timeout', reason: 'station 1: no answer within 0.1 s' };
+  const channels = [{ name: 'y0', ...silent }, { name: 'y1', ...silent }, { name: 'y2', status: 'ok', reason: null },
+    { name: 'y3', status: 'stuck', reason: 'the same reading 300 times' }];
+  assert.deepEqual(troubles(viewOf(dwellOf(), { channels })).map((t) => t.text),
+    ['channels y0, y1: timeout, station 1: no answer within 0.1 s', 'channel y3: stuck, the same reading 300 times']);
+});
+
+test('recording, GPIO and doubts about the whole dwell stand beside the state', () => {
+  const health = { status: 'degraded', gpio: { interlock: { works: true, level: 0 }, ready: { works: false, reason: 'no such chip' } },
+    recorder: { alarms: ['the disk is full'] }, log: { failing: true, dropped: 7 } };
+  const dwell = dwellOf({ doubts: [{ elements: [], what: 'y1 and y2 look swapped' }, { elements: [1, 2], what: 'z' },
+    { elements: [2], what: 'x' }] });
+  assert.deepEqual(troubles(viewOf(dwell, { health })).map((t) => t.text), ['interlock open: the shaker may not run',
+    'GPIO ready: no such chip', 'recording: the disk is full', 'the log loses lines, 7 so far',
+    'do not rely on any element: y1 and y2 look swapped', 'do not rely on elements 1, 2: z']);
+});
+
+test('numbers that stand still are told, with their age', () => {
+  const view = viewOf(dwellOf());
+  view.fresh.heard(778);
+  assert.match(troubles({ ...view, now: 778 })[0].text, /^old numbers, from 678 s ago/);
+});
+
+test('the run', () => {
+  assert.equal(runText({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }), '17, “new bush”');
+  assert.equal(runText({ run: { recorded: true }, recorder: { run: null } }), 'none goes on');
+  assert.equal(runText({ run: { recorded: false }, recorder: null }), 'not recorded');
+});
