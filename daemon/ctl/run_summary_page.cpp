@@ -141,8 +141,7 @@ std::string instant(const std::string& utc, const record::RunHeader& header) {
 std::string event_text(const FoldedEvent& folded, const record::RunHeader& header) {
   const record::StoredEvent& event = folded.event;
   std::string text = event.text;
-  if (folded.entries > 1)
-    text += ", up to " + instant(folded.last_utc, header);
+  if (folded.entries > 1) text += ", up to " + instant(folded.last_utc, header);
   const std::string who = event.person ? person_text(*event.person) : "";
   if (text.find(who) == std::string::npos) text += ", by " + who;
   if (event.before != event.after) text += ": " + event.before + " → " + event.after;
