@@ -42,8 +42,14 @@ struct Draft {
 
 // [rig], [excitation], [settling], [estimation].
 void read_method(Section& root, Draft& draft);
-// [server], [recording], [gpio].
+// [[limit]]; needs [rig].
+void read_limits(Section& root, Draft& draft);
+// [server], [modbus_server], [recording], [gpio].
 void read_service(Section& root, Draft& draft);
+// The keys of [server].
+void read_server(Section& section, Draft& draft);
+// The keys of [modbus_server].
+void read_modbus_server(Section& section, Draft& draft);
 // [[device]], with the plugins' own keys.
 void read_devices(Section& root, const SchemaSource& schemas, Draft& draft);
 // [[channel]], likewise; needs what came before.

@@ -1,8 +1,5 @@
-#include <array>
-#include <cmath>
 #include <sstream>
 
-#include "config/decimal_comma.hpp"
 #include "config/draft.hpp"
 #include "config/units.hpp"
 
@@ -185,26 +182,10 @@ Filter read_filter(Section& channel, const char* key, Draft& draft) {
 }
 
 void read_range(Section& section, Channel& channel) {
-  constexpr const char* expected = "[low, high] in the channel's unit, low < high";
-  const toml::array* range = section.array("range", expected);
-  if (range == nullptr) return;
-  std::array<double, 2> limits{};
-  bool numbers = range->size() == 2;
-  for (std::size_t i = 0; numbers && i < 2; ++i) {
-    const toml::node& node = *range->get(i);
-    numbers = node.is_number();
-    if (numbers) limits[i] = node.value<double>().value_or(0.0);
-  }
-  if (!numbers || !std::isfinite(limits[0]) || !std::isfinite(limits[1])) {
-    section.wrong("range",
-                  std::string("\"range\" is not two numbers: expected ") + expected + decimal_comma_hint(*range));
-  } else if (limits[0] >= limits[1]) {
-    section.wrong(
-        "range", "\"range\" is [" + number_text(limits[0]) + ", " + number_text(limits[1]) + "]: expected " + expected);
-  } else {
-    channel.range_low = limits[0];
-    channel.range_high = limits[1];
-  }
+  double low = 0.0, high = 0.0;
+  if (!section.interval("range", low, high, "[low, high] in the channel's unit, low < high")) return;
+  channel.range_low = low;
+  channel.range_high = high;
 }
 
 void read_calibration(Section& channel_section, Channel& channel, Draft& draft) {

@@ -61,23 +61,13 @@ void read_search(Section& section, Draft& draft) {
   drive.search_low_hz = 0.98 * drive.frequency_hz;
   drive.search_high_hz = 1.02 * drive.frequency_hz;
   const char* const expected = "[low, high] in Hz, 0 < low < high, with \"frequency\" between them";
-  const toml::array* search = section.array("search", expected);
-  if (search == nullptr) return;
-  const auto number = [&](std::size_t i) {
-    const toml::node* node = search->get(i);
-    return node != nullptr && node->is_number() ? node->value<double>().value_or(std::nan("")) : std::nan("");
-  };
-  const double low = number(0);
-  const double high = number(1);
-  if (search->size() != 2 || !std::isfinite(low) || !std::isfinite(high)) {
-    section.wrong("search",
-                  std::string("\"search\" is not two numbers: expected ") + expected + decimal_comma_hint(*search));
-  } else if (low <= 0.0 || low >= high) {
-    section.wrong("search",
-                  "\"search\" is [" + number_text(low) + ", " + number_text(high) + "]: expected " + expected);
+  double low = 0.0, high = 0.0;
+  if (!section.interval("search", low, high, expected)) return;
+  const std::string given = "\"search\" is [" + number_text(low) + ", " + number_text(high) + "]";
+  if (low <= 0.0) {
+    section.wrong("search", given + ": expected " + expected);
   } else if (draft.frequency_known && (drive.frequency_hz < low || drive.frequency_hz > high)) {
-    section.wrong("search", "\"search\" is [" + number_text(low) + ", " + number_text(high) +
-                                "], without the frequency " + number_text(drive.frequency_hz) + " in it: expected " +
+    section.wrong("search", given + ", without the frequency " + number_text(drive.frequency_hz) + " in it: expected " +
                                 expected);
   } else {
     drive.search_low_hz = low;

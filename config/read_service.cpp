@@ -1,62 +1,9 @@
-#include <arpa/inet.h>
-
-#include <algorithm>
-#include <charconv>
 #include <filesystem>
 
 #include "config/draft.hpp"
 
 namespace dwell::config {
 namespace {
-
-constexpr const char* kListen =
-    "\"ADDRESS:PORT\" with a numeric address or localhost, for instance \"127.0.0.1:8380\" or \"[::1]:8380\"";
-
-bool is_host_name(const std::string& host) {
-  const bool letters = std::all_of(host.begin(), host.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
-  });
-  // Digits and dots alone mean an address, and then a broken one.
-  const bool digits = host.find_first_not_of("0123456789.") == std::string::npos;
-  return !host.empty() && host.size() <= 253 && letters && !digits && host.front() != '-' && host.front() != '.';
-}
-
-// Splits and checks an address to listen on; false: it is none.
-bool split_address(const std::string& address, ServerSettings& out) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos) return false;
-  std::string host = address.substr(0, colon);
-  unsigned char binary[16];
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
-    host = host.substr(1, host.size() - 2);
-    if (inet_pton(AF_INET6, host.c_str(), binary) != 1) return false;
-  } else if (inet_pton(AF_INET, host.c_str(), binary) != 1 && host != "localhost") {
-    return false;
-  }
-  const char* const first = address.data() + colon + 1;
-  const char* const last = address.data() + address.size();
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(first, last, port);
-  if (first == last || error != std::errc() || end != last) return false;
-  out.listen = address;
-  out.host = host;
-  out.port = port;
-  return true;
-}
-
-void read_names(Section& server, std::vector<std::string>& names) {
-  constexpr const char* kNames = "host names without a port, for instance [\"bench.local\"]";
-  const toml::array* given = server.array("names", kNames);
-  if (given == nullptr) return;
-  for (const toml::node& node : *given) {
-    const auto* name = node.as_string();
-    if (name == nullptr || !is_host_name(name->get())) {
-      server.wrong("names", "\"names\" holds " + shown(node) + ": expected " + kNames);
-    } else {
-      names.push_back(name->get());
-    }
-  }
-}
 
 std::optional<GpioLine> read_line(Section& gpio, const char* name, bool input, Draft& draft) {
   const toml::table* table = gpio.table(name, "a table { chip, line, active_low }");
@@ -173,12 +120,11 @@ void read_recording(Section& section, Draft& draft) {
 void read_service(Section& root, Draft& draft) {
   if (const toml::table* table = root.table("server", "a table [server]")) {
     Section section(*table, "[server]", draft.mistakes);
-    std::string listen;
-    if (section.text("listen", listen, kListen) && !split_address(listen, draft.file.server)) {
-      section.wrong("listen", "\"listen\" is " + in_quotes(listen) + ": expected " + kListen);
-    }
-    read_names(section, draft.file.server.names);
-    section.refuse_rest();
+    read_server(section, draft);
+  }
+  if (const toml::table* table = root.table("modbus_server", "a table [modbus_server]")) {
+    Section section(*table, "[modbus_server]", draft.mistakes);
+    read_modbus_server(section, draft);
   }
   if (const toml::table* table = root.table("recording", "a table [recording]")) {
     Section section(*table, "[recording]", draft.mistakes);

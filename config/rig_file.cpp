@@ -60,6 +60,7 @@ Result<std::string> read_whole(const std::string& path) {
 void read_all(const toml::table& document, const SchemaSource& schemas, Draft& draft) {
   Section root(document, "the file", draft.mistakes);
   read_method(root, draft);
+  read_limits(root, draft);
   read_service(root, draft);
   read_devices(root, schemas, draft);
   read_channels(root, schemas, draft);

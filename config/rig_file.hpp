@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "config/driver_settings.hpp"
+#include "config/listen_address.hpp"
 #include "config/mistake.hpp"
 #include "core/rig/rig.hpp"
 #include "drivers/dwell_driver.h"
@@ -25,7 +26,14 @@ struct ServerSettings {
   std::string host = "127.0.0.1";  // of `listen`; without the brackets of an IPv6 address
   std::uint16_t port = 8380;       // 0: any free one
   std::vector<std::string> names;  // by which clients may ask for it
+  std::string token_file;          // a relative one starts at the rig file's directory; empty: none
+  bool behind_proxy = false;       // a front proxy says who may read: whoever reaches the address is believed
+  // In the file, for mistakes that only the service can find: whoever replays an old run needs no token of today.
+  Position listen_at, token_file_at;
 };
+
+// Whether other computers can reach the address. ::ffff:127.0.0.1 counts as beyond.
+[[nodiscard]] bool beyond_loopback(const ServerSettings& server);
 
 // Anchors: every so often the newest head of each chain is copied to a place outside the record, so that an auditor
 // sees whether the end of a file was cut off later.
@@ -70,6 +78,7 @@ struct RigFile {
   ServerSettings server;
   RecordingSettings recording;
   VerificationSettings verification;
+  std::optional<ListenAddress> modbus_server;  // where PLCs read; none: they do not
   GpioSettings gpio;
   std::string path;       // as given
   std::string directory;  // of the file: relative paths in it start there

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/decimal_comma.hpp"
+
 namespace dwell::config {
 
 bool RealRule::admits(double number) const noexcept {
@@ -149,6 +151,28 @@ const toml::array* Section::array(std::string_view key, const char* expected, Ne
   }
   if (!node->is_array()) wrong_type(*node, key, expected);
   return node->as_array();
+}
+
+bool Section::interval(std::string_view key, double& low, double& high, const char* expected) {
+  const toml::array* both = array(key, expected);
+  if (both == nullptr) return false;
+  const auto number = [both](std::size_t i) {
+    const toml::node* node = both->get(i);
+    return node != nullptr && node->is_number() ? node->value<double>().value_or(std::nan("")) : std::nan("");
+  };
+  const double first = number(0);
+  const double second = number(1);
+  if (both->size() != 2 || !std::isfinite(first) || !std::isfinite(second)) {
+    wrong(key, in_quotes(key) + " is not two numbers: expected " + expected + decimal_comma_hint(*both));
+    return false;
+  }
+  if (first >= second) {
+    wrong(key, in_quotes(key) + " is [" + number_text(first) + ", " + number_text(second) + "]: expected " + expected);
+    return false;
+  }
+  low = first;
+  high = second;
+  return true;
 }
 
 const toml::node* Section::value(std::string_view key) {

@@ -1,6 +1,10 @@
 #include "daemon/health.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "core/rig/limit.hpp"
+#include "daemon/report/limit_text.hpp"
 
 namespace dwell {
 namespace {
@@ -21,6 +25,39 @@ const char* run_words(const RunView& run) {
   return "no run goes on: the next begins with the drive, or with \"dwellctl start\"";
 }
 
+// The device of this number does not deliver at all: told once, not for each of its channels. A single channel names
+// itself.
+bool is_dead(const Rig& rig, const Snapshot& snapshot, int device) {
+  if (device < 0 || static_cast<std::size_t>(device) >= snapshot.devices.size()) return false;
+  return !snapshot.devices[static_cast<std::size_t>(device)].up &&
+         std::count_if(rig.channels.begin(), rig.channels.end(),
+                       [device](const Channel& channel) { return channel.device == device; }) > 1;
+}
+
+void add_channels(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& troubles) {
+  std::vector<int> told;  // devices
+  for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
+    const ChannelView& view = snapshot.channels[i];
+    const Channel& channel = rig.channels[i];
+    const std::string name = "channel " + channel.name + ": ";
+    if (view.fault != Fault::none && is_dead(rig, snapshot, channel.device)) {
+      if (std::find(told.begin(), told.end(), channel.device) != told.end()) continue;
+      told.push_back(channel.device);
+      const std::string& device = snapshot.devices[static_cast<std::size_t>(channel.device)].name;
+      troubles.push_back(
+          {"device:" + device, "device " + device + " does not deliver: " + words(to_string(view.fault), view.reason)});
+    } else if (view.fault != Fault::none) {
+      troubles.push_back({"channel:" + channel.name, name + words(to_string(view.fault), view.reason)});
+    } else if (is_unusable(view.condition)) {
+      troubles.push_back({"channel:" + channel.name, name + words(to_string(view.condition), view.condition_reason)});
+    }
+  }
+}
+
+bool none_degrades(const Health& health) {
+  return std::none_of(health.troubles.begin(), health.troubles.end(), [](const Trouble& t) { return t.degrades; });
+}
+
 }  // namespace
 
 const char* to_string(Health::Status status) noexcept {
@@ -36,35 +73,36 @@ const char* to_string(Health::Status status) noexcept {
 }
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines, const LogStats& log,
-                    const std::string& trouble, const std::vector<std::string>& alarms) {
+                    const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
+                    bool clock_synchronized) {
   Health health;
-  if (!trouble.empty()) health.reasons.push_back(trouble);
-  for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
-    const ChannelView& channel = snapshot.channels[i];
-    const std::string name = "channel " + rig.channels[i].name + ": ";
-    if (channel.fault != Fault::none) {
-      health.reasons.push_back(name + words(to_string(channel.fault), channel.reason));
-    } else if (is_unusable(channel.condition)) {
-      health.reasons.push_back(name + words(to_string(channel.condition), channel.condition_reason));
-    }
-  }
+  const auto add = [&](std::string name, std::string text) {
+    health.troubles.push_back({std::move(name), std::move(text)});
+  };
+  if (!trouble.empty()) add("service", trouble);
+  add_channels(rig, snapshot, health.troubles);
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (lines[i].configured && !lines[i].works)
-      health.reasons.push_back(std::string("GPIO ") + gpio::kFunctionNames[i] + ": " +
-                               words("does not work", lines[i].reason));
+      add(std::string("gpio:") + gpio::kFunctionNames[i],
+          std::string("GPIO ") + gpio::kFunctionNames[i] + ": " + words("does not work", lines[i].reason));
   const Dwell& dwell = snapshot.dwell;
-  if (dwell.state == State::fault) health.reasons.push_back(words("the data do not suffice", dwell.settling_reason));
-  if (log.failing)
-    health.reasons.push_back("the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
-
-  for (const std::string& alarm : alarms) health.reasons.push_back("recording: " + alarm);
+  if (dwell.state == State::fault) add("dwell", words("the data do not suffice", dwell.settling_reason));
+  for (const JudgedLimit& limit : judge_limits(rig, dwell))
+    if (limit.verdict == LimitVerdict::violated)
+      add(std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),
+          "limit violated: " + violation_text(limit, dwell, rig.motion));
+  if (log.failing) add("log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
+  for (const record::RecorderAlarm& alarm : recorder) add(alarm.name, "recording: " + alarm.text);
+  // Numbers are as good as before: the rate of the raw clock has an uncertainty of its own. Dates in records are not.
+  if (!clock_synchronized)
+    health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
 
   health.run = run_words(snapshot.run);
 
   const auto& interlock = lines[static_cast<std::size_t>(gpio::Function::interlock)];
-  health.status = !trouble.empty()         ? Health::Status::fault
-                  : health.reasons.empty() ? Health::Status::ok
-                                           : Health::Status::degraded;
+  health.status = !trouble.empty()        ? Health::Status::fault
+                  : none_degrades(health) ? Health::Status::ok
+                                          : Health::Status::degraded;
   health.ready =
       trouble.empty() && dwell.state == State::measuring && trustworthy(dwell) && interlock.level.value_or(true);
   return health;
@@ -72,9 +110,16 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status
 
 std::string reason_of(const Health& health) {
   std::string line;
-  const std::size_t told = std::min(health.reasons.size(), kReasonsTold);
-  for (std::size_t i = 0; i < told; ++i) line += (i == 0 ? "" : "; ") + health.reasons[i];
-  if (health.reasons.size() > told) line += "; and " + std::to_string(health.reasons.size() - told) + " more";
+  std::size_t told = 0, more = 0;
+  for (const Trouble& trouble : health.troubles) {
+    if (!trouble.degrades) continue;
+    if (told == kReasonsTold) {
+      ++more;
+      continue;
+    }
+    line += (told++ == 0 ? "" : "; ") + trouble.text;
+  }
+  if (more > 0) line += "; and " + std::to_string(more) + " more";
   return line;
 }
 

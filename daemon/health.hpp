@@ -1,4 +1,5 @@
-// Whether all is well, and why not: decided here alone, for the lamps, /api/v1/health and the line that systemd shows.
+// Whether all is well, and why not: decided here alone, for the lamps, /api/v1/health, the line that systemd shows and
+// the alarms.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +10,38 @@
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/record/recorder.hpp"
 
 namespace dwell {
 
+// One thing that is wrong.
+struct Trouble {
+  // Of the thing: stays the same while the words change. "channel:y1", "device:amplifier", "limit:stiffness:2", …
+  std::string name;
+  std::string text;      // one line for people
+  bool degrades = true;  // false: operators are told, but the service and the rig are as well as without it
+};
+
 struct Health {
   // degraded: a channel does not deliver or delivers nothing usable, a GPIO line does not work, the dwell's data do not
-  // suffice, the log loses lines, runs are not recorded as they should. fault: the service itself does not work.
+  // suffice, a limit of the rig file is violated, the log loses lines, runs are not recorded as they should. fault: the
+  // service itself does not work.
   enum class Status : std::uint8_t { ok, degraded, fault };
   Status status = Status::ok;
-  std::vector<std::string> reasons;  // empty with ok
-  bool ready = false;  // a dwell is measured whose coefficients may be relied on; the interlock is not open
-  std::string run{};   // whether a run goes on and is recorded: a fact, no fault
+  std::vector<Trouble> troubles;  // with ok, none that degrades
+  bool ready = false;             // a dwell is measured whose coefficients may be relied on; the interlock is not open
+  std::string run{};              // whether a run goes on and is recorded: a fact, no fault
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
-// trouble: what the watchdog found; empty: nothing. alarms: why runs are not recorded as they should. Pure.
+// trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should.
+// clock_synchronized: of the computer. Pure.
 [[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines,
                                   const LogStats& log, const std::string& trouble,
-                                  const std::vector<std::string>& alarms = {});
+                                  const std::vector<record::RecorderAlarm>& recorder = {},
+                                  bool clock_synchronized = true);
 
-// The reasons in one line, the first few of many; empty with ok.
+// Why it is not ok, in one line, the first few of many; empty with ok.
 [[nodiscard]] std::string reason_of(const Health& health);
 
 }  // namespace dwell

@@ -16,6 +16,7 @@
 #include "daemon/record/key_file.hpp"
 #include "daemon/run/recording.hpp"
 #include "daemon/serve/page_files.hpp"
+#include "daemon/serve/rights.hpp"
 #include "daemon/service.hpp"
 #include "daemon/version.hpp"
 
@@ -61,6 +62,16 @@ void print_summary(const RigFile& file) {
   for (const dwell::config::DeviceSettings& device : file.devices)
     for (const std::string& note : {dwell::config::rate_note(file, device), dwell::config::line_note(device)})
       if (!note.empty()) std::printf("%s: %s\n", file.path.c_str(), note.c_str());
+}
+
+// What only the service needs, beside a rig file without mistakes.
+int check(const RigFile& file) {
+  if (const auto access = dwell::read_access(file.server); !access) {
+    std::fputs(dwell::config::to_string(file.path, access.error()).c_str(), stderr);
+    return kUnusable;
+  }
+  print_summary(file);
+  return kDone;
 }
 
 int darken_lamps(const RigFile& file) {
@@ -143,10 +154,7 @@ int main(int argc, char** argv) {
   }
   if (lamps_off) return darken_lamps(*file);
   if (new_key) return make_new_key(*file);
-  if (!check_path.empty()) {
-    print_summary(*file);
-    return kDone;
-  }
+  if (!check_path.empty()) return check(*file);
   if (!limit_descriptors()) {
     std::fprintf(stderr, "dwelld: the number of open files cannot be limited\n");
     return kFailed;

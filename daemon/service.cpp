@@ -12,10 +12,12 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/alarms/alarms.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/notifier.hpp"
 #include "daemon/outlets/http.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/outlets/plc.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/run/countersigner.hpp"
 #include "daemon/run/recording.hpp"
@@ -89,7 +91,12 @@ struct Service::Impl {
   std::unique_ptr<Outlet> log_lines = make_log_lines(log);
   std::unique_ptr<Outlet> systemd = make_systemd_status(notifier);
   std::unique_ptr<Session> session;
+  std::optional<Rights> rights;
+  Alarms alarms{log, [this](record::StoredEvent event) {
+                  if (record::Recorder* const recorder = session->recorder()) recorder->event(std::move(event));
+                }};
   std::unique_ptr<Http> http;
+  std::unique_ptr<Plc> plc;  // null: the rig file has no [modbus_server]
   std::unique_ptr<ControlServer> control;
   std::optional<Countersigner> signer;  // none: nothing is recorded
 
@@ -102,22 +109,28 @@ struct Service::Impl {
     now.now_utc_ns = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
     now.uptime_s = static_cast<double>(now.now_ns - started_ns) * 1e-9;
     if (http) now.http = http->server().stats();
+    if (rights) now.wrong_tokens = rights->failures();
+    if (plc) now.modbus = plc->server().stats();
     now.log = log.stats();
     now.events = &log.newest();
+    now.alarms = &alarms.list();
     now.threads = session->threads();
     now.gpio = session->gpio();
+    now.traces = &session->traces();
     now.accuracy = session->file().verification.accuracy;
     if (record::Recorder* const recorder = session->recorder()) {
       now.recorder = recorder->state(now.now_ns);
       now.runs = recorder->runs();
     }
     now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, watch.trouble(),
-                              now.recorder ? now.recorder->alarms : std::vector<std::string>());
+                              now.recorder ? now.recorder->alarms : std::vector<record::RecorderAlarm>(),
+                              record::clock_synchronized());
     return now;
   }
 
   void each_outlet(const std::function<void(Outlet&)>& call) {
-    call_each({log_lines.get(), session->record_events(), session->lamps(), systemd.get(), http.get()}, call);
+    call_each({log_lines.get(), session->record_events(), session->lamps(), systemd.get(), http.get(), plc.get()},
+              call);
   }
   void tell_events() {
     for (RunEvent event; session->run().next_event(event);)
@@ -125,6 +138,7 @@ struct Service::Impl {
   }
   void show() {
     const ServiceView now = view();
+    alarms.look(now.health, {now.now_ns, now.now_utc_ns});
     tell_events();
     each_outlet([&](Outlet& outlet) { outlet.show(now); });
   }
@@ -148,15 +162,36 @@ struct Service::Impl {
   void signalled(int descriptor) {
     signalfd_siginfo signal{};
     if (read(descriptor, &signal, sizeof signal) != sizeof signal) return;
-    if (signal.ssi_signo == SIGHUP) return check_rig_file(session->file(), drivers, log);
+    if (signal.ssi_signo == SIGHUP) {
+      renew_rights();
+      return check_rig_file(session->file(), drivers, log);
+    }
     log.info(std::string("stopping: ") + strsignal(static_cast<int>(signal.ssi_signo)));
     loop.stop();
+  }
+
+  // The token may have changed. What cannot be used leaves the one before in force: nobody is let in by a slip.
+  void renew_rights() {
+    const config::RigFile& file = session->file();
+    auto access = read_access(file.server);
+    if (!access) {
+      log.error("hangup: the token stays as it was, for what is there now cannot be used");
+      for (const config::Mistake& mistake : access.error()) log.error(config::to_string(file.path, mistake));
+    } else if (rights->renew(std::move(*access))) {
+      log.info("hangup: another token counts from now on");
+      http->end_streams();
+    }
+  }
+
+  tl::expected<void, std::string> operate(const OperatorRequest& request, const record::Person& by) {
+    if (request.verb != record::Request::Verb::acknowledge) return session->operators().ask(request, by);
+    return alarms.acknowledge(request.alarm, request.comment, by, {raw_now_ns(), utc_now_ns()});
   }
 
   ControlReply control_line(std::string_view line, const Peer& peer) {
     if (auto asked = parse_sign_request(line, peer.uid)) return sign(std::move(*asked), peer);
     return control_answer(view(), line, [this, &peer](const OperatorRequest& request) {
-      return session->operators().ask(request, {peer.uid, user_name(peer.uid)});
+      return operate(request, {peer.uid, user_name(peer.uid)});
     });
   }
 
@@ -174,6 +209,13 @@ struct Service::Impl {
         });
       });
     });
+  }
+
+  Made make_rights(const config::RigFile& file) {
+    auto access = read_access(file.server);
+    if (!access) return tl::unexpected(Failure{2, config::to_string(file.path, access.error().front())});
+    rights.emplace(std::move(*access), log);
+    return {};
   }
 
   Made make_session(config::RigFile file) {
@@ -196,14 +238,30 @@ struct Service::Impl {
     const config::ServerSettings& server = session->file().server;
     PageFiles page = page_folder.empty() ? PageFiles() : PageFiles::read(page_folder);
     if (!page_folder.empty() && !page.trouble().empty()) log.warning("no page for operators: " + page.trouble());
-    auto made = Http::make(
-        loop, http_options(server), [this] { return view(); }, std::move(page));
+    HttpContent content{[this] { return view(); }, std::move(page), &*rights};
+    content.operate = [this](const OperatorRequest& request, const record::Person& by) { return operate(request, by); };
+    auto made = Http::make(loop, http_options(server), std::move(content));
     if (!made) return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, made.error().message});
     http = std::move(*made);
     if (http->server().awaits_address())
       log.warning(
           "listen: " + server.listen +
           " is no address of this computer yet; clients are served as soon as it is, the rig is measured anyway");
+    return {};
+  }
+
+  Made make_plc() {
+    const auto& address = session->file().modbus_server;
+    if (!address) return {};
+    ModbusOptions options;
+    options.host = address->host;
+    options.port = address->port;
+    auto made = Plc::make(loop, options);
+    if (!made)
+      return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, "[modbus_server] " + made.error().message});
+    plc = std::move(*made);
+    log.info("serving PLCs on " + address->host + " port " + std::to_string(plc->server().port()) +
+             "; Modbus knows no rights: whoever reaches this address can read, and nobody can write");
     return {};
   }
 
@@ -229,6 +287,8 @@ struct Service::Impl {
   Made start() {
     constexpr std::int64_t kLongest_ms = 1000;
     const std::int64_t asked_ms = notifier.watchdog_ms() > 0 ? notifier.watchdog_ms() / 4 : kLongest_ms;
+    loop.every(LiveTraces::kEvery,
+               [this] { http->show_traces(session->traces(), session->file().rig.channels.size()); });
     loop.every(std::chrono::milliseconds(std::clamp<std::int64_t>(asked_ms, 10, kLongest_ms)), [this] { look(); });
     if (auto started = session->start(); !started) return tl::unexpected(Failure{1, started.error()});
     return {};
@@ -249,8 +309,10 @@ tl::expected<std::unique_ptr<Service>, Service::Failure> Service::make(config::R
                                                                        const ServiceOptions& options, Log& log) {
   auto impl = std::make_unique<Impl>(log, drivers);
   Impl& self = *impl;
-  auto made = self.make_session(std::move(file))
+  auto made = self.make_rights(file)
+                  .and_then([&] { return self.make_session(std::move(file)); })
                   .and_then([&] { return self.make_http(options.page_folder); })
+                  .and_then([&] { return self.make_plc(); })
                   .and_then([&] { return self.make_control(options.control_path); })
                   .and_then([&] { return options.handle_signals ? self.await_signals() : Impl::Made(); })
                   .and_then([&] { return self.start(); });
@@ -269,6 +331,7 @@ void Service::run() {
   self.notifier.stopping();
   self.control.reset();
   self.http.reset();
+  self.plc.reset();
   self.session->end();
   self.tell_events();
   self.signer.reset();

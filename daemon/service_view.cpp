@@ -1,5 +1,6 @@
 #include "daemon/service_view.hpp"
 
+#include <cmath>
 #include <memory>
 
 #include "daemon/report/motion_report.hpp"
@@ -16,6 +17,9 @@ DwellView live_dwell(const ServiceView& now) {
     beside->given = transient->given;
     view.transient = std::move(beside);
   }
+  if (!std::isfinite(snapshot.dwell.settled_s)) return view;
+  view.model.emplace();
+  view.model->asked = now.accuracy;
   if (const auto& verified = snapshot.verified; verified && verified->dwell.index == snapshot.dwell.index) {
     const Verification& v = verified->verification;
     view.model = ModelVerdict{v.verdict, v.consistent, v.accuracy, v.seen, v.U};

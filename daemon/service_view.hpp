@@ -14,9 +14,13 @@
 #include "daemon/record/recorder.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/serve/http_server.hpp"
+#include "daemon/serve/modbus_server.hpp"
+#include "daemon/traces/traces.hpp"
 #include "daemon/watchdog.hpp"
 
 namespace dwell {
+
+class AlarmList;
 
 // The references live as long as the call that is given it.
 struct ServiceView {
@@ -28,12 +32,16 @@ struct ServiceView {
   std::int64_t now_utc_ns = 0;  // 0: not known
   double uptime_s = 0.0;
   HttpStats http{};
+  std::uint64_t wrong_tokens = 0;
+  std::optional<ModbusStats> modbus{};  // none: PLCs are not served
   LogStats log{};
   std::vector<WatchedThread> threads{};
   gpio::Status gpio{};                               // of the lines that are configured
   std::optional<record::RecorderState> recorder{};   // none: the service does not record
   std::shared_ptr<const record::ListedRuns> runs{};  // null: as an empty list
   const NewestLines* events = nullptr;               // null: none are kept
+  const AlarmList* alarms = nullptr;                 // null: as an empty list
+  const Traces* traces = nullptr;                    // null: none are kept
   double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
 };
 

@@ -5,9 +5,11 @@
 namespace dwell::moments {
 namespace {
 
-void turn_angles(const double* __restrict in, int count, const Turn& turn, double mean_square,
+// Turns the padding of each row with the rest, so that all angles go through the registers in twos.
+void turn_angles(const double* __restrict in, int count, const Turn& __restrict turn, double mean_square,
                  double* __restrict out) noexcept {
-  for (int k = 0; k < count; ++k) {
+  const int padded = static_cast<int>(stride(count));
+  for (int k = 0; k < padded; ++k) {
     const double c = turn.c[static_cast<std::size_t>(k)], s = turn.s[static_cast<std::size_t>(k)];
     const double a = k * turn.delta, left = 1 - 0.5 * a * a * mean_square;
     const double c0 = in[cosine(count, 0, k)], s0 = in[sine(count, 0, k)];

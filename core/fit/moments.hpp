@@ -19,6 +19,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/packed.hpp"
+
 namespace dwell::moments {
 
 // Layout of a set of `count` angles (2H+1 of instants, H+1 of readings): cos, sin for j = 0; cos, sin for j = 1; the
@@ -67,14 +69,20 @@ inline void sin_cos(double x, double& sine_x, double& cosine_x) noexcept {
 template <int H>
 inline void evaluate(double theta, double u, Regressors& out) noexcept {
   out.u = u;
-  out.c[0] = 1.0;
-  out.s[0] = 0.0;
-  sin_cos(theta, out.s[1], out.c[1]);
-  const double twice = 2 * out.c[1];
-  for (std::size_t k = 2; k <= 2 * H; ++k) {
-    out.c[k] = twice * out.c[k - 1] - out.c[k - 2];
-    out.s[k] = twice * out.s[k - 1] - out.s[k - 2];
+  double sine = 0.0, cosine = 0.0;
+  sin_cos(theta, sine, cosine);
+  const double twice = 2 * cosine;
+  double c = 1.0, s = 0.0, next_c = cosine, next_s = sine;  // of k and k + 1
+  for (std::size_t k = 0; k < 2 * H; k += 2) {
+    store_two(&out.c[k], c, next_c);
+    store_two(&out.s[k], s, next_s);
+    c = twice * next_c - c;
+    s = twice * next_s - s;
+    next_c = twice * c - next_c;
+    next_s = twice * s - next_s;
   }
+  store_two(&out.c[2 * H], c, 0.0);
+  store_two(&out.s[2 * H], s, 0.0);
 }
 
 // Adds weight·(1, u)·exp(jkθ), k = 0 … count-1, and `square` to a set. For instants: weight = 1 (-1 removes one),
@@ -97,7 +105,7 @@ struct Turn {
   // faster: ω - ω_b, rad/s; phase: ω (t_b - t_ref), rad; later: t_b - t_ref, s; count: most angles that a set has.
   Turn(double faster, double phase, double later, int count) noexcept;
   double delta, shift;
-  std::array<double, 18> c, s;  // exp(jk·phase)
+  std::array<double, 18> c{}, s{};  // exp(jk·phase); zero beyond `count`
 };
 
 // Turns `in` and adds it to `out`; they must not overlap. mean_square_u: mean of u² over the instants of the readings,

@@ -10,10 +10,8 @@
 namespace dwell {
 namespace {
 
-constexpr double kLostPeriods = 2.0;  // without a sample, and at least kLost_s: the channel no longer delivers
-constexpr double kLost_s = 1.0;
-constexpr double kStuck_s = 0.5;  // and at least kLostPeriods with the same reading: it is stuck
-constexpr double kHeldUp = 1.5;   // times the mean half width: a reading beyond was held up
+constexpr double kLost_s = 1.0;  // without a sample, and at least kLostPeriods: the channel no longer delivers
+constexpr double kHeldUp = 1.5;  // times the mean half width: a reading beyond was held up
 
 // Part of a phasor's standard uncertainty that clipping or repeats may cost without being reported.
 constexpr double kBiasMatters = 0.3;
@@ -25,34 +23,6 @@ constexpr double kMostLeftOut = 0.15;
 
 }  // namespace
 
-bool LiveChannel::hear(const Record& record) noexcept {
-  ++received_;
-  if (record.flags & kGap) ++now_.gaps;
-  if (record.t_ns <= last_ns_ || !std::isfinite(intake_.si(record.value))) {
-    ++out_of_order_;
-    return false;
-  }
-  if (last_ns_ != INT64_MIN && !intake_.held()) sampling_.add(to_s(record.t_ns - last_ns_));
-  last_ns_ = record.t_ns;
-  return true;
-}
-
-void LiveChannel::show(const Record& record) noexcept {
-  now_.value = intake_.si(record.value);
-  now_.t_ns = record.t_ns;
-  now_.fault = Fault::none;
-  now_.overrange = intake_.overrange();
-}
-
-double LiveChannel::count(const Reading& reading) noexcept {
-  // The rate of the values, not of the readings, decides which harmonics fold.
-  if (intake_.held() && refreshed_ns_ != INT64_MIN) sampling_.add(to_s(reading.t_ns - refreshed_ns_));
-  refreshed_ns_ = reading.t_ns;
-  half_ns_sum_ += reading.half_ns;
-  half_count_ += 1.0;
-  return intake_.si(reading.value);
-}
-
 double LiveChannel::extra_u_s(const Reading& reading) const noexcept {
   return 1e-9 * std::max(0.0, reading.half_ns - kHeldUp * half_ns_sum_ / half_count_);
 }
@@ -62,11 +32,6 @@ void LiveChannel::begin_hold() noexcept {
   // Before the hold refreshes may have been missed, or the register not known as held.
   if (intake_.held() || intake_.holding_changed()) sampling_ = {};
   intake_.begin_hold();
-}
-
-bool LiveChannel::stuck(double period_s) const noexcept {
-  const double same_for_s = intake_.same_for_s();
-  return same_for_s > kStuck_s && same_for_s > kLostPeriods * period_s;
 }
 
 bool LiveChannel::delivers(std::int64_t now_ns, double period_s) const noexcept {

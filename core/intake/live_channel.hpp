@@ -4,10 +4,12 @@
 // The figures of a dwell (how late its readings were, how often new values came) begin anew with each hold.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/base/instants.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/channel_intake.hpp"
 #include "core/intake/channel_now.hpp"
@@ -87,6 +89,9 @@ class LiveChannel {
   [[nodiscard]] std::vector<std::string> warnings(double tolerance) const;
 
  private:
+  static constexpr double kLostPeriods = 2.0;  // without a sample, and at least 1 s: the channel no longer delivers
+  static constexpr double kStuck_s = 0.5;      // and at least kLostPeriods with the same reading: it is stuck
+
   void show(const Record& record) noexcept;
 
   ChannelIntake intake_;
@@ -97,5 +102,40 @@ class LiveChannel {
   double half_ns_sum_ = 0.0, half_count_ = 0.0;  // of this hold
   SamplingRegularity sampling_;
 };
+
+// What happens to every sample is inline: a call costs as much as these do.
+
+inline bool LiveChannel::hear(const Record& record) noexcept {
+  ++received_;
+  if (record.flags & kGap) ++now_.gaps;
+  if (record.t_ns <= last_ns_ || !std::isfinite(intake_.si(record.value))) {
+    ++out_of_order_;
+    return false;
+  }
+  if (last_ns_ != INT64_MIN && !intake_.held()) sampling_.add(to_s(record.t_ns - last_ns_));
+  last_ns_ = record.t_ns;
+  return true;
+}
+
+inline void LiveChannel::show(const Record& record) noexcept {
+  now_.value = intake_.si(record.value);
+  now_.t_ns = record.t_ns;
+  now_.fault = Fault::none;
+  now_.overrange = intake_.overrange();
+}
+
+inline double LiveChannel::count(const Reading& reading) noexcept {
+  // The rate of the values, not of the readings, decides which harmonics fold.
+  if (intake_.held() && refreshed_ns_ != INT64_MIN) sampling_.add(to_s(reading.t_ns - refreshed_ns_));
+  refreshed_ns_ = reading.t_ns;
+  half_ns_sum_ += reading.half_ns;
+  half_count_ += 1.0;
+  return intake_.si(reading.value);
+}
+
+inline bool LiveChannel::stuck(double period_s) const noexcept {
+  const double same_for_s = intake_.same_for_s();
+  return same_for_s > kStuck_s && same_for_s > kLostPeriods * period_s;
+}
 
 }  // namespace dwell

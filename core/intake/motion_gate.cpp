@@ -42,11 +42,14 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     predictor_.add(reading.t_ns, reading.value);
     return Says::take;
   }
-  const double late =
-      predicted.slope * 1e-9 * (static_cast<double>(reading.half_ns) + kRefresh * reading.refresh_half_ns);
-  const double far = predicted.gain * kFar * median_ + kRounding * step + late;
-  const double limit = tied ? predicted.gain * tied_medians(step) * median_ + kTiedRounding * step + late : far;
-  if (error <= limit) {
+  const double far = predicted.gain * kFar * median_ + kRounding * step;
+  const double limit = tied ? predicted.gain * tied_medians(step) * median_ + kTiedRounding * step : far;
+  // The instant's half width only raises a limit. Few readings need it, and it costs a division.
+  const auto late = [&] {
+    return predictor_.slope(predicted, reading.t_ns) * 1e-9 *
+           (static_cast<double>(reading.half_ns) + kRefresh * reading.refresh_half_ns);
+  };
+  if (error <= limit || error <= limit + late()) {
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
     static constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
@@ -58,7 +61,7 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     foreign_.add(reading.value, reading.value != foreign_.value());
     return Says::leave;
   }
-  if (waits_ + 1 == kMost || (waits_ + 1 == kEven && even(reading, far))) return give_back(reading, relative);
+  if (waits_ + 1 == kMost || (waits_ + 1 == kEven && even(reading, far + late()))) return give_back(reading, relative);
   waiting_[waits_++] = reading;
   return Says::wait;
 }

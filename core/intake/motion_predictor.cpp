@@ -19,9 +19,7 @@ MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int
   if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * weights_.interval) return {};
   Prediction out;
   for (std::size_t j = 0; j < kPoints; ++j) out.value += weights_.of_point[j] * points_[j].value;
-  const Point& newest = points_.back();
   out.gain = weights_.gain;
-  out.slope = std::abs(out.value - newest.value) / (1e-9 * static_cast<double>(t_ns - newest.t_ns));
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,12 +15,17 @@ namespace dwell {
 // Of one channel, in any unit. Bound to one thread; real-time safe.
 class MotionPredictor {
  public:
-  // gain: standard deviation of the prediction's error for white noise of 1; 0: no prediction. slope: per s.
+  // gain: standard deviation of the prediction's error for white noise of 1; 0: no prediction.
   struct Prediction {
-    double value = 0.0, gain = 0.0, slope = 0.0;
+    double value = 0.0, gain = 0.0;
   };
   // The prediction for t_ns. before_ns: the instant of the reading before, good or not; omega: rad/s.
   [[nodiscard]] Prediction predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept;
+  // The slope up to a prediction for t_ns, per s, without its sign.
+  [[nodiscard]] double slope(const Prediction& predicted, std::int64_t t_ns) const noexcept {
+    const Point& newest = points_.back();
+    return std::abs(predicted.value - newest.value) / (1e-9 * static_cast<double>(t_ns - newest.t_ns));
+  }
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
     std::move(points_.begin() + 1, points_.end(), points_.begin());

@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/packed.hpp"
+
 namespace dwell {
 
-// One thread; real-time safe; N comparisons to look for a number.
+// One thread; real-time safe; N / 2 comparisons to look for a number.
 template <std::size_t N>
 class RecentNumbers {
  public:
@@ -21,15 +23,16 @@ class RecentNumbers {
     next_ = (next_ + 1) % N;
   }
   [[nodiscard]] bool has(double number) const noexcept {
-    std::int64_t found = 0;  // as wide as a number and without a branch: two comparisons at once
-    for (const double one : numbers_) found |= one == number ? -1 : 0;
-    return found != 0;
+    Packed<std::int64_t> found{};  // left to itself, GCC compares one by one, in three times as many instructions
+    for (std::size_t i = 0; i < numbers_.size(); i += 2)
+      found |= Packed<double>{numbers_[i], numbers_[i + 1]} == Packed<double>{number, number};
+    return (found[0] | found[1]) != 0;
   }
   // NaN: none yet.
   [[nodiscard]] double newest() const noexcept { return numbers_[(next_ + N - 1) % N]; }
 
  private:
-  std::array<double, N> numbers_;
+  std::array<double, N + N % 2> numbers_;  // of an odd N one place stays NaN
   std::size_t next_ = 0;
 };
 

@@ -38,8 +38,8 @@ class RecurringNumbers {
     if (left < high_ && left > low_) same_inside_ += run - 1;
     high_ = std::max(high_, left);
     low_ = std::min(low_, left);
+    const bool recurring = remembered_.has(reading);  // `left` is another number
     remembered_.add(left);
-    const bool recurring = remembered_.has(reading);
     if (recurring) ++recurring_;
     back_ = recurring && turned && reading > low_ && reading < high_;
   }
@@ -65,7 +65,7 @@ class RecurringNumbers {
  private:
   static constexpr std::int64_t kFewChanges = 4;  // largest number from turn to turn
 
-  RecentNumbers<kRemembered> remembered_;  // all numbers left, not the newest
+  RecentNumbers<kRemembered - 1> remembered_;  // those left before the newest one left
   std::int64_t turns_ = 0, recurring_ = 0, returned_ = 0,
                same_inside_ = 0;  // inside: not at an extreme
   double low_ = INFINITY, high_ = -INFINITY;

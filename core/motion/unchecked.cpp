@@ -72,6 +72,12 @@ std::vector<std::string> unchecked(const Rig& rig, const ScoreTest& test) {
   const MatrixXd W = size.asDiagonal() * test.alone(terms, terms) * size.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(W);
   const Index null = (solver.eigenvalues().array() < kNotTold).count();
+  const auto all = static_cast<Index>(terms.size());
+  // A chain itself leaves the common mass, scale and delay. A steady motion leaves most others too: a list of a dozen
+  // says less than their number.
+  if (null > 3 && 2 * null > all)
+    return {"most errors of masses, scales and delays: this motion tells only " + std::to_string(all - null) + " of " +
+            std::to_string(all) + " combinations of them"};
   std::vector<std::string> out;
   MatrixXd basis = solver.eigenvectors().leftCols(null).transpose() * size.cwiseQuotient(natural).asDiagonal();
   basis.rowwise().normalize();

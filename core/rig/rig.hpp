@@ -83,6 +83,20 @@ struct Excitation {
 
 inline constexpr int kMaxHarmonics = 8;
 
+// low < high, SI.
+struct Bounds {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+// Between which values an element's coefficients are expected; operators are warned of others. The estimation does not
+// look at it.
+struct Limit {
+  int element = 1;  // 1 … Rig::element_count(), once at most in Rig::limits
+  std::optional<Bounds> stiffness;
+  std::optional<Bounds> damping;
+};
+
 struct Rig {
   std::string name;
   Motion motion = Motion::translation;
@@ -95,6 +109,7 @@ struct Rig {
   double update_s = 0.1;     // interval between published estimates
   std::vector<Device> devices;
   std::vector<Channel> channels;
+  std::vector<Limit> limits;
 
   [[nodiscard]] int mass_count() const noexcept { return static_cast<int>(masses.size()); }
   // n if free, n + 1 if clamped.

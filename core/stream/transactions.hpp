@@ -38,7 +38,7 @@ class Transactions {
     Met& met = met_[sample.channel];
     met = {last_.channel, !together ? 0 : met.with == last_.channel ? std::min(met.times + 1, kTimes) : 1};
     if (met.times == kTimes) unite(sample.channel, last_.channel);
-    last_ = sample;
+    last_ = {sample.t_ns, sample.t_half_ns, sample.channel};
     heard_ = true;
   }
 
@@ -63,7 +63,11 @@ class Transactions {
   std::vector<int> devices_;          // by channel
   std::vector<Met> met_;              // by channel
   std::vector<std::uint16_t> first_;  // by channel
-  Record last_;
+  struct {
+    std::int64_t t_ns = 0;
+    std::uint32_t t_half_ns = 0;
+    std::uint16_t channel = 0;
+  } last_;  // of the sample before
   bool heard_ = false;
 };
 

@@ -35,6 +35,7 @@ const char* name_of(AuditState state) {
 std::string verdict(const record::Audit& audit) {
   if (audit.state == AuditState::tampered) return "tampered: " + audit.where;
   std::string text = "intact";
+  if (audit.head.empty()) return "open, without any entry";
   if (audit.state == AuditState::open) {
     text = "open until " + (audit.until_s ? seconds_text(*audit.until_s, 3) : std::string(kNoNumber));
     if (!audit.until_utc.empty()) text += " (" + audit.until_utc + ")";
@@ -55,7 +56,7 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
     for (const std::string& line : audit.signatures) text += "  signed: " + printable(line) + "\n";
   }
   if (!ledger) return text;
-  if (ledger->unbroken || ledger->missing.empty())
+  if (!ledger->unbroken || ledger->missing.empty())
     text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where)) + "\n";
   for (const std::string& line : ledger->missing) text += printable(request.ledger + ": missing: " + line) + "\n";
   for (const std::string& line : ledger->deleted) text += "  deleted: " + printable(line) + "\n";

@@ -16,13 +16,14 @@ namespace dwell::ctl {
 // people did is in the parent alone. Bound to one thread.
 class ChildEvents {
  public:
-  // begin_ns: of the parent's first record. rig: as the replay's. devices: names by the numbers that the stream has.
+  // begin_ns: instant of the parent's first record. rig: the replay's. devices: the parent's device names; the stream's
+  // device numbers are their indexes.
   ChildEvents(const record::RunHeader& parent, std::int64_t begin_ns, const Rig& rig, std::vector<std::string> devices);
 
-  // After each record that the replay has taken, as the rig has it: events up to there, about once a second those that
-  // the stream tells.
+  // Call after each record that the replay has taken; `record`: with the rig's channel numbers. Returns the events that
+  // are new: changes of state at once, faults and losses of the stream once per second of stream time.
   [[nodiscard]] std::vector<record::StoredEvent> follow(const Record& record, const Replay& replay);
-  // What the stream has told since.
+  // Call after the last record. Returns the faults and losses since the last follow().
   [[nodiscard]] std::vector<record::StoredEvent> finish();
 
  private:

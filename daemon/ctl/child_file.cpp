@@ -11,7 +11,7 @@
 namespace dwell::ctl {
 namespace {
 
-constexpr int kTogether = 200;  // entries of a commit: each signs and waits for the disk
+constexpr int kTogether = 200;  // entries per commit. A commit signs once and waits for the disk once
 
 std::string random_id() {
   record::Digest bytes{};
@@ -95,8 +95,8 @@ void ChildFile::append(const char* kind, std::int64_t t_ns, const std::string& b
 
 record::Result<void> ChildFile::finish(std::int64_t t_ns, const record::RunEnd& end) {
   append("end", t_ns, to_json(end));
-  if (!error_.empty()) return tl::unexpected(path_ + ": " + error_);
-  if (auto closed = writer_.close(); !closed) return tl::unexpected(path_ + ": " + closed.error());
+  if (!error_.empty()) return tl::unexpected(error_);
+  if (auto closed = writer_.close(); !closed) return closed;
   path_.clear();
   return {};
 }

@@ -19,8 +19,9 @@ enum Exit : int {
 };
 
 struct Service {
-  std::string url;      // of the HTTP interface
-  std::string control;  // path of the control socket
+  std::string url;         // of the HTTP interface
+  std::string token_file;  // of the token that the service asks for from another computer; empty: none
+  std::string control;     // path of the control socket
   bool json = false;
 };
 
@@ -60,6 +61,7 @@ struct ExportOptions {
   std::string data = {};
   std::string folder = {};
   std::optional<int> dwell = {};
+  bool overwrite = false;  // existing files in the folder
 };
 
 struct AuditRequest {
@@ -94,6 +96,11 @@ struct KeyOptions {
 [[nodiscard]] int rearm(const Service& service, const std::string& comment);
 [[nodiscard]] int start_run(const Service& service, const std::string& label, const std::string& comment);
 [[nodiscard]] int stop_run(const Service& service, const std::string& comment);
+// The list of alarms; kNo if there is any.
+[[nodiscard]] int alarms(const Service& service);
+// names: of alarms, one after the other until one fails.
+[[nodiscard]] int acknowledge(const Service& service, const std::vector<std::string>& names,
+                              const std::string& comment);
 // rig: a rig file, whose devices are probed directly; empty: the running service is asked.
 [[nodiscard]] int check(const Service& service, const std::string& rig);
 // The newest verification of the running service.

@@ -1,8 +1,9 @@
 #include "daemon/ctl/fetch.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
 
-#include "daemon/ctl/http_client.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::ctl {
@@ -19,8 +20,22 @@ int not_the_service(const std::string& url, const std::string& why) {
   return unreachable(url + ": what answers is not the service: " + why);
 }
 
+tl::expected<Url, std::string> url_of(const Service& service) {
+  auto url = parse_url(service.url);
+  if (!url || service.token_file.empty()) return url;
+  std::ifstream file(service.token_file);
+  std::getline(file, url->token);
+  // What would break the header, or is no token at all.
+  const bool fit = std::all_of(url->token.begin(), url->token.end(), [](char c) { return c > ' ' && c < 0x7f; });
+  if (url->token.empty() || url->token.size() > 256 || !fit)
+    return tl::unexpected(
+        "token file " + service.token_file +
+        " cannot be used: expected a file that you may read, with one line of at most 256 characters");
+  return url;
+}
+
 tl::expected<Json, int> fetch(const Service& service, const std::string& path) {
-  const auto url = parse_url(service.url);
+  const auto url = url_of(service);
   if (!url) {
     std::fprintf(stderr, "dwellctl: %s\n", printable(url.error()).c_str());
     return tl::unexpected(static_cast<int>(kUsage));

@@ -5,9 +5,13 @@
 #include <tl/expected.hpp>
 
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/http_client.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 
 namespace dwell::ctl {
+
+// The service's address, with the token from the token file; fails with what was expected.
+[[nodiscard]] tl::expected<Url, std::string> url_of(const Service& service);
 
 // The document at `path`; or an exit code, with the reason on standard error.
 [[nodiscard]] tl::expected<Json, int> fetch(const Service& service, const std::string& path);

@@ -63,6 +63,8 @@ struct Written {
   Json json = Json::object();
 };
 
+handon::Target target_of(const ExportRunOptions& options) { return {options.output, options.overwrite}; }
+
 // "run.csv" -> "run.rig.toml".
 std::string rig_path(const std::string& csv) {
   std::filesystem::path path(csv);
@@ -70,8 +72,8 @@ std::string rig_path(const std::string& csv) {
   return path.string() + ".rig.toml";
 }
 
-Result<void> write_rig(const Selection& selection, const std::string& path) {
-  auto file = handon::OutputFile::create(path);
+Result<void> write_rig(const Selection& selection, const handon::Target& target) {
+  auto file = handon::OutputFile::create(target);
   if (!file) return tl::make_unexpected(file.error());
   file->write(selection.header().rig.text);
   return file->keep();
@@ -79,23 +81,25 @@ Result<void> write_rig(const Selection& selection, const std::string& path) {
 
 Result<Written> write_csv(Selection& selection, const Provenance& from, const ExportRunOptions& options,
                           const Progress& progress) {
-  const auto count = handon::export_csv(selection, from, {options.in_unit}, options.output, progress);
-  if (!count) return tl::make_unexpected(count.error());
+  // Asked before the samples are written, so that both files are written or none.
   const std::string rig = rig_path(options.output);
-  if (auto done = write_rig(selection, rig); !done) return tl::make_unexpected(done.error());
+  if (auto may = handon::may_write({rig, options.overwrite}); !may) return tl::make_unexpected(may.error());
+  const auto count = handon::export_csv(selection, from, {options.in_unit}, target_of(options), progress);
+  if (!count) return tl::make_unexpected(count.error());
+  if (auto done = write_rig(selection, {rig, options.overwrite}); !done) return tl::make_unexpected(done.error());
   return Written{*count, "; the rig file: " + rig, {{"rig_file", rig}}};
 }
 
 Result<Written> write_hdf5(Selection& selection, const Provenance& from, const ExportRunOptions& options,
                            const Progress& progress) {
-  const auto count = handon::export_hdf5(selection, from, options.output, progress);
+  const auto count = handon::export_hdf5(selection, from, target_of(options), progress);
   if (!count) return tl::make_unexpected(count.error());
   return Written{*count, "", Json::object()};
 }
 
 Result<Written> write_uff(Selection& selection, const Provenance& from, const ExportRunOptions& options,
                           const Progress& progress) {
-  const auto done = handon::export_uff(selection, from, {options.binary}, options.output, progress);
+  const auto done = handon::export_uff(selection, from, {options.binary}, target_of(options), progress);
   if (!done) return tl::make_unexpected(done.error());
   Written written{
       done->samples,
@@ -134,6 +138,11 @@ int export_run(const ExportRunOptions& options) {
     tell_error(options.output + ": is the run file itself; expected another file");
     return kUsage;
   }
+  // Asked now as well: an audit may take minutes.
+  if (auto may = handon::may_write(target_of(options)); !may) {
+    tell_error(may.error());
+    return kUsage;
+  }
   Provenance from = provenance();
   if (!options.unchecked) {
     const auto audit = audited(options.file, options.key, "");
@@ -167,6 +176,10 @@ int report(const ReportOptions& options) {
     tell_error(options.output + ": is the run file itself; expected another file");
     return kUsage;
   }
+  if (auto may = handon::may_write({options.output, options.overwrite}); !may) {
+    tell_error(may.error());
+    return kUsage;
+  }
   const auto audit = audited(options.file, options.key, options.ledger);
   if (!audit) {
     tell_error(audit.error());
@@ -181,7 +194,8 @@ int report(const ReportOptions& options) {
   from.head = audit->head;
   from.audit = handon::audit_line(*audit);
   ProgressBar bar("reading");
-  if (auto done = handon::export_report(*selection, *audit, from, options.output, bar.progress()); !done) {
+  if (auto done = handon::export_report(*selection, *audit, from, {options.output, options.overwrite}, bar.progress());
+      !done) {
     tell_error(done.error());
     return kUsage;
   }

@@ -12,6 +12,7 @@ struct ExportRunOptions {
   std::string file;
   std::string format;  // "csv", "hdf5" or "uff"
   std::string output;
+  bool overwrite = false;  // an existing file of that name
   handon::Range range;
   bool in_unit = false;    // csv: also in the channel's unit
   bool binary = false;     // uff: 58b
@@ -23,6 +24,7 @@ struct ExportRunOptions {
 struct ReportOptions {
   std::string file;
   std::string output;
+  bool overwrite = false;   // an existing file of that name
   std::string key, ledger;  // for the audit; empty: none
   bool json = false;
 };

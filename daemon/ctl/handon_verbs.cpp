@@ -4,6 +4,13 @@
 #include "daemon/ctl/recorded_run.hpp"
 
 namespace dwell::ctl {
+namespace {
+
+void add_overwrite(CLI::App* verb, bool& overwrite) {
+  verb->add_flag("--overwrite", overwrite, "replace files of these names; never a run file or a ledger");
+}
+
+}  // namespace
 
 HandonVerbs::HandonVerbs(CLI::App& app) {
   add_export(app);
@@ -15,6 +22,7 @@ void HandonVerbs::add_export(CLI::App& app) {
   export_->add_option("file", exporting_.file, "the run file; with --model also a recording, CSV, with --rig")
       ->required();
   export_->add_option("-o,--output", exporting_.output, "file that is written; with --model the folder")->required();
+  add_overwrite(export_, exporting_.overwrite);
   auto* const format = export_
                            ->add_option("--format", exporting_.format,
                                         "csv: t,channel,value, which identify reads; hdf5: instants, values and all "
@@ -45,6 +53,7 @@ void HandonVerbs::add_report(CLI::App& app) {
   report_ = app.add_subcommand("report", "a run as one HTML page for print and archive; exit 1 if it is tampered with");
   report_->add_option("file", reporting_.file, "the run file")->required();
   report_->add_option("-o,--output", reporting_.output, "the page")->required();
+  add_overwrite(report_, reporting_.overwrite);
   add_pinned_key(report_, reporting_.key);
   add_ledger(report_, reporting_.ledger);
   add_json(report_, reporting_.json);
@@ -56,6 +65,7 @@ std::optional<int> HandonVerbs::run() {
   if (model_) {
     model_options_.data = exporting_.file;
     model_options_.folder = exporting_.output;
+    model_options_.overwrite = exporting_.overwrite;
     model_options_.dwell = exporting_.range.dwell;
     return export_model(model_options_);
   }

@@ -75,6 +75,7 @@ tl::expected<Begun, std::string> request(const Url& url, std::string_view path, 
   if (!socket) return tl::unexpected(socket.error());
   std::string text = "GET " + url.prefix;
   text.append(path).append(" HTTP/1.1\r\nHost: ").append(url.authority);
+  if (!url.token.empty()) text.append("\r\nAuthorization: Bearer ").append(url.token);
   text.append("\r\nAccept: ").append(accept).append("\r\nConnection: close\r\nUser-Agent: dwellctl\r\n\r\n");
   if (const auto sent = socket->send(text, deadline); !sent) return tl::unexpected(sent.error());
   std::string received;

@@ -21,6 +21,7 @@ struct Url {
   std::string authority;  // HOST[:PORT] as given
   std::string prefix;     // path in front of the service's own, without a slash at its end
   std::string text;       // as given
+  std::string token;      // sent as "Authorization: Bearer"; empty: none
 };
 
 // "http://HOST[:PORT][/PREFIX]". The error says what was expected.

@@ -4,6 +4,7 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/handon_verbs.hpp"
@@ -24,6 +25,9 @@ void add_service(CLI::App* verb, Service& service) {
   verb->add_option("--url", service.url, "address of the service's HTTP interface")
       ->envname("DWELL_URL")
       ->capture_default_str();
+  verb->add_option("--token-file", service.token_file,
+                   "holds the token that the service asks for from another computer")
+      ->envname("DWELL_TOKEN_FILE");
   add_json(verb, service.json);
 }
 
@@ -57,9 +61,9 @@ class RecordVerbs {
 
     sign_ = app.add_subcommand("sign", "your signature under a run that has ended");
     sign_->add_option("file", signing_.file, "the run file")->required();
-    sign_->add_option("--meaning", signing_.meaning, "what the signature says, for instance \"reviewed\"")->required();
-    sign_->add_option("--name", signing_.name, "your name; default: as the system knows you");
-    sign_->add_option("--reason", signing_.reason, "why");
+    add_text(sign_, "--meaning", signing_.meaning, "what the signature says, for instance \"reviewed\"")->required();
+    add_text(sign_, "--name", signing_.name, "your name; default: as the system knows you");
+    add_text(sign_, "--reason", signing_.reason, "why");
     sign_->add_option("--key", signing_.key, "sign with this private key of your own; default: the service vouches");
     add_control(sign_, service);
     add_json(sign_, service.json);
@@ -126,11 +130,11 @@ int run(int argc, char** argv) {
 
   std::string label, comment;
   const auto add_comment = [&comment](CLI::App* verb) {
-    verb->add_option("--comment", comment, "why, for the record; at most 4000 bytes");
+    add_text(verb, "--comment", comment, "why, for the record; at most 4000 bytes");
   };
   CLI::App* start_verb = app.add_subcommand(
       "start", "begin a recorded run now; exit 1 if an operator's run goes on already, or if nothing is recorded");
-  start_verb->add_option("--label", label, "what the run is; at most 200 bytes")->required();
+  add_text(start_verb, "--label", label, "what the run is; at most 200 bytes")->required();
   add_comment(start_verb);
   add_control(start_verb, service);
   add_json(start_verb, service.json);
@@ -144,6 +148,17 @@ int run(int argc, char** argv) {
   add_comment(rearm_verb);
   add_control(rearm_verb, service);
   add_json(rearm_verb, service.json);
+
+  CLI::App* alarms_verb = app.add_subcommand("alarms", "what is wrong and lasts; exit 1 if there is anything");
+  add_service(alarms_verb, service);
+
+  std::vector<std::string> alarm_names;
+  CLI::App* acknowledge_verb =
+      app.add_subcommand("acknowledge", "say that you know of an alarm; exit 1 if there is none of that name");
+  acknowledge_verb->add_option("alarm", alarm_names, "names, as in the list of alarms")->required();
+  add_comment(acknowledge_verb);
+  add_control(acknowledge_verb, service);
+  add_json(acknowledge_verb, service.json);
 
   CLI::App* check_verb = app.add_subcommand("check", "each device probed once; exit 1 if a channel does not answer");
   check_verb->add_option("--rig", rig, "probe the devices of this rig file, without the service");
@@ -168,7 +183,7 @@ int run(int argc, char** argv) {
       "compute with this rig file instead, and compare nothing; it must have the run's channels");
   CLI::Option* const child =
       replay_verb->add_option("-o,--output", replaying.output, "the child file to write")->needs(replay_rig);
-  replay_verb->add_option("--comment", replaying.comment, "why, into the child file")->needs(child);
+  add_text(replay_verb, "--comment", replaying.comment, "why, into the child file")->needs(child);
   replay_verb
       ->add_option("--key", replaying.key, "file of the private key that signs the child file; default: your own")
       ->needs(child);
@@ -203,6 +218,8 @@ int run(int argc, char** argv) {
   if (*start_verb) return start_run(service, label, comment);
   if (*stop_verb) return stop_run(service, comment);
   if (*rearm_verb) return rearm(service, comment);
+  if (*alarms_verb) return alarms(service);
+  if (*acknowledge_verb) return acknowledge(service, alarm_names, comment);
   if (*check_verb) return check(service, rig);
   if (*verify_verb) {
     verifying.json = service.json;

@@ -1,5 +1,5 @@
-// start, stop and rearm: what an operator asks of the service. Each enters the service's stream at its place there,
-// with the name of the user who asked.
+// start, stop, rearm and acknowledge: what an operator asks of the service. Each of the first three enters the
+// service's stream at its place there, with the name of the user who asked.
 #include <cstdio>
 #include <string>
 
@@ -63,6 +63,15 @@ int start_run(const Service& service, const std::string& label, const std::strin
 
 int stop_run(const Service& service, const std::string& comment) {
   return say(service, request("stop", comment), "stopped: the run ends here");
+}
+
+int acknowledge(const Service& service, const std::vector<std::string>& names, const std::string& comment) {
+  for (const std::string& name : names) {
+    Json asked = request("acknowledge", comment);
+    asked["alarm"] = name;
+    if (const int code = say(service, asked, "acknowledged: " + name); code != kDone) return code;
+  }
+  return kDone;
 }
 
 }  // namespace dwell::ctl

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "daemon/record/utf8.hpp"
+
 namespace dwell::ctl {
 
 inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag("--json", json, "print JSON"); }
@@ -11,6 +13,12 @@ inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag
 // The key that a verb trusts: pinned_key() reads it.
 inline CLI::Option* add_pinned_key(CLI::App* verb, std::string& key) {
   return verb->add_option("--key", key, "the key that must have signed: a vkey, or a file that holds it");
+}
+
+// A text for the record.
+inline CLI::Option* add_text(CLI::App* verb, const std::string& name, std::string& text, const std::string& help) {
+  return verb->add_option(name, text, help)
+      ->check([](const std::string& given) { return record::why_not_utf8(given); }, "");
 }
 
 inline void add_ledger(CLI::App* verb, std::string& ledger) {

@@ -2,14 +2,6 @@
 
 namespace dwell::ctl {
 
-void Replay::take(const Record& record) {
-  ++position_;
-  if (!ended_.empty()) ended_.clear();
-  state_changed_ = false;
-  note(pipeline_.push(record));
-  if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends)) finish();
-}
-
 void Replay::break_off() {
   ended_.clear();
   if (!finished_) finish();

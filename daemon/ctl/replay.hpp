@@ -20,7 +20,13 @@ class Replay {
   explicit Replay(const Rig& rig) : pipeline_(rig) {}
 
   // Takes the next record of the run, of any kind; Record::channel is an index into the rig's channels.
-  void take(const Record& record);
+  void take(const Record& record) {
+    ++position_;
+    if (!ended_.empty()) ended_.clear();
+    state_changed_ = false;
+    if (const std::uint8_t change = pipeline_.push(record); change != kNothing) note(change);
+    if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends)) finish();
+  }
   // Ends a stream that breaks off without RunEdge::ends: the current dwell ends. Nothing may be taken afterwards.
   void break_off();
   // Position of the record taken last; 0: none yet.

@@ -19,6 +19,7 @@
 #include "daemon/ctl/replay_check.hpp"
 #include "daemon/ctl/replay_printout.hpp"
 #include "daemon/ctl/run_source.hpp"
+#include "daemon/record/audit.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json.hpp"
 
@@ -110,7 +111,13 @@ Result<record::SigningKey> signing_key(const std::string& given) {
   return std::move(key->key);
 }
 
+// A child names the head of its parent, so the parent is audited first: a head that its entries do not lead to is
+// nobody's.
 Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& reader, const config::RigFile& rig) {
+  const auto parent = record::audit_run(options.file, {});
+  if (!parent) return tl::unexpected(parent.error());
+  if (parent->state == record::AuditState::tampered)
+    return tl::unexpected(options.file + ": tampered: " + parent->where + "; no child was written");
   auto head = final_head(options.file);
   if (!head) return tl::unexpected(head.error());
   auto text = text_of(options.rig);

@@ -13,7 +13,7 @@
 namespace dwell::ctl {
 namespace {
 
-constexpr double kTiny = 1e-300;  // a relative difference from zero is none
+constexpr double kTiny = 1e-300;  // least size for a relative difference: below it numbers count as zero
 
 double real(const Json& object, std::string_view name) {
   const auto found = object.find(name);

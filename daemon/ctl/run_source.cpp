@@ -1,9 +1,12 @@
 #include "daemon/ctl/run_source.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <string_view>
+
+#include "daemon/record/regular_file.hpp"
 
 namespace dwell::ctl {
 namespace {
@@ -30,8 +33,9 @@ std::vector<std::string> missing(const std::vector<std::string>& names, const st
 bool is_run_file(const std::string& path) {
   static constexpr std::string_view kMagic{"SQLite format 3\0", 16};
   std::array<char, kMagic.size()> begin{};
-  std::ifstream file(path, std::ios::binary);
-  return file.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == kMagic;
+  const auto file = record::open_regular(path);
+  return file && ::read(file->get(), begin.data(), begin.size()) == static_cast<ssize_t>(begin.size()) &&
+         std::string_view(begin.data(), begin.size()) == kMagic;
 }
 
 std::string why_no_stream(const std::string& path, const record::RunHeader& child) {
@@ -61,13 +65,6 @@ tl::expected<ChannelMap, std::string> ChannelMap::between(const record::RunHeade
   for (const std::string& name : header.channels)
     map.to_.push_back(static_cast<std::uint16_t>(std::find(names.begin(), names.end(), name) - names.begin()));
   return map;
-}
-
-Record ChannelMap::map(Record record) const noexcept {
-  const bool of_channel =
-      record.kind == Kind::sample || record.kind == Kind::channel_state || record.kind == Kind::loss;
-  if (of_channel && record.channel < to_.size()) record.channel = to_[record.channel];
-  return record;
 }
 
 tl::expected<void, std::string> RunSource::play(const Progress& progress, const Take& take) const {

@@ -30,7 +30,12 @@ class ChannelMap {
                                                                      const std::string& run_path, const Rig& rig,
                                                                      const std::string& rig_path);
   // The record with the rig's channel.
-  [[nodiscard]] Record map(Record record) const noexcept;
+  [[nodiscard]] Record map(Record record) const noexcept {
+    const bool of_channel =
+        record.kind == Kind::sample || record.kind == Kind::channel_state || record.kind == Kind::loss;
+    if (of_channel && record.channel < to_.size()) record.channel = to_[record.channel];
+    return record;
+  }
 
  private:
   std::vector<std::uint16_t> to_;  // empty: as they are

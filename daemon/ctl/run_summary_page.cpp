@@ -18,11 +18,6 @@ namespace {
 constexpr std::size_t kLabel = 11;       // columns of the words on the left
 constexpr std::size_t kMostEvents = 60;  // on a page for people
 
-std::string person_text(const record::Person& person) {
-  const std::string uid = "uid " + std::to_string(person.uid);
-  return person.name.empty() ? uid : person.name + " (" + uid + ")";
-}
-
 void append(Section& to, const std::string& label, const std::string& text, std::size_t columns) {
   if (text.empty()) return;
   for (std::string& line : wrapped(printable(pad_right(label, kLabel) + text), columns, kLabel))
@@ -44,7 +39,7 @@ std::string title_of(const RunSummary& run) {
 std::string begun_text(const record::RunHeader& header) {
   std::string text = header.start_utc + " by the " + header.begun_by;
   if (header.begun_by == "replay") text = header.start_utc + ", computed by replay";
-  if (header.person) text += ", " + person_text(*header.person);
+  if (header.person) text += ", " + record::who(*header.person);
   return text;
 }
 
@@ -142,7 +137,7 @@ std::string event_text(const FoldedEvent& folded, const record::RunHeader& heade
   const record::StoredEvent& event = folded.event;
   std::string text = event.text;
   if (folded.entries > 1) text += ", up to " + instant(folded.last_utc, header);
-  const std::string who = event.person ? person_text(*event.person) : "";
+  const std::string who = event.person ? record::who(*event.person) : "";
   if (text.find(who) == std::string::npos) text += ", by " + who;
   if (event.before != event.after) text += ": " + event.before + " → " + event.after;
   return event.comment.empty() ? text : text + ": " + event.comment;
@@ -196,7 +191,7 @@ std::string signature_text(const record::PersonalSignature& signature) {
   std::string text = signature.name + ": " + signature.meaning;
   if (!signature.reason.empty()) text += " (" + signature.reason + ")";
   text += ", " + signature.utc;
-  if (signature.person) return text + ", countersigned by the service for " + person_text(*signature.person);
+  if (signature.person) return text + ", countersigned by the service for " + record::who(*signature.person);
   const auto key = record::PublicKey::parse(signature.vkey);
   return text + ", with the key " + (key ? key->name() + " " + key->fingerprint() : "that is not readable");
 }

@@ -1,9 +1,10 @@
-// status, channels, dwells, verify: one question over HTTP, one answer on the screen.
+// status, channels, dwells, alarms, verify: one question over HTTP, one answer on the screen.
 #include <cmath>
 #include <cstdio>
 #include <optional>
 #include <vector>
 
+#include "daemon/ctl/alarm_table.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/fetch.hpp"
 #include "daemon/ctl/http_client.hpp"
@@ -36,7 +37,7 @@ int status(const Service& service) {
   } else {
     print(dwell_text(*view));
     // A service too old to tell, or one that has just ended, says nothing of its lines.
-    if (const auto answer = http_get(*parse_url(service.url), "/api/v1/health"))
+    if (const auto answer = http_get(*url_of(service), "/api/v1/health"))
       print(gpio_text(Json::parse(answer->body, nullptr, false)));
   }
   return view->dwell.state == State::measuring && view->dwell.doubts.empty() ? kDone : kNo;
@@ -72,6 +73,15 @@ int dwells(const Service& service) {
     print("the last " + std::to_string(views.size()) + " of " + total->dump() + "\n");
   }
   return kDone;
+}
+
+int alarms(const Service& service) {
+  const auto value = fetch(service, "/api/v1/alarms");
+  if (!value) return value.error();
+  const auto list = alarms_from_json(*value);
+  if (!list) return not_the_service(service.url, "no alarms");
+  print(service.json ? dump(*value, 2) + "\n" : alarms_table(*list));
+  return list->alarms.empty() ? kDone : kNo;
 }
 
 int verify(const Service& service) {

@@ -19,7 +19,8 @@
 namespace dwell::ctl {
 namespace {
 
-// Timeout: the service reads the file, and those before it in the queue. Enough for 100 GB from a slow disk.
+// Time allowed for the service's answer. It first reads this run file, and those that others asked to sign before. 30
+// min are enough for 100 GB at 60 MB/s.
 constexpr std::chrono::minutes kPatience{30};
 
 int refuse(int code, const std::string& why) {

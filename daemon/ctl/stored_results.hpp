@@ -26,11 +26,11 @@ class StoredResults {
   // Fails with "FILE: what is wrong".
   [[nodiscard]] static record::Result<StoredResults> open(const std::string& path);
 
-  // The current result; null: there is none left, or error() says what is wrong with the next one.
+  // The current result. Null: none is left, or reading failed; then error() says why.
   [[nodiscard]] const Entry* now() const noexcept { return now_ ? &*now_ : nullptr; }
   // Only if now() is not null.
   void next();
-  // The result at hand for the caller to keep, until next() an empty one stands there. Only if now() is not null.
+  // Moves the current result to the caller and leaves an empty one until next(). Only if now() is not null.
   [[nodiscard]] Entry take() { return std::exchange(*now_, {}); }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
 

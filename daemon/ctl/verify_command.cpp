@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "core/verify/verification_readings.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/recorded_run.hpp"
+#include "daemon/handon/output_file.hpp"
 #include "daemon/report/model_files.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/verification_json.hpp"
@@ -68,13 +68,21 @@ tl::expected<VerifiedDwell, int> verified(const RecordedRun& run, std::optional<
   return out;
 }
 
-bool written(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (file) return true;
-  tell_error(path.string() + " cannot be written");
-  return false;
+handon::Target target_of(const ExportOptions& options, const ModelFile& file) {
+  return {(std::filesystem::path(options.folder) / file.name).string(), options.overwrite};
+}
+
+record::Result<void> write(const ExportOptions& options, const std::vector<ModelFile>& files) {
+  // All or none, as far as can be known before.
+  for (const ModelFile& file : files)
+    if (auto may = handon::may_write(target_of(options, file)); !may) return may;
+  for (const ModelFile& file : files) {
+    auto output = handon::OutputFile::create(target_of(options, file));
+    if (!output) return tl::make_unexpected(output.error());
+    output->write(file.text);
+    if (auto kept = output->keep(); !kept) return kept;
+  }
+  return {};
 }
 
 }  // namespace
@@ -103,8 +111,10 @@ int export_model(const ExportOptions& options) {
   }
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
-  for (const ModelFile& file : *files)
-    if (!written(std::filesystem::path(options.folder) / file.name, file.text)) return kUsage;
+  if (auto done = write(options, *files); !done) {
+    tell_error(done.error());
+    return kUsage;
+  }
   if (seen->verification.verdict != Verdict::adequate)
     tell_error(std::string("the model is ") + to_string(seen->verification.verdict) + "; model.json says why");
   return kDone;

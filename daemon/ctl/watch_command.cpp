@@ -13,6 +13,7 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/dwell_follower.hpp"
+#include "daemon/ctl/fetch.hpp"
 #include "daemon/ctl/http_client.hpp"
 #include "daemon/ctl/tables.hpp"
 #include "daemon/ctl/terminal.hpp"
@@ -183,12 +184,14 @@ class Watch {
     return !truth_ || agreed_ ? kDone : kNo;
   }
 
-  // For the screen: how the channels and the GPIO lines stand, which the stream does not tell.
+  // For the screen: how the channels and the GPIO lines stand, and the alarms, which the stream does not tell.
   void ask() {
     if (!terminal_ || SteadyClock::now() < ask_at_) return;
     HttpLimits limits;
     limits.time = kAsk;
     const auto channels = http_get(url_, "/api/v1/channels", limits);
+    const auto alarms = channels ? http_get(url_, "/api/v1/alarms", limits) : channels;
+    if (alarms) state_.alarms = alarms_from_json(Json::parse(alarms->body, nullptr, false)).value_or(AlarmsList{});
     const auto health = channels ? http_get(url_, "/api/v1/health", limits) : channels;
     // Who does not answer is asked less often, since keys wait for the answer.
     ask_at_ = in(health ? kAsk : 10 * kAsk);
@@ -330,7 +333,7 @@ class Watch {
 }  // namespace
 
 int watch(const Service& service, const WatchOptions& options) {
-  auto url = parse_url(service.url);
+  auto url = url_of(service);
   if (!url) return complain(kUsage, url.error());
   std::optional<Truth> truth;
   if (!options.truth.empty()) {

@@ -38,8 +38,9 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
   return options;
 }
 
-// What an operator must know before reading any number.
-std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, std::size_t columns, double now_s) {
+// What an operator must know before reading any number. where: of the list of alarms, ", page 2" or nothing.
+std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, const std::string& where,
+                             std::size_t columns, double now_s) {
   std::vector<TextLine> lines;
   if (controls.paused_s) {
     add(lines, "PAUSED for " + age_text(now_s - *controls.paused_s) + "; space goes on", columns, Style::alarm);
@@ -63,6 +64,11 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
+  if (const std::size_t count = state.alarms.unacknowledged; count > 0)
+    add(lines,
+        (state.trouble.empty() ? "" : "when last heard: ") + std::to_string(count) +
+            (count > 1 ? " alarms" : " alarm") + " not acknowledged" + where,
+        columns, Style::alarm);
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
 }
@@ -129,11 +135,19 @@ void make_room(std::vector<Section>& sections, std::size_t rows) {
   sections.insert(sections.begin() + 2, std::move(more));
 }
 
+// The verdict on the model, as the page has it in its first line.
+std::string verdict_of(const DwellView& view) {
+  return view.model ? std::string(" · model ") + to_string(view.model->verdict) : "";
+}
+
+std::string where_of(std::size_t page, std::size_t pages) {
+  return pages > 1 ? ", page " + std::to_string(page + 1) : "";
+}
+
 std::string count_of(std::size_t count, const char* what, std::size_t page, std::size_t pages) {
   if (count == 0) return {};
   std::string text = " · " + std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-  if (pages > 1) text += ", page " + std::to_string(page + 1);
-  return text;
+  return text + where_of(page, pages);
 }
 
 std::vector<TextLine> footer(const Controls& controls, std::size_t page, std::size_t pages, std::size_t columns) {
@@ -171,7 +185,15 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
           const std::string& clock) {
   const std::size_t columns = std::max<std::size_t>(size.columns, 8);
   std::vector<Section> sections;
-  if (state.dwell()) sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
+  if (state.dwell()) {
+    sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
+    // Behind the coefficients, which stand behind the doubts.
+    if (Section trend = state.trend().section(*state.dwell(), now_s, columns); !trend.body.empty()) {
+      const std::size_t before = sections[0].name == kDoubts ? 2 : 1;
+      sections.insert(sections.begin() + static_cast<std::ptrdiff_t>(before), std::move(trend));
+    }
+  }
+  if (Section list = alarms_section(state.alarms, columns); !list.body.empty()) sections.push_back(std::move(list));
 
   // The header tells the pages of doubts and warnings, and its height decides on which pages they are: the second time
   // round its height is known.
@@ -180,6 +202,7 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   std::vector<TextLine> keys = footer(controls, 0, 2, columns);
   std::vector<TextLine> body;
   std::size_t warnings_page = 0;
+  std::size_t alarms_page = 0;
   std::size_t header_rows = 2;
   for (int round = 0; round < 2; ++round) {
     const std::size_t around = header_rows + 1 + keys.size();
@@ -190,6 +213,7 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     for (const Section& section : set) {
       const std::size_t first = pager.add(section);
       if (section.name == kWarnings) warnings_page = first;
+      if (section.name == kAlarms) alarms_page = first;
     }
     page.pages = pager.pages().size();
     page.page = std::min(controls.page, page.pages - 1);
@@ -203,14 +227,15 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
       const Dwell& dwell = state.dwell()->dwell;
       const bool old = state.old(now_s);
       const std::string text =
-          (old ? "last seen: " : "") + headline(*state.dwell()) +
+          (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(*state.dwell()) +
           count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
           count_of(dwell.warnings.size() + (contradicts(*state.dwell()) ? 1 : 0), "warning", warnings_page, page.pages);
       ctl::add(header, text, columns, old ? Style::old : dwell.doubts.empty() ? Style::plain : Style::alarm);
     } else {
       ctl::add(header, "waiting for the service's first word", columns, Style::plain);
     }
-    for (TextLine& line : alarms(state, controls, columns, now_s)) header.push_back(std::move(line));
+    for (TextLine& line : alarms(state, controls, where_of(alarms_page, page.pages), columns, now_s))
+      header.push_back(std::move(line));
     header_rows = header.size();
   }
 
@@ -231,9 +256,10 @@ std::string last_words(const WatchState& state, const Truth* truth, double now_s
   std::vector<Section> sections = dwell_sections(*state.dwell(), options_of(state, truth, kUnlimited, now_s));
   Section head;
   if (!state.name.empty()) head.body.push_back({printable(state.name), Style::plain});
-  for (TextLine& line : alarms(state, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
+  for (TextLine& line : alarms(state, {}, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
   head.body.push_back({(state.old(now_s) ? "last seen: " : "") + headline(*state.dwell()), Style::plain});
   sections.insert(sections.begin(), std::move(head));
+  if (Section list = alarms_section(state.alarms, kUnlimited); !list.body.empty()) sections.push_back(std::move(list));
   return plain_text(sections);
 }
 

@@ -2,10 +2,10 @@
 // first on the first page and turns pages for the rest; nothing is left out.
 //
 //   three masses                                          age 0.1 s · 14:03:22
-//   dwell 1 · measuring, 24.6 s of data · 2 warnings, page 2
-//   (what is wrong: no connection, old numbers, paused)
+//   dwell 1 · measuring, 24.6 s of data · model adequate · 2 warnings, page 2
+//   (what is wrong: no connection, old numbers, paused; alarms that nobody has acknowledged)
 //
-//   (doubts, coefficients, warnings, settling, channels: dwell_sections())
+//   (doubts, coefficients, their trend, limits, warnings, settling, channels: dwell_sections(); then the alarms)
 //
 //   space pause  n b page 1 of 2  r rearm  q quit
 //

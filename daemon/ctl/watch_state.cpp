@@ -51,6 +51,7 @@ void WatchState::take(DwellView dwell, double now_s) {
     moved_s_ = now_s;
   }
   heard_s_ = now_s;
+  trend_.take(dwell, now_s);
   dwell_ = std::move(dwell);
 }
 

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/ctl/alarm_table.hpp"
+#include "daemon/ctl/trend.hpp"
 #include "daemon/report/dwell_view.hpp"
 
 namespace dwell::ctl {
@@ -52,15 +54,20 @@ class WatchState {
   // Since the channels' list was made; infinite: never.
   [[nodiscard]] double channels_age_s(double now_s) const { return now_s - channels_s_; }
 
+  // Of the dwells that were taken.
+  [[nodiscard]] const Trend& trend() const noexcept { return trend_; }
+
   std::string name;     // of the rig, or the service's address
   std::string trouble;  // what is wrong with the connection; empty: nothing
   std::string gpio;     // what is to be known of the GPIO lines, as lines
+  AlarmsList alarms;
 
  private:
   std::optional<DwellView> dwell_;
   double heard_s_ = kNever;
   double moved_s_ = kNever;
   double turn_s_[3] = {0.0, 0.0, 0.0};  // times between the last renewals, newest first
+  Trend trend_;
   std::vector<ChannelState> channels_;
   double channels_s_ = kNever;
 };

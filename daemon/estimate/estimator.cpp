@@ -30,6 +30,7 @@ Estimator::Estimator(const Rig& rig, std::vector<DeviceFeed> devices, const Esti
                      std::function<void()> wake, std::int64_t now_ns)
     : rig_(rig),
       gpio_(options.gpio),
+      traces_(options.traces),
       assembler_(sources_of(rig, devices), options.hold_back_ns, merger_capacity(devices)),
       publisher_(std::move(wake)),
       cycle_(rig, options.runs, KeptDwells(options.kept_dwells, options.kept_bytes), options.long_work,
@@ -52,7 +53,7 @@ void Estimator::turn(std::int64_t now_ns, std::int64_t utc_ns, std::uint64_t ski
   take_actions(now_ns);
   for (DeviceIntake& device : devices_) device.account(now_ns);
   assembler_.tick(now_ns);
-  for (Record record; assembler_.next(record);) cycle_.take(record);
+  for (Record record; assembler_.next(record);) take(record);
   settle();
   if (now_ns >= next_publish_ns_) {
     const auto period_ns = static_cast<std::int64_t>(rig_.update_s * 1e9);
@@ -100,9 +101,15 @@ void Estimator::take_actions(std::int64_t now_ns) {
   }
 }
 
+// The next record of the stream, as merged.
+void Estimator::take(const Record& record) {
+  if (traces_ != nullptr) traces_->take(record);
+  cycle_.take(record);
+}
+
 // Everything, without waiting for anybody.
 void Estimator::release() {
-  for (Record record; assembler_.flush(record);) cycle_.take(record);
+  for (Record record; assembler_.flush(record);) take(record);
 }
 
 void Estimator::settle() {

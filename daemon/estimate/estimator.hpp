@@ -20,6 +20,7 @@
 #include "daemon/estimate/run_cycle.hpp"
 #include "daemon/gpio/link.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/traces/trace_feed.hpp"
 
 namespace dwell {
 
@@ -32,6 +33,7 @@ struct EstimatorOptions {
   gpio::Link* gpio = nullptr;  // where edges come from; must outlive the estimator; null: none
   // Where coefficients from transients and verifications are computed; null: nowhere, there are none.
   std::shared_ptr<LongWork> long_work = nullptr;
+  TraceFeed* traces = nullptr;  // is given the stream, for displays; must outlive the estimator; null: nowhere
   RunOptions runs = {};
 };
 
@@ -80,12 +82,14 @@ class Estimator {
   bool ask(Kind kind, std::uint8_t flags, std::uint16_t request) noexcept {
     return actions_.push({.channel = request, .kind = kind, .flags = flags});
   }
+  void take(const Record& record);
   void release();
   void settle();
   void publish(std::int64_t now_ns);
 
   const Rig rig_;
   gpio::Link* const gpio_;
+  TraceFeed* const traces_;
   Assembler assembler_;
   std::vector<DeviceIntake> devices_;  // by Rig::devices
   Publisher publisher_;

@@ -10,7 +10,7 @@ namespace dwell {
 namespace {
 
 // A birth is due every 10 s and takes 25 ms, so this thread may wait for all others.
-constexpr int kNice = 10;
+constexpr int kNurseryNice = 10;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ void Nursery::give_up(std::unique_ptr<RunPipeline> pipeline) {
 void Nursery::run() {
   pthread_setname_np(pthread_self(), "nursery");
   // On Linux this sets the priority of this thread alone. If it is refused, the work is done at the usual priority.
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNurseryNice);
   while (!stop_.load()) {
     leaving_.consume_all([](RunPipeline* pipeline) { delete pipeline; });
     if (stock_.write_available() > 0) {

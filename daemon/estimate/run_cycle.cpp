@@ -165,8 +165,12 @@ void RunCycle::replace(std::unique_ptr<RunPipeline> newborn) {
 RunCycle::Past RunCycle::left_by(RunPipeline& run) {
   Measurement& measurement = run.measurement();
   const auto& finished = measurement.finished().list();
-  Past past{finished, measurement.finished().forgotten(), finished->empty() ? measurement.current() : *finished->back(),
-            run.start_utc_ns(), run.release_model()};
+  Past past{finished,
+            measurement.finished().forgotten(),
+            finished->empty() ? measurement.current() : *finished->back(),
+            run.start_utc_ns(),
+            run.origin_ns(),
+            run.release_model()};
   past.last.settling_reason = kStopped;
   return past;
 }
@@ -210,6 +214,7 @@ void RunCycle::show(Snapshot& to) {
   const KeptDwells& finished = shown.measurement().finished();
   to.run = run_;
   to.start_utc_ns = past ? past_.start_utc_ns : shown.position() == 0 ? first_utc_ns_ : shown.start_utc_ns();
+  to.origin_ns = past ? past_.origin_ns : shown.origin_ns();
   to.dwell = run_.held ? past_.last : shown.measurement().current();
   to.finished = past ? past_.finished : finished.list();
   to.forgotten = past ? past_.forgotten : finished.forgotten();

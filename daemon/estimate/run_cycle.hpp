@@ -76,7 +76,7 @@ class RunCycle {
     std::shared_ptr<const FinishedDwells> finished;  // null: there is no run before
     std::uint64_t forgotten = 0;
     Dwell last;  // the last dwell as it ended; if none ended, the dwell as it stood. Its reason is the stop
-    std::int64_t start_utc_ns = 0;
+    std::int64_t start_utc_ns = 0, origin_ns = 0;
     std::unique_ptr<ModelWork> model;  // the last dwell's verification may not be done yet
   };
 

@@ -58,8 +58,8 @@ std::string shortest(double value) {
 }
 
 Result<std::uint64_t> export_csv(Selection& selection, const Provenance& provenance, const CsvOptions& options,
-                                 const std::string& path, const Progress& progress) {
-  auto file = OutputFile::create(path);
+                                 const Target& target, const Progress& progress) {
+  auto file = OutputFile::create(target);
   if (!file) return tl::make_unexpected(file.error());
   file->write(preamble(selection, provenance));
   file->write(options.in_unit ? "t,channel,value,in_unit,unit\n" : "t,channel,value\n");

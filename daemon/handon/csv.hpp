@@ -1,9 +1,11 @@
-// A run as CSV: one line per sample, `t,channel,value`, each with its own instant; `dwellctl identify` reads it again.
+// A run as CSV: one line per sample, `t,channel,value`, each with its own instant; `dwellctl identify` reads it again
+// unless CsvOptions::in_unit is set. Nothing is quoted: the rig file allows no comma or quote in a channel's name.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
+#include "daemon/handon/output_file.hpp"
 #include "daemon/handon/selection.hpp"
 
 namespace dwell::handon {
@@ -20,7 +22,7 @@ struct CsvOptions {
 //
 // Returns how many samples were written. Fails with "PATH: why"; then there is no file.
 [[nodiscard]] Result<std::uint64_t> export_csv(Selection& selection, const Provenance& provenance,
-                                               const CsvOptions& options, const std::string& path,
+                                               const CsvOptions& options, const Target& target,
                                                const Progress& progress);
 
 // Nanoseconds as seconds, nine decimals: "-0.000000001".

@@ -198,9 +198,9 @@ Result<std::uint64_t> write_all(Selection& selection, const Provenance& provenan
 
 }  // namespace
 
-Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& provenance, const std::string& path,
+Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& provenance, const Target& target,
                                   const Progress& progress) {
-  auto file = OutputFile::create(path);  // its message says more than the library's
+  auto file = OutputFile::create(target);  // its message says more than the library's
   if (!file) return tl::make_unexpected(file.error());
   try {
     auto count = write_all(selection, provenance, file->part(), progress);
@@ -208,7 +208,8 @@ Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& proven
     if (auto done = file->keep(); !done) return tl::make_unexpected(done.error());
     return count;
   } catch (const Hdf5Error& error) {
-    return tl::make_unexpected(path + ": HDF5 cannot write it: " + error.what() + "; is there room on the disk?");
+    return tl::make_unexpected(target.path + ": HDF5 cannot write it: " + error.what() +
+                               "; is there room on the disk?");
   }
 }
 

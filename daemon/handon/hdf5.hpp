@@ -9,7 +9,8 @@
 //   /channels/NAME/raw     float64, the device's own number
 //   /channels/NAME/t_half_ns  uint32, ns: the true instant lies within t_ns ± t_half_ns
 //   /channels/NAME/flags   uint8: 1 samples were lost before this one, 2 the stamp was replaced by the host's
-//   /results, /events      JSON texts, one a row: the dwells that ended within the stretch; what happened in the run
+//   /results               JSON texts, one a row: the final results of the dwells that overlap the stretch
+//   /events                JSON texts, one a row: all events of the run, whatever the stretch
 //
 // Datasets are chunked and compressed (shuffle, deflate), which every HDF5 library reads.
 #pragma once
@@ -17,6 +18,7 @@
 #include <cstdint>
 #include <string>
 
+#include "daemon/handon/output_file.hpp"
 #include "daemon/handon/selection.hpp"
 
 namespace dwell::handon {
@@ -24,6 +26,6 @@ namespace dwell::handon {
 // Returns how many samples were written. Memory: below 100 MB, whatever the run's length. Fails with "PATH: why"; then
 // there is no file.
 [[nodiscard]] Result<std::uint64_t> export_hdf5(Selection& selection, const Provenance& provenance,
-                                                const std::string& path, const Progress& progress);
+                                                const Target& target, const Progress& progress);
 
 }  // namespace dwell::handon

@@ -1,12 +1,17 @@
 #include "daemon/handon/output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 #include <utility>
+
+#include "daemon/record/file_name.hpp"
 
 namespace dwell::handon {
 namespace {
@@ -15,30 +20,74 @@ constexpr std::size_t kBuffer = 1U << 18U;
 
 std::string why() { return std::generic_category().message(errno); }
 
-}  // namespace
-
-record::Result<OutputFile> OutputFile::create(const std::string& path) {
-  std::string part = path + ".part";
-  const int fd = ::open(part.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (fd < 0) return tl::make_unexpected(path + ": cannot be written: " + why());
-  return OutputFile(path, std::move(part), fd);
+// Whether its content is that of a run file or a ledger, whatever it is called.
+bool is_of_the_record(const std::string& path) {
+  constexpr std::string_view kMagic{"SQLite format 3\0", 16};
+  constexpr std::size_t kApplicationId = 68;  // its place in SQLite's header; four bytes, the highest first
+  std::array<char, 100> header{};
+  const auto file = record::open_regular(path);
+  if (!file || ::pread(file->get(), header.data(), header.size(), 0) != static_cast<ssize_t>(header.size()))
+    return false;
+  const std::string_view bytes(header.data(), header.size());
+  const std::string_view id = bytes.substr(kApplicationId, 4);
+  return bytes.substr(0, kMagic.size()) == kMagic && (id == "DWLL" || id == "DWLG");
 }
 
-OutputFile::OutputFile(std::string path, std::string part, int fd)
-    : path_(std::move(path)), part_(std::move(part)), fd_(fd) {}
+// Without `overwrite`, a file that has appeared meanwhile stays. Not every file system can do that in one step.
+bool give_name(const std::string& from, const std::string& to, bool overwrite) {
+  if (!overwrite) {
+    if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+    if (errno != EINVAL && errno != ENOSYS) return false;
+  }
+  return std::rename(from.c_str(), to.c_str()) == 0;
+}
+
+}  // namespace
+
+record::Result<void> may_write(const Target& target) {
+  const auto refused = [&target](const char* found) {
+    return tl::make_unexpected(target.path + ": " + found + "; expected the name of another file");
+  };
+  // NAME.dwell, NAME.dwell-wal, ledger.dwell-ledger: even a new file of such a name would make a run look altered.
+  if (std::filesystem::path(target.path).extension().string().rfind(record::kRunSuffix, 0) == 0)
+    return refused("has the name of a run file, or of what belongs to one");
+  struct stat status {};
+  if (::lstat(target.path.c_str(), &status) != 0) return {};  // what else is wrong with it, opening tells
+  if (S_ISDIR(status.st_mode)) return refused("is a directory");
+  if (S_ISLNK(status.st_mode)) return refused("is a link");
+  if (!S_ISREG(status.st_mode)) return refused("is no regular file");
+  if (is_of_the_record(target.path)) return refused("is a run file or a ledger");
+  if (!target.overwrite)
+    return tl::make_unexpected(target.path + ": exists already; expected a new name, or --overwrite");
+  return {};
+}
+
+record::Result<OutputFile> OutputFile::create(const Target& target) {
+  if (auto may = may_write(target); !may) return tl::make_unexpected(may.error());
+  std::string part = target.path + ".part";  // may be left of a program that was killed
+  if (auto may = may_write({part, true}); !may) return tl::make_unexpected(may.error());
+  auto file = record::open_regular(part, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666);
+  if (!file) {  // its error begins with the name of the part, which nobody gave
+    const std::string reason = file.error().substr(part.size() + 2);
+    return tl::make_unexpected(target.path + ": cannot be written: " + reason);
+  }
+  return OutputFile(target, std::move(part), std::move(*file));
+}
+
+OutputFile::OutputFile(Target target, std::string part, record::OpenFile file)
+    : path_(std::move(target.path)), part_(std::move(part)), overwrite_(target.overwrite), file_(std::move(file)) {}
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : path_(std::move(other.path_)),
       part_(std::move(other.part_)),
       buffer_(std::move(other.buffer_)),
       error_(std::move(other.error_)),
+      overwrite_(other.overwrite_),
       end_(other.end_),
-      fd_(std::exchange(other.fd_, -1)) {}
+      file_(std::move(other.file_)) {}
 
 OutputFile::~OutputFile() {
-  if (fd_ < 0) return;
-  ::close(fd_);
-  ::unlink(part_.c_str());
+  if (file_) ::unlink(part_.c_str());
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -54,7 +103,7 @@ void OutputFile::flush() {
 
 void OutputFile::write_at(std::int64_t place, std::string_view bytes) {
   while (error_.empty() && !bytes.empty()) {
-    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), place);
+    const ssize_t written = ::pwrite(file_.get(), bytes.data(), bytes.size(), place);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       error_ = path_ + ": cannot be written: " + why();
@@ -67,11 +116,11 @@ void OutputFile::write_at(std::int64_t place, std::string_view bytes) {
 
 record::Result<void> OutputFile::keep() {
   flush();
-  if (error_.empty() && ::fdatasync(fd_) != 0 && errno != EINVAL) error_ = path_ + ": cannot be written: " + why();
-  if (error_.empty() && std::rename(part_.c_str(), path_.c_str()) != 0)
-    error_ = path_ + ": cannot be given its name: " + why();
+  if (error_.empty() && ::fdatasync(file_.get()) != 0 && errno != EINVAL)
+    error_ = path_ + ": cannot be written: " + why();
+  if (error_.empty() && !give_name(part_, path_, overwrite_)) error_ = path_ + ": cannot be given its name: " + why();
   if (!error_.empty()) return tl::make_unexpected(error_);
-  ::close(std::exchange(fd_, -1));
+  file_ = record::OpenFile();
   return {};
 }
 

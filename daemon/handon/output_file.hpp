@@ -4,16 +4,30 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "daemon/record/keys.hpp"
+#include "daemon/record/regular_file.hpp"
 
 namespace dwell::handon {
+
+// Where a file is written. Without `overwrite` nothing may be there yet; with it, only a regular file may.
+struct Target {
+  // Not explicit: most callers mean "a new file of this name".
+  Target(std::string at, bool may_overwrite = false) : path(std::move(at)), overwrite(may_overwrite) {}
+  std::string path;
+  bool overwrite = false;
+};
+
+// Whether a file may be written there, else "PATH: found, expected". Never in place of a run file, a ledger or what
+// belongs to one, neither by its name nor by its content; never in place of a link, a device or a pipe.
+[[nodiscard]] record::Result<void> may_write(const Target& target);
 
 // Bound to one thread. keep() returns the first failure; everything written after that is dropped.
 class OutputFile {
  public:
-  // An existing file of that name stays until keep().
-  [[nodiscard]] static record::Result<OutputFile> create(const std::string& path);
+  // Fails as may_write() does. An existing file of that name stays until keep().
+  [[nodiscard]] static record::Result<OutputFile> create(const Target& target);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();  // removes the file unless keep() succeeded
@@ -29,12 +43,13 @@ class OutputFile {
   [[nodiscard]] const std::string& part() const noexcept { return part_; }
 
  private:
-  OutputFile(std::string path, std::string part, int fd);
+  OutputFile(Target target, std::string part, record::OpenFile file);
   void flush();
 
   std::string path_, part_, buffer_, error_;
+  bool overwrite_ = false;
   std::int64_t end_ = 0;  // bytes of the file so far; the buffer goes there
-  int fd_ = -1;
+  record::OpenFile file_;
 };
 
 }  // namespace dwell::handon

@@ -173,10 +173,10 @@ std::string report_page(const Selection& selection, const RunStory& story, const
 }
 
 Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
-                           const std::string& path, const Progress& progress) {
+                           const Target& target, const Progress& progress) {
   const auto story = tell_run(selection, progress);
   if (!story) return tl::make_unexpected(story.error());
-  auto file = OutputFile::create(path);
+  auto file = OutputFile::create(target);
   if (!file) return tl::make_unexpected(file.error());
   file->write(report_page(selection, *story, audit, provenance));
   return file->keep();

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "daemon/handon/output_file.hpp"
 #include "daemon/handon/run_story.hpp"
 #include "daemon/handon/selection.hpp"
 
@@ -11,7 +12,7 @@ namespace dwell::handon {
 
 // Writes the page. audit: a fresh one of the same file. Fails with "PATH: why"; then there is no file.
 [[nodiscard]] Result<void> export_report(Selection& selection, const record::Audit& audit, const Provenance& provenance,
-                                         const std::string& path, const Progress& progress);
+                                         const Target& target, const Progress& progress);
 
 // The parts of the page; each is complete HTML.
 [[nodiscard]] std::string report_page(const Selection& selection, const RunStory& story, const record::Audit& audit,

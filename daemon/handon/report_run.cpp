@@ -13,10 +13,6 @@
 namespace dwell::handon {
 namespace {
 
-std::string person_text(const record::Person& person) {
-  return (person.name.empty() ? "unknown" : person.name) + " (uid " + std::to_string(person.uid) + ")";
-}
-
 Markup hash(const std::string& text) { return Markup::made(text.empty() ? "" : "<code>" + escaped(text) + "</code>"); }
 
 std::string clock_text(const record::Origin& origin) {
@@ -79,7 +75,7 @@ std::string report_conditions(const Selection& selection) {
   for (const record::Plugin& plugin : run.plugins)
     plugins += (plugins.empty() ? "" : ", ") + plugin.driver + " " + plugin.version;
   std::string html = html_heading(2, "Conditions");
-  html += html_facts({{"begun by", run.begun_by + (run.person ? ": " + person_text(*run.person) : std::string())},
+  html += html_facts({{"begun by", run.begun_by + (run.person ? ": " + record::who(*run.person) : std::string())},
                       {"comment", run.comment},
                       {"host", origin.host + (origin.time_zone.empty() ? "" : ", time zone " + origin.time_zone)},
                       {"clock", clock_text(origin)},
@@ -146,7 +142,7 @@ std::string report_events(const RunStory& story) {
     std::string text = event.text;
     if (!event.before.empty() || !event.after.empty()) text += "; before: " + event.before + ", after: " + event.after;
     if (!event.comment.empty()) text += "; comment: " + event.comment;
-    rows.push_back({event.utc, event.what, text, event.person ? person_text(*event.person) : std::string()});
+    rows.push_back({event.utc, event.what, text, event.person ? record::who(*event.person) : std::string()});
   }
   if (rows.empty()) return html + html_paragraph("None.");
   html += html_table({{"when"}, {"what"}, {"text"}, {"who"}}, rows);
@@ -174,7 +170,7 @@ std::string report_audit(const Selection& selection, const RunStory& story, cons
   std::vector<std::vector<Markup>> rows;
   for (const record::PersonalSignature& s : story.signatures)
     rows.push_back({s.name, s.meaning, s.reason, s.utc,
-                    s.person ? "the service, for " + person_text(*s.person) : std::string("a key of their own"),
+                    s.person ? "the service, for " + record::who(*s.person) : std::string("a key of their own"),
                     Markup::made("entry " + std::to_string(s.seq) + " " + hash(s.head.substr(0, 16)).html() + "…")});
   if (rows.empty()) {
     if (audit.signatures.empty()) html += html_paragraph("None in the file.");

@@ -51,9 +51,12 @@ class SharedInstants {
 // Of one channel. A value; bound to one thread. 0.6 kB.
 class Resampler {
  public:
-  static constexpr int kReadings =
-      SharedInstants::kReadings;         // taken into account: half before, half behind. Twice as many cost four times
-  static constexpr double kBand = 0.35;  // B in units of the rate. Higher: more readings would be needed
+  // Readings around an instant that its estimate uses: half before, half behind. Doubled, the equations
+  // cost four times as much.
+  static constexpr int kReadings = SharedInstants::kReadings;
+  // B as a share of the rate, < 0.5. Raised, kReadings must grow for the same error; lowered, less of the signal is
+  // kept.
+  static constexpr double kBand = 0.35;
   // A longer interval than this, in usual intervals, ends a stretch. One missing reading is bridged.
   static constexpr double kGap = 2.5;
 

@@ -14,7 +14,8 @@
 namespace dwell::handon {
 
 struct RunStory {
-  static constexpr std::size_t kEvents = 2000;  // shown at most
+  // Most events and dwells of one report. Those beyond are counted, not shown; the run file has them all.
+  static constexpr std::size_t kEvents = 2000;
   static constexpr std::size_t kDwells = 500;
 
   double begin_s = 0.0, end_s = 0.0;  // on the run's axis

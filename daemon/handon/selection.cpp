@@ -58,6 +58,9 @@ Result<void> Selection::find_zero() {
 }
 
 Result<void> Selection::narrow(const Range& range) {
+  for (const auto& bound : {range.from_s, range.to_s})
+    if (bound && !std::isfinite(*bound))
+      return wrong(path_, "the range begins or ends at a number that is not finite; expected seconds of the run");
   Span span{range.from_s.value_or(kNaN), range.to_s.value_or(kNaN)};
   if (range.dwell) {
     int last = 0;
@@ -129,6 +132,7 @@ std::string audit_line(const record::Audit& audit) {
       line = "intact";
       break;
     case record::AuditState::open:
+      if (audit.head.empty()) return "open, without any entry";
       line = "open, valid up to " + seconds_text(audit.until_s.value_or(kNaN), 3);
       break;
     case record::AuditState::tampered:

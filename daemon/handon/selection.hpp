@@ -1,7 +1,7 @@
 // A run file and the selected stretch of it: the whole run, one dwell, or a range of time. Exports and report read from
 // it.
 //
-// Bound to one thread. Memory: one block of the stream at a time, whatever the file's size.
+// Bound to one thread. Memory: that of RunReader, three blocks of the stream, whatever the file's size.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ using Result = record::Result<T>;
 // Called now and then with the share of the work that is done, 0 … 1. Empty: not wanted.
 using Progress = std::function<void(double)>;
 
-// In seconds on the run's axis, whose zero is the first record that the pipeline took. Both ends are included. Nothing
-// given: the whole run. A dwell lasts from the instant it was armed to its end.
+// Which part of a run. Seconds on the run's axis: 0 is the first record that the pipeline took. Both ends are included.
+// Nothing set: the whole run. `dwell` selects from the dwell's start_s to its end_s.
 struct Range {
   std::optional<double> from_s, to_s;
   std::optional<int> dwell;  // its index; excludes the others

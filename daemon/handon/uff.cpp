@@ -159,12 +159,12 @@ Result<UffDone> write(Selection& selection, const UffOptions& options, const std
 }  // namespace
 
 Result<UffDone> export_uff(Selection& selection, const Provenance& provenance, const UffOptions& options,
-                           const std::string& path, const Progress& progress) {
+                           const Target& target, const Progress& progress) {
   const auto part = [&progress](double from, double to) -> Progress {
     if (!progress) return {};
     return [=](double done) { progress(from + (to - from) * done); };
   };
-  auto file = OutputFile::create(path);
+  auto file = OutputFile::create(target);
   if (!file) return tl::make_unexpected(file.error());
   const auto plan = plan_even(selection, part(0.0, kPlanning));
   if (!plan) return tl::make_unexpected(plan.error());

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <string>
 
+#include "daemon/handon/output_file.hpp"
 #include "daemon/handon/selection.hpp"
 
 namespace dwell::handon {
@@ -27,6 +28,6 @@ struct UffDone {
 // Reads the stream twice, since lengths stand before values. Memory: 48 MB and 1.5 kB a channel. Fails with "PATH:
 // why"; then there is no file.
 [[nodiscard]] Result<UffDone> export_uff(Selection& selection, const Provenance& provenance, const UffOptions& options,
-                                         const std::string& path, const Progress& progress);
+                                         const Target& target, const Progress& progress);
 
 }  // namespace dwell::handon

@@ -36,7 +36,7 @@ spdlog::level::level_enum to_spdlog(Level level) {
 }
 
 // Whether the newest line was taken, and why not. Thread-safe.
-class Trouble {
+class FileTrouble {
  public:
   void set(const char* reason) {
     const std::lock_guard lock(mutex_);
@@ -59,7 +59,7 @@ class Trouble {
 // Shows the message alone to a sink that has no use for fields, and notes what becomes of it.
 class WithoutFields final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
-  WithoutFields(spdlog::sink_ptr inner, std::shared_ptr<Trouble> trouble)
+  WithoutFields(spdlog::sink_ptr inner, std::shared_ptr<FileTrouble> trouble)
       : inner_(std::move(inner)), trouble_(std::move(trouble)) {
     inner_->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
   }
@@ -90,7 +90,7 @@ class WithoutFields final : public spdlog::sinks::base_sink<spdlog::details::nul
   }
 
   spdlog::sink_ptr inner_;
-  std::shared_ptr<Trouble> trouble_;
+  std::shared_ptr<FileTrouble> trouble_;
   bool failed_ = false;  // the line before this flush
 };
 
@@ -101,7 +101,7 @@ struct Log::Impl {
   Level level = Level::info;
   std::atomic<std::uint64_t> lines{0};
   std::atomic<std::uint64_t> failed{0};
-  std::shared_ptr<Trouble> trouble = std::make_shared<Trouble>();
+  std::shared_ptr<FileTrouble> trouble = std::make_shared<FileTrouble>();
   std::shared_ptr<spdlog::details::thread_pool> pool;
   std::shared_ptr<spdlog::async_logger> logger;
 };
@@ -123,7 +123,7 @@ tl::expected<std::unique_ptr<Log>, std::string> Log::make(const LogOptions& opti
       sinks.push_back(std::make_shared<JournalSink>());
     } else if (options.console) {
       sinks.push_back(std::make_shared<WithoutFields>(std::make_shared<spdlog::sinks::stderr_color_sink_st>(),
-                                                      std::make_shared<Trouble>()));
+                                                      std::make_shared<FileTrouble>()));
     }
     if (!options.file.empty()) {
       sinks.push_back(std::make_shared<WithoutFields>(

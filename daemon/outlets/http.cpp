@@ -1,27 +1,61 @@
 #include "daemon/outlets/http.hpp"
 
+#include <string>
 #include <utility>
 
 #include "daemon/serve/api.hpp"
+#include "daemon/serve/http_actions.hpp"
 
 namespace dwell {
+namespace {
+
+// The operator who is known by the token alone.
+record::Person bearer_at(std::string_view address) {
+  return {std::nullopt, "http:" + std::string(address) + " by token"};
+}
+
+}  // namespace
 
 tl::expected<std::unique_ptr<Http>, HttpServer::Failure> Http::make(EventLoop& loop, const HttpOptions& options,
-                                                                    Now now, PageFiles page) {
-  std::unique_ptr<Http> made(new Http);
+                                                                    HttpContent content) {
+  std::unique_ptr<Http> made(new Http(std::move(content)));
   auto server = HttpServer::make(
-      loop, options,
-      [now, page = std::move(page)](std::string_view path, std::string_view query) {
-        if (auto file = page.answer(path)) return std::move(*file);
-        return http_answer(now(), path, query);
-      },
-      [now, stream = &made->stream_] {
-        stream->joined();
-        return event_text("dwell", dwell_text_json(now()));
+      loop, options, [http = made.get()](const HttpRequest& request) { return http->answer(request); },
+      [http = made.get()](const HttpRequest& request) -> tl::expected<std::string, HttpReply> {
+        if (auto refused = http->reading_refused(request)) return tl::unexpected(std::move(*refused));
+        http->stream_.joined();
+        return event_text("dwell", dwell_text_json(http->content_.now()));
       });
   if (!server) return tl::unexpected(std::move(server.error()));
   made->server_ = std::move(*server);
   return made;
+}
+
+std::optional<HttpReply> Http::reading_refused(const HttpRequest& request) const {
+  return content_.rights == nullptr ? std::nullopt : content_.rights->reading_refused(request);
+}
+
+HttpReply Http::answer(const HttpRequest& request) const {
+  const auto verb = posted_verb(request.path());
+  if (request.method == HttpRequest::Method::post) {
+    if (verb) return act(*verb, request);
+    return method_refusal("GET, HEAD", "only GET and HEAD: nothing can be changed here");
+  }
+  if (verb) return method_refusal("POST", "only POST: this path changes something");
+  if (auto file = content_.page.answer(request.path())) return std::move(*file);
+  if (request.path() == "/api/v1/rights" && content_.rights != nullptr) return content_.rights->told(request);
+  if (auto refused = reading_refused(request)) return std::move(*refused);
+  return http_answer(content_.now(), request.path(), request.query());
+}
+
+HttpReply Http::act(std::string_view verb, const HttpRequest& request) const {
+  if (auto foreign = foreign_refusal(request)) return std::move(*foreign);
+  if (content_.rights == nullptr) return http_error(403, "nothing can be changed over HTTP");
+  if (verb == "login") return content_.rights->login(request);
+  if (verb == "logout") return content_.rights->logout(request);
+  if (auto refused = content_.rights->changing_refused(request)) return std::move(*refused);
+  return action_answer(verb, request,
+                       [&](const OperatorRequest& asked) { return content_.operate(asked, bearer_at(request.from)); });
 }
 
 void Http::show(const ServiceView& now) {

@@ -1,35 +1,59 @@
-// The service over HTTP: answers, and the live stream that is pushed the dwell as it stands.
+// The service over HTTP: answers, what operators ask for, and the live stream that is pushed the dwell as it stands.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <tl/expected.hpp>
+#include <utility>
 
 #include "daemon/outlets/dwell_stream.hpp"
+#include "daemon/outlets/live_traces.hpp"
 #include "daemon/outlets/outlet.hpp"
+#include "daemon/run/operator_requests.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/serve/page_files.hpp"
+#include "daemon/serve/rights.hpp"
 
 namespace dwell {
 
+// What is served.
+struct HttpContent {
+  std::function<ServiceView()> now;  // how the service stands, asked for each answer
+  PageFiles page{};                  // whoever reaches the address may read it: it holds no data
+  Rights* rights = nullptr;          // null: everybody may read, nobody may change anything; else outlives the Http
+  // Does what a person asks for, or fails with the reason; empty: goes with no rights.
+  std::function<tl::expected<void, std::string>(const OperatorRequest&, const record::Person&)> operate{};
+};
+
 class Http final : public Outlet {
  public:
-  using Now = std::function<ServiceView()>;
-
-  // Binds and listens. now: how the service stands, asked for each answer. page: served beside it.
+  // Binds and listens.
   static tl::expected<std::unique_ptr<Http>, HttpServer::Failure> make(EventLoop& loop, const HttpOptions& options,
-                                                                       Now now, PageFiles page = PageFiles());
+                                                                       HttpContent content);
 
   void show(const ServiceView& now) override;
   void tell(const RunEvent& /*event*/, const Rig& /*rig*/) override {}
 
+  // Who reads along must ask again whether it may.
+  void end_streams() { server_->end_streams(); }
+  // What has come of the traces since the last call; every LiveTraces::kEvery.
+  void show_traces(const Traces& traces, std::size_t channels) { live_traces_.push(*server_, traces, channels); }
+
   [[nodiscard]] const HttpServer& server() const noexcept { return *server_; }
 
  private:
-  Http() = default;
+  explicit Http(HttpContent content) : content_(std::move(content)) {}
 
+  [[nodiscard]] HttpReply answer(const HttpRequest& request) const;
+  [[nodiscard]] HttpReply act(std::string_view verb, const HttpRequest& request) const;
+  [[nodiscard]] std::optional<HttpReply> reading_refused(const HttpRequest& request) const;
+
+  const HttpContent content_;
   DwellStream stream_;
+  LiveTraces live_traces_;
   std::uint64_t told_sequence_ = 0;  // the newest snapshot that was pushed
   std::unique_ptr<HttpServer> server_;
 };

@@ -1,5 +1,6 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
+import { limitOf } from './limits.mjs';
 import { isGeneral } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
@@ -74,10 +75,12 @@ export class LastNumbers {
 const marksOf = (coefficient, doubted) =>
   [...(coefficient.significant === false ? ['n.s.'] : []), ...(doubted ? ['?'] : [])];
 
-function cellsOf(element, doubted, struckAge) {
+// dwell: whose limits stand beside the numbers; null: none do.
+function cellsOf(element, doubted, struckAge, dwell = null) {
   return COEFFICIENTS.map(({ key, letter, name }) => {
     const coefficient = element[key];
-    const cell = { of: [key, element.k], symbol: letter + subscript(element.k), name, number: null, struck: struckAge, marks: [] };
+    const cell = { of: [key, element.k], symbol: letter + subscript(element.k), name, number: null, struck: struckAge, marks: [],
+      limit: dwell && element.identifiable ? limitOf(dwell, key, element.k) : null };
     if (element.identifiable && coefficient && isNumber(coefficient.value)) {
       cell.number = numberText(coefficient.value, coefficient.U95, coefficient.unit);
       cell.marks = marksOf(coefficient, doubted);
@@ -88,7 +91,8 @@ function cellsOf(element, doubted, struckAge) {
 
 // { source, title, reason, elements: [{ k, reason, cells, last, notes }] }
 //   source  'measured', 'transient', 'last' or 'none'
-//   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks
+//   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
+//           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
 // view: { dwell, fresh, now, last: LastNumbers, broken: a channel that counts is gone }
 export function coefficientsOf({ dwell, fresh, now, last, broken }) {
@@ -105,7 +109,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken }) {
     return {
       k: e.k,
       reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, doubted, age),
+      cells: cellsOf(e, doubted, age, source === 'measured' ? dwell : null),
       budget: e.budget ?? [],
       last: before ? cellsOf(before, false, ageText(now - before.seen)) : null,
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),

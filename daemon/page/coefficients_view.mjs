@@ -30,7 +30,7 @@ function makeCell(cell) {
   return h('div', { class: 'coefficient' },
     h('dt', {}, h('span', { class: 'symbol' }, cell.symbol), h('span', { class: 'name' }, ` ${cell.name}`)),
     h('dd', {}, makeNumber(), s('svg', { class: 'trend', viewBox: `0 0 ${TREND.width} ${TREND.height}`, preserveAspectRatio: 'none',
-      'aria-hidden': 'true' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' })));
+      'aria-hidden': 'true' }, s('path', { class: 'band' }), s('path', { class: 'middle' })), h('span', { class: 'deviation' }), h('span', { class: 'limit' })));
 }
 
 // The trend changes little: it is drawn anew once a second at most.
@@ -48,6 +48,12 @@ function renewTrend(node, cell, view, source) {
   const moved = source === 'measured' ? view.history.deviation(cell.of[0], k, view.dwell) : null;
   setText(deviation, moved?.text ?? '');
   setAttributes(deviation, { class: moved?.beyond ? 'deviation beyond' : 'deviation' });
+}
+
+function renewLimit(node, { limit, struck }) {
+  show(node, Boolean(limit));
+  setText(node, limit?.text ?? '');
+  setAttributes(node, { 'data-verdict': limit && !struck ? limit.verdict : '', class: struck ? 'limit old' : 'limit' });
 }
 
 function makeElement(element) {
@@ -82,6 +88,7 @@ function renewElement(node, element, view, source) {
     (made, cell) => {
       renewNumber(made.lastChild.firstChild, { ...cell, number: cell.number ?? EMPTY });
       renewTrend(made, cell, view, source);
+      renewLimit(made.lastChild.lastChild, cell);
     });
   show(notes, element.notes.length > 0);
   keyed(notes, element.notes, (note) => note.text, (note) => h('li', { 'data-tone': note.tone }, note.text));
@@ -92,7 +99,7 @@ const FROM = { transient: 'provisional', last: 'not of now' };
 
 function legendOf(shown, dwell) {
   if (shown.elements.length === 0) return '';
-  const parts = ['± is the half width of the 95 % interval'];
+  const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
   const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
   for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
   if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))

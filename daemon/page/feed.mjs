@@ -17,6 +17,7 @@ export class Feed {
   dwell = null;
   health = null;
   channels = null;
+  alarms = null;
   events = [];
   dwells = []; // summaries of finished ones, oldest first
   runs = [];
@@ -33,8 +34,11 @@ export class Feed {
   #ahead_ms = 0; // the service's clock before this computer's
   #told = '';
 
-  // changed: called whenever something came.
-  constructor(clock, changed) {
+  #traces;
+
+  // changed: called whenever something came. traces: told of what the stream says of them.
+  constructor(clock, changed, traces) {
+    this.#traces = traces;
     this.#clock = clock;
     this.#changed = changed;
   }
@@ -43,6 +47,11 @@ export class Feed {
     this.#listen();
     this.#ask();
     setInterval(() => this.#ask(), ASK_MS);
+  }
+
+  // Something was changed: the news are not waited for.
+  askNow() {
+    this.#ask();
   }
 
   #now() {
@@ -56,7 +65,7 @@ export class Feed {
 
   #listen() {
     this.#source?.close();
-    const source = new EventSource('/api/v1/stream');
+    const source = new EventSource('/api/v1/stream?traces');
     this.#source = source;
     this.#spoke_s = this.#now();
     source.addEventListener('dwell', (event) => this.#take(JSON.parse(event.data)));
@@ -64,6 +73,8 @@ export class Feed {
       const whole = applyChange(this.dwell, JSON.parse(event.data));
       if (whole) this.#take(whole);
     });
+    source.addEventListener('open', () => this.#traces.begun());
+    source.addEventListener('traces', (event) => this.#traces.take(JSON.parse(event.data)));
     source.onerror = () => this.#ask();
   }
 
@@ -93,11 +104,12 @@ export class Feed {
     if (this.#asking) return;
     this.#asking = true;
     try {
-      const [health, channels] = await Promise.all([this.#get('/api/v1/health'), this.#get('/api/v1/channels')]);
+      const [health, channels, alarms] = await Promise.all(['health', 'channels', 'alarms'].map((what) => this.#get(`/api/v1/${what}`)));
       if (this.health && this.health.version !== health.version) location.reload(); // a newer page belongs to it
       this.health = health;
       this.#ahead_ms = Date.parse(health.utc) - Date.now();
       this.channels = channels.channels;
+      this.alarms = alarms;
       if (this.#source.readyState === EventSource.CLOSED || this.#now() - this.#spoke_s > SILENT_S) this.#listen();
       if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) await this.#askSeldom();
     } catch {

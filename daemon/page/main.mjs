@@ -1,10 +1,14 @@
 // The page: draws what the feed knows, when something came or time has made something old.
+import { showAlarms } from './alarms_view.mjs';
 import { showCoefficients } from './coefficients_view.mjs';
 import { Feed } from './feed.mjs';
 import { Clock } from './freshness.mjs';
 import { showHead } from './head_view.mjs';
+import { showModeShape } from './mode_shape_view.mjs';
+import { beginOperate, locked, mayChange, showOperate } from './operate_view.mjs';
 import { showPhasors } from './phasors_view.mjs';
 import { showTables } from './tables_view.mjs';
+import { TracesView } from './traces_view.mjs';
 
 // Ages and the connection are looked at so often even when nothing comes.
 const TICK_MS = 250;
@@ -22,15 +26,16 @@ function atMost(times, show) {
     show(view);
   };
 }
-const slower = [atMost(2, showPhasors), atMost(1, showTables)];
+const slower = [atMost(2, showPhasors), atMost(1, showModeShape), atMost(1, showTables), atMost(4, showOperate),
+  atMost(2, (view) => showAlarms(view, () => feed.askNow()))];
 
 function draw() {
   due = false;
   const now = clock.now();
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
   const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
-    dwells: feed.dwells, runs: feed.runs, fresh: feed.fresh, last: feed.last, history: feed.history, now,
-    nowMs: feed.nowMs(), broken: silent.size > 0 };
+    dwells: feed.dwells, runs: feed.runs, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, now,
+    nowMs: feed.nowMs(), broken: silent.size > 0, locked: locked(), mayChange: mayChange() };
   showHead(view);
   showCoefficients(view);
   for (const part of slower) part(view);
@@ -43,8 +48,9 @@ function changed() {
   requestAnimationFrame(draw);
 }
 
-const feed = new Feed(clock, changed);
+const feed = new Feed(clock, changed, new TracesView());
 if (new URLSearchParams(location.search).has('kiosk')) document.documentElement.classList.add('kiosk');
 draw();
 feed.begin();
+beginOperate(changed);
 setInterval(changed, TICK_MS);

@@ -16,13 +16,13 @@ export function whom(doubts) {
 // A doubt about one element stands beside it, any other above them all, once.
 export const isGeneral = (doubt) => doubt.elements.length !== 1;
 
-// The state as the page must show it. view: { dwell, health, fresh, now }; dwell and health may be null.
-export function stateOf({ dwell, health, fresh, now }) {
+// The state as the page must show it. view: { dwell, health, fresh, now, locked: nothing may be read }; dwell and health may be null.
+export function stateOf({ dwell, health, fresh, now, locked }) {
   const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
   if (!dwell) {
     return fresh.gone(now) && Number.isFinite(fresh.heard_s)
       ? said('gone', 'service gone', 'no answer; trying again every second')
-      : said('connecting', 'connecting', 'waiting for the first word of the service');
+      : said('connecting', 'connecting', locked ? 'log in below to read' : 'waiting for the first word of the service');
   }
   if (fresh.gone(now))
     return said('gone', 'service gone', `nothing heard for ${ageText(fresh.silence_s(now))}; trying again every second`);

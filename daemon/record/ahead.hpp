@@ -13,12 +13,12 @@
 
 namespace dwell::record {
 
-// Bound to one thread but for `make`, which its own thread alone calls.
+// Bound to one thread. `make` runs on the object's own thread only.
 template <class T>
 class Ahead {
  public:
-  // make: the next thing; nullopt: there is none left, and it is not called again. most: things at most that wait or
-  // are being made, so that memory is bounded. Both threads wait for one another without working.
+  // make: returns the next thing; nullopt: none is left, and it is not called again. most: the largest number of things
+  // that wait or are being made; bounds the memory. A thread that must wait sleeps.
   Ahead(std::function<std::optional<T>()> make, std::size_t most)
       : make_(std::move(make)), most_(most), thread_([this] { run(); }) {}
   // Waits for the thing that is being made.
@@ -33,7 +33,8 @@ class Ahead {
   Ahead(const Ahead&) = delete;
   Ahead& operator=(const Ahead&) = delete;
 
-  // The next one; nullopt: there is none left. Throws what `make` has thrown.
+  // The next thing; waits for it. nullopt: none is left. If `make` threw, throws that once, after all things made
+  // before.
   [[nodiscard]] std::optional<T> next() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !things_.empty() || done_; });
@@ -49,7 +50,7 @@ class Ahead {
   }
 
  private:
-  // Before a thing is made, so that there are never more of them. false: shall end.
+  // Waits until one more thing may be made. false: the object is being destroyed.
   bool waits_for_room() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return things_.size() < most_ || stop_; });

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -59,12 +60,25 @@ std::string exit_text(int status) {
   return std::string("ended by ") + strsignal(WTERMSIG(status));
 }
 
+// Whether the child ends within `limit`.
+bool ends_within(pid_t child, std::chrono::milliseconds limit) {
+  const int handle = static_cast<int>(syscall(SYS_pidfd_open, child, 0));
+  if (handle < 0) return false;
+  using Clock = std::chrono::steady_clock;
+  const auto until = Clock::now() + limit;
+  pollfd ended{handle, POLLIN, 0};
+  int ready = -1;
+  do {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    ready = poll(&ended, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+  } while (ready < 0 && errno == EINTR);
+  close(handle);
+  return ready > 0;
+}
+
 // Empty: it succeeded.
 std::string await_child(pid_t child, std::chrono::milliseconds limit) {
-  const int handle = static_cast<int>(syscall(SYS_pidfd_open, child, 0));
-  pollfd ended{handle, POLLIN, 0};
-  const bool late = handle < 0 || poll(&ended, 1, static_cast<int>(limit.count())) == 0;
-  if (handle >= 0) close(handle);
+  const bool late = !ends_within(child, limit);
   if (late) kill(-child, SIGKILL);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {

@@ -11,7 +11,7 @@
 namespace dwell::record {
 
 struct AnchorTarget {
-  double minutes = 0.0;              // between two anchors; 0: none are delivered
+  double minutes = 0.0;              // between two anchors; 0: Housekeeper::kAnchorMinutes
   std::string file;                  // lines are added to it; empty: no file
   std::vector<std::string> command;  // program and arguments; empty: none. No shell sees them
 };
@@ -20,9 +20,10 @@ struct AnchorTarget {
 // fails.
 inline constexpr std::chrono::seconds kAnchorCommandLimit{30};
 
-// Adds the lines to the file, or writes them to the command's standard input. All lines must fit into a pipe. Fails
-// with the file or command and the reason, for instance the exit status. "Not done within 30 s": the command and all
-// that it started were killed.
+// Adds the lines to the file, if there is one, and then writes them to the standard input of the command, if there is
+// one. `lines`: without the last newline; at most 64 KiB, the room of a pipe. Fails with the file or the command and
+// the reason, for instance the exit status; if both fail, with the command's. "not done within 30 s": the command and
+// all that it started were killed.
 [[nodiscard]] Result<void> deliver_anchor(const AnchorTarget& target, const std::string& lines,
                                           std::chrono::milliseconds limit = kAnchorCommandLimit);
 

@@ -1,6 +1,7 @@
 #include "daemon/record/audit.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "daemon/record/block_count.hpp"
@@ -31,6 +32,7 @@ class RunAudit {
   Result<void> take_run(const ChainReader::Row& row);
   Result<void> take_part(const Entry& entry);
   Result<void> take_signature(ChainAudit& chain, const ChainReader::Row& row);
+  [[nodiscard]] Result<void> may_be_empty() const;
   [[nodiscard]] Result<void> ledger_agrees() const;
   [[nodiscard]] Result<void> ledger_signatures_there() const;
   [[nodiscard]] std::string origin() const { return "dwell/run/" + header_.id; }
@@ -59,6 +61,9 @@ Result<bool> RunAudit::check(ChainAudit& chain) {
     last_ns = (*row)->entry.t_ns;
     audit_.head = hex((*row)->head);
     if (options_.progress) options_.progress(static_cast<double>(chain.entries()) / all);
+  }
+  if (chain.entries() == 0) {
+    if (Result<void> may = may_be_empty(); !may) return fails(std::move(may.error()));
   }
   if (unsigned_from_ != 0)
     return fails("from " + entry_name(unsigned_from_) + " to " + entry_name(chain.entries()) + " nothing is signed");
@@ -118,6 +123,19 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
   return {};
 }
 
+// A crash before the first commit leaves a file without entries. So does whoever takes all of them away: only the
+// ledger and the anchors know which it is, and only by the file's name.
+Result<void> RunAudit::may_be_empty() const {
+  if (ledger_ == nullptr)
+    return options_.key ? fails("it has no entry, so nothing in it is signed by the key asked for") : Result<void>();
+  const LedgerRun* run = ledger_->find(std::filesystem::path(audit_.file).filename().string());
+  if (run == nullptr) return {};  // if it is a run's file by another name, the ledger misses that run
+  KnownHeads known;
+  known.add(anchors_, "dwell/run/" + run->id);
+  if (run->end && !run->end->head.empty()) known.add(run->end->seq, *from_hex(run->end->head), "the ledger");
+  return known.all_there(0);
+}
+
 Result<void> RunAudit::ledger_agrees() const {
   const LedgerRun* run = ledger_->find(header_.run);
   const std::string name = "run " + std::to_string(header_.run);
@@ -159,9 +177,9 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   if (!signature.reason.empty()) line += " (" + signature.reason + ")";
   line += ", " + signature.utc + ", ";
   if (signature.vkey.empty()) {
-    if (!signature.person) return fails(place + "nobody vouches for this signature");
+    if (!signature.person || !signature.person->uid) return fails(place + "nobody vouches for this signature");
     if (Result<void> holds = chain.note_holds(row, origin(), key_); !holds) return holds;
-    line += "countersigned by the service for user " + std::to_string(signature.person->uid);
+    line += "countersigned by the service for user " + std::to_string(*signature.person->uid);
     if (!signature.person->name.empty()) line += " (" + signature.person->name + ")";
   } else {
     const Result<PublicKey> own = PublicKey::parse(signature.vkey);

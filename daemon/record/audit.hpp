@@ -43,17 +43,19 @@ struct AuditOptions {
   bool every_signature = false;
 };
 
-// A file that cannot be read counts as tampered, with the reason. Fails only if the file does not exist.
+// A file that is no run file counts as tampered, with the reason. Fails if the run file, the ledger or an anchor file
+// does not exist or may not be read. Also fails if a writer altered the run file during each of kAuditTries passes.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {
   bool unbroken = false;
   std::string where;                 // what is broken
-  std::vector<std::string> deleted;  // runs that retention has deleted, one line each
+  std::vector<std::string> deleted;  // runs entered as deleted, one line each: by retention, or they never had a file
   std::vector<std::string> missing;  // runs that should be in `directory` and are not
 };
 
-// Checks the ledger itself, and whether every run that it knows is in `directory` or was deleted by retention.
+// Checks the ledger itself, and that each run it knows is in `directory` or is entered as deleted. Fails if the ledger
+// or an anchor file does not exist or cannot be read.
 [[nodiscard]] Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& directory,
                                                const AuditOptions& options);
 

@@ -14,8 +14,7 @@ std::string name_of(const LedgerRun& run) {
   return "run " + std::to_string(run.run) + " (" + run.file + ", begun " + run.start_utc + ")";
 }
 
-// Empty: the run's file is in its place. A file that cannot be read as a run counts as being there; its own audit says
-// what is wrong with it.
+// Empty: the run's file is in its place. Only its first entry is read: its own audit says what is wrong with the rest.
 std::string missing(const LedgerRun& run, const std::string& directory) {
   // The name alone, without folders: a ledger must not lead out of the directory.
   const std::filesystem::path path = std::filesystem::path(directory) / std::filesystem::path(run.file).filename();
@@ -23,10 +22,11 @@ std::string missing(const LedgerRun& run, const std::string& directory) {
   if (run.file.empty() || !std::filesystem::is_regular_file(path, code)) return name_of(run) + " is not there";
   Result<ChainReader> reader = ChainReader::open(path.string(), ChainSort::run);
   const auto first = reader ? reader->next() : tl::unexpected(reader.error());
-  if (!first || !*first) return {};
+  if (!first) return name_of(run) + ": that file cannot be read: " + first.error();
+  if (!*first) return run.end && !run.end->head.empty() ? name_of(run) + ": that file holds no entry" : std::string();
   const Result<RunHeader> header = parse_run_header((*first)->entry.body);
-  if (header && header->id != run.id) return name_of(run) + ": that file holds another run";
-  return {};
+  if (!header) return name_of(run) + ": that file cannot be read: entry 1: " + header.error();
+  return header->id == run.id ? std::string() : name_of(run) + ": that file holds another run";
 }
 
 // Runs that an anchor knows and the ledger does not: file and ledger entry were removed.

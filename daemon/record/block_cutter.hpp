@@ -19,7 +19,8 @@ struct Block {
   std::string body;
 };
 
-// Bound to one thread. Memory: the records of one block, a second's or 2^20 (32 MiB) at most.
+// Bound to one thread. Memory: the records of one block, at most 32 MiB; take() needs up to 70 MiB more while it
+// encodes.
 class BlockCutter {
  public:
   // Doubled, a power failure loses more. Halved, there are more commits, and a block compresses less.
@@ -44,11 +45,13 @@ class BlockCutter {
   std::uint64_t number_ = 0;
 };
 
-// The blocks since the birth of the elder of the two pipelines that wait for a drive. A run begins with them. Bound to
-// one thread. Memory: 20 s of the stream, encoded; at most kBytes.
+// The blocks since the start of the elder of the two pipelines that wait for a drive (stream_sink.hpp). A run begins
+// with them. Bound to one thread. Memory: two spans of the stream, encoded; at most kBytes.
 class KeptBlocks {
  public:
-  // 20 s of 64 channels at 10 kHz are 77 MB. Beyond this the oldest block is dropped.
+  // Two spans of 10 s of 64 channels at 10 kHz are 77 MB at 6 bytes a sample. Beyond this the oldest block is dropped,
+  // and a run that would reach back to it is not recorded. Doubled, the service needs more memory; halved, a slow drive
+  // on a large rig is not recorded.
   static constexpr std::size_t kBytes = 100'000'000;
 
   // The next block begins with the birth of a pipeline. Drops the blocks before the previous birth.

@@ -36,6 +36,8 @@ Result<std::optional<ChainReader::Row>> ChainReader::next() {
   return row;
 }
 
+const std::string& ChainReader::altered() const noexcept { return impl_->snapshot.altered(); }
+
 void ChainReader::seek(std::int64_t seq, const std::string& kind) {
   impl_->rows.seek(seq, kind);
   impl_->at_end = false;

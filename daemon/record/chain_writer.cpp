@@ -12,6 +12,7 @@
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/chain_tables.hpp"
+#include "daemon/record/regular_file.hpp"
 #include "daemon/record/run_entries.hpp"
 #include "daemon/record/sqlite.hpp"
 
@@ -26,6 +27,10 @@ constexpr const char* kPageSize = "PRAGMA page_size = 16384";
 constexpr int kCheckpointFrames = 1000;
 constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / 16384);
 
+// Whether SQLite waits for the disk. Without waits, whoever calls it does.
+constexpr const char* kWaits = "PRAGMA synchronous = FULL";
+constexpr const char* kNoWaits = "PRAGMA synchronous = OFF";
+
 tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
 
 // Largest body of an entry that readers take.
@@ -34,10 +39,13 @@ std::size_t most_bytes(std::string_view kind) {
 }
 
 // While the connection is open, no other one can open the file, and SQLite needs no -shm.
+// A closed file gets its log back without a -journal on the disk: an audit at that moment would name it.
 bool set_up(sqlite3* database) {
   return execute(database, "PRAGMA locking_mode = EXCLUSIVE") &&
-         first_text(database, "PRAGMA journal_mode = WAL") == "wal" &&
-         execute(database, "PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 0");
+         (first_text(database, "PRAGMA journal_mode") == "wal" ||
+          first_text(database, "PRAGMA journal_mode = MEMORY") == "memory") &&
+         first_text(database, "PRAGMA journal_mode = WAL") == "wal" && execute(database, kWaits) &&
+         execute(database, "PRAGMA wal_autocheckpoint = 0");
 }
 
 Database open_database(const std::string& path, int flags) {
@@ -108,6 +116,7 @@ struct Tail {
 Result<Tail> follow(const std::string& path, ChainSort sort, const std::string& origin, const PublicKey& signer) {
   Result<ChainReader> reader = ChainReader::open(path, sort);
   if (!reader) return fails(std::move(reader.error()));
+  if (!reader->altered().empty()) return fails(path + ": " + reader->altered() + "; nothing was written");
   Tail tail;
   ChainReader::Row noted;  // the last entry with a note, without its body
   NoteLink before;         // the note before that one
@@ -149,8 +158,9 @@ struct ChainWriter::Impl {
   Tail pending, committed;
   std::int64_t t_ns = 0;   // of the last entry appended
   int frames = 0;          // of the log, after the last commit
-  int wal_file = -1;       // for its flock: Snapshot
+  OpenFile wal_file;       // for its flock: Snapshot
   bool stale_log = false;  // frames of a failed transaction may follow the log's end
+  std::string broken;      // why nothing more may be written; empty: it may
 
   Impl() = default;
   Impl(const Impl&) = delete;
@@ -159,7 +169,6 @@ struct ChainWriter::Impl {
     insert_entry.reset();
     insert_note.reset();
     database.reset();
-    if (wal_file >= 0) ::close(wal_file);
   }
 
   [[nodiscard]] tl::unexpected<std::string> failed() {
@@ -199,36 +208,45 @@ struct ChainWriter::Impl {
   }
 
   bool add_note() {
-    if (!key) return true;
-    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, committed.note));
+    if (!key || pending.note.seq == pending.seq) return true;
+    const std::string note = key->sign(note_text(origin, pending.seq, pending.head, t_ns, pending.note));
     pending.note = {pending.seq, note_hash(note)};
     sqlite3_bind_int64(insert_note.get(), 1, pending.seq);
     sqlite3_bind_text(insert_note.get(), 2, note.data(), static_cast<int>(note.size()), SQLITE_STATIC);
     return run(insert_note.get());
   }
 
-  // Moves the log into the database if it is long enough and nobody reads. A failure only costs room: the committed
-  // entries are in the log, and the next commit tries again.
+  [[nodiscard]] bool move_log(int mode) {
+    return sqlite3_wal_checkpoint_v2(database.get(), nullptr, mode, nullptr, nullptr) == SQLITE_OK;
+  }
+
+  // Moves the log into the database if it is long enough and nobody reads. If the pages cannot be copied, that only
+  // costs room: the committed entries are in the log, and the next commit tries again.
+  //
+  // SQLite would wait for the disk twice, first for the log, which the commit has just synchronized. So it is told to
+  // wait for nothing, and the log is emptied only once the database is synchronized here.
   void checkpoint() {
     if (frames < kCheckpointFrames && !stale_log) return;
-    if (wal_file < 0) wal_file = ::open((path + "-wal").c_str(), O_RDONLY | O_CLOEXEC);
-    const bool alone = wal_file >= 0 && ::flock(wal_file, LOCK_EX | LOCK_NB) == 0;
-    if (alone || frames >= kMostFrames) {
-      if (sqlite3_wal_checkpoint_v2(database.get(), nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr) ==
-          SQLITE_OK) {
+    if (!wal_file)
+      if (Result<OpenFile> opened = open_regular(path + "-wal")) wal_file = std::move(*opened);
+    const bool alone = wal_file && ::flock(wal_file.get(), LOCK_EX | LOCK_NB) == 0;
+    if ((alone || frames >= kMostFrames) && execute(database.get(), kNoWaits) && move_log(SQLITE_CHECKPOINT_FULL)) {
+      if (!synchronize(path)) {
+        broken = path + ": " + std::strerror(errno);
+      } else if (move_log(SQLITE_CHECKPOINT_TRUNCATE)) {
         frames = 0;
         stale_log = false;
       }
     }
-    if (alone) ::flock(wal_file, LOCK_UN);
+    if (!execute(database.get(), kWaits) && broken.empty()) broken = sqlite_error(database.get(), path);
+    if (alone) ::flock(wal_file.get(), LOCK_UN);
   }
 
   // Makes it one file without -wal. SQLite would take ten waits for the disk, and the next run waits meanwhile; three
   // are enough, in this order: the database holds all; the log is gone; the database says that it has none. That it
   // says so changes the first 100 bytes of the file, and a sector is written whole or not at all.
   Result<void> leave_log() {
-    if (!execute(database.get(), "PRAGMA synchronous = OFF") ||
-        sqlite3_wal_checkpoint_v2(database.get(), nullptr, SQLITE_CHECKPOINT_FULL, nullptr, nullptr) != SQLITE_OK)
+    if (!execute(database.get(), kNoWaits) || !move_log(SQLITE_CHECKPOINT_FULL))
       return fails(sqlite_error(database.get(), path));
     const std::string log = path + "-wal";
     if (!synchronize(path) || (::unlink(log.c_str()) != 0 && errno != ENOENT) || !synchronize_directory(path))
@@ -255,6 +273,45 @@ Result<ChainWriter> ChainWriter::create(const std::string& path, ChainSort sort,
   impl->key = key;
   if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
   return ChainWriter(std::move(impl));
+}
+
+Result<ChainWriter> ChainWriter::create_ahead(const std::string& path, ChainSort sort) {
+  if (Result<void> made = make_file(path, sort); !made) return fails(std::move(made.error()));
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
+  ChainWriter writer(std::move(impl));
+  if (Result<void> begun = writer.begin_log(); !begun) return fails(std::move(begun.error()));
+  return writer;
+}
+
+// A transaction that changes nothing. With it the log's header is on the disk, and so is the log's name.
+Result<void> ChainWriter::begin_log() {
+  if (execute(impl_->database.get(), ("PRAGMA user_version = " + std::to_string(kFormatVersion)).c_str())) return {};
+  return impl_->failed();
+}
+
+// The log first, so that whoever finds the file finds its log as well.
+Result<void> ChainWriter::take_name(const std::string& path, std::string origin, const SigningKey& key) {
+  Impl& own = *impl_;
+  const std::string log = path + "-wal";
+  if (::link((own.path + "-wal").c_str(), log.c_str()) != 0) return fails(log + ": " + std::strerror(errno));
+  if (::link(own.path.c_str(), path.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(log.c_str());
+    return fails(path + ": " + std::strerror(error));
+  }
+  own.path = path;
+  own.origin = std::move(origin);
+  own.key = key;
+  return {};
+}
+
+Result<void> ChainWriter::drop_name(const std::string& first, const std::string& kept) {
+  if (!synchronize_directory(kept)) return fails(kept + ": " + std::strerror(errno));
+  ::unlink((first + "-wal").c_str());
+  ::unlink(first.c_str());
+  return {};
 }
 
 Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, std::string origin,
@@ -289,6 +346,7 @@ Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, Chain
 Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::string_view body) {
   Impl& own = *impl_;
   if (!own.insert_entry) return fails(own.path + ": is closed");
+  if (!own.broken.empty()) return fails(own.broken);
   if (const std::size_t most = most_bytes(kind); body.size() > most) {
     own.roll_back();
     return fails(own.path + ": a " + std::string(kind) + " entry of " + std::to_string(body.size()) +
@@ -310,6 +368,8 @@ Result<void> ChainWriter::append(std::string_view kind, std::int64_t t_ns, std::
   own.t_ns = t_ns;
   return {};
 }
+
+Result<void> ChainWriter::sign() { return impl_->add_note() ? Result<void>() : impl_->failed(); }
 
 Result<void> ChainWriter::commit() {
   Impl& own = *impl_;

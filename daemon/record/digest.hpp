@@ -15,7 +15,7 @@ using Digest = std::array<std::uint8_t, 32>;
 struct Entry {
   std::int64_t seq = 0;   // 1, 2, 3 … without a gap
   std::string kind;       // ASCII
-  std::int64_t t_ns = 0;  // CLOCK_MONOTONIC_RAW: the entry covers the time up to it
+  std::int64_t t_ns = 0;  // run file: CLOCK_MONOTONIC_RAW, covered up to here; ledger: UTC since 1970
   std::string body;       // JSON, or the bytes of a block
 };
 
@@ -23,7 +23,7 @@ struct Entry {
 // chain".
 [[nodiscard]] Digest next_head(const Digest& before, const Entry& entry);
 
-// What the next note says of this one. docs/run-file.md, "The notes".
+// The hash of a note, as the next note states it. docs/run-file.md, "The notes".
 [[nodiscard]] Digest note_hash(std::string_view note);
 
 // 64 hexadecimal digits; standard base64 with padding.

@@ -1,4 +1,5 @@
-// Keeps other processes out of a recording directory. The lock ends with the process, however that ends.
+// Ensures that one service at a time records into a directory; readers are not kept out. The lock ends with the
+// process, however that ends.
 #pragma once
 
 #include <string>
@@ -15,7 +16,7 @@ class DirectoryLock {
   DirectoryLock(const DirectoryLock&) = delete;
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
-  // Does nothing if it is held already. Fails with "DIRECTORY: why".
+  // Does not wait. Does nothing if this object holds a lock already. Fails with "DIRECTORY: why".
   [[nodiscard]] Result<void> take(const std::string& directory);
 
  private:

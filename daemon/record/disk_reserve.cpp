@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "daemon/record/regular_file.hpp"
+
 namespace dwell::record {
 namespace {
 
@@ -25,10 +27,9 @@ bool is_held(const std::string& path, std::int64_t bytes) {
 
 Result<void> DiskReserve::hold() {
   if (is_held(path_, bytes_)) return {};
-  const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) return tl::unexpected(path_ + ": " + reason(errno));
-  const int error = posix_fallocate(file, 0, bytes_);
-  close(file);
+  const Result<OpenFile> file = open_regular(path_, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0600);
+  if (!file) return tl::unexpected(errno == ENOSPC || errno == EDQUOT ? path_ + ": disk full" : file.error());
+  const int error = posix_fallocate(file->get(), 0, bytes_);
   if (error == 0) return {};
   release();
   return tl::unexpected(path_ + ": " + reason(error));

@@ -18,7 +18,7 @@ class DiskReserve {
 
   explicit DiskReserve(std::string path, std::int64_t bytes = kBytes) : path_(std::move(path)), bytes_(bytes) {}
 
-  // Takes the room if it is not held already. Fails with "disk full" or another reason; then nothing is held.
+  // Takes the room if it is not held already. Fails with "PATH: disk full" or "PATH: reason"; then nothing is held.
   [[nodiscard]] Result<void> hold();
   // Releases the room; does nothing if none is held.
   void release() noexcept;
@@ -28,7 +28,7 @@ class DiskReserve {
   std::int64_t bytes_;
 };
 
-// Bytes that a user without privileges may still write where `path` is; fails with the reason.
+// Bytes that a user without privileges may still write where `path` is. Fails with "PATH: reason".
 [[nodiscard]] Result<std::int64_t> free_bytes(const std::string& path);
 
 }  // namespace dwell::record

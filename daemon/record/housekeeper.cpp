@@ -67,7 +67,8 @@ void Housekeeper::look_at_all(const std::string& running) {
 // Another run is recorded, or none: so the one before has ended.
 void Housekeeper::list(const ListedRun* recorded) {
   if (!listed_.empty())
-    jobs_.post([directory = options_.directory, name = listed_, list = list_](const auto&) {
+    jobs_.post([directory = options_.directory, name = listed_, list = list_, closed = folder_.closed()](const auto&) {
+      if (closed.valid()) closed.wait();
       list->put(look_at_run(directory, name));
     });
   listed_.clear();
@@ -143,6 +144,7 @@ void Housekeeper::take_outcomes() {
     if (!outcome.of_anchor) continue;
     if (!outcome.trouble.empty() && anchor_trouble_.empty())
       tell_({Notice::Grade::warning, "anchor: " + outcome.trouble, 0, {}});
+    if (!outcome.trouble.empty()) anchored_.clear();  // all heads are sent again when the next anchor is due
     anchor_trouble_ = std::move(outcome.trouble);
   }
 }

@@ -30,7 +30,7 @@ class Housekeeper {
  public:
   // Time between two anchors in the journal if the rig file states none.
   static constexpr double kAnchorMinutes = 10.0;
-  // Retention looks for runs that are too old so often, and after each run.
+  // Time between two looks of retention for runs that are too old. It also looks when a run begins or ends.
   static constexpr std::int64_t kRetentionPeriod_ns = 600'000'000'000;
 
   // The folder and `list` outlive it.

@@ -24,8 +24,9 @@ struct KeyAndLedger {
 // Makes a key with this name if there is none. Completes a change of keys that was cut off. Corrects `key.pub`.
 [[nodiscard]] Result<KeyAndLedger> open_key_and_ledger(const std::string& directory, const std::string& name);
 
-// Changes the key: a new one with this name signs from now on, and the old private key is destroyed. Fails while a
-// service records here. The old vkey stays in the ledger and in the files that it signed.
+// Changes the key: a new one with this name signs from now on. The old private key's file is replaced; its bytes may
+// remain on the disk. Fails while a service records here. The old vkey stays in the ledger and in the files that it
+// signed.
 [[nodiscard]] Result<PublicKey> change_key(const std::string& directory, const std::string& name);
 
 }  // namespace dwell::record

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "daemon/record/digest.hpp"
+#include "daemon/record/regular_file.hpp"
 
 namespace dwell::record {
 namespace {
@@ -176,13 +177,12 @@ Result<SigningKey> SigningKey::make(const std::string& name) {
 
 Result<SigningKey> SigningKey::load(const std::string& path) {
   const auto of_file = [&path](const std::string& what) { return fails(path + ": " + what); };
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return of_file(std::strerror(errno));
+  const Result<OpenFile> file = open_regular(path);
+  if (!file) return fails(file.error());
   struct stat status {};
   std::string text(512, '\0');  // more than a key has
-  const bool known = ::fstat(file, &status) == 0;
-  const ssize_t length = ::read(file, text.data(), text.size());
-  ::close(file);
+  const bool known = ::fstat(file->get(), &status) == 0;
+  const ssize_t length = ::read(file->get(), text.data(), text.size());
   if (!known || length < 0) return of_file("cannot be read");
   if ((status.st_mode & 077u) != 0) return of_file("others than its owner may use this private key; chmod 600 it");
   text.resize(static_cast<std::size_t>(length));

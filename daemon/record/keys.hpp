@@ -1,5 +1,6 @@
-// Ed25519 keys and the text forms of C2SP: public keys ("vkey") and signed notes. Everything has exactly one form; a
-// text that differs by one bit is refused. A name has 1 to 100 visible ASCII characters without "+".
+// Ed25519 keys and the text forms of C2SP: public keys ("vkey") and signed notes. A key or note has exactly one text;
+// any other text, different by one bit or by white space, is refused. A name has 1 to 100 visible ASCII characters
+// without "+".
 #pragma once
 
 #include <memory>
@@ -23,10 +24,10 @@ class PublicKey {
   [[nodiscard]] std::string vkey() const;
   // For people to compare: SHA-256 of the 32 bytes of the key, as 16 groups of four hexadecimal digits.
   [[nodiscard]] std::string fingerprint() const;
-  // The signed text of a note: all before the signature line, with its last newline. Fails if the note is not by this
-  // key alone, if the signature does not verify, or if the form is not that of a note. Cost: 0.1 ms.
+  // The signed text of a note: all before the empty line and the signature line, with its last newline. Fails if the
+  // note has not the form of a note, has more than one signature, names another key, or does not verify. Cost: 0.1 ms.
   [[nodiscard]] Result<std::string> open(std::string_view note) const;
-  // The same, but whether the signature holds is not checked: a part of `note`. Cost: 1 µs.
+  // The same text, a part of `note`, WITHOUT verifying the signature: anybody can have written it. Cost: 1 µs.
   [[nodiscard]] Result<std::string_view> read(std::string_view note) const;
   bool operator==(const PublicKey& other) const { return name_ == other.name_ && key_ == other.key_; }
 
@@ -52,7 +53,8 @@ class SigningKey {
   // Writes a new file, mode 0600, synchronized to the disk; fails where there is one already.
   [[nodiscard]] Result<void> save(const std::string& path) const;
   [[nodiscard]] const PublicKey& public_key() const noexcept { return public_; }
-  // The note: text (which ends with a newline), an empty line, the signature line.
+  // The note: `text` (must end with a newline), an empty line, the signature line. If libcrypto cannot sign for want of
+  // memory, the note does not verify.
   [[nodiscard]] std::string sign(std::string_view text) const;
 
  private:

@@ -52,16 +52,31 @@ struct Ledger::Impl {
   std::optional<ChainWriter> file;
   bool key_changed = false;
 
-  // The book first: it refuses what a reader would refuse.
-  Result<void> add(const char* kind, const std::string& body, std::int64_t t_ns) {
+  struct Addition {
+    const char* kind;
+    std::string body;
+  };
+
+  // All of them, in one transaction. The book first: it refuses what a reader would refuse.
+  Result<void> add(std::initializer_list<Addition> additions, std::int64_t t_ns) {
     if (key_changed) return fails(path + ": the key has changed: open the ledger with the new one");
     LedgerBook next = book;
-    const Entry entry{.seq = file->committed() + 1, .kind = kind, .t_ns = t_ns, .body = body};
-    if (Result<void> taken = next.take(entry); !taken) return fails(path + ": " + taken.error());
-    Result<void> done = file->append(kind, t_ns, body);
-    if (done) done = file->commit();
+    std::int64_t seq = file->committed();
+    for (const Addition& addition : additions) {
+      const Entry entry{.seq = ++seq, .kind = addition.kind, .t_ns = t_ns, .body = addition.body};
+      if (Result<void> taken = next.take(entry); !taken) {
+        file->roll_back();
+        return fails(path + ": " + taken.error());
+      }
+      const Result<void> done = file->append(addition.kind, t_ns, addition.body).and_then([&] { return file->sign(); });
+      if (!done) return done;
+    }
+    Result<void> done = file->commit();
     if (done) book = std::move(next);
     return done;
+  }
+  Result<void> add(const char* kind, std::string body, std::int64_t t_ns) {
+    return add({{kind, std::move(body)}}, t_ns);
   }
 
   Result<void> begin(const SigningKey& key) {
@@ -110,6 +125,13 @@ std::int64_t Ledger::next_run() const noexcept { return impl_->book.next_run(); 
 const std::string& Ledger::newest_head() const noexcept { return impl_->book.newest_head(); }
 std::int64_t Ledger::running() const noexcept { return impl_->book.running(); }
 
+std::string Ledger::file_of(std::int64_t run) const {
+  const auto known = impl_->book.runs().find(run);
+  return known == impl_->book.runs().end() ? std::string() : known->second.file;
+}
+
+Result<void> Ledger::begin_log() { return impl_->file->begin_log(); }
+
 Anchor Ledger::head() const {
   return {{}, impl_->book.origin(), impl_->file->committed(), impl_->file->committed_head()};
 }
@@ -119,9 +141,17 @@ Result<void> Ledger::run_begins(const RunHeader& header, const std::string& file
   return impl_->add("begins", ledger_begins(header, file, iso_utc(now_ns)), now_ns);
 }
 
-Result<void> Ledger::run_ends(std::int64_t run, const std::string& head, std::int64_t seq, const std::string& state) {
+Result<void> Ledger::run_ends(const EndOfFile& ended) {
   const std::int64_t now_ns = utc_now_ns();
-  return impl_->add("ends", ledger_ends(run, {head, seq, state, iso_utc(now_ns)}), now_ns);
+  return impl_->add("ends", ledger_ends(ended.run, {ended.head, ended.seq, ended.state, iso_utc(now_ns)}), now_ns);
+}
+
+Result<void> Ledger::run_follows(const EndOfFile& ended, const RunHeader& header, const std::string& file) {
+  const std::int64_t now_ns = utc_now_ns();
+  const std::string utc = iso_utc(now_ns);
+  return impl_->add({{"ends", ledger_ends(ended.run, {ended.head, ended.seq, ended.state, utc})},
+                     {"begins", ledger_begins(header, file, utc)}},
+                    now_ns);
 }
 
 Result<void> Ledger::run_deleted(std::int64_t run, const std::string& head, const std::string& why) {

@@ -25,6 +25,8 @@ class Ledger {
   // The number that the next run takes, and the final head of the newest run that has one (hexadecimal; empty: none).
   [[nodiscard]] std::int64_t next_run() const noexcept;
   [[nodiscard]] const std::string& newest_head() const noexcept;
+  // The name of a run's file; empty: the ledger does not know this run.
+  [[nodiscard]] std::string file_of(std::int64_t run) const;
   // A run that has begun and not ended: after a crash, the one that was cut off. 0: none.
   [[nodiscard]] std::int64_t running() const noexcept;
   // The head of the last entry, to be anchored with the heads of the runs; its utc is empty.
@@ -32,10 +34,20 @@ class Ledger {
 
   // Fails if `header` does not hold next_run() and newest_head(), or if another run has not ended.
   [[nodiscard]] Result<void> run_begins(const RunHeader& header, const std::string& file);
-  // state: "closed", or "cut off" after a crash. Then `head` is that of its last committed entry; if nothing was
-  // committed, it is empty and seq 0.
-  [[nodiscard]] Result<void> run_ends(std::int64_t run, const std::string& head, std::int64_t seq,
-                                      const std::string& state);
+  // Waits for the disk up to three times, so that the next entry waits once.
+  [[nodiscard]] Result<void> begin_log();
+  // The end of a run's file. state: "closed", or "cut off" after a crash. Then `head` is that of its last committed
+  // entry; if nothing was committed, it is empty and seq 0.
+  struct EndOfFile {
+    std::int64_t run = 0;
+    std::string head;
+    std::int64_t seq = 0;
+    std::string state;
+  };
+  [[nodiscard]] Result<void> run_ends(const EndOfFile& ended);
+  // Both at once, in one wait for the disk: a run ends and the next one begins. `header` holds the head of the one that
+  // ends.
+  [[nodiscard]] Result<void> run_follows(const EndOfFile& ended, const RunHeader& header, const std::string& file);
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
   // Adds a change of keys, signed by the old key. Afterwards this object takes nothing more: open the ledger with the

@@ -42,10 +42,12 @@ class LedgerBook {
   [[nodiscard]] bool empty() const noexcept { return keys_.empty(); }
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
   [[nodiscard]] std::string origin() const { return "dwell/ledger/" + id_; }
-  // The keys that have signed, in their order; the last one signs now.
+  // The keys in their order; the last one signs the next entry.
   [[nodiscard]] const std::vector<PublicKey>& keys() const noexcept { return keys_; }
-  // The key that signed the last entry. If that entry changed the key, this is the old key.
-  [[nodiscard]] const PublicKey& last_signer() const { return keys_[keys_.size() - (key_just_changed_ ? 2 : 1)]; }
+  // How many of them have signed an entry: all, or all but the last if the last entry changed the key.
+  [[nodiscard]] std::size_t signers() const noexcept { return keys_.size() - (key_just_changed_ ? 1 : 0); }
+  // The key that signed the last entry. Not if empty().
+  [[nodiscard]] const PublicKey& last_signer() const { return keys_[signers() - 1]; }
   [[nodiscard]] const std::map<std::int64_t, LedgerRun>& runs() const noexcept { return runs_; }
   [[nodiscard]] std::int64_t next_run() const noexcept { return static_cast<std::int64_t>(runs_.size()) + 1; }
   [[nodiscard]] const std::string& newest_head() const noexcept { return newest_head_; }

@@ -15,7 +15,8 @@
 namespace dwell::record {
 namespace {
 
-// The key that must sign an entry. A change of keys is signed by the old key.
+// Takes the next entry into the book, then checks its note. last_signer() is the key that must have signed it: a change
+// of keys is signed by the old key.
 Result<void> take(ChainAudit& chain, CheckedLedger& ledger, KnownHeads& known, const std::vector<Anchor>& anchors,
                   const ChainReader::Row& row) {
   const std::string place = "entry " + std::to_string(row.entry.seq) + ": ";
@@ -42,12 +43,20 @@ Result<void> walk(ChainAudit& chain, CheckedLedger& ledger, const std::vector<An
 }  // namespace
 
 bool CheckedLedger::knows(const PublicKey& key) const {
-  return std::find(book.keys().begin(), book.keys().end(), key) != book.keys().end();
+  // A key that only the last entry announces has signed nothing: whoever knows its public half can announce it.
+  const auto end = book.keys().begin() + static_cast<std::ptrdiff_t>(book.signers());
+  return std::find(book.keys().begin(), end, key) != end;
 }
 
 const LedgerRun* CheckedLedger::find(std::int64_t run) const {
   const auto found = book.runs().find(run);
   return found == book.runs().end() ? nullptr : &found->second;
+}
+
+const LedgerRun* CheckedLedger::find(const std::string& file) const {
+  for (const auto& [number, run] : book.runs())
+    if (run.file == file) return &run;
+  return nullptr;
 }
 
 Result<void> readable_file(const std::string& path) {
@@ -69,7 +78,7 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
     if (!sound) ledger.broken = sound.error();
     if (sound && options.key && !ledger.knows(*options.key))
-      ledger.broken = "signed by " + ledger.book.keys().back().fingerprint() + ", not by the key asked for";
+      ledger.broken = "signed by " + ledger.book.last_signer().fingerprint() + ", not by the key asked for";
     return ledger;
   }
 }

@@ -13,9 +13,11 @@ struct CheckedLedger {
   std::string broken;  // the place and what was found; empty: the ledger verifies
 
   [[nodiscard]] bool verifies() const noexcept { return broken.empty(); }
+  // Whether the key has signed entries of this ledger.
   [[nodiscard]] bool knows(const PublicKey& key) const;
-  // nullptr: the ledger has no run of this number.
+  // nullptr: the ledger has no run of this number, or of this file name.
   [[nodiscard]] const LedgerRun* find(std::int64_t run) const;
+  [[nodiscard]] const LedgerRun* find(const std::string& file) const;
 };
 
 // Fails only if the ledger or an anchor file does not exist or cannot be read at all.

@@ -57,6 +57,11 @@ std::string time_zone() {
   return at == std::string::npos ? "" : target.substr(at + kFolder.size());
 }
 
+// By what adjtimex returned.
+bool is_synchronized(int state, const timex& clock) {
+  return state >= 0 && state != TIME_ERROR && (clock.status & STA_UNSYNC) == 0;
+}
+
 }  // namespace
 
 Origin this_origin() {
@@ -68,10 +73,15 @@ Origin this_origin() {
   origin.time_zone = time_zone();
   timex clock{};
   const int state = ::adjtimex(&clock);  // only asks
-  origin.clock_synchronized = state >= 0 && state != TIME_ERROR && (clock.status & STA_UNSYNC) == 0;
+  origin.clock_synchronized = is_synchronized(state, clock);
   origin.clock_error_s =
       state >= 0 ? 1e-6 * static_cast<double>(clock.maxerror) : std::numeric_limits<double>::quiet_NaN();
   return origin;
+}
+
+bool clock_synchronized() noexcept {
+  timex clock{};
+  return is_synchronized(::adjtimex(&clock), clock);
 }
 
 }  // namespace dwell::record

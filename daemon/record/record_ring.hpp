@@ -19,7 +19,7 @@ namespace dwell::record {
 
 // Size of the ring, in records: 6 s of the stream, so that nothing is lost while a disk stalls for 5 s. At least 65 536
 // (2 MiB, for a rig whose rates are not known), at most 8 388 608 (256 MiB, a quarter of what the unit allows the
-// service). rate_hz: records per second, all channels together.
+// service). rate_hz: samples per second, all channels together; a thousand other records a second are added.
 [[nodiscard]] std::size_t ring_records(double rate_hz) noexcept;
 
 // A result on its way. `dwell` is never null.

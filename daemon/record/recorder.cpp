@@ -120,6 +120,8 @@ struct Recorder::Impl {
     }
     log.finish();
     // So that the list and the last anchor get the end of the run.
+    folder.settle();
+    tell_failures();
     if (open) keeper.turn({raw_now_ns(), utc_now_ns()}, nullptr);
   }
 
@@ -134,10 +136,15 @@ struct Recorder::Impl {
                 [this](const RingResult& result) { log.result(result.position, result.final, *result.dwell); },
                 [this](std::uint64_t lost) { log.gap(lost); }});
     refresh_recorded();
+    tell_failures();
     if (open) keeper.turn(now, recorded.file.empty() ? nullptr : &recorded);
     enter_signatures();
     publish();
     turned_ns.store(now.raw_ns, std::memory_order_relaxed);
+  }
+
+  void tell_failures() {
+    for (const std::string& failure : folder.take_failures()) tell({Notice::Grade::error, failure, 0, {}});
   }
 
   void enter_signatures() {
@@ -216,9 +223,10 @@ struct Recorder::Impl {
     fresh.lost_records = ring.lost_records();
     fresh.lost_results = ring.lost_results();
     fresh.lost_events = inbox.lost();
-    if (!log.stopped().empty()) fresh.alarms.push_back("the run is not recorded: " + log.stopped());
-    if (!trouble.empty() && log.stopped() != trouble) fresh.alarms.push_back("runs cannot be recorded: " + trouble);
-    if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back("anchor: " + keeper.anchor_trouble());
+    if (!log.stopped().empty()) fresh.alarms.push_back({"recording", "the run is not recorded: " + log.stopped()});
+    if (!trouble.empty() && log.stopped() != trouble)
+      fresh.alarms.push_back({"runs", "runs cannot be recorded: " + trouble});
+    if (!keeper.anchor_trouble().empty()) fresh.alarms.push_back({"anchor", "anchor: " + keeper.anchor_trouble()});
     const std::lock_guard lock(mutex);
     state = std::move(fresh);
   }
@@ -254,7 +262,7 @@ RecorderState Recorder::state(std::int64_t now_ns) const {
   }
   state.lost_records = impl_->ring.lost_records();
   const std::int64_t still_ns = now_ns - last_turn_ns();
-  if (still_ns > kStall_ns) state.alarms.push_back("the disk has not answered for " + stall_text(still_ns));
+  if (still_ns > kStall_ns) state.alarms.push_back({"disk", "the disk has not answered for " + stall_text(still_ns)});
   return state;
 }
 

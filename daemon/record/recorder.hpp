@@ -25,11 +25,18 @@ struct RecorderOptions {
   FolderOptions folder;
   RetentionPolicy retention;
   AnchorTarget anchor;
-  double rate_hz = 0.0;               // samples per second of all channels together: sizes the buffer
-  std::function<RunHeader()> header;  // RunLogOptions; called on the recorder's thread, as is …
+  double rate_hz = 0.0;  // samples per second of all channels together: sizes the buffer
+  // These three are called on the recorder's thread and must not wait. The first two: see RunLogOptions.
+  std::function<RunHeader()> header;
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
-  Tell tell;  // … this
+  Tell tell;
   StreamNames names;
+};
+
+// Why runs are not recorded as they should.
+struct RecorderAlarm {
+  const char* name = "";  // of the kind: "recording", "runs", "anchor", "disk"
+  std::string text;       // one line
 };
 
 // The state of the recording.
@@ -41,7 +48,7 @@ struct RecorderState {
   std::uint64_t buffer_records = 0;
   std::int64_t committed_ns = 0;                                      // CLOCK_MONOTONIC_RAW, the last commit of the run
   std::uint64_t lost_records = 0, lost_results = 0, lost_events = 0;  // since the service began
-  std::vector<std::string> alarms;                                    // one line each
+  std::vector<RecorderAlarm> alarms;
 };
 
 class Recorder final : public StreamSink, public RequestSink {

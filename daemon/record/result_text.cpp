@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "daemon/record/run_entries.hpp"
+#include "daemon/record/utf8.hpp"
 
 namespace dwell::record {
 namespace {
@@ -104,22 +105,10 @@ class PlainJson {
     return std::string_view("\"\\/bfnrt").find(peek()) != std::string_view::npos && at_ != end_ && (++at_, true);
   }
 
-  // One character of two to four bytes, in its shortest form, no surrogate.
   bool utf8() noexcept {
-    const auto first = static_cast<unsigned char>(*at_++);
-    unsigned char least = 0x80, most = 0xBF;  // of the second byte
-    if (first == 0xE0) least = 0xA0;
-    if (first == 0xED) most = 0x9F;
-    if (first == 0xF0) least = 0x90;
-    if (first == 0xF4) most = 0x8F;
-    const int more = first < 0xC2 ? 0 : first < 0xE0 ? 1 : first < 0xF0 ? 2 : first < 0xF5 ? 3 : 0;
-    for (int i = 0; i < more; ++i, ++at_) {
-      const auto c = static_cast<unsigned char>(peek());
-      if (at_ == end_ || c < least || c > most) return false;
-      least = 0x80;
-      most = 0xBF;
-    }
-    return more > 0;
+    const std::size_t length = utf8_character({at_, static_cast<std::size_t>(end_ - at_)});
+    at_ += length;
+    return length > 0;
   }
 
   const char* at_;

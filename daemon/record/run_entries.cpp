@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "daemon/record/digest.hpp"
+#include "daemon/record/utf8.hpp"
 
 namespace dwell::record {
 namespace {
@@ -29,7 +30,7 @@ using Of = std::conditional_t<Io::kWrites, const T, T>;
 
 template <class Io>
 void fields(Io& io, Of<Io, Person>& person) {
-  io("uid", person.uid);
+  io.may("uid", person.uid);
   io.may("name", person.name);
 }
 
@@ -108,15 +109,6 @@ void fields(Io& io, Of<Io, PersonalSignature>& signature) {
   io.may("person", signature.person);
   io.may("vkey", signature.vkey);
   io.may("note", signature.note);
-}
-
-bool is_utf8(const std::string& text) {
-  try {
-    (void)Json(text).dump();
-    return true;
-  } catch (const Json::type_error&) {
-    return false;
-  }
 }
 
 class Writer {
@@ -295,6 +287,12 @@ Result<T> parsed(const std::string& body, const char* entry) {
 
 }  // namespace
 
+std::string who(const Person& person) {
+  if (!person.uid) return person.name.empty() ? "somebody" : person.name;
+  const std::string uid = "uid " + std::to_string(*person.uid);
+  return person.name.empty() ? uid : person.name + " (" + uid + ")";
+}
+
 std::string to_json(const RunHeader& header) { return written(header); }
 std::string to_json(const StoredEvent& event) { return written(event); }
 std::string to_json(const RunEnd& end) { return written(end); }
@@ -326,7 +324,11 @@ Result<RunHeader> parse_run_header(const std::string& body) { return parsed<RunH
 Result<StoredEvent> parse_event(const std::string& body) { return parsed<StoredEvent>(body, "event entry"); }
 Result<RunEnd> parse_run_end(const std::string& body) { return parsed<RunEnd>(body, "end entry"); }
 Result<PersonalSignature> parse_personal_signature(const std::string& body) {
-  return parsed<PersonalSignature>(body, "signature entry");
+  Result<PersonalSignature> signature = parsed<PersonalSignature>(body, "signature entry");
+  // Else whoever has any key could pass as a user for whom the service vouches.
+  if (signature && signature->person && !signature->vkey.empty())
+    return tl::unexpected<std::string>("signature entry: both a \"person\" of the service and a \"vkey\" of their own");
+  return signature;
 }
 
 }  // namespace dwell::record

@@ -17,10 +17,13 @@ namespace dwell::record {
 inline constexpr std::size_t kMaxJson = 8 << 20;
 
 // Who did something: a user of the computer, by the peer credentials of the control socket.
+// Who gave an order: a user of the computer, or whoever showed the service's token.
 struct Person {
-  std::uint32_t uid = 0;
-  std::string name;  // empty: unknown to the system
+  std::optional<std::uint32_t> uid;  // none: no user, the name says how the order came
+  std::string name;                  // empty: unknown to the system
 };
+// "anna (uid 1000)", "uid 1000", or the name alone.
+[[nodiscard]] std::string who(const Person& person);
 
 // A file whose bytes are kept in the run file.
 struct KeptFile {
@@ -46,6 +49,8 @@ struct Origin {
 };
 // The origin of what this process records now. Reads the environment, which no thread may alter meanwhile.
 [[nodiscard]] Origin this_origin();
+// Whether the computer's clock is kept right by another one now, as the kernel sees it. Thread-safe.
+[[nodiscard]] bool clock_synchronized() noexcept;
 
 // The body of the `run` entry.
 struct RunHeader {
@@ -73,7 +78,8 @@ struct StoredResult {
   std::string dwell;
 };
 
-// What happened. `what`: "state", "fault", "loss", "action", "recording", "clock"; `text`: one line for people.
+// What happened. `what`: "state", "fault", "loss", "action", "recording", "clock", "alarm"; `text`: one line for
+// people.
 struct StoredEvent {
   std::uint64_t position = 0;
   std::string utc;

@@ -6,8 +6,11 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <future>
+#include <memory>
 #include <utility>
 
+#include "daemon/record/beside.hpp"
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/directory_lock.hpp"
 #include "daemon/record/disk_reserve.hpp"
@@ -15,6 +18,7 @@
 #include "daemon/record/key_file.hpp"
 #include "daemon/record/last_entry.hpp"
 #include "daemon/record/ledger_book.hpp"
+#include "daemon/record/prepared_run.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -108,18 +112,23 @@ Result<Found> look_into(const std::string& directory, CutOffRun run) {
 // The lock first: it is released last.
 struct RunFolder::Impl {
   explicit Impl(FolderOptions the_options)
-      : options(std::move(the_options)), reserve(options.directory + "/reserve", options.reserve_bytes) {}
+      : options(std::move(the_options)),
+        reserve(options.directory + "/reserve", options.reserve_bytes),
+        prepared(options.directory) {}
 
   const FolderOptions options;
   DirectoryLock lock;
   DiskReserve reserve;
   std::optional<KeyAndLedger> signs;  // none: not open
   std::optional<CutOffRun> cut_off;
+  PreparedRun prepared;
+  std::optional<Ledger::EndOfFile> ended;  // a run that the ledger is yet to be told of
   // Of the run that is recorded.
   std::optional<ChainWriter> file;
   std::string name, origin;
   std::int64_t run = 0;
   std::optional<Anchor> last_head;  // of the run before
+  Beside beside;
 
   // The file that was cut off is not altered.
   Result<void> tell_of_cut_off() {
@@ -131,7 +140,7 @@ struct RunFolder::Impl {
     if (!found.run.file.empty()) {
       if (auto seen = look_into(options.directory, found.run)) found = std::move(*seen);
     }
-    Result<void> told = ledger.run_ends(found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff);
+    Result<void> told = ledger.run_ends({found.run.run, found.head, found.seq, found.closed ? kClosed : kCutOff});
     if (told && !found.closed) cut_off = std::move(found.run);
     return told;
   }
@@ -149,29 +158,99 @@ struct RunFolder::Impl {
     return Anchor{{}, origin, file->committed(), file->committed_head()};
   }
 
-  // Enters a run without a file into the ledger, with the reason.
-  void give_up(const std::string& why) {
+  // A run that a crash left at its first name, which alone was sure to survive. Its name, if it has entries.
+  Result<std::string> give_name(std::int64_t number, const RunHeader& header) {
+    std::string full = signs->ledger.file_of(number);
+    if (full.empty()) full = file_of_run(options.directory, number);
+    if (full.empty()) full = run_file_name(options.rig, number, compact_utc(header.start_utc));
+    const std::string path = prepared.path_of(number), to = options.directory + "/" + full;
+    for (const char* part : {"-wal", ""})
+      if (link((path + part).c_str(), (to + part).c_str()) != 0 && errno != EEXIST && errno != ENOENT)
+        return tl::unexpected(to + part + ": " + std::strerror(errno));
+    if (auto kept = ChainWriter::drop_name(path, to); !kept) return tl::unexpected(kept.error());
+    return full;
+  }
+
+  // Runs that had hardly begun as a crash came. First all files get their names. Then the ledger is told of the run
+  // that it knows to go on, and then of a run that it has not heard of: that followed right after.
+  Result<void> tell_of_crash() {
+    std::vector<std::pair<RunHeader, std::string>> unknown;
+    for (const std::int64_t number : prepared.left_over()) {
+      auto reader = ChainReader::open(prepared.path_of(number), ChainSort::run);
+      const auto first = reader ? reader->next() : tl::unexpected(reader.error());
+      if (const auto header =
+              first && *first ? parse_run_header((*first)->entry.body) : tl::unexpected(std::string())) {
+        const auto given = give_name(number, *header);
+        if (!given) return tl::unexpected(given.error());
+        if (signs->ledger.file_of(number).empty()) unknown.emplace_back(*header, *given);
+      }
+      prepared.remove(number);
+    }
+    // Beside what the ledger is told now: a run may begin at once.
+    if (unknown.empty()) prepared.make(signs->ledger.next_run());
+    if (auto told = tell_of_cut_off(); !told) return told;
+    for (const auto& [header, its_name] : unknown) {
+      auto told = signs->ledger.run_begins(header, its_name).and_then([&] { return tell_of_cut_off(); });
+      if (!told) return told;
+    }
+    return enter_runs_without_file();
+  }
+
+  Result<void> has_room() {
+    if (auto held = reserve.hold(); !held) return held;
+    const auto room = free_bytes(options.directory);
+    if (!room) return tl::unexpected(room.error());
+    if (*room >= options.room_bytes) return {};
+    return tl::unexpected("disk full: " + std::to_string(*room / 1'000'000) + " MB are free in " + options.directory +
+                          ", a run needs " + std::to_string(options.room_bytes / 1'000'000) + " MB to begin");
+  }
+
+  // Tells the ledger of a run that has ended, if it is yet to be told.
+  Result<void> tell_of_end() {
+    if (!ended) return {};
+    auto told = signs->ledger.run_ends(*ended);
+    if (told) ended.reset();
+    return told;
+  }
+
+  // Enters the run that begins, and the end of the one before if that waits for it. Any thread, while no other uses the
+  // ledger.
+  Result<void> enter(const RunHeader& header) {
+    return ended ? signs->ledger.run_follows(*ended, header, name) : signs->ledger.run_begins(header, name);
+  }
+
+  void remove_file() {
     file.reset();
     for (const char* part : {"", "-wal", "-shm"}) unlink((options.directory + "/" + name + part).c_str());
+    prepared.remove(run);
+  }
+
+  // Enters a run without a file into the ledger, with the reason.
+  void give_up(const std::string& why) {
+    remove_file();
     reserve.release();
-    [[maybe_unused]] auto told = signs->ledger.run_ends(run, {}, 0, kCutOff).and_then([&] {
+    [[maybe_unused]] auto told = signs->ledger.run_ends({run, {}, 0, kCutOff}).and_then([&] {
       return signs->ledger.run_deleted(run, {}, "its file could not be made: " + why);
     });
     name.clear();
     [[maybe_unused]] auto held = reserve.hold();
   }
 
-  Result<void> make_file(const RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
-    auto made = ChainWriter::create(options.directory + "/" + name, ChainSort::run, origin, signs->key);
+  Result<void> fill_file(const RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
+    auto made = prepared.take(run);
     if (!made) return tl::unexpected(made.error());
     file.emplace(std::move(*made));
+    if (auto named = file->take_name(options.directory + "/" + name, origin, signs->key); !named) return named;
     if (auto appended = file->append("run", t_ns, to_json(header)); !appended) return appended;
     return append_and_commit(*file, first);
   }
 };
 
 RunFolder::RunFolder(FolderOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
-RunFolder::~RunFolder() = default;
+RunFolder::~RunFolder() {
+  if (impl_->signs) [[maybe_unused]]
+    const auto told = impl_->tell_of_end();
+}
 
 Result<void> RunFolder::open() {
   Impl& self = *impl_;
@@ -182,7 +261,11 @@ Result<void> RunFolder::open() {
   auto signs = open_key_and_ledger(self.options.directory, self.options.key_name);
   if (!signs) return tl::unexpected(signs.error());
   self.signs.emplace(std::move(*signs));
-  auto told = self.tell_of_cut_off().and_then([&] { return self.enter_runs_without_file(); });
+  auto told = self.tell_of_crash();
+  if (told) {
+    self.prepared.make(self.signs->ledger.next_run());
+    told = self.signs->ledger.begin_log();
+  }
   if (!told) self.signs.reset();
   return told;
 }
@@ -193,40 +276,48 @@ Result<void> RunFolder::ready() {
   Impl& self = *impl_;
   if (auto opened = open(); !opened) return opened;
   if (self.file) return {};
-  if (auto held = self.reserve.hold(); !held) return held;
-  const auto room = free_bytes(self.options.directory);
-  if (!room) return tl::unexpected(room.error());
-  if (*room >= self.options.room_bytes) return {};
-  return tl::unexpected("disk full: " + std::to_string(*room / 1'000'000) + " MB are free in " +
-                        self.options.directory + ", a run needs " +
-                        std::to_string(self.options.room_bytes / 1'000'000) + " MB to begin");
+  if (auto told = self.tell_of_end(); !told) return told;
+  auto can = self.has_room();
+  if (can) self.prepared.make(self.signs->ledger.next_run());
+  return can;
 }
 
 Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
   Impl& self = *impl_;
-  if (auto can = ready(); !can) return can;
+  auto can = open().and_then([&] { return self.has_room(); });
+  if (!can) return can;
   auto id = random_id();
   if (!id) return tl::unexpected(id.error());
   header.id = std::move(*id);
   header.run = self.signs->ledger.next_run();
-  header.previous_head = self.signs->ledger.newest_head();
+  header.previous_head = self.ended ? self.ended->head : self.signs->ledger.newest_head();
   header.vkey = self.signs->key.public_key().vkey();
   self.run = header.run;
   self.origin = "dwell/run/" + header.id;
   self.name = run_file_name(self.options.rig, header.run, compact_utc(header.start_utc));
-  // The ledger first: otherwise a crash would leave a file whose number the next run takes again.
-  auto begun = self.signs->ledger.run_begins(header, self.name);
-  if (!begun) {
-    self.name.clear();
+  // Ledger and file at once, since each waits for the disk. A crash may leave one without the other: open() knows both.
+  auto entered = std::async([&] { return self.enter(header); });
+  auto begun = self.fill_file(header, t_ns, first);
+  const auto told = entered.get();
+  if (told) self.ended.reset();
+  if (told && begun) {
+    self.beside.start([first_name = self.prepared.path_of(self.run), kept = self.options.directory + "/" + self.name] {
+      return ChainWriter::drop_name(first_name, kept);
+    });
     return begun;
   }
-  begun = self.make_file(header, t_ns, first);
-  if (!begun) self.give_up(begun.error());
-  return begun;
+  if (told) {
+    self.give_up(begun.error());
+    return begun;
+  }
+  self.remove_file();
+  self.name.clear();
+  return told;
 }
 
 Result<void> RunFolder::write(std::span<const NewEntry> batch) {
   auto written = append_and_commit(*impl_->file, batch);
+  if (written) impl_->prepared.make(impl_->run + 1);
   // The reason is in the run's own file.
   const std::string path = impl_->options.directory + "/" + impl_->name + ": ";
   if (!written && written.error().substr(0, path.size()) == path)
@@ -235,19 +326,28 @@ Result<void> RunFolder::write(std::span<const NewEntry> batch) {
 }
 
 // The reserve is for the last entries, for what moves from the -wal into the file, and for the ledger's entry.
-Result<void> RunFolder::end(std::span<const NewEntry> last) {
+Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   Impl& self = *impl_;
   self.reserve.release();
   const auto written = append_and_commit(*self.file, last);
-  const auto closed = written.and_then([&] { return self.file->close(); });
   self.last_head = self.head();
-  const auto told = self.signs->ledger.run_ends(self.run, hex(self.last_head->head), self.last_head->seq,
-                                                written ? kClosed : kCutOff);
+  self.ended = {self.run, hex(self.last_head->head), self.last_head->seq, written ? kClosed : kCutOff};
+  if (written)
+    self.beside.start([file = std::make_unique<ChainWriter>(std::move(*self.file)), name = self.name] {
+      return file->close().map_error([&](const std::string& why) { return name + " could not be closed: " + why; });
+    });
   self.file.reset();
   self.name.clear();
-  [[maybe_unused]] auto held = self.reserve.hold();  // if there is no room now, ready() tries again
-  return closed ? told : closed;
+  const auto told = another ? Result<void>() : self.tell_of_end();
+  return written ? told : written;
 }
+
+std::shared_future<void> RunFolder::closed() const { return impl_->beside.done(); }
+void RunFolder::settle() {
+  impl_->prepared.wait();
+  impl_->beside.settle();
+}
+std::vector<std::string> RunFolder::take_failures() { return impl_->beside.take_failures(); }
 
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
 const std::string& RunFolder::file() const noexcept { return impl_->name; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,7 +48,16 @@ class RunFolder final : public RunStore {
   [[nodiscard]] Result<void> ready() override;
   [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;
   [[nodiscard]] Result<void> write(std::span<const NewEntry> batch) override;
-  [[nodiscard]] Result<void> end(std::span<const NewEntry> last) override;
+  // The -wal is merged into the file beside the caller, whom this does not keep waiting.
+  [[nodiscard]] Result<void> end(std::span<const NewEntry> last, bool another) override;
+
+  // Ready when the files of all runs that have ended are closed. Until then others should leave them alone. Not valid:
+  // none has ended.
+  [[nodiscard]] std::shared_future<void> closed() const;
+  // Waits until they are, and for all else that goes on beside.
+  void settle();
+  // What has failed beside since the last call, a sentence each.
+  [[nodiscard]] std::vector<std::string> take_failures();
 
   // The run that open() found cut off, once.
   [[nodiscard]] std::optional<CutOffRun> take_cut_off();

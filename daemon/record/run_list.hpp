@@ -21,7 +21,7 @@ struct ListedRun {
   std::string ended_utc;      // of one that was cut off: of its last entry; empty: it goes on
   std::string state;          // "recording", "closed", "cut off", "unreadable"
   std::uint64_t bytes = 0;    // on the disk, its -wal included
-  std::uint64_t samples = 0;  // 0 of one that was cut off
+  std::uint64_t samples = 0;  // 0: not known, the run was cut off
   std::uint64_t dwells = 0;   // that have ended in it
   std::string head;           // of its last entry, hexadecimal; empty while it goes on
   bool kept = false;          // protected: retention never deletes it
@@ -40,7 +40,7 @@ void look_at_runs(const std::string& directory, const std::string& running, cons
 // Whether a file NAME.keep stands beside the run's file.
 [[nodiscard]] bool is_kept(const std::string& directory, const std::string& name);
 
-// Thread-safe: one thread writes, any reads.
+// Thread-safe: any thread writes and reads.
 class RunList {
  public:
   // The newest runs that are listed: 5 MB. Older files stay where they are, and can be read by name.

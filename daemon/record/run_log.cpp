@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 namespace dwell::record {
@@ -60,6 +61,7 @@ void RunLog::set_clock(const ClockPair& now) {
 }
 
 void RunLog::record(const Record& record) {
+  if (!last_.empty() && record.kind != Kind::run) write(std::exchange(last_, {}));
   if (cutter_.is_due_before(record)) cut();
   cutter_.add(record);
   if (run_ && run_->ending.empty()) told_by_stream_.take(record, cutter_.number() + 1 - run_->born);
@@ -145,17 +147,19 @@ void RunLog::gap(std::uint64_t lost) {
 }
 
 // A block is complete. Writes it into the file, or keeps it.
-void RunLog::cut() {
+void RunLog::cut(bool another) {
   if (run_ && run_->ending.empty()) return write_block();
-  if (run_) close(take_notes(run_->last_t_ns), run_->ending);
+  if (run_) close(take_notes(run_->last_t_ns), run_->ending, another);
   if (cutter_.empty()) return;
   if (follows_) return kept_.add(cutter_.take());
   cutter_.clear();
 }
 
 void RunLog::write_block() {
-  if (cutter_.empty()) return;
-  std::vector<NewEntry> batch = take_batch();
+  if (!cutter_.empty()) write(take_batch());
+}
+
+void RunLog::write(std::vector<NewEntry> batch) {
   if (auto written = store_.write(batch); !written) return fail(std::move(batch), written.error());
   run_->committed_ns = now_.raw_ns;
   for (const NewEntry& entry : batch) run_->bytes += entry.body.size();
@@ -202,8 +206,8 @@ RunHeader RunLog::make_header(const Request* request, std::int64_t first_t_ns) {
 }
 
 void RunLog::begin(const Record& edge) {
-  if (run_ && run_->ending.empty()) end_now("another run begins");
-  cut();
+  if (run_ && run_->ending.empty()) end_now("another run begins", true);
+  cut(true);
   const auto ago = static_cast<std::uint64_t>(std::max(edge.value, 0.0));
   const std::uint64_t born = cutter_.number() - std::min(ago, cutter_.number());
   std::deque<Block> blocks = kept_.take_from(born);
@@ -245,20 +249,21 @@ void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector
   batch.push_back({"event", t_ns, to_json(event)});
 }
 
-// The last dwell may end with the run. So the file is closed only with the next block.
+// The last dwell may end with the run. So the file is closed only with the next block. Its last block is written now,
+// unless another run begins at once: then with what closes it, which is a wait for the disk less.
 void RunLog::end(const Record& edge) {
   stopped_.clear();
   if (!run_ || !run_->ending.empty()) return cut();
   note_request(edge);
-  write_block();
-  if (run_) run_->ending = why_text(static_cast<EndOfRun>(edge.value));
+  last_ = take_batch();
+  run_->ending = why_text(static_cast<EndOfRun>(edge.value));
 }
 
-void RunLog::end_now(const std::string& why) {
+void RunLog::end_now(const std::string& why, bool another) {
   if (run_->ending.empty()) {
-    close(take_batch(), why);
+    close(take_batch(), why, another);
   } else {
-    close(take_notes(run_->last_t_ns), run_->ending);
+    close(take_notes(run_->last_t_ns), run_->ending, another);
   }
 }
 
@@ -273,10 +278,12 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   stop(reason);
 }
 
-void RunLog::close(std::vector<NewEntry> batch, std::string why) {
+void RunLog::close(std::vector<NewEntry> batch, std::string why, bool another) {
   const std::int64_t t_ns = run_->last_t_ns;
+  batch.insert(batch.begin(), std::make_move_iterator(last_.begin()), std::make_move_iterator(last_.end()));
+  last_.clear();
   batch.push_back({"end", t_ns, to_json(RunEnd{why, run_->records, run_->samples, utc_now()})});
-  const auto ended = store_.end(batch);
+  const auto ended = store_.end(batch, another);
   const RunProgress run = *std::exchange(run_, std::nullopt);
   const std::string text = named(run.header) + " ended: " + why + "; " + seconds_text(t_ns - run.first_t_ns) + ", " +
                            std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";

@@ -87,14 +87,16 @@ class RunLog {
   [[nodiscard]] std::size_t kept_bytes() const noexcept { return kept_.bytes(); }
 
  private:
-  void cut();
+  // another: a run begins at once after the one that this closes.
+  void cut(bool another = false);
   void write_block();
+  void write(std::vector<NewEntry> batch);
   void begin(const Record& edge);
   void end(const Record& edge);
-  void end_now(const std::string& why);
+  void end_now(const std::string& why, bool another = false);
   void stop(const std::string& why);
   void fail(std::vector<NewEntry> batch, const std::string& reason);
-  void close(std::vector<NewEntry> batch, std::string why);
+  void close(std::vector<NewEntry> batch, std::string why, bool another = false);
   [[nodiscard]] std::vector<NewEntry> take_batch();
   [[nodiscard]] std::vector<NewEntry> take_notes(std::int64_t t_ns);
   void note(StoredEvent event);
@@ -119,6 +121,7 @@ class RunLog {
   std::deque<Early> early_;
   StreamEvents told_by_stream_;
   std::vector<NewEntry> notes_;  // results and events since the last block
+  std::vector<NewEntry> last_;   // the last block of a run that has just ended; the next record decides when it goes
   std::optional<RunProgress> run_;
   std::deque<Request> requests_;  // newest last
   std::string stopped_, interrupted_;

@@ -2,9 +2,11 @@
 // or signatures: audit.hpp does.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,10 +34,16 @@ class RunReader {
   // Each hands its items to `take`, in order, as long as that returns true. take must not call this reader. Fails with
   // "FILE: entry N: what is wrong", possibly after some items.
   //
-  // Every record of the stream; blocks are read on a thread of its own, ahead of `take`. Cost: about 0.03 µs a record.
-  [[nodiscard]] Result<void> stream(const std::function<bool(const Record&)>& take);
+  // Every record of the stream; blocks are read on a thread of its own, ahead of `take`. Cost: about 0.02 µs a record.
+  template <class Take>
+  [[nodiscard]] Result<void> stream(const Take& take) {
+    return blocks(each_of(take));
+  }
   // The same, from the block on that holds the instant t_ns; none if the stream ends before.
-  [[nodiscard]] Result<void> stream_from(std::int64_t t_ns, const std::function<bool(const Record&)>& take);
+  template <class Take>
+  [[nodiscard]] Result<void> stream_from(std::int64_t t_ns, const Take& take) {
+    return blocks_from(t_ns, each_of(take));
+  }
   // finals: only the final results of dwells.
   [[nodiscard]] Result<void> results(bool finals, const std::function<bool(const StoredResult&)>& take);
   [[nodiscard]] Result<void> events(const std::function<bool(const StoredEvent&)>& take);
@@ -43,6 +51,15 @@ class RunReader {
   [[nodiscard]] Result<std::vector<PersonalSignature>> signatures();
 
  private:
+  using TakeBlock = std::function<bool(std::span<const Record>)>;
+  // Inline, so that a record costs no call by a pointer.
+  template <class Take>
+  [[nodiscard]] static TakeBlock each_of(const Take& take) {
+    return [&take](std::span<const Record> block) { return std::all_of(block.begin(), block.end(), std::ref(take)); };
+  }
+  [[nodiscard]] Result<void> blocks(const TakeBlock& take);
+  [[nodiscard]] Result<void> blocks_from(std::int64_t t_ns, const TakeBlock& take);
+
   struct Impl;
   explicit RunReader(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

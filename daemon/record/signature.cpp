@@ -1,10 +1,12 @@
 #include "daemon/record/signature.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/utf8.hpp"
 
 namespace dwell::record {
 namespace {
@@ -43,14 +45,16 @@ Result<PersonalSignature> append(ChainWriter& file, const EndedRun& run, const P
   return signature;
 }
 
-}  // namespace
-
-Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature) {
-  const std::optional<Digest> head = from_hex(signature.head);
-  if (!head) return fails("the head of a signature is 64 hexadecimal digits");
-  std::string text = "dwell/signature/" + run_id + "\n" + std::to_string(signature.seq) + "\n" +
-                     base64({reinterpret_cast<const char*>(head->data()), head->size()}) + "\n";
-  for (const std::string* part : {&signature.name, &signature.meaning, &signature.reason, &signature.utc}) {
+// What the person says, a line each. Fails if a run file could not hold it.
+Result<std::string> lines_of(const PersonalSignature& signature) {
+  std::string text;
+  const std::initializer_list<std::pair<const char*, const std::string*>> parts = {{"name", &signature.name},
+                                                                                   {"meaning", &signature.meaning},
+                                                                                   {"reason", &signature.reason},
+                                                                                   {"utc", &signature.utc}};
+  for (const auto& [what, part] : parts) {
+    // The entry is JSON. It would hold other bytes than were signed.
+    if (const std::string why = why_not_utf8(*part); !why.empty()) return fails(std::string(what) + ": " + why);
     if (std::any_of(part->begin(), part->end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }))
       return fails("name, meaning and reason are one line each, without control characters");
     text += *part + "\n";
@@ -58,9 +62,23 @@ Result<std::string> signature_text(const std::string& run_id, const PersonalSign
   return text;
 }
 
+}  // namespace
+
+Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature) {
+  const std::optional<Digest> head = from_hex(signature.head);
+  if (!head) return fails("the head of a signature is 64 hexadecimal digits");
+  const std::string text = "dwell/signature/" + run_id + "\n" + std::to_string(signature.seq) + "\n" +
+                           base64({reinterpret_cast<const char*>(head->data()), head->size()}) + "\n";
+  const Result<std::string> words = lines_of(signature);
+  if (!words) return words;
+  return text + *words;
+}
+
 Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSignature signature,
                                           const SigningKey& service) {
   if (!signature.person) return fails("the service signs only for a user of this computer");
+  // Checked first: opening the file for writing alters it.
+  if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
   const Result<EndedRun> run = read_ended(path);
   if (!run) return fails(run.error());
   if (!(run->key == service.public_key()))
@@ -77,6 +95,7 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
 }
 
 Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature, const SigningKey& own) {
+  if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
   const Result<EndedRun> run = read_ended(path);
   if (!run) return fails(run.error());
   Result<ChainWriter> file = ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key);

@@ -8,8 +8,8 @@
 
 namespace dwell::record {
 
-// The lines that a person's own key signs, each with its newline. Fails if a member holds a control character, a
-// newline for instance.
+// The lines that a person's own key signs, each with its newline. Fails if a member is not UTF-8 or holds a
+// control character, a newline for instance.
 [[nodiscard]] Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature);
 
 // Each appends one signature to the closed run file `path` and returns it as written, for the ledger. The caller fills

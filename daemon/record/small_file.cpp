@@ -7,7 +7,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <utility>
+
+#include "daemon/record/regular_file.hpp"
 
 namespace dwell::record {
 namespace {
@@ -15,21 +16,6 @@ namespace {
 tl::unexpected<std::string> failure(const std::string& path) {
   return tl::unexpected(path + ": " + std::strerror(errno));
 }
-
-// A descriptor that is closed with its owner.
-class Open {
- public:
-  Open(const std::string& path, int flags, mode_t mode = 0644) : number_(open(path.c_str(), flags | O_CLOEXEC, mode)) {}
-  ~Open() {
-    if (number_ >= 0) close(number_);
-  }
-  Open(const Open&) = delete;
-  Open& operator=(const Open&) = delete;
-  [[nodiscard]] int get() const noexcept { return number_; }
-
- private:
-  int number_;
-};
 
 bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
@@ -42,19 +28,20 @@ bool write_all(int file, std::string_view bytes) {
 }
 
 Result<void> write_synchronized(const std::string& path, int flags, std::string_view bytes) {
-  const Open file(path, O_WRONLY | O_CREAT | flags);
-  if (file.get() < 0 || !write_all(file.get(), bytes) || fsync(file.get()) != 0) return failure(path);
+  const Result<OpenFile> file = open_regular(path, O_WRONLY | O_CREAT | flags);
+  if (!file) return tl::unexpected(file.error());
+  if (!write_all(file->get(), bytes) || fsync(file->get()) != 0) return failure(path);
   return {};
 }
 
 }  // namespace
 
 Result<std::string> read_small_file(const std::string& path, std::size_t limit) {
-  const Open file(path, O_RDONLY);
-  if (file.get() < 0) return failure(path);
+  const Result<OpenFile> file = open_regular(path);
+  if (!file) return tl::unexpected(file.error());
   std::string bytes;
   char part[16384];
-  for (ssize_t count = 0; (count = read(file.get(), part, sizeof part)) != 0;) {
+  for (ssize_t count = 0; (count = read(file->get(), part, sizeof part)) != 0;) {
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return failure(path);
     bytes.append(part, static_cast<std::size_t>(count));
@@ -75,8 +62,8 @@ Result<void> append_line(const std::string& path, std::string_view line) {
 Result<void> rename_durably(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) return failure(to);
   const auto parent = std::filesystem::path(to).parent_path();
-  const Open folder(parent.empty() ? "." : parent.string(), O_RDONLY | O_DIRECTORY);
-  if (folder.get() < 0 || fsync(folder.get()) != 0) return failure(to);
+  const OpenFile folder(::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder || fsync(folder.get()) != 0) return failure(to);
   return {};
 }
 

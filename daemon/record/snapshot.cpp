@@ -1,6 +1,5 @@
 #include "daemon/record/snapshot.hpp"
 
-#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,6 +12,7 @@
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/overlay_vfs.hpp"
+#include "daemon/record/regular_file.hpp"
 #include "daemon/record/sqlite.hpp"
 
 namespace dwell::record {
@@ -38,9 +38,10 @@ constexpr int kTries = 5;
 
 struct Snapshot::Impl {
   std::string path;
-  int wal_file = -1;
+  OpenFile wal_file;
   struct stat database_status {};
   WalHeader wal_header{};  // zero: the log is empty
+  std::string journal;     // what is wrong with a -journal; empty: there is none
   std::unique_ptr<OverlayVfs> vfs;
   Database database;
 
@@ -50,23 +51,26 @@ struct Snapshot::Impl {
   ~Impl() {
     database.reset();
     vfs.reset();
-    if (wal_file >= 0) ::close(wal_file);
   }
 
   // Locks the log, if there is one, and remembers what must not change.
   Result<void> hold() {
     const std::string wal = path + "-wal";
-    wal_file = ::open(wal.c_str(), O_RDONLY | O_CLOEXEC);
-    if (wal_file < 0 && errno != ENOENT) return tl::unexpected(wal + ": " + std::strerror(errno));
+    Result<OpenFile> opened = open_regular_if_there(wal);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    wal_file = std::move(*opened);
     // On a file system without locks there is no writer of ours either.
-    while (wal_file >= 0 && ::flock(wal_file, LOCK_SH) != 0 && errno == EINTR) continue;
+    while (wal_file && ::flock(wal_file.get(), LOCK_SH) != 0 && errno == EINTR) continue;
     if (::stat(path.c_str(), &database_status) != 0) return tl::unexpected(path + ": " + std::strerror(errno));
-    wal_header = header_of(wal_file);
-    return {};
+    wal_header = header_of(wal_file.get());
+    std::error_code none;
+    if (std::filesystem::exists(std::filesystem::symlink_status(path + "-journal", none)))
+      journal = "a -journal lies beside it, and neither a run nor a ledger ever has one";
+    return expect_regular(path);
   }
 
   Result<void> connect() {
-    vfs = std::make_unique<OverlayVfs>(wal_file);
+    vfs = std::make_unique<OverlayVfs>(wal_file.get());
     sqlite3* opened = nullptr;
     const int code = sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, vfs->name());
     database.reset(opened);
@@ -87,9 +91,9 @@ struct Snapshot::Impl {
     }, wal_now{};
     if (::stat(path.c_str(), &now) != 0 || !same_file(now, database_status)) return false;
     // A log that appeared later belongs to a later state.
-    if (wal_file < 0) return true;
-    return ::fstat(wal_file, &wal_now) == 0 && wal_now.st_nlink > 0 &&
-           (wal_header == WalHeader{} || header_of(wal_file) == wal_header);
+    if (!wal_file) return true;
+    return ::fstat(wal_file.get(), &wal_now) == 0 && wal_now.st_nlink > 0 &&
+           (wal_header == WalHeader{} || header_of(wal_file.get()) == wal_header);
   }
 };
 
@@ -106,8 +110,8 @@ Result<Snapshot> Snapshot::open(const std::string& path) {
   for (int tries = 1;; ++tries) {
     auto impl = std::make_unique<Impl>();
     impl->path = real.string();
-    Result<void> done = impl->hold();
-    if (done) done = impl->connect();
+    if (Result<void> held = impl->hold(); !held) return tl::unexpected(std::move(held.error()));
+    Result<void> done = impl->connect();
     if (impl->unchanged()) {
       if (!done) return tl::unexpected(std::move(done.error()));
       return Snapshot(std::move(impl));
@@ -119,6 +123,8 @@ Result<Snapshot> Snapshot::open(const std::string& path) {
 sqlite3* Snapshot::database() const noexcept { return impl_->database.get(); }
 const std::string& Snapshot::path() const noexcept { return impl_->path; }
 bool Snapshot::unchanged() const noexcept { return impl_->unchanged(); }
-const std::string& Snapshot::altered() const noexcept { return impl_->vfs->altered(); }
+const std::string& Snapshot::altered() const noexcept {
+  return impl_->journal.empty() ? impl_->vfs->altered() : impl_->journal;
+}
 
 }  // namespace dwell::record

@@ -15,7 +15,7 @@ struct sqlite3;
 
 namespace dwell::record {
 
-// How the message begins when a writer had to break a snapshot. Reading again helps.
+// The reason, behind "PATH: ", if a writer merged the -wal into the file during reading. Open the file again and retry.
 inline constexpr const char* kReadAgain = "written to while it was read: read it again";
 
 // Bound to one thread.
@@ -31,7 +31,7 @@ class Snapshot {
   [[nodiscard]] const std::string& path() const noexcept;
   // Whether everything read so far is of one state. Cost: three system calls.
   [[nodiscard]] bool unchanged() const noexcept;
-  // Damage of the -wal that no crash causes; empty: none.
+  // Damage of the -wal that no crash causes, or a -journal beside the file; empty: none.
   [[nodiscard]] const std::string& altered() const noexcept;
 
  private:

@@ -25,7 +25,7 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 // "PATH: reason" of the call on `database` that has just failed. A full disk reads "disk full" whichever call met it.
 [[nodiscard]] std::string sqlite_error(sqlite3* database, const std::string& path);
 
-// What SQLite says of the call that has just failed. It may repeat what the file holds: one_line() of it.
+// SQLite's message for the call that has just failed, passed through one_line(): it may repeat bytes of the file.
 [[nodiscard]] std::string sqlite_message(sqlite3* database);
 
 // For a message: at most 200 bytes of `text`, control characters as "?".

@@ -1,4 +1,4 @@
-// Makes events for people of the faults, losses and channel states in the stream.
+// Turns the faults, losses and channel states of the stream into events, each one line for people.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,8 @@ struct StreamNames {
 // Why samples were lost, for people: "the merger was full".
 [[nodiscard]] const char* loss_text(Loss loss) noexcept;
 
-// Bound to one thread. A fault or loss that repeats makes one event per block, with the total count.
+// Bound to one thread. All repetitions of a fault or loss between two calls of drain() make one event, with their
+// count. Channel states beyond 1000 between two calls are dropped without an event: bounds what a broken stream takes.
 class StreamEvents {
  public:
   // `position`: of the record in its run.

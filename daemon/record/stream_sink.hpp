@@ -1,12 +1,13 @@
 // What the estimation thread hands to the recorder: the ordered stream, and the published dwells with their positions.
 //
-// A run that the drive begins also holds some time before the drive. So pipelines are born before runs, each at a
-// record of Kind::run with RunEdge::armed. While no run goes on, two of them live, the elder at least 10 s old. Every
-// 10 s the elder is given up and a new one is born. Once the elder sees the drive, a record says RunEdge::begins: the
-// run reaches back to the birth of that pipeline. So the stream of a run file begins with the record RunEdge::armed of
-// its pipeline and ends with RunEdge::ends. RunEdge::begins states how far back the first record is; for this the
-// recorder keeps the records since the birth of the elder. Records RunEdge::armed of pipelines that were given up may
-// lie in between.
+// Brackets of a run. Three records of Kind::run mark it, each with a RunEdge:
+//   armed   a pipeline starts here. While no run goes on, two pipelines take the stream; the younger started one span
+//           (RunCycle::span_ns, at least 10 s) after the elder. After each span the elder is replaced
+//   begins  the elder has recognized the drive: the run begins. It reaches back to the elder's
+//           `armed`. Record::value says how many records earlier that is; the recorder keeps all records since then
+//   ends    the last record of the run
+// The stream of a run file begins with `armed` of its pipeline and ends with `ends`. Further `armed` records, of the
+// younger pipeline, may lie in between.
 //
 // Position. The record RunEdge::armed of the run's pipeline is position 1, each further record one more.
 //

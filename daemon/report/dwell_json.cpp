@@ -11,8 +11,6 @@
 namespace dwell {
 namespace {
 
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
 Json numbers(const std::vector<double>& values) {
   Json array = Json::array();
   for (const double value : values) array.push_back(json_number(value));
@@ -52,6 +50,17 @@ Json model_value(const ModelVerdict& model) {
           {"asked", json_number(model.asked)},
           {"seen", json_number(model.seen)},
           {"U", json_number(model.U)}};
+}
+
+Json limit_value(const JudgedLimit& limit, Motion motion) {
+  const bool stiffness = limit.kind == CoefficientKind::stiffness;
+  return {{"element", limit.element},
+          {"coefficient", to_string(limit.kind)},
+          {"low", json_number(limit.bounds.low)},
+          {"high", json_number(limit.bounds.high)},
+          {"unit", stiffness ? stiffness_unit(motion) : damping_unit(motion)},
+          {"verdict", to_string(limit.verdict)},
+          {"reason", json_text(limit.reason)}};
 }
 
 }  // namespace
@@ -107,13 +116,13 @@ Json json_value(const DwellView& view, Detail detail) {
   object["settled_s"] = json_number(d.settled_s);
   object["verdict_s"] = json_number(d.verdict_s);
   object["end_s"] = json_number(d.end_s);
-  object["start_utc"] = text_or_null(view.run.start_utc);
+  object["start_utc"] = json_text(view.run.start_utc);
   object["memory_time_s"] = json_number(d.memory_time_s);
   object["memory_time_predicted_s"] = json_number(d.memory_time_predicted_s);
   object["settles_in_s"] = json_number(d.settles_in_s);
   object["settling_reason"] = d.settling_reason;
-  object["rig_sha256"] = text_or_null(view.run.rig_sha256);
-  object["version"] = text_or_null(view.run.version);
+  object["rig_sha256"] = json_text(view.run.rig_sha256);
+  object["version"] = json_text(view.run.version);
   object["frequency_hz"] = estimate(d.frequency_hz);
   object["t_ref_s"] = json_number(d.t_ref_s);
 
@@ -127,6 +136,8 @@ Json json_value(const DwellView& view, Detail detail) {
     for (const ElementEstimate& e : d.elements) elements.push_back(json_element(e, view.motion, detail));
   }
   object["elements"] = std::move(elements);
+  // Not there without limits: results that were stored before there were any stay what a replay gives.
+  for (const JudgedLimit& limit : view.limits) object["limits"].push_back(limit_value(limit, view.motion));
   if (detail == Detail::whole) object["covariance"] = settled ? json_square(d.covariance) : Json::array();
 
   Json doubts = Json::array(), warnings = Json::array();
@@ -143,7 +154,7 @@ Json json_value(const DwellView& view, Detail detail) {
   object["doubts"] = std::move(doubts);
   object["unstated"] = d.unstated;
   object["motion"] = view.transient ? json_value(*view.transient, detail) : Json(nullptr);
-  object["motion_reason"] = text_or_null(view.transient ? view.transient->estimate.reason : "");
+  object["motion_reason"] = json_text(view.transient ? view.transient->estimate.reason : "");
   object["model"] = view.model ? model_value(*view.model) : Json(nullptr);
   return object;
 }

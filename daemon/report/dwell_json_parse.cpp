@@ -101,6 +101,23 @@ std::optional<ModelVerdict> model_of(const Json& value) {
   return model;
 }
 
+// Of a program that knew of no limits: none.
+std::vector<JudgedLimit> limits_of(const Json& value, Motion& motion) {
+  std::vector<JudgedLimit> limits;
+  if (!value.contains("limits")) return limits;
+  for (const Json& entry : array_of(value, "limits")) {
+    JudgedLimit& limit = limits.emplace_back();
+    limit.element = integer(member(entry, "element"), "element");
+    limit.kind = named(string_of(entry, "coefficient"), "coefficient", CoefficientKind::damping);
+    limit.bounds = {real_of(entry, "low"), real_of(entry, "high")};
+    limit.verdict = named(string_of(entry, "verdict"), "verdict", LimitVerdict::violated);
+    limit.reason = string_of(entry, "reason");
+    const std::string unit = string_of(entry, "unit");
+    if (unit == stiffness_unit(Motion::rotation) || unit == damping_unit(Motion::rotation)) motion = Motion::rotation;
+  }
+  return limits;
+}
+
 DwellView parse(const Json& value) {
   DwellView view;
   Dwell& d = view.dwell;
@@ -139,6 +156,7 @@ DwellView parse(const Json& value) {
   d.unstated = strings_of(value, "unstated");
   view.transient = motion_of(value);
   view.model = model_of(value);
+  view.limits = limits_of(value, view.motion);
   return view;
 }
 

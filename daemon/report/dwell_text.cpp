@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "daemon/report/coefficient_table.hpp"
+#include "daemon/report/limit_text.hpp"
 #include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
@@ -313,7 +314,7 @@ std::vector<std::string> legend_of(const std::vector<const Dwell*>& dwells) {
       if (here && std::find(unstated.begin(), unstated.end(), what) == unstated.end()) unstated.push_back(what);
   }
   if (!any) return {};
-  std::vector<std::string> texts{"± is the half width of the 95 % interval"};
+  std::vector<std::string> texts{"± is the half width of the 95 % interval, if the rig is as its file says"};
   if (some_insignificant) texts[0] += "; n.s.: not significant, smaller than its standard uncertainty";
   if (some_doubted) texts[0] += "; ?: do not rely on it, the reason stands with the dwell";
   if (!unstated.empty()) {
@@ -340,6 +341,7 @@ std::vector<Section> dwell_sections(const DwellView& view, const TextOptions& op
   std::vector<Section> sections;
   sections.push_back(doubt_section(view, options));
   for (Section& section : element_sections(view, options, rest)) sections.push_back(std::move(section));
+  sections.push_back(limit_section(view, options));
   for (Section& section : transient_sections(view, options)) sections.push_back(std::move(section));
   sections.push_back(warning_section(view, options));
   sections.push_back(verdict_section(view, options));

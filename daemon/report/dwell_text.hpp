@@ -1,6 +1,6 @@
 // A dwell as an operator reads it, what matters most first: the reasons not to rely on its numbers, the coefficients
-// with what their ± leaves out, the warnings; then settling and frequency, a table of channels, and where the terminal
-// is narrow the columns that found no room. Intervals are 95 %.
+// with what their ± leaves out, the verdicts on their limits, the warnings; then settling and frequency, a table of
+// channels, and where the terminal is narrow the columns that found no room. Intervals are 95 %.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once

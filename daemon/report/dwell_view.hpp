@@ -12,6 +12,7 @@
 #include "config/units.hpp"
 #include "core/result/dwell.hpp"
 #include "core/result/verification.hpp"
+#include "core/rig/limit.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -45,7 +46,8 @@ struct DwellView {
   // Of a live dwell: its coefficients from the transient, whose `reason` says why there are none; null: nothing is
   // known of it.
   std::shared_ptr<const MotionView> transient = nullptr;
-  std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell; none: its model has not been verified
+  std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell that has settled
+  std::vector<JudgedLimit> limits = {};              // the rig's, by this dwell's coefficients
 };
 
 // Units as the JSON writes them (ASCII).

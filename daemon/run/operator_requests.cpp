@@ -10,11 +10,6 @@ namespace {
 
 using Verb = record::Request::Verb;
 
-std::string words(const record::Person& by) {
-  const std::string uid = "uid " + std::to_string(by.uid);
-  return by.name.empty() ? uid : by.name + " (" + uid + ")";
-}
-
 std::string words(const OperatorRequest& request) {
   switch (request.verb) {
     case Verb::start:
@@ -23,6 +18,8 @@ std::string words(const OperatorRequest& request) {
       return "run stopped";
     case Verb::rearm:
       return "dwell re-armed";
+    case Verb::acknowledge:
+      break;
   }
   return {};
 }
@@ -62,11 +59,11 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
   told.number = number_;
   told.label = request.label;
   told.event.what = "action";
-  told.event.text = words(request) + " by " + words(by);
+  told.event.text = words(request) + " by " + record::who(by);
   told.event.person = by;
   told.event.before = standing();
   told.event.comment = request.comment;
-  if (request.verb == Verb::start) operators_run_ = "run \"" + request.label + "\", started by " + words(by);
+  if (request.verb == Verb::start) operators_run_ = "run \"" + request.label + "\", started by " + record::who(by);
   if (request.verb == Verb::stop) operators_run_.clear();
   told.event.after = request.verb == Verb::stop ? "no run" : standing();
   log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));

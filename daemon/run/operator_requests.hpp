@@ -18,6 +18,7 @@ struct OperatorRequest {
   record::Request::Verb verb = record::Request::Verb::start;
   std::string label;    // of start
   std::string comment;  // empty: none
+  std::string alarm{};  // of acknowledge: its name
 };
 
 // The name that the system knows the user by; empty: none.
@@ -29,7 +30,8 @@ class OperatorRequests {
   // Run and log must outlive this. recorder: null, or must outlive it too.
   OperatorRequests(Run& run, Log& log, record::RequestSink* recorder) : run_(run), log_(log), recorder_(recorder) {}
 
-  // The request enters the stream within 10 ms. Fails with the reason why it cannot be done.
+  // Not for `acknowledge`, which Alarms takes. The request enters the stream within 10 ms. Fails with the reason why it
+  // cannot be done.
   tl::expected<void, std::string> ask(const OperatorRequest& request, const record::Person& by);
 
  private:

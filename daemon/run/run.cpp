@@ -25,11 +25,12 @@ std::string iso_utc(std::int64_t utc_ns) {
 }
 
 EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges, std::shared_ptr<LongWork> work,
-                             record::StreamSink* sink) {
+                             record::StreamSink* sink, TraceFeed* traces) {
   EstimatorOptions options;
   options.hold_back_ns = hold_back_ns(file);
   options.gpio = edges;
   options.long_work = std::move(work);
+  options.traces = traces;
   options.runs = {file.recording.on, sink, file.recording.every_s, true};
   return options;
 }
@@ -37,11 +38,11 @@ EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges, std
 }  // namespace
 
 Run::Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
-         std::function<void()> wake, record::StreamSink* sink)
+         std::function<void()> wake, record::StreamSink* sink, TraceFeed* traces)
     : bracketed_(file.recording.on),
       info_{file.sha256, kVersion, {}},
       long_work_(std::make_shared<LongWork>(file.rig, file.verification.accuracy)),
-      estimator_(file.rig, std::move(devices), options_for(file, edges, long_work_, sink), log, std::move(wake),
+      estimator_(file.rig, std::move(devices), options_for(file, edges, long_work_, sink, traces), log, std::move(wake),
                  raw_now_ns()) {}
 
 void Run::start() {
@@ -68,6 +69,8 @@ bool Run::ask(record::Request::Verb verb, std::uint16_t request) noexcept {
       return estimator_.end_run(request);
     case record::Request::Verb::rearm:
       return estimator_.rearm(request);
+    case record::Request::Verb::acknowledge:
+      break;
   }
   return false;
 }

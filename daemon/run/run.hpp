@@ -23,8 +23,9 @@ class Run {
  public:
   // devices, edges (null: none), log and sink must outlive this. wake: called on the estimation thread when there is a
   // new snapshot or event; must not block. sink: gets the stream and the results; may be null.
+  // traces: gets the stream, for displays; may be null; must outlive this.
   Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Link* edges, Log& log,
-      std::function<void()> wake, record::StreamSink* sink = nullptr);
+      std::function<void()> wake, record::StreamSink* sink = nullptr, TraceFeed* traces = nullptr);
 
   void start();
   // Ends the run: the current dwell completes. What was published last can still be read. Harmless a second time.

@@ -23,6 +23,8 @@ constexpr std::int64_t kRecordBound_ns = 10'000'000'000;
 }  // namespace
 
 struct Session::Impl {
+  Impl(config::RigFile its_file, Log& its_log) : file(std::move(its_file)), log(its_log), traces(file.rig) {}
+
   config::RigFile file;
   Log& log;
   std::unique_ptr<record::Recorder> recorder;        // null: nothing is recorded
@@ -30,6 +32,9 @@ struct Session::Impl {
   std::vector<std::shared_ptr<DeviceHost>> devices;  // by RigFile::devices
   std::optional<gpio::GpioThread> gpio;
   std::unique_ptr<Outlet> lamps;
+  TraceFeed trace_feed;  // from the run's thread to this one
+  Traces traces;
+  std::uint64_t traces_lost = 0;  // records of them that are accounted for
   std::optional<Run> run;
   std::optional<OperatorRequests> operators;
 };
@@ -39,7 +44,7 @@ Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFile file,
                                                                   const config::SchemaSource& drivers, Log& log,
                                                                   std::function<void()> wake) {
-  auto impl = std::unique_ptr<Impl>(new Impl{std::move(file), log, {}, {}, {}, {}, {}, {}, {}});
+  auto impl = std::make_unique<Impl>(std::move(file), log);
   auto recorder = make_recorder(impl->file, drivers, log);
   if (!recorder) return tl::unexpected(std::move(recorder.error()));
   impl->recorder = std::move(*recorder);
@@ -65,7 +70,7 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
     edges = &impl->gpio->link();
     impl->lamps = make_lamps(*edges);
   }
-  impl->run.emplace(impl->file, std::move(feeds), edges, log, std::move(wake), impl->recorder.get());
+  impl->run.emplace(impl->file, std::move(feeds), edges, log, std::move(wake), impl->recorder.get(), &impl->trace_feed);
   impl->operators.emplace(*impl->run, log, impl->recorder.get());
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
@@ -93,6 +98,14 @@ const config::RigFile& Session::file() const noexcept { return impl_->file; }
 Run& Session::run() noexcept { return *impl_->run; }
 OperatorRequests& Session::operators() noexcept { return *impl_->operators; }
 gpio::Status Session::gpio() const { return impl_->gpio ? impl_->gpio->link().status() : gpio::Status{}; }
+const Traces& Session::traces() {
+  Impl& self = *impl_;
+  self.trace_feed.drain([&self](const Record& record) { self.traces.take(record); });
+  if (std::exchange(self.traces_lost, self.trace_feed.lost()) != self.traces_lost) self.traces.lost();
+  const std::vector<ChannelView>& channels = self.run->latest().channels;
+  for (std::size_t i = 0; i < channels.size(); ++i) self.traces.withhold(i, channels[i].condition == Condition::stuck);
+  return self.traces;
+}
 Outlet* Session::lamps() noexcept { return impl_->lamps.get(); }
 record::Recorder* Session::recorder() noexcept { return impl_->recorder.get(); }
 Outlet* Session::record_events() noexcept { return impl_->record_events.get(); }

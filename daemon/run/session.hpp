@@ -14,6 +14,7 @@
 #include "daemon/outlets/outlet.hpp"
 #include "daemon/run/operator_requests.hpp"
 #include "daemon/run/run.hpp"
+#include "daemon/traces/traces.hpp"
 #include "daemon/watchdog.hpp"
 
 namespace dwell {
@@ -40,6 +41,9 @@ class Session {
   [[nodiscard]] const config::RigFile& file() const noexcept;
   [[nodiscard]] Run& run() noexcept;
   [[nodiscard]] OperatorRequests& operators() noexcept;
+
+  // The traces with what has come until now; to be called a few times a second, so that nothing is lost on the way.
+  [[nodiscard]] const Traces& traces();
 
   // How the rig's GPIO lines stand; none is configured where there is no [gpio].
   [[nodiscard]] gpio::Status gpio() const;

@@ -10,25 +10,18 @@
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/verification_json.hpp"
+#include "daemon/serve/alarms_json.hpp"
+#include "daemon/serve/channel_status.hpp"
 #include "daemon/serve/events_json.hpp"
+#include "daemon/serve/metrics.hpp"
 #include "daemon/serve/page_query.hpp"
 #include "daemon/serve/recorder_json.hpp"
+#include "daemon/serve/traces_json.hpp"
 
 namespace dwell {
 namespace {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-double age_s(const ServiceView& view, const ChannelView& channel) {
-  return channel.heard_ns < 0 ? kNaN : std::max(0.0, static_cast<double>(view.now_ns - channel.heard_ns) * 1e-9);
-}
-
-const char* status_of(const ChannelView& channel) {
-  if (channel.fault != Fault::none) return to_string(channel.fault);
-  if (channel.overrange) return to_string(Condition::overrange);
-  // What delivers has been heard, whatever the condition says yet.
-  return to_string(channel.condition == Condition::unheard ? Condition::ok : channel.condition);
-}
 
 // Why it does not deliver, or what is wrong with what it delivers.
 Json reason_of(const ChannelView& channel) {
@@ -36,17 +29,40 @@ Json reason_of(const ChannelView& channel) {
   return reason.empty() ? Json(nullptr) : Json(reason);
 }
 
+const char* measured_by(const Channel& channel) {
+  switch (channel.measures) {
+    case Quantity::displacement:
+      return "displacement";
+    case Quantity::velocity:
+      return "velocity";
+    case Quantity::acceleration:
+      return "acceleration";
+    case Quantity::force:
+      return "force";
+    case Quantity::auxiliary:
+      break;
+  }
+  return "auxiliary";
+}
+
+// As the rig file names it.
+Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
+
 Json channels_json(const ServiceView& view) {
   Json list = Json::array();
   for (std::size_t i = 0; i < view.snapshot.channels.size(); ++i) {
     const ChannelView& channel = view.snapshot.channels[i];
     const Tally& tally = channel.tally;
+    const auto& relative_to = view.rig.channels[i].relative_to;
     list.push_back({{"name", view.rig.channels[i].name},
                     {"value", number(channel.value)},
                     {"unit", view.rig.channels[i].unit},
+                    {"measures", measured_by(view.rig.channels[i])},
+                    {"at", place(view.rig.channels[i].at)},
+                    {"relative_to", relative_to ? place(*relative_to) : Json(nullptr)},
                     {"status", status_of(channel)},
                     {"reason", reason_of(channel)},
-                    {"age_s", number(age_s(view, channel))},
+                    {"age_s", number(reading_age_s(channel, view.now_ns))},
                     {"rate_hz", number(channel.rate_hz)},
                     {"clock", channel.clock.kind == Clock::device ? "device" : "host"},
                     {"clock_rate_hz", number(channel.clock.rate_hz)},
@@ -115,6 +131,14 @@ Json run_json(const ServiceView& view) {
           {"text", view.health.run}};
 }
 
+Json modbus_json(const ServiceView& view) {
+  if (!view.modbus) return nullptr;
+  const ModbusStats& modbus = *view.modbus;
+  return {{"clients", modbus.clients},     {"answers", modbus.answers},     {"exceptions", modbus.exceptions},
+          {"malformed", modbus.malformed}, {"timed_out", modbus.timed_out}, {"refused", modbus.refused},
+          {"displaced", modbus.displaced}};
+}
+
 Json health_json(const ServiceView& view) {
   const Health& health = view.health;
   const Json stale = stale_json(view);
@@ -125,7 +149,7 @@ Json health_json(const ServiceView& view) {
                        {"ok", thread.turns(view.now_ns)}});
   }
   return {{"status", to_string(health.status)},
-          {"reason", health.reasons.empty() ? Json(nullptr) : Json(reason_of(health))},
+          {"reason", health.status == Health::Status::ok ? Json(nullptr) : Json(reason_of(health))},
           {"ready", health.ready},
           {"run", run_json(view)},
           {"state", to_string(view.snapshot.dwell.state)},
@@ -145,7 +169,9 @@ Json health_json(const ServiceView& view) {
             {"requests", view.http.requests},
             {"refused", view.http.refused},
             {"displaced", view.http.displaced},
+            {"wrong_tokens", view.wrong_tokens},
             {"events_dropped", view.http.events_dropped}}},
+          {"modbus", modbus_json(view)},
           {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}, {"failing", view.log.failing}}},
           {"recorder", recorder_json(view)}};
 }
@@ -236,36 +262,11 @@ std::string check_answer(const ServiceView& view) {
          {"rate_hz", number(channel.rate_hz)},
          // The instant is known to half the device's turnaround.
          {"latency_s", channel.heard_ns < 0 ? Json(nullptr) : number(2.0 * channel.half_width_s)},
-         {"age_s", number(age_s(view, channel))},
+         {"age_s", number(reading_age_s(channel, view.now_ns))},
          {"status", status_of(channel)},
          {"reason", reason_of(channel)}});
   }
   return dump(Json{{"rig", view.rig.name}, {"channels", std::move(list)}});
-}
-
-// Longer texts belong into a document beside the run.
-constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
-
-// An optional text of the request; fails with what is wrong.
-tl::expected<std::string, std::string> text_of(const Json& request, const char* key, std::size_t most) {
-  const auto given = request.find(key);
-  if (given == request.end()) return {};
-  const auto* text = given->get_ptr<const std::string*>();
-  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  if (text == nullptr || text->size() > most || std::any_of(text->begin(), text->end(), control))
-    return tl::unexpected("\"" + std::string(key) + "\" cannot be taken: expected text of at most " +
-                          std::to_string(most) + " bytes without control characters");
-  return *text;
-}
-
-std::string operator_answer(const Json& request, record::Request::Verb verb, const Operate& operate) {
-  const auto label = text_of(request, "label", kLabelBytes), comment = text_of(request, "comment", kCommentBytes);
-  if (!label) return control_error(label.error());
-  if (!comment) return control_error(comment.error());
-  if (verb == record::Request::Verb::start && label->empty())
-    return control_error("no label: expected {\"verb\":\"start\",\"label\":\"what is measured\"}");
-  const auto done = operate({verb, *label, *comment});
-  return done ? dump(Json{{"done", true}}) : control_error(done.error());
 }
 
 }  // namespace
@@ -278,23 +279,24 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   constexpr std::string_view kOne = "/api/v1/dwells/";
   if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
+  if (path == "/metrics") return {200, metrics_text(view), kExpositionType};
   if (path == "/api/v1/verification") return verification_answer(view);
   if (path == "/api/v1/events") return events_answer(view, query);
+  if (path == "/api/v1/alarms") return alarms_answer(view);
+  if (path == "/api/v1/traces") return traces_answer(view, query);
   if (path == "/api/v1/runs") return runs_answer(view, query);
   if (path == "/api/v1/health")
     return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
-  return http_error(
-      404,
-      "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
-      "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/events, /api/v1/health and /api/v1/stream");
+  return http_error(404,
+                    "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
+                    "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/events, /api/v1/alarms, "
+                    "/api/v1/health and /api/v1/stream");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate) {
-  // Depth first: the parser recurses, and a line may hold 64 KiB of brackets.
-  if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64)
-    return control_error("the line is too deeply nested");
-  const Json request = Json::parse(line, nullptr, false);
-  if (!request.is_object()) return control_error("not a JSON object");
+  const auto parsed = parse_request(line);
+  if (!parsed) return control_error(parsed.error());
+  const Json& request = *parsed;
   const auto verb = request.find("verb");
   if (verb == request.end() || !verb->is_string()) return control_error("no verb: expected {\"verb\":\"status\"}");
   const std::string& name = verb->get_ref<const std::string&>();
@@ -304,11 +306,12 @@ std::string control_answer(const ServiceView& view, std::string_view line, const
     return reply;
   }
   if (name == "check") return check_answer(view);
-  using Asked = record::Request::Verb;
-  if (name == "rearm") return operator_answer(request, Asked::rearm, operate);
-  if (name == "start") return operator_answer(request, Asked::start, operate);
-  if (name == "stop") return operator_answer(request, Asked::stop, operate);
-  return control_error("unknown verb \"" + name + "\"; there are status, check, start, stop, rearm and sign");
+  if (is_operator_verb(name)) {
+    const auto done = perform(name, request, operate);
+    return done ? dump(Json{{"done", true}}) : control_error(done.error().reason);
+  }
+  return control_error("unknown verb \"" + name +
+                       "\"; there are status, check, start, stop, rearm, acknowledge and sign");
 }
 
 }  // namespace dwell

@@ -3,13 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 
-#include "daemon/run/operator_requests.hpp"
 #include "daemon/serve/http_server.hpp"
+#include "daemon/serve/operator_verbs.hpp"
 #include "daemon/service_view.hpp"
 
 namespace dwell {
@@ -25,9 +23,6 @@ inline constexpr std::size_t kRunsPerAnswer = 100;
 
 // GET `path`.
 [[nodiscard]] HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query);
-
-// Does an operator's request, or fails with the reason.
-using Operate = std::function<tl::expected<void, std::string>(const OperatorRequest&)>;
 
 // One line of the control socket.
 [[nodiscard]] std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate);

@@ -9,10 +9,6 @@ namespace {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-bool same_name(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
-}
-
 bool is_address(int family, std::string_view text) {
   unsigned char binary[16];
   return inet_pton(family, std::string(text).c_str(), binary) == 1;
@@ -23,6 +19,10 @@ bool is_port(std::string_view text) {
 }
 
 }  // namespace
+
+bool same_name(std::string_view a, std::string_view b) noexcept {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
 
 bool is_our_host(std::string_view host, const std::vector<std::string>& names) {
   if (!host.empty() && host.front() == '[') {

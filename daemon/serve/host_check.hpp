@@ -15,4 +15,7 @@ namespace dwell {
 // difference. Pure.
 [[nodiscard]] bool is_our_host(std::string_view host, const std::vector<std::string>& names);
 
+// Whether two names are the same but for letter case. Pure.
+[[nodiscard]] bool same_name(std::string_view a, std::string_view b) noexcept;
+
 }  // namespace dwell

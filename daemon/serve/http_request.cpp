@@ -1,5 +1,7 @@
 #include "daemon/serve/http_request.hpp"
 
+#include <utility>
+
 #include "daemon/serve/host_check.hpp"
 
 namespace dwell {
@@ -11,11 +13,17 @@ std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector
     return HttpRefusal{http_error(421, "\"" + std::string(request.host) +
                                            "\" is no name of this service: expected a numeric address, localhost or "
                                            "one of [server] names in the rig file")};
-  if (!request.get && !request.head)
-    return HttpRefusal{http_error(405, "only GET and HEAD: this interface is for reading")};
+  if (request.method == HttpRequest::Method::other)
+    return HttpRefusal{method_refusal("GET, HEAD", "only GET and HEAD, and POST where something can be changed")};
   if (request.target.empty() || request.target.front() != '/')
     return HttpRefusal{http_error(400, "the target is no path"), false};
   return std::nullopt;
+}
+
+HttpReply method_refusal(std::string allowed, std::string_view reason) {
+  HttpReply reply = http_error(405, reason);
+  reply.allowed = std::move(allowed);
+  return reply;
 }
 
 HttpReply unless_known(HttpReply reply, const HttpRequest& request) {

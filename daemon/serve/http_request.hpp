@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,13 +14,17 @@ namespace dwell {
 
 // A request once it has been read; the views are of its own bytes.
 struct HttpRequest {
-  bool get = true;
-  bool head = false;
+  enum class Method : std::uint8_t { get, head, post, other };
+  Method method = Method::get;
   bool host_needed = true;  // HTTP/1.1
   std::size_t hosts = 1;    // Host fields
   std::string_view host;    // the first of them
   std::string_view target;
-  std::string_view known{};  // If-None-Match: tags of what the client has
+  std::string_view known{};                                              // If-None-Match: tags of what the client has
+  std::string_view authorization{}, content_type{}, cookie{}, origin{};  // the fields of these names; empty: none
+  std::string_view body{};
+  std::string_view from{};     // the client's numeric address
+  bool from_loopback = false;  // the client runs on this computer
 
   // `/api/v1/dwells` and `from=3` of "/api/v1/dwells?from=3".
   [[nodiscard]] std::string_view path() const noexcept { return target.substr(0, target.find('?')); }
@@ -36,6 +41,9 @@ struct HttpRefusal {
 };
 // names: by which clients may ask, beside numeric addresses and "localhost".
 [[nodiscard]] std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector<std::string>& names);
+
+// 405, with the methods that the path knows.
+[[nodiscard]] HttpReply method_refusal(std::string allowed, std::string_view reason);
 
 // The reply, or 304 without a body where the client has these bytes.
 [[nodiscard]] HttpReply unless_known(HttpReply reply, const HttpRequest& request);

@@ -5,8 +5,6 @@
 
 #include "daemon/serve/http_server.hpp"
 
-#include <netinet/in.h>
-
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
@@ -21,6 +19,7 @@
 #include "daemon/serve/event_loop.hpp"
 #include "daemon/serve/http_request.hpp"
 #include "daemon/serve/listener.hpp"
+#include "daemon/serve/tcp_listen.hpp"
 
 namespace dwell {
 
@@ -42,6 +41,9 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
 
   void welcome(tcp::socket socket);
   bool make_room();
+  // As one event that all streams share for which wanted(stream) holds.
+  template <class Wanted>
+  void send(std::string text, Wanted wanted);
 
   const HttpOptions options;
   const Handler handler;
@@ -56,11 +58,21 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
 
 namespace {
 
+// An IPv4 client of an IPv6 socket as what it is.
+asio::ip::address unmapped(const asio::ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
+  return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+}
+
 // One client: requests one after the other, or from a request for the stream on, events.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(std::shared_ptr<HttpServer::Impl> server, tcp::socket socket)
       : server_(std::move(server)), stream_(std::move(socket)) {
+    error_code ignored;
+    const asio::ip::address from = unmapped(stream_.socket().remote_endpoint(ignored).address());
+    from_ = from.to_string();
+    from_loopback_ = from.is_loopback();
     server_->connections.insert(this);
   }
   ~Connection() { forget(); }
@@ -104,6 +116,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (kept) return std::nullopt;
     return silent_since_;
   }
+  // Whether the query of this stream names the event.
+  [[nodiscard]] bool asks_for(std::string_view name) const noexcept {
+    for (std::string_view rest = stream_query_; !rest.empty();) {
+      const std::string_view term = rest.substr(0, rest.find('&'));
+      if (term == name) return true;
+      rest.remove_prefix(std::min(term.size() + 1, rest.size()));
+    }
+    return false;
+  }
   [[nodiscard]] bool served() const { return served_ && phase_ == Phase::asking; }
 
  private:
@@ -133,34 +154,51 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return answer(http_error(400, "not a request: " + error.message()), false, false);
     if (error) return;  // gone, or out of time: what it wanted is not known
     ++server_->counts.requests;
-    const auto& read = parser_->get();
-    const auto host = read[http::field::host], known = read[http::field::if_none_match];
-    const HttpRequest request{read.method() == http::verb::get,
-                              read.method() == http::verb::head,
-                              read.version() >= 11,
-                              read.count(http::field::host),
-                              {host.data(), host.size()},
-                              {read.target().data(), read.target().size()},
-                              {known.data(), known.size()}};
-    const bool head = request.head;
+    const bool keep_alive = parser_->get().keep_alive();
+    const HttpRequest request = asked();
+    const bool head = request.method == HttpRequest::Method::head;
     if (auto refused = refusal(request, server_->options.names))
-      return answer(std::move(refused->reply), head, !refused->ends && read.keep_alive());
-    const std::string_view path = request.path();
-    if (path == server_->options.stream_path && !head) {
-      if (server_->streams.size() < server_->options.streams) return begin_stream();
-      return answer(http_error(503, "too many live streams"), head, read.keep_alive());
-    }
+      return answer(std::move(refused->reply), head, !refused->ends && keep_alive);
+    const bool stream = request.path() == server_->options.stream_path;
+    if (stream && request.method == HttpRequest::Method::get) return begin_stream(request, keep_alive);
     HttpReply reply;
-    if (path == server_->options.stream_path) {
+    if (stream && head) {
       reply.content_type = "text/event-stream";
     } else {
       try {
-        reply = unless_known(server_->handler(path, request.query()), request);
+        reply = unless_known(server_->handler(request), request);
       } catch (const std::exception&) {
         reply = http_error(500, "the answer could not be made");
       }
     }
-    answer(std::move(reply), head, read.keep_alive());
+    answer(std::move(reply), head, keep_alive);
+  }
+
+  // What has been read; the views are of the parser's own bytes.
+  [[nodiscard]] HttpRequest asked() const {
+    const auto& read = parser_->get();
+    const auto field = [&read](http::field name) {
+      const auto value = read[name];
+      return std::string_view(value.data(), value.size());
+    };
+    HttpRequest request;
+    request.method = read.method() == http::verb::get    ? HttpRequest::Method::get
+                     : read.method() == http::verb::head ? HttpRequest::Method::head
+                     : read.method() == http::verb::post ? HttpRequest::Method::post
+                                                         : HttpRequest::Method::other;
+    request.host_needed = read.version() >= 11;
+    request.hosts = read.count(http::field::host);
+    request.host = field(http::field::host);
+    request.target = {read.target().data(), read.target().size()};
+    request.known = field(http::field::if_none_match);
+    request.authorization = field(http::field::authorization);
+    request.content_type = field(http::field::content_type);
+    request.cookie = field(http::field::cookie);
+    request.origin = field(http::field::origin);
+    request.body = read.body();
+    request.from = from_;
+    request.from_loopback = from_loopback_;
+    return request;
   }
 
   template <class Body>
@@ -171,7 +209,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!reply.tag.empty()) response.set(http::field::etag, reply.tag);
     if (!reply.policy.empty()) response.set("Content-Security-Policy", reply.policy);
     response.set("X-Content-Type-Options", "nosniff");
-    if (response.result() == http::status::method_not_allowed) response.set(http::field::allow, "GET, HEAD");
+    if (!reply.cookie.empty()) response.set(http::field::set_cookie, reply.cookie);
+    if (!reply.allowed.empty()) response.set(http::field::allow, reply.allowed);
+    if (response.result() == http::status::unauthorized) response.set(http::field::www_authenticate, "Bearer");
   }
 
   void answer(HttpReply reply, bool head, bool keep_alive) {
@@ -216,8 +256,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  void begin_stream() {
+  void begin_stream(const HttpRequest& request, bool keep_alive) {
+    auto first = server_->streams.size() < server_->options.streams
+                     ? server_->first_event(request)
+                     : tl::unexpected(http_error(503, "too many live streams"));
+    if (!first) return answer(std::move(first.error()), false, keep_alive);
     phase_ = Phase::answered;
+    stream_query_ = request.query();
     server_->streams.insert(this);
     http::response<http::empty_body> response(http::status::ok, 11);
     set_fields(response, {200, {}, "text/event-stream"});
@@ -225,10 +270,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::ostringstream head;
     head.exceptions(std::ios::badbit);  // or what memory does not suffice for is left out
     head << response.base() << "retry: 1000\n\n";
-    std::string first = server_->first_event();
     stream_.expires_never();
     swallow_stream();
-    push(std::make_shared<const std::string>(head.str() + first));
+    push(std::make_shared<const std::string>(head.str() + *first));
   }
 
   // Nothing is expected from a stream's client; reading tells when it has gone.
@@ -262,9 +306,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
+  std::string stream_query_;     // of a stream: its query
   std::deque<Event> waiting_;    // the first one is being written
   std::weak_ptr<void> writing_;  // expired: nothing is
   std::array<char, 1024> ignored_{};
+  std::string from_;  // its numeric address
+  bool from_loopback_ = false;
   bool served_ = false;  // it has been given an answer
   Phase phase_ = Phase::asking;
   SteadyClock::time_point silent_since_ = SteadyClock::now();
@@ -318,43 +365,18 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
-namespace {
-
-// An address that is not there yet is bound by the kernel's leave to do so (ip(7), IP_FREEBIND); true: that was needed.
-bool bind(tcp::acceptor& acceptor, const tcp::endpoint& endpoint, error_code& error) {
-  acceptor.bind(endpoint, error);
-  if (error.value() != EADDRNOTAVAIL) return false;
-  const int yes = 1;
-  const bool v6 = endpoint.address().is_v6();
-  if (setsockopt(acceptor.native_handle(), v6 ? IPPROTO_IPV6 : IPPROTO_IP, v6 ? IPV6_FREEBIND : IP_FREEBIND, &yes,
-                 sizeof yes) != 0)
-    return false;
-  acceptor.bind(endpoint, error);
-  return !error;
-}
-
-}  // namespace
-
 tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(EventLoop& loop,
                                                                                 const HttpOptions& options,
                                                                                 Handler handler,
                                                                                 FirstEvent first_event) {
-  error_code error;
-  const auto address = asio::ip::make_address(options.host == "localhost" ? "127.0.0.1" : options.host, error);
-  if (error) return tl::unexpected(Failure{true, "listen: \"" + options.host + "\" is no numeric address"});
-  const tcp::endpoint endpoint(address, options.port);
   auto impl = std::make_shared<Impl>(loop, options, std::move(handler), std::move(first_event));
-  tcp::acceptor& acceptor = impl->listener.acceptor();
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) impl->awaits_address = bind(acceptor, endpoint, error);
+  const auto bound = bind_tcp(impl->listener.acceptor(), options.host, options.port);
+  if (!bound) return tl::unexpected(bound.error());
+  impl->awaits_address = *bound;
+  error_code error;
   // Not the server itself: a listener that holds on to it would keep it for ever.
-  if (!error)
-    impl->listener.begin([server = impl.get()](tcp::socket socket) { server->welcome(std::move(socket)); }, error);
-  if (error) {
-    return tl::unexpected(Failure{
-        false, "cannot listen on " + options.host + ":" + std::to_string(options.port) + ": " + error.message()});
-  }
+  impl->listener.begin([server = impl.get()](tcp::socket socket) { server->welcome(std::move(socket)); }, error);
+  if (error) return tl::unexpected(cannot_listen(options.host, options.port, error));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
@@ -373,17 +395,37 @@ std::uint16_t HttpServer::port() const {
 
 bool HttpServer::awaits_address() const noexcept { return impl_->awaits_address; }
 
-void HttpServer::broadcast(std::string_view name, std::string_view data) {
-  if (impl_->streams.empty()) return;
-  const auto event = std::make_shared<const std::string>(event_text(name, data));
-  const auto streams = impl_->streams;
-  for (Connection* stream : streams) {
+template <class Wanted>
+void HttpServer::Impl::send(std::string text, Wanted wanted) {
+  if (streams.empty()) return;
+  const auto event = std::make_shared<const std::string>(std::move(text));
+  const auto all = streams;
+  for (Connection* stream : all) {
+    if (!wanted(*stream)) continue;
     try {
       stream->push(event);
     } catch (const std::exception&) {
       stream->close();  // out of memory; the others are not to suffer
     }
   }
+}
+
+void HttpServer::end_streams() {
+  const auto streams = impl_->streams;
+  for (Connection* stream : streams) stream->close();
+}
+
+void HttpServer::broadcast(std::string_view name, std::string_view data) {
+  impl_->send(event_text(name, data), [](const Connection&) { return true; });
+}
+
+void HttpServer::broadcast_to_askers(std::string_view name, std::string_view data) {
+  impl_->send(event_text(name, data), [name](const Connection& stream) { return stream.asks_for(name); });
+}
+
+bool HttpServer::asked_for(std::string_view name) const noexcept {
+  return std::any_of(impl_->streams.begin(), impl_->streams.end(),
+                     [name](const Connection* stream) { return stream->asks_for(name); });
 }
 
 HttpStats HttpServer::stats() const noexcept {

@@ -1,4 +1,4 @@
-// The HTTP server: reading only, HTTP/1.1, one listening address, on the event loop; Server-Sent Events for live push.
+// The HTTP server: HTTP/1.1, one listening address, on the event loop; Server-Sent Events for live push.
 //
 // It knows nothing of what it serves: a handler answers paths, broadcast() pushes events. Everything a client can make
 // it spend is bounded: clients, streams among them, header and body, the time for a request, the events waiting for one
@@ -17,9 +17,12 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "daemon/serve/listen_failure.hpp"
+
 namespace dwell {
 
 class EventLoop;
+struct HttpRequest;
 
 struct HttpReply {
   int status = 200;
@@ -27,7 +30,9 @@ struct HttpReply {
   std::string content_type = "application/json";
   std::string
       tag{};  // names the bytes, with quotes (ETag): a client that has them is answered 304; empty: news each time
-  std::string policy{};  // Content-Security-Policy; empty: none
+  std::string policy{};   // Content-Security-Policy; empty: none
+  std::string allowed{};  // of 405: the methods that the path knows
+  std::string cookie{};   // Set-Cookie; empty: none
 };
 
 struct HttpOptions {
@@ -62,15 +67,12 @@ struct HttpStats {
 
 class HttpServer {
  public:
-  // Answers GET of a path; `query` is what follows its question mark. For HEAD the body is left out.
-  using Handler = std::function<HttpReply(std::string_view path, std::string_view query)>;
-  // The first event of a stream, as event_text makes it; empty: none yet.
-  using FirstEvent = std::function<std::string()>;
+  // Answers GET, HEAD (the server leaves the body out) and POST of a path.
+  using Handler = std::function<HttpReply(const HttpRequest& request)>;
+  // The first event of a stream, as event_text makes it (empty: none yet), or why this client gets no stream.
+  using FirstEvent = std::function<tl::expected<std::string, HttpReply>(const HttpRequest& request)>;
 
-  struct Failure {
-    bool bad_address = false;  // what was asked for is not an address; else it cannot be had
-    std::string message;
-  };
+  using Failure = ListenFailure;
 
   // Binds and listens. An address that this computer does not have yet (a cable or a lease comes later than the
   // service) is bound all the same and is served once it is there.
@@ -86,6 +88,12 @@ class HttpServer {
 
   // Sends `data` (one line) as an event of this name to every stream.
   void broadcast(std::string_view name, std::string_view data);
+  // Ends every stream. Whoever may still read connects again.
+  void end_streams();
+  // The same to those streams alone that asked for it in their query, as in /api/v1/stream?NAME&NAME.
+  void broadcast_to_askers(std::string_view name, std::string_view data);
+  // Whether any stream did.
+  [[nodiscard]] bool asked_for(std::string_view name) const noexcept;
 
   [[nodiscard]] HttpStats stats() const noexcept;
 

@@ -49,7 +49,8 @@ std::optional<std::string> bytes_of(const fs::path& path) {
 const std::vector<std::string_view>& PageFiles::names() {
   static const std::vector<std::string_view> kNames{
       "index.html",  // the skeleton, and what stands there without JavaScript
-      "page.css",         "icon.svg",
+      "page.css",
+      "icon.svg",
       "main.mjs",  // draws what the feed knows
       "feed.mjs",  // the stream, and what is asked for
       "change.mjs",
@@ -58,8 +59,23 @@ const std::vector<std::string_view>& PageFiles::names() {
       "number.mjs",        // value ± U95
       "wording.mjs",       // the first line
       "coefficients.mjs",  // what stands in place of each coefficient
-      "budget.mjs",       "polar.mjs",       "dom.mjs",        "head_view.mjs", "coefficients_view.mjs",
-      "phasors_view.mjs", "tables_view.mjs", "dwell_view.mjs",
+      "limits.mjs",        // verdicts on limits
+      "alarms.mjs",
+      "alarms_view.mjs",
+      "budget.mjs",
+      "polar.mjs",
+      "dom.mjs",
+      "head_view.mjs",
+      "coefficients_view.mjs",
+      "phasors_view.mjs",
+      "tables_view.mjs",
+      "dwell_view.mjs",
+      "trace_window.mjs",
+      "trace_plot.mjs",
+      "traces_view.mjs",
+      "mode_shape.mjs",
+      "mode_shape_view.mjs",
+      "operate_view.mjs",  // orders to the service
   };
   return kNames;
 }

@@ -1,7 +1,9 @@
 #include "daemon/serve/recorder_json.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "daemon/report/json_parts.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/page_query.hpp"
 
@@ -11,15 +13,13 @@ namespace {
 using record::ListedRun;
 using record::ListedRuns;
 
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
 Json run_json(const ListedRun& run) {
   return {{"run", run.run},
           {"file", run.file},
           {"label", run.label},
-          {"begun_by", text_or_null(run.begun_by)},
-          {"begun", text_or_null(run.begun_utc)},
-          {"ended", text_or_null(run.ended_utc)},
+          {"begun_by", json_text(run.begun_by)},
+          {"begun", json_text(run.begun_utc)},
+          {"ended", json_text(run.ended_utc)},
           {"state", run.state},
           {"bytes", run.bytes},
           {"dwells", run.dwells},
@@ -31,9 +31,11 @@ Json run_json(const ListedRun& run) {
 Json recorder_json(const ServiceView& view) {
   if (!view.recorder) return nullptr;
   const record::RecorderState& state = *view.recorder;
+  Json alarms = Json::array();
+  for (const record::RecorderAlarm& alarm : state.alarms) alarms.push_back(alarm.text);
   const double since_commit_s = static_cast<double>(view.now_ns - state.committed_ns) * 1e-9;
   return {{"recording", state.recording},
-          {"reason", state.recording ? Json(nullptr) : text_or_null(state.why_not)},
+          {"reason", state.recording ? Json(nullptr) : json_text(state.why_not)},
           {"run", state.recording ? run_json(state.run) : Json(nullptr)},
           {"samples", state.recording ? Json(state.run.samples) : Json(nullptr)},
           {"since_commit_s", state.recording ? Json(std::max(0.0, since_commit_s)) : Json(nullptr)},
@@ -42,7 +44,7 @@ Json recorder_json(const ServiceView& view) {
           {"lost_records", state.lost_records},
           {"lost_results", state.lost_results},
           {"lost_events", state.lost_events},
-          {"alarms", state.alarms}};
+          {"alarms", std::move(alarms)}};
 }
 
 // Oldest first: those from a run's number on, or the newest.

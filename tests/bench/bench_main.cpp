@@ -154,6 +154,9 @@ void print(Medians& medians) {
   table.at_most("identification per element, n = 1000 / n = 10", ns("identification/1000"),
                 medians.cost_ns("identification/1000") / medians.cost_ns("identification/10"), 1.5);
   table.plain("ring, push and take of a sample on one thread", ns("ring_one_thread"));
+  table.plain("traces, a sample into the queue, on the estimation thread", ns("trace_feed"));
+  table.plain("traces, a sample kept, on the event loop", ns("traces_take"));
+  table.plain("traces, 10 s of 8 channels answered", ns("traces_answer_window"));
   table.plain("ring, from one thread to another, samples", millions("ring_two_threads"));
   table.plain("Modbus, bare libmodbus, polls per CPU second",
               text("%.0f /s", medians.of("modbus_polls", "bare_polls_per_s")));

@@ -108,6 +108,7 @@ TEST(Manual, NamesEveryKeyOfEveryTable) {
       {"directory = \"runs\"", "anchor = { file = \"f\", xxxxxxxxxx = 1 }"},
       {"", "[gpio]\nxxxxxxxxxx = 1\n"},
       {"", "[gpio]\nsync = { chip = \"c\", line = 1, xxxxxxxxxx = 1 }\n"},
+      {"", "[[limit]]\nelement = 1\nstiffness = [1, 2]\nxxxxxxxxxx = 1\n"},
       {"port = 1502", "xxxxxxxxxx = 1"},
       {"register = 2", "register = 2\nxxxxxxxxxx = 1"},
       {"order = 2, hz = 250", "order = 2, hz = 250, xxxxxxxxxx = 1"},

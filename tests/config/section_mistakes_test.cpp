@@ -202,6 +202,16 @@ TEST(RigFileMistakes, OfTheListeningAddress) {
   expect_mistake("\"[::1]:9000\"", "@8380", "\"listen\" is an integer" + expected);
 }
 
+TEST(RigFileMistakes, OfTheModbusServer) {
+  const std::string expected =
+      "expected \"ADDRESS:PORT\" with a numeric address or localhost, for instance \"127.0.0.1:1502\"";
+  const std::string before = "\"[::1]:9000\"\n[modbus_server]\nlisten = ";
+  expect_good("\"[::1]:9000\"", before + "\"0.0.0.0:1502\"");
+  expect_mistake("\"[::1]:9000\"", before + "@\"plc:1502\"", "\"listen\" is \"plc:1502\": " + expected);
+  expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\n@[modbus_server]",
+                 "[modbus_server] has no \"listen\": " + expected);
+}
+
 TEST(RigFileMistakes, OfTheNamesOfTheService) {
   const std::string expected = ": expected host names without a port, for instance [\"bench.local\"]";
   expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = @\"bench\"", "\"names\" is a string" + expected);

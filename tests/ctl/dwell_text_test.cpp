@@ -18,7 +18,7 @@ element  stiffness               damping                   most of u²(c)     mo
       2        —                     —                     —                 —
       3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m n.s.  60 % scale of y1  85 % delay of y0
 element 2 is not identifiable: the deformation is less than three times its uncertainty
-± is the half width of the 95 % interval; n.s.: not significant, smaller than its standard uncertainty
+± is the half width of the 95 % interval, if the rig is as its file says; n.s.: not significant, smaller than its standard uncertainty
 
 warning: channel y2 is stale: timeout
 

@@ -41,6 +41,17 @@ TEST(HttpClient, AsksForThePathAndTakesTheBody) {
   EXPECT_NE(request.find("\r\nHost: 127.0.0.1:" + std::to_string(server.port()) + "\r\n"), std::string::npos);
 }
 
+TEST(HttpClient, SendsTheTokenWhereItIsGivenOne) {
+  ScriptedServer server({Reply{http_reply(200, "{}")}, Reply{http_reply(200, "{}")}});
+  Url url = *parse_url(server.url());
+  ASSERT_TRUE(http_get(url, "/"));
+  url.token = "0123456789abcdef0123456789abcdef";
+  ASSERT_TRUE(http_get(url, "/"));
+  EXPECT_EQ(server.requests().at(0).find("Authorization"), std::string::npos);
+  EXPECT_NE(server.requests().at(1).find("\r\nAuthorization: Bearer 0123456789abcdef0123456789abcdef\r\n"),
+            std::string::npos);
+}
+
 TEST(HttpClient, TakesAnAnswerWithoutALengthUntilItsEnd) {
   EXPECT_EQ(outcome({"HTTP/1.0 404 Not Found\r\n\r\nnothing"}), "404 nothing");
 }

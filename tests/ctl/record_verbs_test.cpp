@@ -328,6 +328,34 @@ TEST_F(RecordVerbs, APersonSignsWithAKeyOfTheirOwn) {
   EXPECT_TRUE(holds(show.out, "certificate")) << show.out;
 }
 
+TEST_F(RecordVerbs, WordsThatAreNotUtf8AreRefusedAndTheFileStaysAsItWas) {
+  const std::string run = written("run.dwell"), own = folder.path("key"),
+                    bad =
+                        "gepr\xfc"
+                        "ft";
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  const std::string before = test::contents(run);
+  for (const char* option : {"--meaning", "--name", "--reason"}) {
+    std::vector<std::string> asked = {"sign", run, "--key", own, option, bad};
+    if (option != std::string("--meaning")) asked.insert(asked.end(), {"--meaning", "reviewed"});
+    const Outcome outcome = test::run(asked);
+    EXPECT_EQ(outcome.code, 2) << option;
+    EXPECT_TRUE(holds(outcome.err, option) && holds(outcome.err, "byte 5 is 0xFC, expected text in UTF-8"))
+        << outcome.err;
+  }
+  EXPECT_EQ(test::contents(run), before);
+  for (const std::vector<std::string>& asked :
+       {std::vector<std::string>{"start", "--label", bad},
+        {"start", "--label", "a", "--comment", bad},
+        {"stop", "--comment", bad},
+        {"rearm", "--comment", bad},
+        {"replay", run, "--rig", "r.toml", "-o", "c.dwell", "--comment", bad}}) {
+    const Outcome outcome = test::run(asked);
+    EXPECT_EQ(outcome.code, 2) << asked.front();
+    EXPECT_TRUE(holds(outcome.err, "byte 5 is 0xFC")) << outcome.err;
+  }
+}
+
 TEST_F(RecordVerbs, WhatHasNotEndedIsNotSigned) {
   SampleRun run = make("open.dwell");
   run.closed = false;

@@ -385,6 +385,20 @@ TEST_F(AmendTest, ChannelsMayStandInAnotherOrderButMustBeTheSame) {
   }
 }
 
+// A child carries its parent's head and a signature of its own: it would lend both to what somebody altered.
+TEST_F(AmendTest, NoChildIsMadeOfATamperedParent) {
+  const std::string parent = write("run.dwell"), child = folder.path("child.dwell");
+  std::string bytes = contents_of(parent);
+  const auto at = bytes.find("\"y1\"");
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, 4, "\"y2\"");
+  std::ofstream(parent, std::ios::binary) << bytes;
+  const Printed seen = amend(parent, bench().rig_text(), child);
+  EXPECT_EQ(seen.code, kUsage);
+  EXPECT_NE(seen.err.find("was altered: the chain breaks here; no child was written"), std::string::npos) << seen.err;
+  EXPECT_FALSE(std::filesystem::exists(child));
+}
+
 TEST_F(AmendTest, WritesOverNothing) {
   const std::string parent = write("run.dwell"), kept = folder.file("kept.dwell", "kept");
   EXPECT_EQ(amend(parent, bench().rig_text(), kept).code, kUsage);

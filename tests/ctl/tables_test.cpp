@@ -45,7 +45,7 @@ TEST(Tables, DwellsHaveOneLinePerElement) {
                                                             2        —                     —                     the deformation is less than three times its uncertainty
                                                             3  1.23457 ± 0.00020 MN/m    210 ±  790 mN·s/m n.s.
     2  end               4.000            Hz       —                                                             not settled: 2.1 % of the transient of reaction is left, 0.5 % allowed
-± is the half width of the 95 % interval; n.s.: not significant, smaller than its standard uncertainty
+± is the half width of the 95 % interval, if the rig is as its file says; n.s.: not significant, smaller than its standard uncertainty
 )");
 }
 

@@ -73,7 +73,7 @@ element  stiffness            damping             most of u²(c)
       2  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
       3  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
       4  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-± is the half width of the 95 % interval
+± is the half width of the 95 % interval, if the rig is as its file says
 
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed
@@ -103,7 +103,7 @@ dwell 1 · measuring, 24.6 s of data
 
 element  stiffness            damping             most of u²(c)     most of u²(r)
       1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
-± is the half width of the 95 % interval
+± is the half width of the 95 % interval, if the rig is as its file says
 
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed
@@ -200,7 +200,7 @@ element  stiffness            damping             most of u²(c)
      28  24.038 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
      29  24.039 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
      30  24.040 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-± is the half width of the 95 % interval
+± is the half width of the 95 % interval, if the rig is as its file says
 
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed
@@ -275,8 +275,8 @@ element  stiffness              damping               most of u²(c)
       2  24.012 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
       3  24.013 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
       4  24.014 ± 0.027 kN/m ?  60.20 ± 0.79 N·s/m ?  60 % scale of y1
-± is the half width of the 95 % interval; ?: do not rely on it, the reason
-  stands with the dwell
+± is the half width of the 95 % interval, if the rig is as its file says; ?: do
+  not rely on it, the reason stands with the dwell
 
 
 space pause  n b page 1 of 5  q quit
@@ -315,7 +315,7 @@ element    age  stiffness            damping             most of u²(c)
       2  778 s  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
       3  778 s  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
       4  778 s  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-± is the half width of the 95 % interval
+± is the half width of the 95 % interval, if the rig is as its file says
 
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed
@@ -357,7 +357,7 @@ element  stiffness            damping             most of u²(c)     most of u²
       2  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
       3  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
       4  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
-± is the half width of the 95 % interval
+± is the half width of the 95 % interval, if the rig is as its file says
 
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed

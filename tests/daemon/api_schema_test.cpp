@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/alarms/alarm_list.hpp"
 #include "daemon/outlets/dwell_stream.hpp"
 #include "daemon/serve/api.hpp"
 #include "tests/ctl/sample_dwell.hpp"
@@ -21,7 +22,7 @@ record::RecorderState recording_a_run() {
   state.run.begun_utc = "2026-11-23T03:12:17.250000Z";
   state.run.state = "recording";
   state.run.bytes = 4711;
-  state.alarms = {"anchor: command send: exit status 1"};
+  state.alarms = {{"anchor", "anchor: command send: exit status 1"}};
   return state;
 }
 
@@ -71,6 +72,9 @@ struct ApiSchemaTest : testing::Test {
     verified->dwell = snapshot.dwell;
     verified->verification = test::sample_verification();
     snapshot.verified = verified;
+    rig.limits = {{1, Bounds{23e3, 25e3}, Bounds{10.0, 20.0}}, {2, Bounds{1.0, 2.0}, std::nullopt}};
+    alarms.follow({{"channel:y2", "channel y2: timeout"}}, {0, 0});
+    alarms.follow({{"channel:y2", "channel y2: timeout"}, {"log", ""}}, {AlarmList::kLasts_ns, 1});
   }
   [[nodiscard]] ServiceView view() const {
     ServiceView now{rig, run, snapshot};
@@ -82,6 +86,7 @@ struct ApiSchemaTest : testing::Test {
     now.recorder = recording;
     now.runs = runs;
     now.events = &events;
+    now.alarms = &alarms;
     now.health = judge_health(rig, snapshot, now.gpio, now.log, "");
     return now;
   }
@@ -94,6 +99,7 @@ struct ApiSchemaTest : testing::Test {
     EXPECT_EQ(schema.faults_of_text("dwells", get("/api/v1/dwells")), "");
     EXPECT_EQ(schema.faults_of_text("brief_dwells", http_answer(view(), "/api/v1/dwells", "brief=1").body), "");
     EXPECT_EQ(schema.faults_of_text("events", get("/api/v1/events")), "");
+    EXPECT_EQ(schema.faults_of_text("alarms", get("/api/v1/alarms")), "");
     EXPECT_EQ(schema.faults_of_text("channels", get("/api/v1/channels")), "");
     EXPECT_EQ(schema.faults_of_text("verification", get("/api/v1/verification")), "");
     EXPECT_EQ(schema.faults_of_text("runs", get("/api/v1/runs")), "");
@@ -108,6 +114,7 @@ struct ApiSchemaTest : testing::Test {
   Snapshot snapshot;
   gpio::Status lines{};
   NewestLines events;
+  AlarmList alarms;
   std::optional<record::RecorderState> recording = recording_a_run();
   std::shared_ptr<const record::ListedRuns> runs =
       std::make_shared<const record::ListedRuns>(record::ListedRuns{recording_a_run().run});

@@ -211,7 +211,10 @@ TEST_F(ApiTest, TheCurrentDwellHasItsTransientBesideItAndTheModelsVerdict) {
   verified->dwell.index = 1;
   verified->verification.verdict = Verdict::adequate;
   snapshot.verified = verified;
-  EXPECT_TRUE(get("/api/v1/dwell")["model"].is_null()) << "of another dwell";
+  EXPECT_TRUE(get("/api/v1/dwell")["model"].is_null()) << "it has not settled";
+  snapshot.dwell.settled_s = 3.0;
+  EXPECT_EQ(get("/api/v1/dwell")["model"]["verdict"], "not verified yet") << "the verified one is another";
+  EXPECT_EQ(get("/api/v1/dwell")["model"]["asked"], 0.05);
   snapshot.dwell.index = 1;
   EXPECT_EQ(get("/api/v1/dwell")["model"]["verdict"], "adequate");
 }
@@ -236,8 +239,8 @@ TEST_F(ApiTest, HealthTellsOfLinesOfTheLogThatAreLost) {
   EXPECT_NE(health["reason"].get<std::string>().find("29"), std::string::npos) << health["reason"];
 }
 
-TEST_F(ApiTest, WhatIsNotServedYetIsNotFoundInWords) {
-  for (const char* path : {"/", "/metrics", "/api/v1/runs/", "/api/v1/dwell/", "/../etc/passwd"}) {
+TEST_F(ApiTest, WhatIsNotServedIsNotFoundInWords) {
+  for (const char* path : {"/", "/metrics/", "/api/v1/runs/", "/api/v1/dwell/", "/../etc/passwd"}) {
     const HttpReply reply = http_answer(view(), path, "");
     EXPECT_EQ(reply.status, 404) << path;
     EXPECT_TRUE(Json::parse(reply.body)["error"].is_string());

@@ -18,7 +18,14 @@ struct HealthTest : testing::Test {
     snapshot.dwell.elements.resize(1);
     snapshot.dwell.elements[0].identifiable = true;
   }
-  [[nodiscard]] Health judge() const { return judge_health(rig, snapshot, lines, log, trouble); }
+  [[nodiscard]] Health judge() const {
+    return judge_health(rig, snapshot, lines, log, trouble, recorder, synchronized);
+  }
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const Trouble& found : judge().troubles) names.push_back(found.name);
+    return names;
+  }
   void expect(Health::Status status, bool ready, const std::string& reason) const {
     const Health health = judge();
     EXPECT_EQ(to_string(health.status), std::string(to_string(status)));
@@ -31,6 +38,8 @@ struct HealthTest : testing::Test {
   gpio::Status lines{};
   LogStats log;
   std::string trouble;
+  std::vector<record::RecorderAlarm> recorder;
+  bool synchronized = true;
 };
 
 TEST_F(HealthTest, IsOkAndReadyWhereADwellMayBeReliedOn) { expect(Health::Status::ok, true, ""); }
@@ -51,6 +60,45 @@ TEST_F(HealthTest, NamesTheChannelThatDoesNotDeliverOrDeliversNothingUsable) {
   snapshot.channels[1].condition = Condition::stuck;
   snapshot.channels[1].condition_reason = "the same reading for 12.0 s";
   expect(Health::Status::degraded, true, "channel y0: no answer within 0.1 s; channel y1: the same reading for 12.0 s");
+}
+
+TEST_F(HealthTest, TellsOfADeadDeviceOnceAndNotOfEachOfItsChannels) {
+  rig.channels[0].device = rig.channels[1].device = 0;
+  snapshot.devices.resize(1);
+  snapshot.devices[0].name = "amplifier";
+  for (ChannelView& channel : snapshot.channels) {
+    channel.fault = Fault::timeout;
+    channel.reason = "no answer within 0.1 s";
+  }
+  expect(Health::Status::degraded, true, "device amplifier does not deliver: no answer within 0.1 s");
+  EXPECT_EQ(names(), (std::vector<std::string>{"device:amplifier"}));
+  snapshot.devices[0].up = true;
+  EXPECT_EQ(names(), (std::vector<std::string>{"channel:y0", "channel:y1"}));
+}
+
+TEST_F(HealthTest, IsDegradedByAViolatedLimitAndNotByAnUndecidedOne) {
+  rig.limits = {{1, Bounds{7500.0, 8500.0}, std::nullopt}};
+  snapshot.dwell.elements[0].k = 1;
+  snapshot.dwell.elements[0].stiffness = {9000.0, 50.0, 100.0, 100.0, true};
+  expect(Health::Status::degraded, true,
+         "limit violated: stiffness of element 1 is 9.00 ± 0.10 kN/m, outside 7.500 to 8.500 kN/m");
+  EXPECT_EQ(names(), (std::vector<std::string>{"limit:stiffness:1"}));
+  snapshot.dwell.elements[0].stiffness.value = 8550.0;
+  expect(Health::Status::ok, true, "");
+  EXPECT_TRUE(names().empty());
+}
+
+TEST_F(HealthTest, StaysOkWhereOnlyTheComputersClockIsNotSynchronized) {
+  synchronized = false;
+  expect(Health::Status::ok, true, "");
+  EXPECT_EQ(names(), (std::vector<std::string>{"clock"}));
+}
+
+TEST_F(HealthTest, KeepsTroublesOfTheRecordingApart) {
+  recorder = {{"recording", "the run is not recorded: disk full"}, {"anchor", "anchor: exit status 1"}};
+  expect(Health::Status::degraded, true,
+         "recording: the run is not recorded: disk full; recording: anchor: exit status 1");
+  EXPECT_EQ(names(), (std::vector<std::string>{"recording", "anchor"}));
 }
 
 TEST_F(HealthTest, IsNotDegradedByReadingsThatAreModelledOrLeftOut) {

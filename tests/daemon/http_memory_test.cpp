@@ -2,6 +2,7 @@
 // next one must not.
 #include <gtest/gtest.h>
 
+#include "daemon/serve/http_request.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "tests/daemon/failing_new.hpp"
 #include "tests/daemon/sockets.hpp"
@@ -17,10 +18,10 @@ TEST(HttpMemory, WhereverItEndsWhileOneClientIsWelcomedTheNextIsServed) {
   options.port = 0;
   const auto made = HttpServer::make(
       loop, options,
-      [](std::string_view, std::string_view) {
+      [](const HttpRequest&) {
         return HttpReply{200, "{}"};
       },
-      [] { return event_text("dwell", "{}"); });
+      [](const HttpRequest&) { return event_text("dwell", "{}"); });
   ASSERT_TRUE(made);
   const std::uint16_t port = (*made)->port();
   loop.every(std::chrono::milliseconds(20), [&made] { (*made)->broadcast("dwell", "{}"); });

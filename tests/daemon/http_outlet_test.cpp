@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "daemon/outlets/http.hpp"
+#include "tests/daemon/log_to_read.hpp"
 #include "tests/daemon/sockets.hpp"
 
 namespace dwell {
@@ -14,7 +15,7 @@ struct HttpOutletTest : testing::Test {
     snapshot.dwell.state = State::settling;
     HttpOptions options;
     options.port = 0;
-    auto made = Http::make(loop, options, [this] { return view(); });
+    auto made = Http::make(loop, options, {[this] { return view(); }});
     EXPECT_TRUE(made) << made.error().message;
     http = std::move(*made);
     thread.emplace(loop);
@@ -62,11 +63,110 @@ TEST_F(HttpOutletTest, PushesEachSnapshotOnceAndANewcomerIsGivenAll) {
   thread.reset();
 }
 
+TEST_F(HttpOutletTest, ReadingAndChangingHaveTheirMethods) {
+  const auto head_of = [this](const std::string& line) {
+    test::Client client = test::Client::tcp(http->server().port());
+    client.send(line + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+    return test::read_answer(client, true).head;
+  };
+  for (const char* path : {"/api/v1/dwell", "/api/v1/stream", "/nowhere"}) {
+    const std::string head = head_of(std::string("POST ") + path);
+    EXPECT_NE(head.find(" 405 "), std::string::npos) << head;
+    EXPECT_NE(head.find("Allow: GET, HEAD\r\n"), std::string::npos) << head;
+  }
+  const std::string head = head_of("GET /api/v1/start");
+  EXPECT_NE(head.find(" 405 "), std::string::npos) << head;
+  EXPECT_NE(head.find("Allow: POST\r\n"), std::string::npos) << head;
+  thread.reset();
+}
+
 TEST_F(HttpOutletTest, AnswersFromHowTheServiceStandsAtThatMoment) {
   test::Client client = test::Client::tcp(http->server().port());
   client.send("GET /api/v1/dwell HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_NE(client.until("\"settling\"").find("200 OK"), std::string::npos);
   thread.reset();
+}
+
+// On loopback with a token: everybody may read.
+struct GuardedHttpTest : testing::Test {
+  static constexpr const char* kGuard = "0123456789abcdef0123456789abcdef";
+
+  GuardedHttpTest() : rights({true, Token(kGuard)}, log) {
+    HttpOptions options;
+    options.port = 0;
+    HttpContent content{[this] { return ServiceView{rig, run, snapshot}; }};
+    content.rights = &rights;
+    content.operate = [this](const OperatorRequest& request,
+                             const record::Person& by) -> tl::expected<void, std::string> {
+      done.push_back(request.label + " by " + record::who(by));
+      return {};
+    };
+    auto made = Http::make(loop, options, std::move(content));
+    EXPECT_TRUE(made) << made.error().message;
+    http = std::move(*made);
+    thread.emplace(loop);
+  }
+  ~GuardedHttpTest() override { thread.reset(); }
+  int post(const std::string& fields) {
+    test::Client client = test::Client::tcp(http->server().port());
+    client.send("POST /api/v1/start HTTP/1.1\r\nHost: localhost\r\n" + fields +
+                "Content-Length: 16\r\n\r\n{\"label\":\"mine\"}");
+    return test::read_answer(client).status;
+  }
+
+  test::LogToRead log{"guarded"};
+  Rights rights;
+  Rig rig;
+  RunInfo run;
+  Snapshot snapshot;
+  std::vector<std::string> done;
+  EventLoop loop;
+  std::unique_ptr<Http> http;
+  std::optional<test::LoopThread> thread;
+};
+
+TEST_F(GuardedHttpTest, WhoShowsTheTokenMayAndIsRecordedByAddress) {
+  const std::string json = "Content-Type: application/json\r\n";
+  const std::string token = std::string("Authorization: Bearer ") + kGuard + "\r\n";
+  EXPECT_EQ(post(json), 401);
+  EXPECT_EQ(post(json + "Authorization: Bearer wrong\r\n"), 401);
+  EXPECT_EQ(post(token), 415);
+  EXPECT_EQ(post(json + token + "Origin: http://evil.example\r\n"), 403);
+  EXPECT_TRUE(done.empty());
+  EXPECT_EQ(post(json + token), 200);
+  EXPECT_EQ(done, std::vector<std::string>{"mine by http:127.0.0.1 by token"});
+}
+
+TEST_F(GuardedHttpTest, ABrowserLogsInAndActsByItsCookie) {
+  test::Client client = test::Client::tcp(http->server().port());
+  const auto log_in = [&](const std::string& fields) {
+    client.send("POST /api/v1/login HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n" + fields +
+                "Content-Length: 44\r\n\r\n{\"token\":\"" + kGuard + "\"}");
+    return test::read_answer(client);
+  };
+  EXPECT_EQ(log_in("Origin: http://evil.example\r\n").status, 403);
+  const test::Answer answer = log_in("Origin: http://localhost\r\n");
+  EXPECT_EQ(answer.status, 200) << answer.head;
+  const std::string mark = "Set-Cookie: ";
+  const auto at = answer.head.find(mark);
+  ASSERT_NE(at, std::string::npos) << answer.head;
+  const std::string cookie = answer.head.substr(at + mark.size(), answer.head.find(';', at) - at - mark.size());
+  const std::string fields = "Content-Type: application/json\r\nCookie: " + cookie + "\r\n";
+  EXPECT_EQ(post(fields + "Origin: http://localhost:1\r\n"), 403) << "another port is another page";
+  EXPECT_EQ(post(fields + "Origin: http://localhost\r\n"), 200);
+  EXPECT_EQ(done.size(), 1u);
+}
+
+TEST_F(GuardedHttpTest, EveryStreamEndsWhereWhoMayReadIsAskedAnew) {
+  test::Client stream = test::Client::tcp(http->server().port());
+  stream.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_NE(stream.until("\n\n").find(" 200 "), std::string::npos);
+  thread->on_loop([this] {
+    http->end_streams();
+    return 0;
+  });
+  stream.all();  // returns when the server closes
+  EXPECT_EQ(thread->on_loop([this] { return http->server().stats().streams; }), 0u);
 }
 
 }  // namespace

@@ -28,12 +28,16 @@ TEST(HttpRequest, IsAPathAndWhatFollowsItsQuestionMark) {
   EXPECT_FALSE(refusal(request, {}));
 }
 
-TEST(HttpRequest, OnlyReadingIsAllowed) {
+TEST(HttpRequest, IsToReadOrToPost) {
+  using Method = HttpRequest::Method;
   HttpRequest request = get_of("/");
-  request.get = false;
+  request.method = Method::other;
   expect_refused(request, 405, true);
-  request.head = true;
-  EXPECT_FALSE(refusal(request, {}));
+  EXPECT_EQ(refusal(request, {})->reply.allowed, "GET, HEAD");
+  for (const Method method : {Method::get, Method::head, Method::post}) {
+    request.method = method;
+    EXPECT_FALSE(refusal(request, {}));
+  }
 }
 
 TEST(HttpRequest, NamesOneHostWhichIsThisService) {

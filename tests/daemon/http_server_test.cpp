@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
+#include "daemon/serve/http_request.hpp"
 #include "tests/daemon/sockets.hpp"
 
 namespace dwell {
@@ -21,14 +23,19 @@ struct HttpServerTest : testing::Test {
     options.port = 0;
     auto made = HttpServer::make(
         loop, options,
-        [](std::string_view path, std::string_view query) {
-          if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(query) + "\"}"};
+        [](const HttpRequest& request) {
+          const std::string_view path = request.path();
+          if (request.method == HttpRequest::Method::post)
+            return HttpReply{200, std::string(request.content_type) + "," + std::string(request.authorization) + "," +
+                                      std::string(request.origin) + "," + std::string(request.cookie) + "," +
+                                      std::string(request.from) + "," + std::string(request.body)};
+          if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(request.query()) + "\"}"};
           if (path == "/page") return HttpReply{200, "bytes", "text/html", "\"tag\"", "default-src 'self'"};
           if (path == "/large") return HttpReply{200, std::string(5'000'000, ' ')};
           if (path == "/throw") throw std::runtime_error("no");
           return http_error(404, "nothing here");
         },
-        [] { return std::string(); });
+        [](const HttpRequest&) { return std::string(); });
     ASSERT_TRUE(made) << made.error().message;
     server = std::move(*made);
     port = server->port();
@@ -109,9 +116,19 @@ TEST_F(HttpServerTest, WhatIsNotThereIs404WithAReason) {
   expect_error(ask("GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n"), 404);
 }
 
-TEST_F(HttpServerTest, NothingCanBeChangedFromHere) {
+TEST_F(HttpServerTest, APostIsHandedOnWithItsBodyAndWhoSentIt) {
   begin();
-  for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "PATCH"}) {
+  const Answer answer =
+      ask("POST /hello HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nAuthorization: Bearer x\r\n"
+          "Origin: http://localhost\r\nCookie: a=b\r\nContent-Length: 2\r\n\r\n{}");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, "application/json,Bearer x,http://localhost,a=b,127.0.0.1,{}");
+  expect_error(ask("POST /hello HTTP/1.1\r\nHost: localhost\r\nContent-Length: 16385\r\n\r\n"), 413);
+}
+
+TEST_F(HttpServerTest, OtherMethodsAreRefused) {
+  begin();
+  for (const char* method : {"PUT", "DELETE", "OPTIONS", "PATCH"}) {
     const Answer answer = ask(std::string(method) + " /hello HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n");
     expect_error(answer, 405);
     EXPECT_NE(answer.head.find("Allow: GET, HEAD\r\n"), std::string::npos) << answer.head;
@@ -206,6 +223,34 @@ TEST_F(HttpServerTest, ConnectionsThatNeverAskedMakeRoomForOneThatDoes) {
   EXPECT_GE(stats().displaced, 90u);
 }
 
+TEST_F(HttpServerTest, WhoIsConnectedStaysServedWhile5000OthersConnectAndSayNothing) {
+  begin();
+  Client polling = Client::tcp(port), stream = Client::tcp(port);
+  const auto ask_again = [&polling] {
+    polling.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    return read_answer(polling).status;
+  };
+  ASSERT_EQ(ask_again(), 200);
+  stream.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  ASSERT_NE(stream.until("retry: 1000\n\n").find(" 200 "), std::string::npos);
+  std::deque<Client> others;  // at most so many at once that this process has descriptors for them
+  for (int i = 0; i < 5000; ++i) {
+    others.push_back(Client::tcp(port));
+    if (i % 3 > 0) others.back().send(i % 3 == 1 ? "GET /hel" : std::string(20'000, 'x'));
+    if (others.size() > 300) others.pop_front();
+    if (i % 100 != 0) continue;
+    ASSERT_EQ(ask_again(), 200) << "after " << i;
+    thread->on_loop([this] {
+      server->broadcast("dwell", "{}");
+      return 0;
+    });
+    ASSERT_EQ(stream.until("\n\n"), "event: dwell\ndata: {}\n\n");
+    ASSERT_LE(stats().clients, HttpOptions().clients);
+  }
+  EXPECT_EQ(test::get(port, "/hello").status, 200) << "and whoever comes now is served";
+  EXPECT_EQ(stats().events_dropped, 0u);
+}
+
 TEST_F(HttpServerTest, ConnectionsThatAskedOnceAndStayMakeRoomInTheEnd) {
   HttpOptions options;
   options.clients = 8;
@@ -274,20 +319,21 @@ TEST_F(HttpServerTest, ABodyThatAGetBringsAlongIsIgnored) {
 
 TEST(HttpServer, AnAddressThatIsNoneIsToldApartFromOneThatIsTaken) {
   EventLoop loop;
-  const auto handler = [](std::string_view, std::string_view) { return HttpReply{}; };
+  const auto handler = [](const HttpRequest&) { return HttpReply{}; };
+  const auto silent = [](const HttpRequest&) { return std::string(); };
   HttpOptions options;
   options.host = "no.such.host";
-  const auto bad = HttpServer::make(loop, options, handler, [] { return std::string(); });
+  const auto bad = HttpServer::make(loop, options, handler, silent);
   ASSERT_FALSE(bad);
   EXPECT_TRUE(bad.error().bad_address);
   EXPECT_NE(bad.error().message.find("no.such.host"), std::string::npos);
 
   options.host = "127.0.0.1";
   options.port = 0;
-  const auto first = HttpServer::make(loop, options, handler, [] { return std::string(); });
+  const auto first = HttpServer::make(loop, options, handler, silent);
   ASSERT_TRUE(first);
   options.port = (*first)->port();
-  const auto second = HttpServer::make(loop, options, handler, [] { return std::string(); });
+  const auto second = HttpServer::make(loop, options, handler, silent);
   ASSERT_FALSE(second);
   EXPECT_FALSE(second.error().bad_address);
   EXPECT_NE(second.error().message.find("in use"), std::string::npos) << second.error().message;

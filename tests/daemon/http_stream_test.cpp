@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/serve/http_request.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "tests/daemon/sockets.hpp"
 
@@ -17,10 +18,13 @@ struct HttpStreamTest : testing::Test {
     options.port = 0;
     auto made = HttpServer::make(
         loop, options,
-        [](std::string_view, std::string_view) {
+        [](const HttpRequest&) {
           return HttpReply{200, "{}"};
         },
-        [] { return event_text("dwell", "\"first\""); });
+        [](const HttpRequest& request) -> tl::expected<std::string, HttpReply> {
+          if (request.query() == "refused") return tl::unexpected(http_error(401, "not you"));
+          return event_text("dwell", "\"first\"");
+        });
     ASSERT_TRUE(made) << made.error().message;
     server = std::move(*made);
     port = server->port();
@@ -29,6 +33,11 @@ struct HttpStreamTest : testing::Test {
   Client stream(int receive_buffer = 0) {
     Client client = Client::tcp(port, receive_buffer);
     client.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    return client;
+  }
+  Client asking(const std::string& query) {
+    Client client = Client::tcp(port);
+    client.send("GET /api/v1/stream?" + query + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
     return client;
   }
   void broadcast(const std::string& data) {
@@ -43,6 +52,18 @@ struct HttpStreamTest : testing::Test {
   std::uint16_t port = 0;
   std::optional<test::LoopThread> thread;
 };
+
+TEST_F(HttpStreamTest, WhoMayNotReadGetsNoStreamButTheReason) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("GET /api/v1/stream?refused HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  const test::Answer answer = read_answer(client);
+  EXPECT_EQ(answer.status, 401);
+  EXPECT_NE(answer.head.find("WWW-Authenticate: Bearer\r\n"), std::string::npos) << answer.head;
+  EXPECT_EQ(stats().streams, 0u);
+  client.send("GET /x HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(read_answer(client).status, 200) << "the connection goes on";
+}
 
 TEST_F(HttpStreamTest, BeginsWithWhatIsKnownAndGoesOnWithWhatComes) {
   begin();
@@ -79,6 +100,22 @@ TEST_F(HttpStreamTest, ASlowReaderLosesEventsAndHoldsNobodyUp) {
     ASSERT_GT(index, last);
     last = index;
   }
+}
+
+TEST_F(HttpStreamTest, WhatMustBeAskedForComesToThoseAloneThatAsked) {
+  begin();
+  const auto wanted = [this] { return thread->on_loop([this] { return server->asked_for("traces"); }); };
+  Client plain = stream();
+  Client other = asking("trace&tracess");
+  for (Client* client : {&plain, &other}) ASSERT_NE(client->until("\"first\"\n\n"), "");
+  EXPECT_FALSE(wanted());
+  Client asker = asking("more&traces");
+  ASSERT_NE(asker.until("\"first\"\n\n"), "");
+  EXPECT_TRUE(wanted());
+  thread->on_loop([&] { server->broadcast_to_askers("traces", "1"); });
+  broadcast("2");
+  EXPECT_EQ(asker.until("\n\n"), "event: traces\ndata: 1\n\n");
+  for (Client* client : {&asker, &plain, &other}) EXPECT_EQ(client->until("\n\n"), "event: dwell\ndata: 2\n\n");
 }
 
 TEST_F(HttpStreamTest, AReaderThatTakesNothingAtAllIsGivenUp) {

@@ -87,10 +87,10 @@ TEST_F(NotifierTest, TheStatusLineTellsTheDwellAndWhatIsWrong) {
   ServiceView now{rig, run, snapshot};
   outlet->show(now);
   EXPECT_EQ(received(), "STATUS=measuring, dwell 3, 4 Hz");
-  now.health = {Health::Status::degraded, {"channel y0: timeout"}, false};
+  now.health = {Health::Status::degraded, {{"channel:y0", "channel y0: timeout"}}, false};
   outlet->show(now);
   EXPECT_EQ(received(), "STATUS=measuring, dwell 3, 4 Hz; channel y0: timeout");
-  now.health = {Health::Status::fault, {"thread estimate has not turned for 3.0 s"}, false};
+  now.health = {Health::Status::fault, {{"service", "thread estimate has not turned for 3.0 s"}}, false};
   outlet->show(now);
   EXPECT_EQ(received(), "STATUS=not working: thread estimate has not turned for 3.0 s");
 }

@@ -209,6 +209,23 @@ TEST_F(ProcessTest, ChecksARigFileAndTellsEveryMistakeWithItsPlace) {
   EXPECT_EQ(run({"--config", folder + "/wrong.toml"}), 2) << "and does not serve it";
 }
 
+TEST_F(ProcessTest, ANetworkThatNobodyGuardsIsRefusedByTheCheckAndAtTheStart) {
+  std::string open = test::rig_file(1502);
+  open.replace(open.find("127.0.0.1:0"), 11, "0.0.0.0:0");
+  const std::string path = write("open.toml", open);
+  for (const char* option : {"--check-config", "--config"}) {
+    EXPECT_EQ(run({option, path}), 2) << option;
+    EXPECT_NE(read("output").find("open.toml:10:10: \"listen\" is \"0.0.0.0:0\""), std::string::npos) << read("output");
+  }
+  open.replace(open.find("[[device]]"), 0, "token_file = \"token\"\n");
+  write("open.toml", open);
+  EXPECT_EQ(run({"--check-config", path}), 2);
+  EXPECT_NE(read("output").find("open.toml:11:14: token_file"), std::string::npos) << read("output");
+  write("token", std::string(32, 'x'));
+  std::filesystem::permissions(folder + "/token", std::filesystem::perms::owner_read);
+  EXPECT_EQ(run({"--check-config", path}), 0) << read("output");
+}
+
 TEST_F(ProcessTest, LampsOffNeedsNoDriverAndSaysWhichLampItCouldNotReach) {
   std::string text = test::rig_file(1502);
   text.replace(text.find("\"modbus\""), 8, "\"no-such\"");
@@ -276,7 +293,7 @@ TEST_F(ProcessTest, AnAddressThatIsNotUpYetIsWaitedForWhileTheRigIsMeasured) {
   for (const std::string& address : addresses) {
     std::string text = test::rig_file((*rig)->tcp_port());
     const std::string any = "127.0.0.1:0";
-    text.replace(text.find(any), any.size(), address);
+    text.replace(text.find(any) - 1, any.size() + 2, "\"" + address + "\"\nbehind_proxy = true");
     notifications.clear();
     start({"--config", write("rig.toml", text)});
     ASSERT_TRUE(notified("READY=1")) << read("output");

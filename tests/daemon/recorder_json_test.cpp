@@ -27,8 +27,8 @@ struct RecorderJsonTest : testing::Test {
     now.now_ns = 10'000'000'000;
     now.recorder = recording;
     now.runs = runs;
-    now.health =
-        judge_health(rig, snapshot, now.gpio, now.log, "", recording ? recording->alarms : std::vector<std::string>());
+    now.health = judge_health(rig, snapshot, now.gpio, now.log, "",
+                              recording ? recording->alarms : std::vector<record::RecorderAlarm>());
     return http_answer(now, path, query);
   }
   [[nodiscard]] Parsed answer(const char* query) const { return Parsed::parse(get("/api/v1/runs", query).body); }
@@ -68,7 +68,7 @@ TEST_F(RecorderJsonTest, HealthSaysWhatIsRecordedOrWhyNot) {
   EXPECT_TRUE(health().is_null()) << "this service does not record";
   recording.emplace();
   recording->why_not = "disk full";
-  recording->alarms = {"the run is not recorded: disk full"};
+  recording->alarms = {{"recording", "the run is not recorded: disk full"}};
   EXPECT_EQ(health()["reason"], "disk full");
   EXPECT_TRUE(health()["run"].is_null());
   EXPECT_NE(get("/api/v1/health").body.find("recording: the run is not recorded: disk full"), std::string::npos);

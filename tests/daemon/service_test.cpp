@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <optional>
 
 #include "daemon/acquire/plugin.hpp"
@@ -36,8 +37,8 @@ struct ServiceTest : testing::Test {
     ASSERT_TRUE(started) << started.error();
     rig = std::move(*started);
   }
-  void start_service(std::uint16_t device_port) {
-    auto file = config::parse(test::rig_file(device_port), "rig.toml", kDrivers);
+  void start_service(std::uint16_t device_port, const std::string& more = {}) {
+    auto file = config::parse(test::rig_file(device_port) + more, "rig.toml", kDrivers);
     ASSERT_TRUE(file) << config::to_string("rig.toml", file.error());
     ServiceOptions options;
     options.handle_signals = false;
@@ -90,6 +91,57 @@ TEST_F(ServiceTest, MeasuresARigOverModbusWithinItsOwnUncertainty) {
   const test::ApiSchema schema;
   for (const char* name : {"dwell", "dwells", "channels", "health"})
     EXPECT_EQ(schema.faults(name, get_json(port, std::string("/api/v1/") + name)), "");
+}
+
+// Of the log: "serving PLCs on 127.0.0.1 port 40123; …".
+std::uint16_t plc_port(const Log& log) {
+  const std::string before = "serving PLCs on 127.0.0.1 port ";
+  for (const LogLine& line : log.newest().newest(NewestLines::kLines))
+    if (line.text.compare(0, before.size(), before) == 0)
+      return static_cast<std::uint16_t>(std::stoi(line.text.substr(before.size())));
+  return 0;
+}
+
+// Register `at` of an answer to a read of registers 0 … 124, as one word or as a float32.
+std::uint16_t word_of(const std::string& answer, std::size_t at) {
+  const auto byte = [&answer](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(answer[i])); };
+  return static_cast<std::uint16_t>(byte(9 + 2 * at) << 8U | byte(10 + 2 * at));
+}
+float real_of(const std::string& answer, std::size_t at) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(word_of(answer, at)) << 16U | word_of(answer, at + 1));
+}
+
+TEST_F(ServiceTest, PlcsReadTheCoefficientsAndLoseThemWithTheRig) {
+  start_rig();
+  start_service(rig->tcp_port(), "[modbus_server]\nlisten = \"127.0.0.1:0\"\n");
+  const double c_1 = await_measured()["elements"][0]["stiffness"]["value"];
+  test::Client plc = test::Client::tcp(plc_port(*log));
+  const auto page = [&plc] {
+    plc.send({"\x00\x01\x00\x00\x00\x06\x01\x04\x00\x00\x00\x7d", 12});
+    return plc.exactly(259);
+  };
+  const std::string measured = page();
+  ASSERT_EQ(measured.size(), 259U);
+  EXPECT_EQ(word_of(measured, 3), 2) << "measuring";
+  EXPECT_EQ(word_of(measured, 24), 1) << "valid";
+  EXPECT_NEAR(real_of(measured, 26), c_1, 1e-2 * c_1);
+  EXPECT_GT(real_of(measured, 28), 0.0F);
+
+  rig.reset();
+  await(port, "/api/v1/channels", [](const json& a) { return !test::all_channels(a, "ok"); });
+  await(port, "/api/v1/dwell", [](const json& dwell) {
+    for (const json& element : dwell["elements"])
+      if (element["identifiable"].get<bool>()) return false;
+    return true;
+  });
+  // The image is of the snapshot before that answer at the oldest.
+  std::string lost = page();
+  while (!std::isnan(real_of(lost, 26))) lost = page();
+  EXPECT_NE(word_of(lost, 24), 1);
+  EXPECT_EQ(word_of(lost, 5), 0) << "not ready";
+  const json health = get_json(port, "/api/v1/health");
+  EXPECT_GT(health["modbus"]["answers"].get<int>(), 1);
+  EXPECT_EQ(test::ApiSchema().faults("health", health), "");
 }
 
 // The harmonic verdict of this rig takes ten minutes, longer than the slowest machine takes to estimate. Its transient

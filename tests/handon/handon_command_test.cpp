@@ -1,5 +1,6 @@
 // export and report as their users see them: exit codes, what is said, what is left behind.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -47,7 +48,7 @@ class HandonCommand : public ::testing::Test {
 TEST_F(HandonCommand, JsonIsAsTheSchemaSays) {
   const test::ApiSchema schema;
   for (const char* format : {"csv", "hdf5", "uff"}) {
-    const Said said = say(std::string("export run.dwell --json -o out --format ") + format);
+    const Said said = say(std::string("export run.dwell --json --overwrite -o out --format ") + format);
     EXPECT_EQ(schema.faults_of_text("exported_run", said.out), "") << format << said.err;
   }
   EXPECT_EQ(schema.faults_of_text("report", say("report run.dwell -o out.html --json").out), "");
@@ -85,11 +86,57 @@ TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
 
 TEST_F(HandonCommand, TrustsThePinnedKeyAlone) {
   const std::string vkey = test::select(run_).header().vkey;
-  EXPECT_NE(say("report run.dwell -o out.html --key '" + vkey + "'").out.find(" trusted"), std::string::npos);
-  EXPECT_EQ(say("report run.dwell -o out.html --key '" + vkey + "'").out.find("not trusted"), std::string::npos);
-  const Said wrong = say("report run.dwell -o out.html --key nowhere");
+  EXPECT_NE(say("report run.dwell --overwrite -o out.html --key '" + vkey + "'").out.find(" trusted"),
+            std::string::npos);
+  EXPECT_EQ(say("report run.dwell --overwrite -o out.html --key '" + vkey + "'").out.find("not trusted"),
+            std::string::npos);
+  const Said wrong = say("report run.dwell --overwrite -o out.html --key nowhere");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.err.find("nowhere: there is no such file"), std::string::npos) << wrong.err;
+}
+
+TEST_F(HandonCommand, WritesInPlaceOfNothingButARegularFileThatWasGivenUp) {
+  const auto writes = [](const std::string& target, bool overwrite) {
+    const std::string end = " -o " + target + (overwrite ? " --overwrite" : "");
+    return std::vector<std::string>{"export run.dwell --format csv" + end, "export run.dwell --format hdf5" + end,
+                                    "export run.dwell --format uff" + end, "report run.dwell" + end};
+  };
+  const std::string run = record::Scratch::read(run_.path);
+  scratch_.write("renamed.csv", run);
+  scratch_.write("other.dwell", "x");
+  scratch_.write("text", "x");
+  std::filesystem::create_symlink("text", scratch_.path("link"));
+  ASSERT_EQ(::mkfifo(scratch_.path("pipe").c_str(), 0644), 0);
+  for (const auto& [target, found] :
+       {std::pair("renamed.csv", "is a run file or a ledger"), std::pair("other.dwell", "has the name of a run file"),
+        std::pair("run.dwell-wal", "has the name of a run file"),
+        std::pair("new.dwell-ledger", "has the name of a run"), std::pair("link", "is a link"),
+        std::pair("pipe", "is no regular file"), std::pair(".", "is a directory")})
+    for (const std::string& command : writes(target, true)) {
+      const Said said = say(command);
+      EXPECT_EQ(said.code, 2) << command;
+      EXPECT_NE(said.err.find(std::string(target) + ": " + found), std::string::npos) << command << ": " << said.err;
+    }
+  for (const std::string& command : writes("text", false)) {
+    const Said said = say(command);
+    EXPECT_EQ(said.code, 2) << command;
+    EXPECT_NE(said.err.find("text: exists already; expected a new name, or --overwrite"), std::string::npos)
+        << said.err;
+  }
+  EXPECT_EQ(record::Scratch::read(run_.path), run);
+  EXPECT_EQ(record::Scratch::read(scratch_.path("renamed.csv")), run);
+  EXPECT_EQ(record::Scratch::read(scratch_.path("text")), "x");
+  EXPECT_FALSE(there("run.dwell-wal"));
+  for (const std::string& command : writes("text", true)) EXPECT_EQ(say(command).code, 0) << command;
+}
+
+TEST_F(HandonCommand, TheRigFileBesideACsvReplacesNothing) {
+  scratch_.write("out.rig.toml", "mine");
+  const Said said = say("export run.dwell --format csv -o out.csv");
+  EXPECT_EQ(said.code, 2);
+  EXPECT_NE(said.err.find("out.rig.toml: exists already"), std::string::npos) << said.err;
+  EXPECT_EQ(record::Scratch::read(scratch_.path("out.rig.toml")), "mine");
+  EXPECT_FALSE(there("out.csv"));
 }
 
 TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
@@ -102,6 +149,8 @@ TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
   refused("export run.dwell --format wav -o out", "wav");
   refused("export run.dwell --format csv -o out --dwell 1 --from 3", "--dwell");
   refused("export run.dwell --format csv -o out --from 3 --to 2", "the range ends before it begins");
+  refused("export run.dwell --format csv -o out --from nan", "expected seconds of the run");
+  refused("export run.dwell --format csv -o out --to nan", "expected seconds of the run");
   refused("export run.dwell --format csv -o out --dwell 9", "there is no dwell 9 in it; expected 1 to 1");
   refused("export none.dwell --format csv -o out", "none.dwell");
   refused("export run.dwell --format csv -o run.dwell", "is the run file itself");

@@ -36,7 +36,7 @@ TEST(HandedOnAsCsv, PythonReadsEveryInstantToTheNanosecondAndEveryValueToTheLast
   const test::HandedRun run = written(scratch);
   for (const bool in_unit : {false, true}) {
     handon::Selection all = test::select(run);
-    const auto count = export_csv(all, test::provenance(), {in_unit}, scratch.path("run.csv"), {});
+    const auto count = export_csv(all, test::provenance(), {in_unit}, {scratch.path("run.csv"), true}, {});
     ASSERT_TRUE(count) << count.error();
     EXPECT_EQ(*count, samples_of(run));
     EXPECT_EQ(test::python("read_csv.py", {scratch.path("run.csv"), scratch.path("samples"), "0", kEver}), 0);
@@ -120,7 +120,7 @@ TEST(HandedOnAsUff, AReaderByFixedColumnsFindsTheMotionWithinTheStatedError) {
   const test::HandedRun run = written(scratch);
   for (const bool binary : {false, true}) {
     handon::Selection all = test::select(run);
-    const auto done = export_uff(all, test::provenance(), {binary}, scratch.path("run.uff"), {});
+    const auto done = export_uff(all, test::provenance(), {binary}, {scratch.path("run.uff"), true}, {});
     ASSERT_TRUE(done) << done.error();
     EXPECT_EQ(done->samples, samples_of(run));
     EXPECT_EQ(done->datasets, 3U);

@@ -58,10 +58,11 @@ class Program {
 }
 
 export class Bench {
-  // rig: options of rigsim; edit: changes the text of the rig file, given the folder.
-  static async begin({ rig = [], edit = (text) => text } = {}) {
+  // rig: options of rigsim; edit: changes the text of the rig file, given the folder; files: put there, by name.
+  static async begin({ rig = [], edit = (text) => text, files = {} } = {}) {
     const bench = new Bench();
     bench.folder = await mkdtemp(join(tmpdir(), 'dwell-page-'));
+    for (const [name, bytes] of Object.entries(files)) await writeFile(join(bench.folder, name), bytes, { mode: 0o600 });
     bench.rigOptions = ['--unit', 'mm', '--noise', '0.001', ...rig];
     await bench.startRig();
     let text = await readFile(join(ROOT, 'config/rigs/clamped.toml'), 'utf8');
@@ -93,6 +94,31 @@ export class Bench {
     await Promise.all([this.rig?.end(), this.service?.end()]);
     await rm(this.folder, { recursive: true, force: true });
   }
+}
+
+// Options of Bench.begin() for a clamped chain of so many equal masses: a channel on the table, one on each, and the load
+// cell. It settles within 30 s.
+export function chainOf(masses) {
+  const list = (count, value) => Array(count).fill(value).join(',');
+  const channel = (place, register) => `
+[[channel]]
+name = "${place === masses + 1 ? 'reaction' : `y${place}`}"
+device = "amplifier"
+measures = "${place === masses + 1 ? 'force' : 'displacement'}"
+at = ${place === masses + 1 ? '"ground"' : place}
+unit = "${place === masses + 1 ? 'N' : 'mm'}"
+station = 1
+table = "input"
+register = ${register}
+type = "float32"
+order = "abcd"
+`;
+  return {
+    rig: ['--masses', list(masses, 5), '--stiffness', list(masses + 1, 30_000), '--damping', list(masses + 1, 60)],
+    edit: (text) => text.slice(0, text.indexOf('[[channel]]')).replace(/^masses .*/m, `masses = [${list(masses, 5)}]`)
+      .replace(/^mass_u .*/m, `mass_u = [${list(masses, 0.003)}]`) +
+      Array.from({ length: masses + 2 }, (_, place) => channel(place, 2 * place)).join(''),
+  };
 }
 
 export const SIZES = { phone: { width: 360, height: 780 }, desk: { width: 1440, height: 900 }, wall: { width: 1920, height: 1080 } };

@@ -1,21 +1,29 @@
 // The page at a phone's, a desk's and a wall's size: nothing is cut off, everything can be reached by keyboard, axe-core
 // finds nothing against WCAG 2.2 AA. DWELL_PICTURES=FOLDER keeps a picture of each.
 import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
 
 const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
 const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
+
+const TOKEN = '0123456789abcdef0123456789abcdef';
+
+function recordingWithToken(text, folder) {
+  writeFileSync(join(folder, 'token'), TOKEN, { mode: 0o600 });
+  return `${text.replace(/^# token_file .*/m, 'token_file = "token"')}\n[recording]\ndirectory = "${folder}/runs"\n`;
+}
 
 let browser;
 let bench;
 let wrong; // a spring that the chain does not have
 before(async () => {
   [browser, bench, wrong] = await Promise.all([openBrowser(),
-    Bench.begin({ edit: (text, folder) => `${text}\n[recording]\ndirectory = "${folder}/runs"\n` }),
+    Bench.begin({ edit: recordingWithToken }),
     Bench.begin({ rig: ['--side-spring', '2:ground:3000'] })]);
   wrong.rig.say('start');
   bench.rig.say('start');
@@ -69,6 +77,48 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
   });
 }
 
+test('thirteen elements fit on a wall display', async () => {
+  const many = await Bench.begin(chainOf(12));
+  try {
+    many.rig.say('start');
+    const page = await open('wall', '?kiosk', many);
+    page.setDefaultTimeout(3 * PATIENCE_MS);
+    await page.waitForSelector('#coefficients[data-source=measured] .element');
+    await page.waitForSelector('#traces:not([hidden])');
+    // All 26 numbers are on the screen, and none reaches into its neighbour. What is withheld has its reason instead.
+    await page.waitForFunction(() => {
+      const numbers = [...document.querySelectorAll('.coefficient .number')];
+      return numbers.length === 26 && document.querySelector('#elements').getBoundingClientRect().bottom <= window.innerHeight &&
+        numbers.every((n) => n.getBoundingClientRect().right <= n.closest('.coefficient').getBoundingClientRect().right + 1);
+    });
+    await check(page, 'many-wall');
+    await page.close();
+  } finally {
+    await many.end();
+  }
+});
+
+test('the chain rests where less motion is asked for, and can be moved and halted', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk, reducedMotion: 'reduce' });
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.goto(bench.url);
+  await page.waitForSelector('#chain:not([hidden])');
+  const place = () => page.locator('#shape-masses').innerHTML();
+  const turns = () => page.evaluate(() => new Promise((done) => setTimeout(done, 400)));
+  assert.equal(await page.locator('#shape-pause').innerText(), 'Move');
+  await page.click('#shape-pause');
+  const before = await place();
+  await page.waitForFunction((was) => document.querySelector('#shape-masses').innerHTML !== was, before);
+  await page.click('#shape-pause');
+  assert.equal(await page.locator('#shape-pause').innerText(), 'Move');
+  const still = await place();
+  await turns();
+  // What is measured goes on, by less than a tenth of a unit of the picture.
+  const numbers = (html) => html.match(/translate\([\d.]+/g).map((t) => Number(t.slice(10)));
+  numbers(await place()).forEach((x, i) => assert.ok(Math.abs(x - numbers(still)[i]) < 0.3));
+  await page.close();
+});
+
 test('a dwell is opened and left by keyboard, events are filtered', async () => {
   const page = await open('desk');
   await page.waitForSelector('#state[data-kind=measuring]');
@@ -101,14 +151,58 @@ test('every control is reached with the tabulator, the first is the way past the
   await page.close();
 });
 
-test('fault and a service that is gone, at the size of a phone', async () => {
+test('an operator logs in, starts a run, stops it and logs out, by keyboard', async () => {
   const page = await open('phone');
+  const said = (text) => page.locator('#operate-said', { hasText: text }).waitFor();
+  const type = async (field, text) => {
+    await page.locator(field).waitFor();
+    await page.locator(field).focus();
+    await page.keyboard.type(text);
+    await page.keyboard.press('Enter');
+  };
+  const press = async (button) => {
+    await page.locator(button).waitFor();
+    await page.locator(button).focus();
+    await page.keyboard.press('Enter');
+  };
+  await page.waitForSelector('#operate-token');
+  assert.equal(await page.locator('#operate-acts').isVisible(), false);
+  await type('#operate-token', 'not the token');
+  await said('Not done: this is not the token');
+  await check(page, 'operate-login-phone');
+  await page.locator('#operate-token').fill('');
+  await type('#operate-token', TOKEN);
+  await said('Logged in.');
+  assert.equal(await page.evaluate(() => document.cookie), '', 'no script reads the cookie');
+  await type('#operate-label', 'sweep 3');
+  await said('Run "sweep 3" started.');
+  await page.locator('#facts', { hasText: 'sweep 3' }).waitFor();
+  await check(page, 'operate-phone');
+
+  let asked = '';
+  page.on('dialog', (dialog) => {
+    asked = dialog.message();
+    dialog.accept();
+  });
+  await press('#operate-stop');
+  await said('Run stopped.');
+  assert.match(asked, /^Stop the run\?/);
+  await press('#operate-logout');
+  await page.waitForSelector('#operate-login:not([hidden])');
+  const refused = await page.request.post(`${bench.url}/api/v1/rearm`, { data: {} });
+  assert.equal(refused.status(), 401);
+  await page.close();
+});
+
+// Of the rig with the fault: the last one that uses it.
+test('fault and a service that is gone, at the size of a phone', async () => {
+  const page = await open('phone', '', wrong);
   await page.waitForSelector('#state[data-kind=measuring]');
-  bench.rig.signal('SIGSTOP');
+  wrong.rig.signal('SIGSTOP');
   await page.waitForSelector('#state[data-kind=fault]');
   await page.waitForSelector('.coefficient .struck');
   await check(page, 'stale-phone');
-  bench.service.signal('SIGKILL');
+  wrong.service.signal('SIGKILL');
   await page.waitForSelector('#state[data-kind=gone]');
   await check(page, 'gone-phone');
   await page.close();

@@ -17,6 +17,7 @@ const said = (view) => {
 
 test('the state is one word, what belongs to it, and a colour only where it is abnormal', () => {
   assert.equal(said(viewOf(null)), 'connecting calm: connecting, waiting for the first word of the service');
+  assert.equal(said({ ...viewOf(null), locked: true }), 'connecting calm: connecting, log in below to read');
   assert.equal(said(viewOf(settlingOf())), 'settling calm: settling, about 3.2 s left');
   assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known');
   assert.equal(said(viewOf(dwellOf())), 'measuring calm: measuring, 10.0 s of data');

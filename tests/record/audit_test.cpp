@@ -8,46 +8,10 @@
 #include "daemon/record/anchor.hpp"
 #include "daemon/record/ledger.hpp"
 #include "daemon/record/signature.hpp"
-#include "tests/record/altered_files.hpp"
+#include "tests/record/audited.hpp"
 
 namespace dwell::record {
 namespace {
-
-Audit audited(const std::string& path, const AuditOptions& options = {}) {
-  const Result<Audit> audit = audit_run(path, options);
-  EXPECT_TRUE(audit) << audit.error();
-  return audit.value_or(Audit{});
-}
-
-AuditOptions pinned(const SigningKey& key) {
-  return {.key = key.public_key(), .ledger = {}, .anchors = {}, .progress = {}};
-}
-AuditOptions with_ledger(const Scratch& scratch) {
-  return {.key = {}, .ledger = scratch.path("ledger.dwell-ledger"), .anchors = {}, .progress = {}};
-}
-AuditOptions with_anchors(const Scratch& scratch, const std::string& lines) {
-  return {.key = {}, .ledger = {}, .anchors = {scratch.write("anchors", lines)}, .progress = {}};
-}
-
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-// A recording directory with runs 1 … count; runs are a.dwell, b.dwell … The last one may be cut off.
-Ledger recorded(const Scratch& scratch, int count, bool last_cut_off = false) {
-  Ledger ledger = *Ledger::open(scratch.path(), sample_key());
-  for (int i = 1; i <= count; ++i) {
-    RunHeader header = sample_header(ledger.next_run(), sample_key());
-    header.previous_head = ledger.newest_head();
-    const std::string name = std::string(1, static_cast<char>('a' + i - 1)) + ".dwell";
-    EXPECT_TRUE(ledger.run_begins(header, name));
-    const bool cut_off = last_cut_off && i == count;
-    const std::string head = write_sample(
-        scratch.path(name),
-        {.seed = static_cast<unsigned>(i), .end = cut_off ? SampleEnd::log_left : SampleEnd::closed, .header = header});
-    const auto seq = static_cast<std::int64_t>(rows_of(scratch.path(name)).size());
-    EXPECT_TRUE(ledger.run_ends(header.run, head, seq, cut_off ? "cut off" : "closed"));
-  }
-  return ledger;
-}
 
 TEST(Audit, AClosedRunIsIntactAndUntrustedWithoutAKey) {
   const Scratch scratch(true);
@@ -205,6 +169,36 @@ TEST(Audit, OnlySignaturesMayFollowTheEnd) {
   EXPECT_TRUE(says(audited(path).where, "after the end")) << audited(path).where;
 }
 
+TEST(Audit, AJournalBesideARunOrALedgerIsTamperingAndIsNeverPlayedBack) {
+  const Scratch scratch;
+  (void)recorded(scratch, 1);
+  PersonalSignature words;
+  words.name = "Anna";
+  words.meaning = "reviewed";
+  words.utc = "2026-01-01T00:00:00Z";
+  words.person = Person{1000, "anna"};
+  const std::string run = scratch.path("a.dwell");
+  for (const char* stray : {"a.dwell-journal", "a.dwell-wal"}) {
+    scratch.write(stray, "from elsewhere");
+    const Files before = files_in(scratch);
+    const Audit audit = audited(run);
+    EXPECT_EQ(audit.state, AuditState::tampered);
+    EXPECT_TRUE(says(audit.where, std::string(stray).substr(7) + " lies beside it")) << audit.where;
+    for (const auto& signature :
+         {sign_by_own_key(run, words, sample_other()), sign_by_service(run, words, sample_key())}) {
+      ASSERT_FALSE(signature);
+      EXPECT_TRUE(says(signature.error(), " lies beside it")) << signature.error();
+    }
+    EXPECT_EQ(files_in(scratch), before);
+    std::filesystem::remove(scratch.path(stray));
+  }
+  EXPECT_EQ(audited(run).state, AuditState::intact);
+  scratch.write("ledger.dwell-ledger-journal", "");
+  const auto ledger = Ledger::open(scratch.path(), sample_key());
+  ASSERT_FALSE(ledger);
+  EXPECT_TRUE(says(ledger.error(), "-journal lies beside it")) << ledger.error();
+}
+
 TEST(Audit, OnlyAClosedRunIsSignedAndOnlyByTheKeyThatRecordedIt) {
   const Scratch scratch(true);
   PersonalSignature signature;
@@ -344,7 +338,8 @@ TEST(Audit, KeysAreConnectedByTheLedger) {
     header.previous_head = ledger.newest_head();
     ASSERT_TRUE(ledger.run_begins(header, "b.dwell"));
     const std::string head = write_sample(scratch.path("b.dwell"), {.seed = 4, .header = header}, sample_other());
-    ASSERT_TRUE(ledger.run_ends(2, head, static_cast<std::int64_t>(rows_of(scratch.path("b.dwell")).size()), "closed"));
+    ASSERT_TRUE(
+        ledger.run_ends({2, head, static_cast<std::int64_t>(rows_of(scratch.path("b.dwell")).size()), "closed"}));
   }
   for (const SigningKey* key : {&sample_key(), &sample_other()}) {
     AuditOptions options = with_ledger(scratch);

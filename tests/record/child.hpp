@@ -9,7 +9,7 @@
 
 namespace dwell::record {
 
-// What `task` returned; what it says of how the child ended where it did not end by itself.
+// What `task` returned in the child; if the child crashed or exited with another code than 0, that is added.
 inline std::string in_child(const std::function<std::string()>& task) {
   int ends[2];
   if (pipe(ends) != 0) return "no pipe";
@@ -27,7 +27,7 @@ inline std::string in_child(const std::function<std::string()>& task) {
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) said += " (the child ended by itself)";
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) said += " (the child crashed or failed)";
   return said;
 }
 

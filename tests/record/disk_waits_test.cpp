@@ -1,48 +1,186 @@
-// How often recording waits for the disk. A wait may take half a second, and what comes meanwhile is only in memory.
+// How long recording waits for the disk, and what a loss of power costs meanwhile. A disk in virtual time: each wait
+// takes 0.5 s of it, and threads wait for the disk side by side.
 #include <gtest/gtest.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "daemon/record/run_folder.hpp"
 #include "tests/record/recorded_rig.hpp"
 #include "tests/record/scratch.hpp"
+#include "tests/record/synthetic_stream.hpp"
 
 namespace {
-std::atomic<int> waits{0};
+thread_local int own_waits = 0;  // of this thread
+std::atomic<int> all_waits{0};   // of all threads
 }  // namespace
 
 // In place of the C library's, for SQLite as well: so they must be visible to it.
 extern "C" __attribute__((visibility("default"))) int fsync(int file) {
-  ++waits;
+  ++own_waits, ++all_waits;
   return static_cast<int>(syscall(SYS_fsync, file));
 }
 extern "C" __attribute__((visibility("default"))) int fdatasync(int file) {
-  ++waits;
+  ++own_waits, ++all_waits;
   return static_cast<int>(syscall(SYS_fdatasync, file));
 }
 
 namespace dwell::record {
 namespace {
 
-TEST(DiskWaits, AreOneForABatchAndFiveForTheBeginningAndForTheEndOfARun) {
-  const Scratch scratch;
-  RunFolder folder(folder_options(scratch.path()));
-  ASSERT_TRUE(folder.open());
-  const std::vector<NewEntry> batch{{"event", 1, R"({"position":1,"what":"state","text":"idle"})"}};
-  const auto count = [](const auto& step) {
-    const int before = waits;
-    EXPECT_TRUE(step()) << "failed";
-    return waits - before;
-  };
+constexpr double kWait_s = 0.5;
+
+RunHeader header_of_run() {
   RunHeader header = rig_header();
   header.start_utc = "2026-11-23T00:00:00Z";
-  for (int run = 1; run <= 2; ++run) {
-    EXPECT_EQ(count([&] { return folder.begin(header, 1, batch).has_value(); }), 5) << "run " << run;
-    EXPECT_EQ(count([&] { return folder.write(batch).has_value(); }), 1) << "run " << run;
-    EXPECT_EQ(count([&] { return folder.end(batch).has_value(); }), 5) << "run " << run;
+  return header;
+}
+
+// A folder that notes for how long the recorder's thread has waited, and how old the oldest datum was that a loss of
+// power would have cost.
+class WatchedFolder final : public RunStore {
+ public:
+  explicit WatchedFolder(const std::string& directory) : folder_(folder_options(directory)) {}
+
+  // The record handed to the log next is of this instant. It cannot be taken while the thread waits.
+  void now(double t_s) noexcept { now_s_ = std::max(now_s_, t_s); }
+  // At a run's beginning nothing before its instant can be lost.
+  void begins(double t_s) noexcept { durable_s_ = std::max(durable_s_, t_s); }
+  [[nodiscard]] double most_lost_s() const noexcept { return most_lost_s_; }
+  [[nodiscard]] int most_waits() const noexcept { return most_waits_; }
+
+  Result<void> ready() override { return folder_.ready(); }
+  Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override {
+    return watch(first, [&] { return folder_.begin(header, t_ns, first); });
   }
+  Result<void> write(std::span<const NewEntry> batch) override {
+    return watch(batch, [&] { return folder_.write(batch); });
+  }
+  Result<void> end(std::span<const NewEntry> last, bool another) override {
+    return watch(last, [&] { return folder_.end(last, another); });
+  }
+
+ private:
+  template <class Call>
+  Result<void> watch(std::span<const NewEntry> batch, const Call& call) {
+    const int before = own_waits;
+    const Result<void> done = call();
+    most_waits_ = std::max(most_waits_, own_waits - before);
+    now_s_ += kWait_s * (own_waits - before);
+    most_lost_s_ = std::max(most_lost_s_, now_s_ - durable_s_);
+    for (const NewEntry& entry : batch) durable_s_ = std::max(durable_s_, 1e-9 * static_cast<double>(entry.t_ns));
+    return done;
+  }
+
+  RunFolder folder_;
+  double now_s_ = 0.0, durable_s_ = 0.0, most_lost_s_ = 0.0;
+  int most_waits_ = 0;
+};
+
+struct SlowDiskRig {
+  SlowDiskRig()
+      : log(store, log_options(notices)), stream(2, 1000.0, [this](const Record& record) {
+          const double t_s = 1e-9 * static_cast<double>(record.t_ns);
+          store.now(t_s);
+          if (record.kind == Kind::run && static_cast<RunEdge>(record.flags) == RunEdge::begins) store.begins(t_s);
+          log.set_clock({record.t_ns, 1'790'000'000'000'000'000 + record.t_ns});
+          log.record(record);
+        }) {
+    EXPECT_TRUE(store.ready());
+  }
+
+  Scratch scratch;
+  Notices notices;
+  WatchedFolder store{scratch.path()};
+  RunLog log;
+  SyntheticStream stream;
+};
+
+// A sample's interval, with room for rounding: the newest datum that is kept is so much older than the first that is
+// lost.
+constexpr double kSample_s = 0.001 + 1e-9;
+
+TEST(DiskWaits, OfTheRecordersThreadAreOneForABatchOneForTheBeginningOfARunAndTwoForItsEnd) {
+  const Scratch scratch;
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.ready());
+  const std::vector<NewEntry> batch{{"event", 1, R"({"position":1,"what":"state","text":"idle"})"}};
+  const auto count = [](const auto& step) {
+    const int before = own_waits;
+    EXPECT_TRUE(step()) << "failed";
+    return own_waits - before;
+  };
+  RunHeader header = header_of_run();
+  for (int run = 1; run <= 3; ++run) {
+    EXPECT_EQ(count([&] { return folder.begin(header, 1, batch).has_value(); }), 1) << "run " << run;
+    EXPECT_EQ(count([&] { return folder.write(batch).has_value(); }), 1) << "run " << run;
+    const bool another = run == 2;
+    EXPECT_EQ(count([&] { return folder.end(batch, another).has_value(); }), another ? 1 : 2) << "run " << run;
+  }
+}
+
+// At the beginning the ledger's entry, which takes as long as the run's own first commit, and the name of the file;
+// with the first batch the file of the next run; at the end the log that goes into the file.
+TEST(DiskWaits, OfOtherThreadsAreTwoForTheBeginningFourForTheNextFileAndThreeForTheEnd) {
+  const Scratch scratch;
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.ready());
+  folder.settle();
+  const std::vector<NewEntry> batch{{"event", 1, R"({"position":1,"what":"state","text":"idle"})"}};
+  const auto beside = [&](const auto& step) {
+    const int own = own_waits, all = all_waits;
+    EXPECT_TRUE(step()) << "failed";
+    folder.settle();
+    return (all_waits - all) - (own_waits - own);
+  };
+  RunHeader header = header_of_run();
+  for (int run = 1; run <= 2; ++run) {
+    EXPECT_EQ(beside([&] { return folder.begin(header, 1, batch).has_value(); }), 2) << "run " << run;
+    EXPECT_EQ(beside([&] { return folder.write(batch).has_value(); }), 4) << "run " << run;
+    EXPECT_EQ(beside([&] { return folder.end(batch, false).has_value(); }), 3) << "run " << run;
+  }
+}
+
+TEST(SlowDisk, ALossOfPowerCostsOneAndAHalfSecondsAtMostFromTheBeginningOfARunOn) {
+  SlowDiskRig rig;
+  rig.stream.starts();
+  rig.stream.play(20.0);
+  rig.log.finish();
+  EXPECT_GT(rig.store.most_lost_s(), 1.0) << "nothing was watched";
+  EXPECT_LE(rig.store.most_lost_s(), 1.5 + kSample_s) << rig.notices.text();
+}
+
+TEST(SlowDisk, ALossOfPowerCostsTwoSecondsAtMostWhereOneRunFollowsAnother) {
+  SlowDiskRig rig;
+  rig.stream.starts();
+  // Amid a block, while a block is being written, and just after one is complete.
+  for (const double length_s : {3.7, 4.2, 5.01}) {
+    rig.stream.play(length_s);
+    rig.stream.ends(EndOfRun::by_operator);
+    rig.stream.starts();
+  }
+  rig.stream.play(3.7);
+  rig.log.finish();
+  EXPECT_TRUE(rig.notices.hold("run 4")) << rig.notices.text();
+  EXPECT_LE(rig.store.most_lost_s(), 2.0 + kSample_s) << rig.notices.text();
+}
+
+// Every 16 MB.
+TEST(SlowDisk, ALossOfPowerCostsTwoSecondsAtMostWhereTheLogMovesIntoTheDatabase) {
+  SlowDiskRig rig;
+  rig.stream.starts();
+  StoredEvent large;
+  large.what = "state";
+  large.text = std::string(1'500'000, 'x');
+  for (int second = 0; second < 30; ++second) {
+    rig.log.event(large);
+    rig.stream.play(1.0);
+  }
+  EXPECT_EQ(rig.store.most_waits(), 2) << "the log was moved, or a new log began";
+  rig.log.finish();
+  EXPECT_LE(rig.store.most_lost_s(), 2.0 + kSample_s) << rig.notices.text();
 }
 
 }  // namespace

@@ -36,12 +36,12 @@ TEST(Ledger, RunsAreNumberedAndChainedAcrossRestarts) {
     ASSERT_TRUE(ledger->run_begins(next_header(*ledger), "a.dwell"));
     EXPECT_EQ(ledger->running(), 1);
     EXPECT_FALSE(ledger->run_begins(next_header(*ledger), "b.dwell")) << "one run at a time";
-    ASSERT_TRUE(ledger->run_ends(1, some_head(1), 40, "closed"));
+    ASSERT_TRUE(ledger->run_ends({1, some_head(1), 40, "closed"}));
     ASSERT_TRUE(ledger->run_begins(next_header(*ledger), "b.dwell"));
   }
   Ledger ledger = *Ledger::open(scratch.path(), key);
   EXPECT_EQ(ledger.running(), 2) << "it was cut off";
-  ASSERT_TRUE(ledger.run_ends(2, "", 0, "cut off"));
+  ASSERT_TRUE(ledger.run_ends({2, "", 0, "cut off"}));
   EXPECT_EQ(ledger.newest_head(), some_head(1)) << "a run without entries has no head";
   RunHeader wrong = next_header(ledger);
   wrong.previous_head = some_head(9);
@@ -55,7 +55,7 @@ TEST(Ledger, RetentionTellsWhatItDeletedOnce) {
   Ledger ledger = *Ledger::open(scratch.path(), *SigningKey::make("rig-7"));
   ASSERT_TRUE(ledger.run_begins(next_header(ledger), "a.dwell"));
   EXPECT_FALSE(ledger.run_deleted(1, "", "older than 90 days")) << "it is being recorded";
-  ASSERT_TRUE(ledger.run_ends(1, some_head(1), 40, "closed"));
+  ASSERT_TRUE(ledger.run_ends({1, some_head(1), 40, "closed"}));
   EXPECT_FALSE(ledger.run_deleted(1, some_head(2), "older than 90 days")) << "another head";
   EXPECT_FALSE(ledger.run_deleted(2, some_head(1), "older than 90 days")) << "no such run";
   ASSERT_TRUE(ledger.run_deleted(1, some_head(1), "older than 90 days"));
@@ -76,7 +76,7 @@ TEST(Ledger, AChangeOfKeysIsSignedByTheOldKeyAndTheNewOneGoesOn) {
     Result<Ledger> ledger = Ledger::open(scratch.path(), next);
     ASSERT_TRUE(ledger) << ledger.error();
     ASSERT_TRUE(ledger->run_begins(next_header(*ledger), "a.dwell"));
-    ASSERT_TRUE(ledger->run_ends(i + 1, some_head(1), 3, "closed"));
+    ASSERT_TRUE(ledger->run_ends({i + 1, some_head(1), 3, "closed"}));
   }
 }
 

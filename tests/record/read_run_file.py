@@ -189,6 +189,7 @@ class Reader:
         """Of a person, over the head of the entry before."""
         check(self.end is not None and self.covered == self.seq - 1, f"{where}: a signature under what is not signed")
         check(value["seq"] == self.seq - 1 and value["head"] == head.hex(), f"{where}: signs another head")
+        check(("person" in value) != ("vkey" in value), f"{where}: both by the service and by a key of their own, or by none")
         value["by"] = "the service" if "person" in value else value["vkey"]
         if "person" not in value:  # else the row of `note` tells
             words = [value["name"], value["meaning"], value.get("reason", ""), value["utc"]]

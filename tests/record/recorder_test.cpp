@@ -135,7 +135,7 @@ TEST_F(RecorderTest, AThreadThatDoesNotTurnIsAnAlarm) {
   Recorder recorder(recorder_options(scratch.path(), notices));
   const RecorderState state = recorder.state(raw_now_ns() + 7'000'000'000);
   ASSERT_FALSE(state.alarms.empty());
-  EXPECT_EQ(state.alarms.back().substr(0, 33), "the disk has not answered for 7 s");
+  EXPECT_EQ(state.alarms.back().text.substr(0, 33), "the disk has not answered for 7 s");
 }
 
 TEST_F(RecorderTest, RetentionDeletesWhatIsTooOldTellsTheLedgerAndSparesWhatIsKept) {

@@ -101,20 +101,25 @@ TEST(RunEntries, TheOtherEntriesComeBackWhole) {
   ASSERT_TRUE(end_back) << end_back.error();
   EXPECT_EQ(to_json(*end_back), R"({"why":"disk full","records":18446744073709551615,"samples":3,"utc":"u"})");
 
-  const PersonalSignature signature{.name = "Anna",
-                                    .meaning = "reviewed",
-                                    .reason = "r",
-                                    .utc = "u",
-                                    .seq = 9,
-                                    .head = "h",
-                                    .person = Person{.uid = 1, .name = "anna"},
-                                    .vkey = "k",
-                                    .note = "n\n"};
-  const auto signature_back = parse_personal_signature(to_json(signature));
-  ASSERT_TRUE(signature_back) << signature_back.error();
-  EXPECT_EQ(
-      to_json(*signature_back),
-      R"({"name":"Anna","meaning":"reviewed","reason":"r","utc":"u","seq":9,"head":"h","person":{"uid":1,"name":"anna"},"vkey":"k","note":"n\n"})");
+  PersonalSignature signature{.name = "Anna",
+                              .meaning = "reviewed",
+                              .reason = "r",
+                              .utc = "u",
+                              .seq = 9,
+                              .head = "h",
+                              .person = Person{.uid = 1, .name = "anna"},
+                              .vkey = {},
+                              .note = {}};
+  const auto by_service = parse_personal_signature(to_json(signature));
+  ASSERT_TRUE(by_service) << by_service.error();
+  const std::string front = R"({"name":"Anna","meaning":"reviewed","reason":"r","utc":"u","seq":9,"head":"h",)";
+  EXPECT_EQ(to_json(*by_service), front + R"("person":{"uid":1,"name":"anna"}})");
+  signature.person.reset();
+  signature.vkey = "k";
+  signature.note = "n\n";
+  const auto by_own_key = parse_personal_signature(to_json(signature));
+  ASSERT_TRUE(by_own_key) << by_own_key.error();
+  EXPECT_EQ(to_json(*by_own_key), front + R"("vkey":"k","note":"n\n"})");
 }
 
 TEST(RunEntries, ADwellComesBackAsTheTextItWas) {

@@ -75,6 +75,7 @@ TEST(RunFolder, RunsAreFilesOfTheirOwnThatAuditAsIntactAndTheLedgerKnowsThem) {
     rig.stream.ends();
     rig.stream.play(1.5);
   }
+  rig.folder.settle();
   const auto files = run_files(scratch.path());
   ASSERT_EQ(files.size(), 3u) << rig.notices.text();
   EXPECT_EQ(std::filesystem::path(files[0]).filename().string().substr(0, 8), "bench-1-");
@@ -135,7 +136,7 @@ TEST(RunFolder, ARunThatNeverHadAFileDoesNotLookLikeOneThatWasRemovedWhereverThe
     auto signs = open_key_and_ledger(scratch.path(), "dwell-bench");
     ASSERT_TRUE(signs) << signs.error();
     begin(*signs);
-    ASSERT_TRUE(signs->ledger.run_ends(1, {}, 0, "cut off"));
+    ASSERT_TRUE(signs->ledger.run_ends({1, {}, 0, "cut off"}));
     begin(*signs);
   }
   EXPECT_NE(broken(scratch.path()).find("run 1"), std::string::npos) << "what an auditor would say now";
@@ -167,6 +168,7 @@ TEST(RunFolder, ADeletedRunIsToldToTheLedgerAndNotMissing) {
   rig.stream.starts();
   rig.stream.play(1.5);
   rig.log.finish();
+  rig.folder.settle();
   const auto files = run_files(scratch.path());
   const ListedRun listed = look_at_run(scratch.path(), std::filesystem::path(files[0]).filename().string());
   ASSERT_TRUE(rig.folder.run_deleted(listed.run, listed.head, "older than 400 days"));
@@ -199,6 +201,7 @@ std::string record_until_full(const std::string& directory) {
   const std::string ballast = directory + "/ballast";
   std::ofstream(ballast) << std::string(8'000'000, 'x');
   rig.stream.play(600.0);
+  rig.folder.settle();
   if (rig.log.stopped().empty()) return "it did not notice";
   if (rig.log.stopped().find("disk full") == std::string::npos) return "another reason: " + rig.log.stopped();
   const auto files = run_files(directory);
@@ -214,6 +217,7 @@ std::string record_until_full(const std::string& directory) {
   rig.stream.starts();
   rig.stream.play(2.0);
   rig.log.finish();
+  rig.folder.settle();
   if (run_files(directory).size() != 2) return "it did not go on: " + rig.log.stopped();
   return broken(directory);
 }

@@ -1,8 +1,8 @@
 // What a loss of power leaves of a recording. Three steps, of which tests/vm/scenarios/71-power.sh makes a test:
 //
-//   power_cuts record DIRECTORY DEVICE CUTS SEED   records runs there at random instants, marks the log of the
-//   device-mapper
-//                                                  device under it, and says what it had recorded by each
+//   power_cuts record DIRECTORY DEVICE CUTS SEED   records runs in DIRECTORY; at CUTS random instants marks the log of
+//                                                  the device-mapper device DEVICE under it, and prints what was
+//                                                  recorded by each mark
 //   power_cuts image LOG CUT SEED EXTRA IMAGE      writes into IMAGE, which holds what the device held at first, what
 //                                                  was lasting at the cut; of what was under way EXTRA: none, all, some
 //   power_cuts check CUTS CUT DIRECTORY            what is left there, after IMAGE was mounted

@@ -20,7 +20,7 @@ systemctl kill -s HUP dwelld
 claim "units: a hangup is answered in the log" eventually 5 log_has "rig.toml is what is being served"
 claim "units: and ends nothing" same_process
 
-sed 's/^listen .*/listen = "192.0.2.7:8380"/' "$work/rig.toml" | start_service
+sed 's/^listen .*/listen = "192.0.2.7:8380"\nbehind_proxy = true/' "$work/rig.toml" | start_service
 claim "units: an address that is not up yet does not keep the service from starting" \
   test "$(property ActiveState)" = active
 claim "units: it is told" eventually 5 log_has "192.0.2.7:8380 is no address of this computer yet"

@@ -1,0 +1,19 @@
+// An address to listen on, as the rig file has it. Pure, thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace dwell::config {
+
+struct ListenAddress {
+  std::string text;        // as given, for instance "[::1]:8380"
+  std::string host;        // without the brackets of an IPv6 address
+  std::uint16_t port = 0;  // 0: any free one
+};
+
+// "ADDRESS:PORT" with an IPv4 address, an IPv6 address in brackets or localhost; nothing: it is none.
+[[nodiscard]] std::optional<ListenAddress> split_address(const std::string& text);
+
+}  // namespace dwell::config

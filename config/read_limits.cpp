@@ -1,0 +1,57 @@
+#include <algorithm>
+
+#include "config/draft.hpp"
+
+namespace dwell::config {
+namespace {
+
+// Which element: one of the chain that has no limits yet.
+void read_element(Section& section, Limit& limit, const Draft& draft) {
+  const Rig& rig = draft.file.rig;
+  const bool counted = draft.masses_known && draft.boundary_known;
+  const std::int64_t last = counted ? rig.element_count() : static_cast<std::int64_t>(kMaxMasses) + 1;
+  const std::string expected = "the number of an element, 1 to " + std::to_string(last) + (counted ? "" : " at most");
+  std::int64_t element = 0;
+  if (!section.integer("element", element, 1, last, expected.c_str(), Need::required)) return;
+  limit.element = static_cast<int>(element);
+  if (std::any_of(rig.limits.begin(), rig.limits.end(), [&](const Limit& l) { return l.element == limit.element; }))
+    section.wrong("element", "element " + std::to_string(element) +
+                                 " has limits already: expected one [[limit]] for each element, with \"stiffness\" "
+                                 "and \"damping\" in it");
+}
+
+std::optional<Bounds> read_bounds(Section& section, const char* key, const char* expected) {
+  Bounds bounds;
+  if (!section.interval(key, bounds.low, bounds.high, expected)) return std::nullopt;
+  return bounds;
+}
+
+Limit read_limit(Section& section, const Draft& draft) {
+  Limit limit;
+  read_element(section, limit, draft);
+  limit.stiffness = read_bounds(section, "stiffness", "[low, high] in N/m (N*m/rad for rotation), low < high");
+  limit.damping = read_bounds(section, "damping", "[low, high] in N*s/m (N*m*s/rad for rotation), low < high");
+  if (section.peek("stiffness") == nullptr && section.peek("damping") == nullptr)
+    section.missing("stiffness", "\"stiffness\" or \"damping\" = [low, high]");
+  section.refuse_rest();
+  return limit;
+}
+
+}  // namespace
+
+void read_limits(Section& root, Draft& draft) {
+  constexpr const char* kExpected = "tables [[limit]]";
+  const toml::array* limits = root.array("limit", kExpected);
+  if (limits == nullptr) return;
+  for (const toml::node& node : *limits) {
+    if (draft.mistakes.full()) return;
+    if (const toml::table* table = node.as_table()) {
+      Section section(*table, "[[limit]]", draft.mistakes);
+      draft.file.rig.limits.push_back(read_limit(section, draft));
+    } else {
+      draft.mistakes.add(position(node), std::string("a limit is ") + type_name(node) + ": expected a table [[limit]]");
+    }
+  }
+}
+
+}  // namespace dwell::config

@@ -1,0 +1,68 @@
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "config/draft.hpp"
+
+namespace dwell::config {
+namespace {
+
+constexpr const char* kListen =
+    "\"ADDRESS:PORT\" with a numeric address or localhost, for instance \"127.0.0.1:8380\" or \"[::1]:8380\"";
+
+bool is_host_name(const std::string& host) {
+  const bool letters = std::all_of(host.begin(), host.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
+  });
+  // Digits and dots alone mean an address, and then a broken one.
+  const bool digits = host.find_first_not_of("0123456789.") == std::string::npos;
+  return !host.empty() && host.size() <= 253 && letters && !digits && host.front() != '-' && host.front() != '.';
+}
+
+void read_names(Section& server, std::vector<std::string>& names) {
+  constexpr const char* kNames = "host names without a port, for instance [\"bench.local\"]";
+  const toml::array* given = server.array("names", kNames);
+  if (given == nullptr) return;
+  for (const toml::node& node : *given) {
+    const auto* name = node.as_string();
+    if (name == nullptr || !is_host_name(name->get())) {
+      server.wrong("names", "\"names\" holds " + shown(node) + ": expected " + kNames);
+    } else {
+      names.push_back(name->get());
+    }
+  }
+}
+
+}  // namespace
+
+void read_server(Section& section, Draft& draft) {
+  ServerSettings& server = draft.file.server;
+  std::string listen, token_file;
+  if (section.text("listen", listen, kListen)) {
+    if (auto address = split_address(listen)) {
+      server.listen = address->text;
+      server.host = address->host;
+      server.port = address->port;
+    } else {
+      section.wrong("listen", "\"listen\" is " + in_quotes(listen) + ": expected " + kListen);
+    }
+  }
+  read_names(section, server.names);
+  if (section.text("token_file", token_file, "the file that holds the token, a path"))
+    server.token_file = (std::filesystem::path(draft.file.directory) / token_file).string();
+  section.boolean("behind_proxy", server.behind_proxy);
+  server.listen_at = section.where("listen");
+  server.token_file_at = section.where("token_file");
+  section.refuse_rest();
+}
+
+bool beyond_loopback(const ServerSettings& server) {
+  in_addr v4{};
+  if (inet_pton(AF_INET, server.host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) != 127;
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, server.host.c_str(), &v6) == 1) return !IN6_IS_ADDR_LOOPBACK(&v6);
+  return false;  // localhost
+}
+
+}  // namespace dwell::config

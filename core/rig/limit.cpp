@@ -1,0 +1,71 @@
+#include "core/rig/limit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dwell {
+namespace {
+
+// Why the element has no number to be judged; empty: it has.
+std::string obstacle(const Dwell& dwell, int k) {
+  if (!std::isfinite(dwell.settled_s)) return "not settled";
+  const auto element = std::find_if(dwell.elements.begin(), dwell.elements.end(),
+                                    [k](const ElementEstimate& candidate) { return candidate.k == k; });
+  if (element == dwell.elements.end()) return "not settled";
+  if (!element->identifiable) return element->reason.empty() ? "not identifiable" : element->reason;
+  for (const Doubt& doubt : dwell.doubts)
+    if (doubt.elements.empty() || std::count(doubt.elements.begin(), doubt.elements.end(), k) > 0)
+      return "the number must not be relied on: " + doubt.what;
+  return {};
+}
+
+}  // namespace
+
+const char* to_string(LimitVerdict verdict) noexcept {
+  switch (verdict) {
+    case LimitVerdict::none:
+      return "none";
+    case LimitVerdict::kept:
+      return "kept";
+    case LimitVerdict::undecided:
+      return "undecided";
+    case LimitVerdict::violated:
+      return "violated";
+  }
+  return "unknown";
+}
+
+const char* to_string(CoefficientKind kind) noexcept {
+  return kind == CoefficientKind::stiffness ? "stiffness" : "damping";
+}
+
+LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) noexcept {
+  const double low = coefficient.value - coefficient.U95;
+  const double high = coefficient.value + coefficient.U95;
+  if (!std::isfinite(low) || !std::isfinite(high)) return LimitVerdict::none;
+  if (low >= bounds.low && high <= bounds.high) return LimitVerdict::kept;
+  if (high < bounds.low || low > bounds.high) return LimitVerdict::violated;
+  return LimitVerdict::undecided;
+}
+
+std::vector<JudgedLimit> judge_limits(const Rig& rig, const Dwell& dwell) {
+  std::vector<JudgedLimit> judged;
+  for (const Limit& limit : rig.limits) {
+    const std::string why = obstacle(dwell, limit.element);
+    const auto add = [&](const std::optional<Bounds>& bounds, CoefficientKind kind,
+                         Coefficient ElementEstimate::*which) {
+      if (!bounds) return;
+      JudgedLimit& fresh = judged.emplace_back(JudgedLimit{limit.element, kind, *bounds, LimitVerdict::none, why});
+      if (!why.empty()) return;
+      const auto element = std::find_if(dwell.elements.begin(), dwell.elements.end(),
+                                        [&](const ElementEstimate& e) { return e.k == limit.element; });
+      fresh.verdict = judge_limit(*bounds, (*element).*which);
+      if (fresh.verdict == LimitVerdict::none) fresh.reason = "the uncertainty is not known";
+    };
+    add(limit.stiffness, CoefficientKind::stiffness, &ElementEstimate::stiffness);
+    add(limit.damping, CoefficientKind::damping, &ElementEstimate::damping);
+  }
+  return judged;
+}
+
+}  // namespace dwell

@@ -1,0 +1,40 @@
+// Whether coefficients lie within the limits of the rig file: decided with their uncertainty (ISO 14253-1), so that a
+// number is called good or bad only where its whole 95 % interval is.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+enum class LimitVerdict : std::uint8_t {
+  none,       // there is no number that could be held against the limit
+  kept,       // value ± U95 is wholly within
+  undecided,  // value ± U95 holds a limit
+  violated,   // value ± U95 is wholly outside
+};
+[[nodiscard]] const char* to_string(LimitVerdict verdict) noexcept;  // "none", "kept", …
+
+enum class CoefficientKind : std::uint8_t { stiffness, damping };
+[[nodiscard]] const char* to_string(CoefficientKind kind) noexcept;  // "stiffness", "damping"
+
+struct JudgedLimit {
+  int element = 1;
+  CoefficientKind kind = CoefficientKind::stiffness;
+  Bounds bounds;  // SI
+  LimitVerdict verdict = LimitVerdict::none;
+  std::string reason;  // why there is no verdict; empty: there is one
+};
+
+// Of one number. A value or an uncertainty that is not finite: none.
+[[nodiscard]] LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) noexcept;
+
+// Every limit of the rig against the dwell's coefficients, in the order of the rig file, stiffness first. A coefficient
+// that must not be relied on has no verdict. Thread-safe; allocates.
+[[nodiscard]] std::vector<JudgedLimit> judge_limits(const Rig& rig, const Dwell& dwell);
+
+}  // namespace dwell

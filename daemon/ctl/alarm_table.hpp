@@ -1,0 +1,37 @@
+// The service's alarms for people. Made from its JSON, which may hold anything.
+//
+// Bound to one thread, not real-time.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/report/line.hpp"
+
+namespace dwell::ctl {
+
+struct ListedAlarm {
+  std::string name, text, state, since, by;
+  std::string count;  // times raised
+};
+struct AlarmsList {
+  std::size_t unacknowledged = 0;
+  std::size_t left_out = 0;
+  std::vector<ListedAlarm> alarms;  // in the service's order: those that wait for somebody first
+};
+
+// The name of the section.
+inline constexpr std::string_view kAlarms = "alarms";
+
+// nullopt: it is no list of alarms.
+[[nodiscard]] std::optional<AlarmsList> alarms_from_json(const nlohmann::ordered_json& value);
+
+// One line per alarm, the state in words; or that there is none.
+[[nodiscard]] std::string alarms_table(const AlarmsList& list);
+// The same for the screen of watch: those that wait for somebody stand out. No alarms: empty.
+[[nodiscard]] Section alarms_section(const AlarmsList& list, std::size_t columns);
+
+}  // namespace dwell::ctl

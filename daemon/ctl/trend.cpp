@@ -1,0 +1,113 @@
+#include "daemon/ctl/trend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "daemon/ctl/watch_page.hpp"
+#include "daemon/report/number_text.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+// The least that a line shows: blocks of 3 s.
+constexpr double kLeast_s = 60.0;
+
+bool has_coefficients(const Dwell& dwell) { return std::isfinite(dwell.settled_s) && !dwell.elements.empty(); }
+
+struct Line {
+  std::string blocks;
+  std::string reach;  // "± 0.20 %"
+};
+
+// The line of a coefficient through these values; the newest is its own.
+Line line_of(const std::vector<double>& values, const Coefficient& newest) {
+  double reach = 2.0 * newest.U95;
+  for (const double value : values)
+    if (std::isfinite(value)) reach = std::max(reach, std::abs(value - newest.value));
+  if (!std::isfinite(reach) || newest.value == 0.0) return {std::string(values.size(), ' '), ""};
+  const double percent = 100.0 * reach / std::abs(newest.value);
+  char text[32];
+  std::snprintf(text, sizeof text, percent < 10.0 ? "± %.2g %%" : "± %.0f %%", percent);
+  return {sparkline(values, newest.value, reach), text};
+}
+
+}  // namespace
+
+std::string sparkline(const std::vector<double>& values, double middle, double reach) {
+  constexpr const char* kHeights[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  std::string line;
+  for (const double value : values) {
+    if (!std::isfinite(value)) {
+      line += ' ';
+      continue;
+    }
+    const double part = reach > 0.0 ? (value - middle) / reach : 0.0;  // -1 … 1
+    const double height = std::clamp(4.0 + 4.0 * part, 0.0, 7.0);
+    line += kHeights[static_cast<std::size_t>(height)];
+  }
+  return line;
+}
+
+void Trend::take(const DwellView& view, double now_s) {
+  Point point{now_s, {}, {}};
+  if (has_coefficients(view.dwell)) {
+    for (const ElementEstimate& element : view.dwell.elements) {
+      point.stiffness.push_back(element.identifiable ? element.stiffness.value : kNaN);
+      point.damping.push_back(element.identifiable ? element.damping.value : kNaN);
+    }
+  }
+  if (points_.size() > 1 && points_.back().t_s - points_[points_.size() - 2].t_s < kEvery_s) points_.pop_back();
+  points_.push_back(std::move(point));
+  while (points_.front().t_s < now_s - kSpan_s) points_.pop_front();
+}
+
+std::vector<double> Trend::in_blocks(std::vector<double> Point::*which, std::size_t element, double from_s,
+                                     double until_s) const {
+  std::vector<double> blocks(kBlocks, kNaN);
+  for (const Point& point : points_) {
+    const double part = (point.t_s - from_s) / (until_s - from_s);
+    if (part < 0.0 || part > 1.0) continue;
+    const auto block = std::min(static_cast<std::size_t>(part * static_cast<double>(kBlocks)), kBlocks - 1);
+    // Of several in a block the newest counts; one that gave none does not wipe out one that did.
+    if (element < (point.*which).size() && std::isfinite((point.*which)[element]))
+      blocks[block] = (point.*which)[element];
+  }
+  return blocks;
+}
+
+Section Trend::section(const DwellView& view, double now_s, std::size_t columns) const {
+  Section section;
+  section.name = kTrend;
+  if (!has_coefficients(view.dwell) || points_.size() < 2) return section;
+  const double reach_s = std::clamp(now_s - points_.front().t_s, kLeast_s, kSpan_s);
+  const bool wide = columns >= 80;
+  for (std::size_t i = 0; i < view.dwell.elements.size(); ++i) {
+    const ElementEstimate& element = view.dwell.elements[i];
+    if (!element.identifiable) continue;
+    const auto line = [&](std::vector<double> Point::*which, const Coefficient& newest) {
+      return line_of(in_blocks(which, i, now_s - reach_s, now_s), newest);
+    };
+    const Line c = line(&Point::stiffness, element.stiffness), r = line(&Point::damping, element.damping);
+    const std::string number = std::to_string(element.k);
+    const std::string name = std::string(7 - std::min<std::size_t>(number.size(), 7), ' ') + number + "  ";
+    const std::string left = name + c.blocks + "  " + c.reach;
+    if (wide) {
+      section.body.push_back({pad_right(left, 43) + r.blocks + "  " + r.reach, Style::plain});
+    } else {
+      section.body.push_back({left, Style::plain});
+      section.body.push_back({"     r   " + r.blocks + "  " + r.reach, Style::plain});
+    }
+  }
+  if (section.body.empty()) return section;
+  std::vector<std::string> title =
+      wrapped("trend of the last " + age_text(reach_s) +
+                  "; middle: the newest value, top and bottom: ± what stands beside, at least twice its U95",
+              columns);
+  for (std::string& text : title) section.head.push_back({std::move(text), Style::hint});
+  section.head.push_back(
+      {wide ? pad_right("element  stiffness", 43) + "damping" : "element  stiffness, damping", Style::title});
+  return section;
+}
+
+}  // namespace dwell::ctl

@@ -1,0 +1,71 @@
+// The registers that PLCs read: what each holds, stated once. The image is made from this description, and the table in
+// the manual page dwell-modbus(7) is, too.
+//
+//   page p begins at register 200 p and holds elements 10 p + 1 … 10 p + 10:
+//     0 … 23   the header, the same on every page but for the page's first element
+//    24 … 123  ten elements of ten registers each
+//   124        the generation again, as in register 0
+//
+// A page is 125 registers, the most that one Modbus answer holds, so one read takes all of it from one image. Whoever
+// reads in pieces compares the generations of the pieces. Between pages there is nothing, and no read spans two.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "daemon/service_view.hpp"
+
+namespace dwell {
+
+inline constexpr std::size_t kPageStride = 200, kPageRegisters = 125, kHeaderRegisters = 24;
+inline constexpr std::size_t kElementsPerPage = 10, kElementRegisters = 10;
+// Raised when a register gets another meaning; a register that was 0 so far may be put to use without.
+inline constexpr std::uint16_t kMapVersion = 1;
+
+enum class RegisterType : std::uint8_t {
+  word,   // uint16, one register
+  count,  // uint32, two registers, the high one first
+  real,   // float32 (IEEE 754), two registers, the high one first: "abcd"
+};
+[[nodiscard]] const char* to_string(RegisterType type) noexcept;  // "uint16", "uint32", "float32"
+[[nodiscard]] std::size_t size_of(RegisterType type) noexcept;    // in registers
+
+// What a register's value is made from.
+struct RegisterSource {
+  const ServiceView& now;
+  std::uint16_t generation;
+  int k;  // the element, 1 …; in the header: the page's first. It may be beyond the rig's last
+};
+
+struct Register {
+  std::size_t offset;  // from the page's begin, or from the element's
+  RegisterType type;
+  const char* name;
+  const char* unit;  // empty: none
+  const char* meaning;
+  // NaN, of a real: there is no number.
+  double (*value)(const RegisterSource& source);
+};
+
+// In order of offset. page_end: the one behind the elements.
+[[nodiscard]] std::span<const Register> header_registers() noexcept;
+[[nodiscard]] std::span<const Register> element_registers() noexcept;
+[[nodiscard]] std::span<const Register> page_end_registers() noexcept;
+
+class RegisterImage {
+ public:
+  RegisterImage() = default;
+  // Of the service as it stands. Pure; allocates.
+  RegisterImage(const ServiceView& now, std::uint16_t generation);
+
+  [[nodiscard]] std::size_t pages() const noexcept { return registers_.size() / kPageRegisters; }
+  // Registers first … first + count - 1; empty: they are not all of one page.
+  [[nodiscard]] std::span<const std::uint16_t> read(std::uint16_t first, std::uint16_t count) const noexcept;
+
+ private:
+  std::vector<std::uint16_t> registers_;  // page after page, without what lies between
+};
+
+}  // namespace dwell

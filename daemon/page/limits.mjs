@@ -1,0 +1,26 @@
+// What is said of a limit of the rig file: by value ± U95, as the service judged it. Pure.
+import { isNumber, plainText } from './number.mjs';
+
+// Each verdict has a word and a shape; a colour only the one that is abnormal.
+const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
+
+function boundsText({ low, high, unit }) {
+  const [a, b] = [plainText(low, unit, 4), plainText(high, unit, 4)];
+  const [, number, its] = a.match(/^(\S+) (.*)$/) ?? [null, a, ''];
+  return `${b.endsWith(` ${its}`) ? number : a} to ${b}`;
+}
+
+// Of the coefficient (key: "stiffness", "damping") of element k; null: it has no limit, or it has no number to be held
+// against it.
+export function limitOf(dwell, key, k) {
+  const limit = (dwell.limits ?? []).find((l) => l.element === k && l.coefficient === key);
+  if (!limit || !isNumber(limit.low) || !isNumber(limit.high)) return null;
+  const bounds = boundsText(limit);
+  const words = {
+    kept: `limit kept: ${bounds}`,
+    undecided: `limit undecided: ± reaches over an end of ${bounds}`,
+    violated: `limit violated: outside ${bounds}`,
+    none: `no verdict on the limit ${bounds}: ${limit.reason}`,
+  };
+  return { verdict: limit.verdict, text: `${SHAPES[limit.verdict]} ${words[limit.verdict]}` };
+}

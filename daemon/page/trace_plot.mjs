@@ -1,0 +1,167 @@
+// Draws traces on a canvas: one lane a channel, each with a scale of its own; time and cursors below.
+import { plainText } from './number.mjs';
+
+const LEFT = 8; // px, room before the first bin
+const FOOT = 22; // px, for the times
+const SHARPEST = 2; // device pixels for one of the page's at most: more costs time and shows nothing
+const LABEL = 12; // px
+
+// Where a scale ends: the next of 1, 2, 5 · 10^n, so that it does not follow every reading.
+function rounded(extent) {
+  if (!(extent > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(extent));
+  return power * ([1, 2, 5].find((step) => step * power >= extent) ?? 10);
+}
+
+// The distance between two marks of time: at most `count` in the range.
+const markStep = (range, count) => rounded(range / count);
+
+export class TracePlot {
+  #canvas;
+  #context;
+  #style;
+
+  constructor(canvas) {
+    this.#canvas = canvas;
+    this.#context = canvas.getContext('2d', { alpha: false });
+    const style = getComputedStyle(document.documentElement);
+    this.#style = Object.fromEntries(['sheet', 'line', 'ink', 'faint'].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+  }
+
+  // Pixels of the page.
+  get width() {
+    return this.#canvas.clientWidth - 2 * LEFT;
+  }
+  // The instant at a distance from the canvas' left side, and back.
+  timeAt(x, view) {
+    return view.from_s + (x - LEFT) / this.width * (view.to_s - view.from_s);
+  }
+  #x(t_s, view) {
+    return LEFT + (t_s - view.from_s) / (view.to_s - view.from_s) * this.width;
+  }
+
+  // window: a TraceWindow; view: { from_s, to_s }; cursors: instants with their names.
+  draw(window, view, cursors) {
+    const c = this.#context;
+    const sharp = Math.min(devicePixelRatio, SHARPEST);
+    const [width, height] = [this.#canvas.clientWidth, this.#canvas.clientHeight];
+    if (this.#canvas.width !== Math.round(width * sharp) || this.#canvas.height !== Math.round(height * sharp)) {
+      this.#canvas.width = Math.round(width * sharp);
+      this.#canvas.height = Math.round(height * sharp);
+    }
+    c.setTransform(sharp, 0, 0, sharp, 0, 0);
+    c.fillStyle = this.#style.sheet;
+    c.fillRect(0, 0, width, height);
+    c.font = `${LABEL}px system-ui, "DejaVu Sans", sans-serif`;
+    this.#marks(view, width, height);
+    const lane = (height - FOOT) / Math.max(window.names.length, 1);
+    c.lineWidth = 1;
+    window.names.forEach((name, channel) => this.#lane(window, channel, view, channel * lane, lane));
+    for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height);
+  }
+
+  #marks(view, width, height) {
+    const c = this.#context;
+    const range = view.to_s - view.from_s;
+    const step = markStep(range, Math.max(2, width / 110));
+    c.strokeStyle = this.#style.line;
+    c.fillStyle = this.#style.faint;
+    c.textAlign = 'center';
+    c.beginPath();
+    // Times are told from the right side on, which is now while the traces are live.
+    for (let back = 0; back <= range; back += step) {
+      const x = Math.round(this.#x(view.to_s - back, view)) + 0.5;
+      c.moveTo(x, 0);
+      c.lineTo(x, height - FOOT);
+      const text = back === 0 ? view.end : `\u2212${plainText(back, 's', Math.max(1, Math.ceil(Math.log10(back / step + 1))))}`;
+      c.textAlign = back === 0 ? 'right' : 'center';
+      if (x > 30) c.fillText(text, back === 0 ? x + LEFT : x, height - 6);
+    }
+    c.stroke();
+  }
+
+  // The part of the window that is in view, one bin more at each side.
+  static #visible(window, view) {
+    const from = Math.max(0, Math.floor(view.from_s / window.step_s) - window.first - 1);
+    const to = Math.min(window.bins, Math.ceil(view.to_s / window.step_s) - window.first + 2);
+    return [from, to];
+  }
+
+  #scale(window, channel, from, to) {
+    let [low, high] = [Infinity, -Infinity];
+    for (let i = from; i < to; ++i) {
+      if (window.low(channel, i) < low) low = window.low(channel, i);
+      if (window.high(channel, i) > high) high = window.high(channel, i);
+    }
+    if (low > high) return null;
+    const middle = low < 0 && high > 0 ? 0 : (low + high) / 2;
+    const half = Math.max(high - middle, middle - low);
+    return { middle, half: rounded(half || Math.abs(middle) * 1e-3) };
+  }
+
+  #lane(window, channel, view, top, height) {
+    const c = this.#context;
+    const [from, to] = TracePlot.#visible(window, view);
+    const scale = this.#scale(window, channel, from, to);
+    c.strokeStyle = this.#style.line;
+    c.beginPath();
+    c.moveTo(0, Math.round(top + height) + 0.5);
+    c.lineTo(this.#canvas.clientWidth, Math.round(top + height) + 0.5);
+    c.stroke();
+    if (scale) {
+      const middle = top + height / 2;
+      const perUnit = (height / 2 - 3) / scale.half;
+      const perBin = window.step_s / (view.to_s - view.from_s) * this.width;
+      const start = this.#x((window.first + 0.5) * window.step_s, view);
+      c.strokeStyle = this.#style.ink;
+      c.beginPath();
+      let joined = false;
+      let last = 0;
+      for (let i = from; i < to; ++i) {
+        if (window.broken(channel, i)) joined = false;
+        const low = window.low(channel, i);
+        if (low !== low) continue; // no reading came: a slow channel's line goes on
+        const x = start + i * perBin;
+        const [bottom, peak] = [middle - (low - scale.middle) * perUnit, middle - (window.high(channel, i) - scale.middle) * perUnit];
+        // Up and down within the bin, beginning at the end that is nearer.
+        const down = Math.abs(bottom - last) < Math.abs(peak - last);
+        const [one, other] = down ? [bottom, peak] : [peak, bottom];
+        if (joined) c.lineTo(x, one);
+        else c.moveTo(x, one === other ? one - 0.5 : one);
+        if (one !== other || !joined) c.lineTo(x, other);
+        [last, joined] = [other, true];
+      }
+      c.stroke();
+    }
+    this.#label(window.names[channel], scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}` : 'no reading here', top);
+  }
+
+  #label(name, scale, top) {
+    const c = this.#context;
+    const text = `${name}  ${scale}`;
+    c.textAlign = 'left';
+    c.fillStyle = this.#style.sheet;
+    c.fillRect(0, top + 1, c.measureText(text).width + 10, LABEL + 3);
+    c.fillStyle = this.#style.ink;
+    c.fillText(text, 5, top + LABEL + 2);
+  }
+
+  #cursor(name, t_s, view, height) {
+    const c = this.#context;
+    const x = Math.round(this.#x(t_s, view)) + 0.5;
+    c.strokeStyle = this.#style.ink;
+    c.setLineDash(name === 'A' ? [] : [5, 3]); // told apart without colour
+    c.lineWidth = 2;
+    c.beginPath();
+    c.moveTo(x, 0);
+    c.lineTo(x, height - FOOT);
+    c.stroke();
+    c.setLineDash([]);
+    c.lineWidth = 1;
+    c.fillStyle = this.#style.ink;
+    c.fillRect(x - 8, height - FOOT, 16, 15);
+    c.fillStyle = this.#style.sheet;
+    c.textAlign = 'center';
+    c.fillText(name, x, height - FOOT + 12);
+  }
+}

@@ -1,0 +1,114 @@
+// A stretch of the traces as the page keeps it: the least and the greatest reading of each bin, by channel, in arrays of
+// fixed length. Pure.
+
+// The width of the bins that the stream tells of; every other width is this times or divided by a power of 4.
+const LIVE_STEP_S = 0.02;
+// A cursor reads what is no farther away: a reading of a channel at 10 Hz.
+const NEAR_S = 0.05;
+
+export class TraceWindow {
+  names = [];
+  units = [];
+  step_s = LIVE_STEP_S;
+  first = 0; // number of the first bin: it begins first · step_s after the origin
+  bins = 0; // how many are filled
+  #lows = [];
+  #highs = [];
+  #breaks = [];
+
+  // answer: of GET /api/v1/traces. keep: bins to have room for, as new ones come.
+  constructor(answer, keep = answer.bins) {
+    this.step_s = answer.step_s;
+    this.first = Math.round(answer.from_s / answer.step_s);
+    this.bins = answer.bins;
+    this.less_dwell = answer.less_dwell;
+    const room = 2 * Math.max(keep, answer.bins, 1); // the older half is given up at once, not bin by bin
+    for (const channel of answer.channels) {
+      this.names.push(channel.name);
+      this.units.push(channel.unit);
+      const [lows, highs] = [new Float32Array(room).fill(NaN), new Float32Array(room).fill(NaN)];
+      const breaks = new Uint8Array(room);
+      lows.set(channel.min.map((v) => v ?? NaN));
+      highs.set(channel.max.map((v) => v ?? NaN));
+      for (const i of channel.breaks) breaks[i] = 1;
+      this.#lows.push(lows);
+      this.#highs.push(highs);
+      this.#breaks.push(breaks);
+    }
+  }
+
+  get from_s() {
+    return this.first * this.step_s;
+  }
+  get to_s() {
+    return (this.first + this.bins) * this.step_s;
+  }
+  low(channel, i) {
+    return this.#lows[channel][i];
+  }
+  high(channel, i) {
+    return this.#highs[channel][i];
+  }
+  broken(channel, i) {
+    return this.#breaks[channel][i] === 1;
+  }
+
+  // Takes the event `traces` of the stream. false: something is missing between it and this window, or its bins are too
+  // wide for it; then the window is to be asked for anew.
+  take(event) {
+    const ratio = Math.round(this.step_s / LIVE_STEP_S);
+    const next = Math.floor(event.first / Math.max(ratio, 1));
+    if (ratio < 1 || event.channels.length !== this.names.length || next > this.first + this.bins || next < this.first) return false;
+    for (let k = 0; k < event.bins; ++k) {
+      const number = Math.floor((event.first + k) / ratio);
+      while (this.first + this.bins <= number) this.#append();
+      const i = number - this.first;
+      event.channels.forEach((channel, c) => {
+        const [low, high] = [channel.min[k], channel.max[k]];
+        if (low !== null && !(this.#lows[c][i] <= low)) this.#lows[c][i] = low;
+        if (high !== null && !(this.#highs[c][i] >= high)) this.#highs[c][i] = high;
+        if (channel.breaks.includes(k)) this.#breaks[c][i] = 1;
+      });
+    }
+    return true;
+  }
+
+  #append() {
+    const room = this.#lows[0]?.length ?? 0;
+    if (this.bins === room) {
+      const kept = room >> 1;
+      for (const values of [...this.#lows, ...this.#highs, ...this.#breaks]) values.copyWithin(0, room - kept);
+      this.first += room - kept;
+      this.bins = kept;
+    }
+    for (const values of [...this.#lows, ...this.#highs]) values[this.bins] = NaN;
+    for (const values of this.#breaks) values[this.bins] = 0;
+    this.bins += 1;
+  }
+
+  // { low, high } of the bin at an instant, or of the nearest one with a reading within two bins or NEAR_S; null: none.
+  at(channel, t_s) {
+    const reach = Math.max(2, Math.ceil(NEAR_S / this.step_s));
+    const here = Math.floor(t_s / this.step_s + 1e-9) - this.first;
+    for (let d = 0; d <= reach; ++d)
+      for (const i of [here - d, here + d])
+        if (i >= 0 && i < this.bins && !Number.isNaN(this.low(channel, i)))
+          return { low: this.low(channel, i), high: this.high(channel, i) };
+    return null;
+  }
+}
+
+const cell = (value) => (value === null ? '' : String(value));
+// "y0" in quotes where CSV needs them; the rig file allows neither quotes nor commas.
+const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+
+// The answer of GET /api/v1/traces as CSV, its numbers as they came: t in seconds since `origin_utc`, where each bin
+// begins, then the least and the greatest reading of each channel. An empty cell: no reading.
+export function csvOf(answer) {
+  const heads = answer.channels.flatMap((c) => [`${c.name} min [${c.unit}]`, `${c.name} max [${c.unit}]`]);
+  const lines = [['t [s]', ...heads].map(quoted).join(',')];
+  for (let i = 0; i < answer.bins; ++i)
+    lines.push([String(Number((answer.from_s + i * answer.step_s).toFixed(9))),
+      ...answer.channels.flatMap((c) => [cell(c.min[i]), cell(c.max[i])])].join(','));
+  return `${lines.join('\n')}\n`;
+}

@@ -1,0 +1,284 @@
+// The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps the readings (10 min to 20 ms),
+// so a page that is paused loses nothing: it asks for what it shows.
+import { h, setText, show } from './dom.mjs';
+import { isNumber, NO_NUMBER, plainText } from './number.mjs';
+import { TracePlot } from './trace_plot.mjs';
+import { csvOf, TraceWindow } from './trace_window.mjs';
+
+const $ = (id) => document.getElementById(id);
+const SPANS = { least: 0.02, most: 2 * 3600, usual: 10 }; // s, what may be in view
+const LIVE_MOST = 600; // s in view while live: what the service keeps to 20 ms
+const LESS_MOST = 60; // s that the service computes less the steady part
+const LESS_MS = 500; // between two answers less the steady part while live
+const RATIO = 4; // between the widths of bins
+const FINEST_LIVE_S = 0.02;
+// While live, more bins than the view holds: the newest reading has moved on when the question arrives. Too few to get
+// bins a quarter as wide, which the stream could not go on with; so no less than LIVE_LEAST is in view.
+const SPARE_BINS = 25;
+const LIVE_LEAST = 0.5; // s
+const DRAG_PX = 4; // less is a click
+
+const durationText = (s) => (s < 1 ? `${Number((1e3 * s).toPrecision(3))} ms` : `${Number(s.toPrecision(3))} s`);
+
+export class TracesView {
+  #plot = new TracePlot($('trace-plot'));
+  #window = null;
+  #view = { from_s: 0, to_s: SPANS.usual, end: '' };
+  #span_s = SPANS.usual;
+  #live = true;
+  #newest_s = 0;
+  #asked = null; // what the window under way is for; null: none is
+  #askedWidth = 0; // of the plot, px
+  #again = false; // the view has changed meanwhile
+  #lessAt = 0;
+  #cursors = { A: 0.25, B: 0.75 }; // parts of the view
+  #drag = null;
+  #due = false;
+  #seen = true; // the plot is on the screen
+  #drawn = false; // the newest answer is on it
+
+  constructor() {
+    $('trace-pause').addEventListener('click', () => (this.#live ? this.#pause() : this.#resume()));
+    $('trace-in').addEventListener('click', () => this.#zoom(0.5));
+    $('trace-out').addEventListener('click', () => this.#zoom(2));
+    $('trace-back').addEventListener('click', () => this.#pan(-0.5));
+    $('trace-on').addEventListener('click', () => this.#pan(0.5));
+    $('trace-save').addEventListener('click', () => this.#save());
+    $('trace-less').addEventListener('change', () => this.#ask());
+    $('trace-cursors').addEventListener('change', () => this.#redraw());
+    for (const name of ['A', 'B'])
+      $(`trace-${name}`).addEventListener('input', (event) => this.#setCursor(name, event.target.value / 1000));
+    const canvas = $('trace-plot');
+    canvas.addEventListener('wheel', (event) => {
+      if (!event.ctrlKey && document.activeElement !== canvas) return; // the page scrolls
+      event.preventDefault();
+      this.#zoom(event.deltaY > 0 ? 1.25 : 0.8, this.#partAt(event));
+    }, { passive: false });
+    canvas.addEventListener('keydown', (event) => this.#key(event));
+    canvas.addEventListener('pointerdown', (event) => this.#press(event));
+    canvas.addEventListener('pointermove', (event) => this.#move(event));
+    canvas.addEventListener('pointerup', (event) => this.#release(event));
+    canvas.addEventListener('pointercancel', () => (this.#drag = null));
+    // For as many bins as there are pixels now.
+    new ResizeObserver(() => (this.#plot.width === this.#askedWidth ? this.#redraw() : this.#ask())).observe(canvas);
+    new IntersectionObserver((entries) => {
+      this.#seen = entries.at(-1).isIntersecting;
+      this.#redraw();
+    }).observe(canvas);
+    document.addEventListener('visibilitychange', () => document.hidden || this.#ask());
+  }
+
+  // The stream begins, or begins anew.
+  begun() {
+    if (this.#live && !$('traces').hidden) this.#ask();
+  }
+
+  // The event `traces`.
+  take(event) {
+    this.#newest_s = (event.first + event.bins) * event.step_s;
+    if ($('traces').hidden) {
+      show($('traces'), true);
+      return this.#ask();
+    }
+    if (!this.#live || document.hidden) return;
+    if ($('trace-less').checked) {
+      if (performance.now() - this.#lessAt > LESS_MS) this.#ask();
+    } else if (!this.#window?.take(event)) {
+      return this.#ask();
+    }
+    this.#follow();
+  }
+
+  #follow() {
+    this.#view = { from_s: this.#newest_s - this.#span_s, to_s: this.#newest_s, end: 'now' };
+    this.#redraw();
+  }
+
+  #pause() {
+    this.#live = false;
+    this.#look(this.#view.from_s, this.#view.to_s);
+  }
+  #resume() {
+    this.#live = true;
+    this.#span_s = Math.min(Math.max(this.#span_s, LIVE_LEAST), LIVE_MOST);
+    this.#follow();
+    this.#ask();
+  }
+
+  // Looks at a stretch of the past.
+  #look(from_s, to_s) {
+    this.#live = false;
+    this.#span_s = Math.min(to_s - from_s, SPANS.most);
+    const end = Math.min(to_s, Math.max(this.#newest_s, this.#span_s));
+    const from = Math.max(end - this.#span_s, 0);
+    this.#view = { from_s: from, to_s: from + this.#span_s, end: this.#timeText(from + this.#span_s) };
+    this.#redraw();
+    this.#ask();
+  }
+
+  // at: the part of the view that stays where it is; while live that is its end.
+  #zoom(factor, at = 0.5) {
+    const span = Math.min(Math.max(this.#span_s * factor, this.#live ? LIVE_LEAST : SPANS.least), this.#live ? LIVE_MOST : SPANS.most);
+    if (this.#live) {
+      this.#span_s = span;
+      this.#follow();
+      return this.#ask();
+    }
+    const middle = this.#view.from_s + at * this.#span_s;
+    this.#look(middle - at * span, middle + (1 - at) * span);
+  }
+  #pan(part) {
+    this.#look(this.#view.from_s + part * this.#span_s, this.#view.to_s + part * this.#span_s);
+  }
+
+  #key(event) {
+    const does = { ' ': () => (this.#live ? this.#pause() : this.#resume()), '+': () => this.#zoom(0.5), '-': () => this.#zoom(2),
+      ArrowLeft: () => this.#pan(-0.1), ArrowRight: () => this.#pan(0.1), End: () => this.#resume() }[event.key];
+    if (!does || event.altKey || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    does();
+  }
+
+  #partAt(event) {
+    const t_s = this.#plot.timeAt(event.offsetX, this.#view);
+    return Math.min(1, Math.max(0, (t_s - this.#view.from_s) / this.#span_s));
+  }
+  #press(event) {
+    if (event.button !== 0) return;
+    this.#drag = { x: event.clientX, from_s: this.#view.from_s, moved: false };
+    event.target.setPointerCapture(event.pointerId);
+  }
+  #move(event) {
+    if (!this.#drag) return;
+    const by = event.clientX - this.#drag.x;
+    this.#drag.moved ||= Math.abs(by) >= DRAG_PX;
+    if (!this.#drag.moved) return;
+    const from = this.#drag.from_s - by / this.#plot.width * this.#span_s;
+    this.#look(from, from + this.#span_s);
+  }
+  // A click sets the nearer cursor.
+  #release(event) {
+    const clicked = this.#drag && !this.#drag.moved;
+    this.#drag = null;
+    if (!clicked || !$('trace-cursors').checked) return;
+    const part = this.#partAt(event);
+    const { A, B } = this.#cursors;
+    this.#setCursor(Math.abs(part - A) <= Math.abs(part - B) ? 'A' : 'B', part);
+  }
+  #setCursor(name, part) {
+    this.#cursors[name] = part;
+    $(`trace-${name}`).value = String(Math.round(1000 * part));
+    this.#redraw();
+  }
+
+  // What is in view, from the service: one question at a time.
+  async #ask() {
+    if ($('traces').hidden) return;
+    if (this.#asked) {
+      this.#again = true;
+      return;
+    }
+    this.#asked = this.#view;
+    this.#askedWidth = this.#plot.width;
+    this.#lessAt = performance.now();
+    try {
+      this.#window = new TraceWindow(await this.#fetch(this.#bins()), this.#live ? this.#bins() : 0);
+      this.#drawn = false;
+      setText($('trace-trouble'), '');
+    } catch (error) {
+      setText($('trace-trouble'), error.message);
+    } finally {
+      this.#asked = null;
+      this.#redraw();
+      if (this.#again) {
+        this.#again = false;
+        this.#ask();
+      }
+    }
+  }
+  // As many as the plot has pixels; while live a width that the stream can go on with.
+  #bins() {
+    const most = Math.max(2, Math.min(4000, Math.round(2 * this.#plot.width)));
+    if (!this.#live) return most;
+    let step = FINEST_LIVE_S;
+    while (this.#span_s / step > most) step *= RATIO;
+    return Math.ceil(Math.min(this.#span_s, this.#newest_s) / step) + SPARE_BINS;
+  }
+  async #fetch(points) {
+    const less = $('trace-less').checked ? '&less=steady' : '';
+    const { from_s, to_s } = this.#view;
+    const stretch = this.#live ? `from=${-this.#span_s}` : `from=${from_s}&to=${Math.max(to_s, from_s)}`;
+    const answer = await fetch(`/api/v1/traces?${stretch}&points=${points}${less}`, { cache: 'no-store' });
+    const value = await answer.json();
+    if (!answer.ok) throw new Error(value.error);
+    this.#newest_s = value.newest_s;
+    this.origin_ms = Date.parse(value.origin_utc);
+    return value;
+  }
+
+  async #save() {
+    if (this.#live) this.#pause();
+    try {
+      const text = csvOf(await this.#fetch(4000));
+      const link = h('a', { href: URL.createObjectURL(new Blob([text], { type: 'text/csv' })),
+        download: `traces-${new Date(this.origin_ms + 1e3 * this.#view.from_s).toISOString().replace(/[-:]|\.\d+/g, '')}.csv` });
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    } catch (error) {
+      setText($('trace-trouble'), error.message);
+    }
+  }
+
+  #timeText(t_s) {
+    return isNumber(this.origin_ms) ? `${new Date(this.origin_ms + 1e3 * t_s).toISOString().slice(11, 23)} UTC` : '';
+  }
+
+  // At most once for each picture that the screen shows.
+  #redraw() {
+    if (this.#due) return;
+    this.#due = true;
+    requestAnimationFrame(() => {
+      this.#due = false;
+      this.#draw();
+    });
+  }
+  #draw() {
+    setText($('trace-pause'), this.#live ? 'Pause' : 'Live');
+    const less = $('trace-less').checked;
+    const wide = less && this.#span_s > LESS_MOST ? ` (of the last ${LESS_MOST} s in view)` : '';
+    const what = less && isNumber(this.#window?.less_dwell) ? `readings less the steady part of dwell ${this.#window.less_dwell}${wide}` : 'readings';
+    const bins = this.#window ? `, least and greatest in ${durationText(this.#window.step_s)}` : '';
+    setText($('trace-what'), `${durationText(this.#span_s)} in view, ${this.#live ? 'live' : 'paused'}: ${what}${bins}`);
+    const on = $('trace-cursors').checked;
+    show($('trace-readout'), on);
+    if (!this.#window) return;
+    this.#lanes(this.#window.names.length);
+    if (!this.#seen && this.#drawn) return;
+    this.#drawn = true;
+    const cursors = on ? Object.entries(this.#cursors).map(([name, part]) => [name, this.#view.from_s + part * this.#span_s]) : [];
+    this.#plot.draw(this.#window, this.#view, cursors);
+    if (on) this.#read(cursors.map(([, t_s]) => t_s));
+  }
+
+  #lanes(count) {
+    const style = $('trace-plot').style;
+    if (style.getPropertyValue('--lanes') !== String(count)) style.setProperty('--lanes', String(count));
+  }
+
+  #read([a, b]) {
+    const between = Math.abs(b - a);
+    setText($('trace-between'), `B \u2212 A: ${(1e3 * (b - a)).toFixed(2)} ms${between > 0 ? `; 1/|B \u2212 A| = ${plainText(1 / between, 'Hz', 4)}` : ''}`);
+    const middle = (bin) => (bin ? (bin.low + bin.high) / 2 : null);
+    const text = (value, unit) => (value === null ? NO_NUMBER : `${plainText(value, '', 5)} ${unit}`);
+    const cell = (bin, unit) => (bin && bin.high > bin.low ? `${text(middle(bin), unit)} ±${plainText((bin.high - bin.low) / 2, '', 2)}` : text(middle(bin), unit));
+    const rows = $('trace-rows');
+    while (rows.children.length > this.#window.names.length) rows.lastChild.remove();
+    this.#window.names.forEach((name, c) => {
+      const row = rows.children[c] ?? rows.appendChild(h('tr', {}, h('th', { scope: 'row' }), h('td'), h('td'), h('td')));
+      const unit = this.#window.units[c];
+      const [at, bt] = [this.#window.at(c, a), this.#window.at(c, b)];
+      const texts = [name, cell(at, unit), cell(bt, unit), text(at && bt ? middle(bt) - middle(at) : null, unit)];
+      texts.forEach((value, i) => setText(row.children[i], value));
+    });
+  }
+}

@@ -1,0 +1,49 @@
+// The file of the next run, made before the run begins: making one takes four waits for the disk, and data that come
+// meanwhile are in memory only.
+#pragma once
+
+#include <cstdint>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/record/chain_file.hpp"
+
+namespace dwell::record {
+
+// Bound to one thread. Makes the file on a thread of its own.
+class PreparedRun {
+ public:
+  explicit PreparedRun(std::string directory) : directory_(std::move(directory)) {}
+  // Removes the file if no run has taken it.
+  ~PreparedRun() { discard(); }
+  PreparedRun(const PreparedRun&) = delete;
+  PreparedRun& operator=(const PreparedRun&) = delete;
+
+  // Makes the file of this run, unless it is there or being made.
+  void make(std::int64_t run);
+  // Waits until it is made.
+  void wait() const {
+    if (made_.valid()) made_.wait();
+  }
+  // The file of this run, at path_of(run). Waits if it is not there yet. If it could not be made, tries once more.
+  [[nodiscard]] Result<ChainWriter> take(std::int64_t run);
+
+  // Its first name. A number of its own for each run: SQLite, when it closes a file, removes the log beside the name
+  // by which it has opened the file.
+  [[nodiscard]] std::string path_of(std::int64_t run) const;
+  // The runs whose files a crash left at their first names.
+  [[nodiscard]] std::vector<std::int64_t> left_over() const;
+  // Removes this name of a file and of its log.
+  void remove(std::int64_t run) const noexcept;
+
+ private:
+  void discard();
+
+  const std::string directory_;
+  std::int64_t run_ = 0;  // 0: none
+  std::future<Result<ChainWriter>> made_;
+};
+
+}  // namespace dwell::record

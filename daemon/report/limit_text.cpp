@@ -1,0 +1,77 @@
+#include "daemon/report/limit_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "daemon/report/number_text.hpp"
+
+namespace dwell {
+namespace {
+
+// Digits of a limit: as a person writes one into a rig file.
+constexpr int kDigits = 4;
+constexpr std::size_t kIndent = 11;  // as the lines on settling
+
+void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
+  for (std::string& line : wrapped(printable("limits     " + text), options.columns, kIndent))
+    section.body.push_back({std::move(line), options.age.empty() ? style : Style::old});
+}
+
+const char* unit_of(const JudgedLimit& limit, Motion motion) {
+  return limit.kind == CoefficientKind::stiffness ? stiffness_unit(motion) : damping_unit(motion);
+}
+
+}  // namespace
+
+std::string limited_text(const JudgedLimit& limit) {
+  return std::string(to_string(limit.kind)) + " of element " + std::to_string(limit.element);
+}
+
+std::string bounds_text(const JudgedLimit& limit, Motion motion) {
+  const char* const unit = unit_of(limit, motion);
+  const NumberText low = number_text(limit.bounds.low, unit, kDigits);
+  const NumberText high = number_text(limit.bounds.high, unit, kDigits);
+  return (low.unit == high.unit ? low.value : join(low)) + " to " + join(high);
+}
+
+std::string violation_text(const JudgedLimit& limit, const Dwell& dwell, Motion motion) {
+  std::string text = limited_text(limit);
+  for (const ElementEstimate& e : dwell.elements) {
+    if (e.k != limit.element) continue;
+    const Coefficient& c = limit.kind == CoefficientKind::stiffness ? e.stiffness : e.damping;
+    text += " is " + join(number_text(c.value, c.U95, unit_of(limit, motion)));
+  }
+  return text + ", outside " + bounds_text(limit, motion);
+}
+
+Section limit_section(const DwellView& view, const TextOptions& options) {
+  Section section;
+  if (view.dwell.elements.empty()) return section;
+  std::string kept;
+  std::vector<std::pair<std::string, std::string>> none;  // by reason: of which
+  for (const JudgedLimit& limit : view.limits)
+    if (limit.verdict == LimitVerdict::violated)
+      add(section, "violated: " + violation_text(limit, view.dwell, view.motion), options, Style::alarm);
+  for (const JudgedLimit& limit : view.limits) {
+    const std::string what = limited_text(limit);
+    if (limit.verdict == LimitVerdict::undecided)
+      add(section, "undecided: ± of the " + what + " reaches over an end of " + bounds_text(limit, view.motion),
+          options, Style::plain);
+    if (limit.verdict == LimitVerdict::kept)
+      kept += (kept.empty() ? "" : "; ") + what + ", " + bounds_text(limit, view.motion);
+    if (limit.verdict != LimitVerdict::none) continue;
+    const auto same = std::find_if(none.begin(), none.end(), [&](const auto& n) { return n.first == limit.reason; });
+    if (same == none.end())
+      none.emplace_back(limit.reason, what);
+    else
+      same->second += ", " + what;
+  }
+  if (!kept.empty()) add(section, "kept: " + kept, options, Style::plain);
+  for (const auto& [reason, which] : none)
+    add(section, "no verdict on " + which + ": " + reason, options, Style::plain);
+  return section;
+}
+
+}  // namespace dwell

@@ -1,0 +1,23 @@
+// How a channel stands, in one word. Pure, thread-safe.
+#pragma once
+
+#include "daemon/estimate/snapshot.hpp"
+
+namespace dwell {
+
+// "ok", what is wrong with its readings ("stuck"), or why it does not deliver ("timeout").
+[[nodiscard]] inline const char* status_of(const ChannelView& channel) noexcept {
+  if (channel.fault != Fault::none) return to_string(channel.fault);
+  if (channel.overrange) return to_string(Condition::overrange);
+  // What delivers has been heard, whatever the condition says yet.
+  return to_string(channel.condition == Condition::unheard ? Condition::ok : channel.condition);
+}
+
+// Since its newest reading was taken in, s; NaN: never heard. now_ns: CLOCK_MONOTONIC_RAW.
+[[nodiscard]] inline double reading_age_s(const ChannelView& channel, std::int64_t now_ns) noexcept {
+  if (channel.heard_ns < 0) return kNaN;
+  const double age_s = static_cast<double>(now_ns - channel.heard_ns) * 1e-9;
+  return age_s > 0.0 ? age_s : 0.0;
+}
+
+}  // namespace dwell

@@ -1,0 +1,74 @@
+#include "daemon/serve/operator_verbs.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "daemon/record/utf8.hpp"
+
+namespace dwell {
+namespace {
+
+using Verb = record::Request::Verb;
+
+// Longer texts belong into a document beside the run.
+constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
+// A name of the rig file behind what it is: of a channel at most 64 bytes, of a device 4096.
+constexpr std::size_t kAlarmBytes = 4200;
+// Brackets of a request: none of ours nests, so this is only to keep the parser's recursion short.
+constexpr std::ptrdiff_t kMostBrackets = 64;
+
+std::optional<Verb> verb_of(std::string_view name) {
+  if (name == "start") return Verb::start;
+  if (name == "stop") return Verb::stop;
+  if (name == "rearm") return Verb::rearm;
+  if (name == "acknowledge") return Verb::acknowledge;
+  return std::nullopt;
+}
+
+tl::unexpected<NotDone> unusable(std::string reason) {
+  return tl::unexpected(NotDone{NotDone::Kind::unusable, std::move(reason)});
+}
+
+// An optional text of the request; fails with what is wrong.
+tl::expected<std::string, NotDone> text_of(const Json& request, const char* key, std::size_t most) {
+  const auto given = request.find(key);
+  if (given == request.end()) return {};
+  const auto* text = given->get_ptr<const std::string*>();
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (text == nullptr || text->size() > most || std::any_of(text->begin(), text->end(), control))
+    return unusable("\"" + std::string(key) + "\" cannot be taken: expected text of at most " + std::to_string(most) +
+                    " bytes without control characters");
+  return *text;
+}
+
+}  // namespace
+
+tl::expected<Json, std::string> parse_request(std::string_view text) {
+  if (std::string why = record::why_not_utf8(text); !why.empty()) return tl::unexpected(std::move(why));
+  if (std::count(text.begin(), text.end(), '[') + std::count(text.begin(), text.end(), '{') > kMostBrackets)
+    return tl::unexpected(std::string("it is too deeply nested"));
+  Json request = Json::parse(text, nullptr, false);
+  if (!request.is_object()) return tl::unexpected(std::string("not a JSON object"));
+  return request;
+}
+
+bool is_operator_verb(std::string_view verb) { return verb_of(verb).has_value(); }
+
+tl::expected<void, NotDone> perform(std::string_view name, const Json& request, const Operate& operate) {
+  const auto verb = verb_of(name);
+  if (!verb) return unusable("unknown verb \"" + std::string(name) + "\"");
+  const auto label = text_of(request, "label", kLabelBytes), comment = text_of(request, "comment", kCommentBytes);
+  if (!label) return tl::unexpected(label.error());
+  const auto alarm = text_of(request, "alarm", kAlarmBytes);
+  if (!comment) return tl::unexpected(comment.error());
+  if (!alarm) return tl::unexpected(alarm.error());
+  if (*verb == Verb::start && label->empty()) return unusable("no label: expected \"label\": \"what is measured\"");
+  if (*verb == Verb::acknowledge && alarm->empty())
+    return unusable("no alarm: expected \"alarm\": \"the name of one\"");
+  const auto done = operate({*verb, *label, *comment, *alarm});
+  if (!done) return tl::unexpected(NotDone{NotDone::Kind::impossible_now, done.error()});
+  return {};
+}
+
+}  // namespace dwell

@@ -1,0 +1,24 @@
+// What is asked of GET /api/v1/traces: from=S, to=S, points=N, channels=NAME,NAME, less=steady. Pure.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "core/rig/rig.hpp"
+
+namespace dwell {
+
+struct TracesQuery {
+  double from_s = -10.0, to_s = 0.0;  // as asked; from_s < 0 and to_s <= 0: before the newest record
+  std::int64_t points = 0;            // 0: not asked for
+  std::vector<std::size_t> channels;  // indices into Rig::channels, as asked for; never empty
+  bool less_steady = false;
+};
+
+// Fails with what was found and what was expected.
+[[nodiscard]] tl::expected<TracesQuery, std::string> traces_query(std::string_view query, const Rig& rig);
+
+}  // namespace dwell

@@ -1,0 +1,92 @@
+// How a coefficient has moved, as a line of blocks.
+#include "daemon/ctl/trend.hpp"
+
+#include <gtest/gtest.h>
+
+#include "daemon/ctl/watch_page.hpp"
+#include "daemon/report/number_text.hpp"
+#include "tests/ctl/sample_dwell.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+// The sample dwell with this stiffness of element 1 (U95 1 %).
+DwellView view_of(double stiffness) {
+  Dwell dwell = test::sample_dwell();
+  dwell.elements[0].stiffness.value = stiffness;
+  dwell.elements[0].stiffness.U95 = 10.0;
+  return make_view(dwell, test::sample_rig(), test::sample_run());
+}
+
+std::string line_of_element_1(const Trend& trend, const DwellView& newest, double now_s) {
+  const Section section = trend.section(newest, now_s, 80);
+  return section.body.empty() ? "" : section.body[0].text.substr(0, section.body[0].text.find('%') + 1);
+}
+
+TEST(Sparkline, HasEightHeightsAboutItsMiddle) {
+  EXPECT_EQ(sparkline({-1.0, -0.8, -0.6, -0.3, 0.1, 0.3, 0.6, 0.8, 1.0}, 0.0, 1.0), "▁▁▂▃▅▆▇██");
+  EXPECT_EQ(sparkline({kNaN, 5.0, kNaN}, 5.0, 0.0), " ▅ ");
+}
+
+TEST(Trend, WhatStaysWithinItsU95StaysInTheMiddleHeights) {
+  Trend trend;
+  for (int i = 0; i <= 60; ++i) trend.take(view_of(i % 6 < 3 ? 1009.0 : 991.0), i);
+  trend.take(view_of(1000.0), 60.0);
+  const std::string line = line_of_element_1(trend, view_of(1000.0), 60.0);
+  EXPECT_EQ(line, "      1  ▆▃▆▃▆▃▆▃▆▃▆▃▆▃▆▃▆▃▆▅  ± 2 %") << "half a height is 1 %: U95";
+}
+
+TEST(Trend, WhatWasFurtherAwayWidensTheHeight) {
+  Trend trend;
+  for (int i = 0; i < 30; ++i) trend.take(view_of(1100.0), i);
+  for (int i = 30; i <= 60; ++i) trend.take(view_of(1000.0), i);
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0), 60.0), "      1  ██████████▅▅▅▅▅▅▅▅▅▅  ± 10 %");
+}
+
+TEST(Trend, IsBlankWhereNoCoefficientWasGiven) {
+  Trend trend;
+  const DwellView settling = make_view(test::settling_dwell(), test::sample_rig(), test::sample_run());
+  for (int i = 0; i <= 60; ++i) trend.take(i >= 15 && i < 45 ? settling : view_of(1000.0), i);
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0), 60.0), "      1  ▅▅▅▅▅          ▅▅▅▅▅  ± 2 %");
+  EXPECT_TRUE(trend.section(settling, 60.0, 80).body.empty()) << "no coefficients, no trend";
+}
+
+TEST(Trend, ReachesBackAnHourAndNoFurther) {
+  Trend trend;
+  for (int i = 0; i < 7200; ++i) trend.take(view_of(i < 3000 ? 2000.0 : 1000.0), i);
+  const Section section = trend.section(view_of(1000.0), 7199.0, 80);
+  EXPECT_NE(section.head[0].text.find("trend of the last 59 min"), std::string::npos) << section.head[0].text;
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0), 7199.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2 %");
+}
+
+TEST(Trend, FitsItsColumns) {
+  Trend trend;
+  for (int i = 0; i <= 60; ++i) trend.take(view_of(1000.0), i);
+  for (const std::size_t columns : {40U, 79U, 80U, 200U}) {
+    const Section section = trend.section(view_of(1000.0), 60.0, columns);
+    EXPECT_EQ(section.body.size(), columns < 80 ? 4U : 2U) << "elements 1 and 3 are identifiable";
+    for (const std::vector<TextLine>* lines : {&section.head, &section.body})
+      for (const TextLine& line : *lines) EXPECT_LE(width(line.text), columns) << line.text;
+  }
+}
+
+TEST(Trend, StandsBelowTheCoefficientsAndTheVerdictInTheFirstLines) {
+  WatchState state;
+  for (int i = 0; i <= 60; ++i) {
+    DwellView view = view_of(1000.0);
+    view.model = ModelVerdict{Verdict::not_adequate, true, 0.05, 0.08, 0.01};
+    state.take(std::move(view), i);
+  }
+  const Page page = draw(state, {}, nullptr, {24, 80}, 60.0, "14:03:22");
+  EXPECT_NE(page.lines[1].text.find("· model not adequate"), std::string::npos) << page.lines[1].text;
+  std::size_t coefficients = 0, trend = 0;
+  for (std::size_t i = 0; i < page.lines.size(); ++i) {
+    if (page.lines[i].text.find(" ± ") != std::string::npos && coefficients == 0) coefficients = i;
+    if (page.lines[i].text.find("trend of the last") != std::string::npos) trend = i;
+  }
+  EXPECT_GT(coefficients, 0U);
+  EXPECT_GT(trend, coefficients);
+}
+
+}  // namespace
+}  // namespace dwell::ctl

@@ -1,0 +1,91 @@
+// Whatever bytes a client sends, the server answers in HTTP or closes, keeps nothing of the client, and does what an
+// operator may ask for only where the token was among the bytes. The real server on loopback, over a service that
+// measures.
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <string>
+#include <string_view>
+
+#include "daemon/outlets/http.hpp"
+#include "daemon/serve/event_loop.hpp"
+#include "tests/daemon/measured_service.hpp"
+#include "tests/drivers/fuzz_bytes.hpp"
+
+namespace {
+
+using dwell::test::hold;
+
+constexpr std::string_view kToken = "0123456789abcdef0123456789abcdef";
+
+struct Server {
+  Server() {
+    dwell::LogOptions quiet;
+    quiet.console = false;
+    log = std::move(*dwell::Log::make(quiet));
+    rights.emplace(dwell::Access{false, dwell::Token(kToken)}, *log);
+    dwell::HttpOptions options;
+    options.port = 0;
+    dwell::HttpContent content{[this] { return service.view(); }};
+    content.rights = &*rights;
+    content.operate = [this](const dwell::OperatorRequest&, const dwell::record::Person&) {
+      operated = true;
+      return tl::expected<void, std::string>();
+    };
+    auto made = dwell::Http::make(loop, options, std::move(content));
+    hold(made.has_value());
+    http = std::move(*made);
+  }
+
+  // Until nothing is left to do: on loopback all that was sent is here.
+  void turn() {
+    while (loop.context().poll() > 0) {
+    }
+  }
+
+  dwell::EventLoop loop;
+  std::unique_ptr<dwell::Log> log;
+  dwell::test::MeasuredService service;
+  std::optional<dwell::Rights> rights;
+  std::unique_ptr<dwell::Http> http;
+  bool operated = false;
+};
+
+int connected_to(std::uint16_t port) {
+  const int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  hold(client >= 0 && connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  // Closing resets: no connection lingers and uses up a port.
+  const linger none{1, 0};
+  setsockopt(client, SOL_SOCKET, SO_LINGER, &none, sizeof none);
+  return client;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static Server server;
+  const std::string_view sent(reinterpret_cast<const char*>(data), size);
+  server.operated = false;
+  const int client = connected_to(server.http->server().port());
+  server.turn();
+  (void)send(client, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+  server.turn();
+  server.http->show(server.service.view());
+  ++server.service.snapshot.sequence;
+  server.turn();
+  std::string answer(1 << 20, '\0');
+  const ssize_t got = recv(client, answer.data(), answer.size(), MSG_DONTWAIT);
+  if (got > 0) hold(std::string_view(answer).starts_with("HTTP/1.1 "));
+  hold(!server.operated || sent.find(kToken) != std::string_view::npos);
+  hold(server.http->server().stats().clients <= 1);
+  close(client);
+  server.turn();
+  hold(server.http->server().stats().clients == 0 && server.http->server().stats().streams == 0);
+  return 0;
+}

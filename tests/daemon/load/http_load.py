@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""What clients cost the measurement: the estimation thread's CPU time with and without them, and samples dropped.
+
+http_load.py BUILD [PAIRS [SECONDS]]
+
+BUILD is a build folder with dwelld, rigsim and dwell-driver-modbus. 50 clients poll 20 times a second, 20 read the live
+stream, one of which never reads. Stretches with and without clients alternate, so that a machine that grows slower or
+warmer does so for both; the median of the pairs' ratios counts. The figure means something on a quiet machine alone.
+"""
+import asyncio
+import json
+import os
+import re
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+
+POLLERS, POLL_HZ, STREAMS = 50, 20.0, 20
+PATHS = ("dwell", "channels", "health")
+SETTLED_S = 10.0  # of a stretch before it counts: clients connect, caches fill
+
+
+def get(port, what):
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/v1/{what}", timeout=10) as answer:
+            return json.load(answer)
+    except urllib.error.HTTPError as degraded:  # tells the same
+        return json.load(degraded)
+
+
+def cpu_ns(pid, name):
+    """CPU time of the thread of this name."""
+    for task in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{task}/comm", encoding="ascii") as comm:
+            if comm.read().strip() != name:
+                continue
+        with open(f"/proc/{pid}/task/{task}/schedstat", encoding="ascii") as stat:
+            return int(stat.read().split()[0])
+    sys.exit(f"there is no thread {name}")
+
+
+def dropped(port):
+    return sum(channel["dropped"] for channel in get(port, "channels")["channels"])
+
+
+async def poll(port, turn, counts):
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    try:
+        due = time.monotonic() + turn / POLLERS / POLL_HZ
+        while True:
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+            path = PATHS[turn % len(PATHS)]
+            turn += 1
+            writer.write(f"GET /api/v1/{path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            head = await reader.readuntil(b"\r\n\r\n")
+            await reader.readexactly(int(re.search(rb"Content-Length: (\d+)", head)[1]))
+            counts["answers"] += 1
+            due = max(due + 1 / POLL_HZ, time.monotonic())
+    finally:
+        writer.close()
+
+
+async def listen(port, counts):
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    try:
+        writer.write(b"GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        while await reader.readuntil(b"\n\n"):
+            counts["events"] += 1
+    finally:
+        writer.close()
+
+
+async def clients(port, counts):
+    deaf = socket.socket()  # asks for the stream and never reads
+    deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    deaf.connect(("127.0.0.1", port))
+    deaf.sendall(b"GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n")
+    with deaf:
+        await asyncio.gather(*(poll(port, i, counts) for i in range(POLLERS)),
+                             *(listen(port, counts) for _ in range(STREAMS - 1)))
+
+
+def clients_process(port):
+    """In a process of their own, as they would be; its output is what they got."""
+    counts = {"answers": 0, "events": 0}
+
+    async def until_told():
+        work = asyncio.ensure_future(clients(port, counts))
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, work.cancel)
+        try:
+            await work
+        except asyncio.CancelledError:
+            pass
+
+    asyncio.run(until_told())
+    print(json.dumps(counts))
+
+
+def stretch(port, pid, seconds, with_clients):
+    """The estimation thread's share of a core, the samples dropped, and what the clients got."""
+    crowd = subprocess.Popen([sys.executable, __file__, "--clients", str(port)], stdout=subprocess.PIPE) if with_clients else None
+    time.sleep(SETTLED_S)
+    lost = dropped(port)
+    before, begun = cpu_ns(pid, "estimate"), time.monotonic()
+    time.sleep(seconds)
+    share = (cpu_ns(pid, "estimate") - before) / (time.monotonic() - begun) / 1e9
+    lost = dropped(port) - lost
+    got = {}
+    if crowd:
+        if crowd.poll() is not None:
+            sys.exit("the clients have ended")
+        crowd.terminate()
+        got = json.loads(crowd.communicate()[0])
+    return share, lost, got
+
+
+def said(process, pattern):
+    for line in process.stdout:
+        if match := re.search(pattern, line):
+            return int(match[1])
+    sys.exit(f"no {pattern}")
+
+
+def main():
+    build = os.path.abspath(sys.argv[1])
+    pairs = int(sys.argv[2]) if len(sys.argv) > 2 else 8
+    seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 30.0
+    rigs = os.path.join(os.path.dirname(__file__), "../../../config/rigs/clamped.toml")
+    with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, "log"), "w", encoding="ascii") as log:
+        rig = subprocess.Popen([os.path.join(build, "bin/rigsim"), "--tcp", "127.0.0.1:0", "--unit", "mm", "--noise", "0.001"],
+                               stdout=subprocess.PIPE, stdin=subprocess.PIPE, text=True)
+        with open(rigs, encoding="utf8") as sample:
+            text = re.sub(r"(?m)^port .*", f"port = {said(rig, r'^tcp .*:([0-9]+)')}", sample.read())
+        path = os.path.join(folder, "rig.toml")
+        with open(path, "w", encoding="utf8") as file:
+            file.write(re.sub(r"(?m)^listen .*", 'listen = "127.0.0.1:0"', text))
+        service = subprocess.Popen([os.path.join(build, "bin/dwelld"), "--config", path, "--control", os.path.join(folder, "control")],
+                                   stderr=subprocess.PIPE, text=True)
+        try:
+            for line in service.stderr:
+                if match := re.search(r"serving rig.* port (\d+)", line):
+                    port = int(match[1])
+                    break
+            while get(port, "dwell")["state"] != "measuring":
+                time.sleep(1.0)
+            ratios, answers, events, lost = [], 0, 0, {False: 0, True: 0}
+            for pair in range(pairs):
+                # Each second pair the other way round: what drifts cancels.
+                order = (False, True) if pair % 2 == 0 else (True, False)
+                shares = {}
+                for with_clients in order:
+                    shares[with_clients], here, got = stretch(port, service.pid, seconds, with_clients)
+                    lost[with_clients] += here
+                    answers += got.get("answers", 0)
+                    events += got.get("events", 0)
+                ratios.append(shares[True] / shares[False])
+                print(f"pair {pair + 1}: {shares[False]:.4f} of a core alone, {shares[True]:.4f} with clients, "
+                      f"ratio {ratios[-1]:.3f}", flush=True)
+            channels, health = get(port, "channels")["channels"], get(port, "health")
+            under = pairs * (seconds + SETTLED_S)
+            print(f"ratio, median of {pairs}: {statistics.median(ratios):.3f} ({min(ratios):.3f} … {max(ratios):.3f})")
+            print(f"clients: {answers / under:.0f} answers/s of {POLLERS * POLL_HZ:.0f}, "
+                  f"{events / under / (STREAMS - 1):.1f} events/s for each stream that reads; "
+                  f"events dropped {health['http']['events_dropped']}")
+            print(f"samples: received {sum(c['received'] for c in channels)}, dropped {lost[False]} alone, {lost[True]} with clients, "
+                  f"gaps {sum(c['gaps'] for c in channels)}; turns skipped {health['skipped_turns']}; "
+                  f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
+        finally:
+            for process in (service, rig):
+                process.terminate()
+                process.wait()
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--clients"]:
+        clients_process(int(sys.argv[2]))
+    else:
+        main()

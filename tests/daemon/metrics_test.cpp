@@ -1,0 +1,127 @@
+// What Prometheus is told, and that its own parser reads it. Each number that is withheld is absent.
+#include "daemon/serve/metrics.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "daemon/serve/api.hpp"
+#include "tests/daemon/measured_service.hpp"
+
+namespace dwell {
+namespace {
+
+struct Metrics : testing::Test, test::MeasuredService {
+  // The lines of this family's samples.
+  [[nodiscard]] std::string of(const std::string& name, const std::string& trouble = {}) const {
+    const std::string text = metrics_text(view(trouble));
+    std::string found;
+    std::size_t begin = 0;
+    for (std::size_t end = text.find('\n'); end != std::string::npos; begin = end + 1, end = text.find('\n', begin)) {
+      const std::string line = text.substr(begin, end - begin);
+      if (line.compare(0, name.size(), name) == 0 && (line[name.size()] == '{' || line[name.size()] == ' '))
+        found += line + "\n";
+    }
+    return found;
+  }
+};
+
+TEST_F(Metrics, AMeasuredElementHasItsCoefficientsAndTheirIntervals) {
+  EXPECT_EQ(of("dwell_stiffness_newtons_per_meter"),
+            "dwell_stiffness_newtons_per_meter{element=\"1\"} 24010\n"
+            "dwell_stiffness_newtons_per_meter{element=\"3\"} 1234567\n")
+      << "element 2 is not identifiable: absent";
+  EXPECT_EQ(of("dwell_damping_u95_newton_seconds_per_meter"),
+            "dwell_damping_u95_newton_seconds_per_meter{element=\"1\"} 0.79\n"
+            "dwell_damping_u95_newton_seconds_per_meter{element=\"3\"} 0.79\n");
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"2\",standing=\"not identifiable\"} 1\n"), std::string::npos);
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"1\",standing=\"valid\"} 1\n"), std::string::npos);
+}
+
+TEST_F(Metrics, ARotatingRigHasItsOwnUnits) {
+  rig.motion = Motion::rotation;
+  EXPECT_EQ(of("dwell_stiffness_newtons_per_meter"), "");
+  EXPECT_NE(of("dwell_stiffness_newton_meters_per_radian"), "");
+}
+
+TEST_F(Metrics, ADoubtIsToldBesideTheNumbersItNames) {
+  snapshot.dwell.doubts = {{{3}, "its c is negative"}};
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"3\",standing=\"doubtful\"} 1\n"), std::string::npos);
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"1\",standing=\"valid\"} 1\n"), std::string::npos);
+  snapshot.dwell.doubts = {{{}, "the drive wanders"}};
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"1\",standing=\"doubtful\"} 1\n"), std::string::npos);
+}
+
+TEST_F(Metrics, NoNumberIsToldThatIsNotMeasuredNow) {
+  snapshot.dwell.state = State::complete;
+  EXPECT_EQ(of("dwell_stiffness_newtons_per_meter"), "");
+  EXPECT_EQ(of("dwell_frequency_hertz"), "");
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"1\",standing=\"not settled\"} 1\n"), std::string::npos);
+}
+
+TEST_F(Metrics, NoNumberIsToldThatTheEstimationNoLongerRenews) {
+  now_ns = snapshot.t_ns + 2'400'000'000;
+  EXPECT_NE(of("dwell_stiffness_newtons_per_meter"), "");
+  now_ns = snapshot.t_ns + 2'600'000'000;
+  EXPECT_EQ(of("dwell_stiffness_newtons_per_meter"), "");
+  EXPECT_EQ(of("dwell_state"), "");
+  EXPECT_NE(of("dwell_element_standing").find("{element=\"1\",standing=\"stale\"} 1\n"), std::string::npos);
+  EXPECT_EQ(of("dwell_estimate_age_seconds"), "dwell_estimate_age_seconds 2.6\n");
+  rig.update_s = 2.0;
+  EXPECT_NE(of("dwell_stiffness_newtons_per_meter"), "") << "a rig that is evaluated every 2 s";
+  EXPECT_EQ(of("dwell_stiffness_newtons_per_meter", "thread estimate has not turned"), "");
+}
+
+TEST_F(Metrics, AStateIsOneOfItsNames) {
+  EXPECT_EQ(of("dwell_state"),
+            "dwell_state{state=\"idle\"} 0\ndwell_state{state=\"settling\"} 0\ndwell_state{state=\"measuring\"} 1\n"
+            "dwell_state{state=\"complete\"} 0\ndwell_state{state=\"fault\"} 0\n");
+  verify(Verdict::not_adequate);
+  EXPECT_NE(of("dwell_model_verdict").find("{verdict=\"not adequate\"} 1\n"), std::string::npos);
+}
+
+TEST_F(Metrics, AChannelsSamplesAddUp) {
+  EXPECT_NE(of("dwell_channel_received_samples_total").find("{channel=\"y0\"} 10\n"), std::string::npos);
+  EXPECT_NE(of("dwell_channel_dropped_samples_total").find("{channel=\"y0\",reason=\"refused\"} 1\n"),
+            std::string::npos);
+  EXPECT_NE(of("dwell_channel_status").find("{channel=\"y2\",status=\"timeout\"} 1\n"), std::string::npos);
+}
+
+TEST_F(Metrics, AreServedAsPrometheusAsksForThem) {
+  const HttpReply reply = http_answer(view(), "/metrics", "");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_EQ(reply.content_type, "text/plain; version=0.0.4; charset=utf-8");
+  EXPECT_EQ(reply.body, metrics_text(view()));
+}
+
+// Everything that can be served, of a translational and of a rotational rig, read by Prometheus' own Python client; the
+// manual names all of it, and the dashboard asks for nothing else.
+TEST_F(Metrics, AreReadByPrometheusAndSufficeForTheDashboard) {
+  char name[] = "/tmp/dwell-metrics-XXXXXX";
+  ASSERT_NE(mkdtemp(name), nullptr);
+  const std::string folder = name;
+  rig.name = "bench \"2\\ \xff\n";
+  gpio[0].configured = gpio[0].works = true;
+  gpio[0].level = true;
+  recorder.emplace().recording = true;
+  modbus.emplace();
+  verify(Verdict::adequate);
+  for (ChannelView& channel : snapshot.channels) channel.clock.jitter_s = 1e-4;
+  std::ofstream(folder + "/translation") << metrics_text(view());
+  rig.motion = Motion::rotation;
+  snapshot.dwell = test::settling_dwell();
+  std::ofstream(folder + "/settling") << metrics_text(view());
+  snapshot.dwell = test::sample_dwell();
+  std::ofstream(folder + "/rotation") << metrics_text(view());
+  const std::string command = std::string(DWELL_PYTHON) + " " + DWELL_SOURCE + "/tests/daemon/read_metrics.py " +
+                              DWELL_SOURCE + "/config/grafana/dwell.json " + DWELL_SOURCE + "/docs/man/dwelld.8 " +
+                              folder + "/translation " + folder + "/settling " + folder + "/rotation";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace dwell

@@ -1,0 +1,50 @@
+// Verdicts on limits, and alarms in words.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { alarmRows, waitingText } from '../../daemon/page/alarms.mjs';
+import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
+import { Freshness } from '../../daemon/page/freshness.mjs';
+import { limitOf } from '../../daemon/page/limits.mjs';
+import { dwellOf } from './sample.js';
+
+const limited = (verdict, reason = null) => dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict, reason }] });
+
+test('each verdict has its word, its shape and the limit', () => {
+  assert.deepEqual(limitOf(limited('kept'), 'stiffness', 2), { verdict: 'kept', text: '✓ limit kept: 7.500 to 8.500 kN/m' });
+  assert.equal(limitOf(limited('violated'), 'stiffness', 2).text, '▲ limit violated: outside 7.500 to 8.500 kN/m');
+  assert.equal(limitOf(limited('undecided'), 'stiffness', 2).text, '◇ limit undecided: ± reaches over an end of 7.500 to 8.500 kN/m');
+  assert.equal(limitOf(limited('none', 'not settled'), 'stiffness', 2).text, '– no verdict on the limit 7.500 to 8.500 kN/m: not settled');
+});
+
+test('only the coefficient that has a limit is told one, and only of the dwell that is measured', () => {
+  const dwell = limited('kept');
+  assert.equal(limitOf(dwell, 'damping', 2), null);
+  assert.equal(limitOf(dwell, 'stiffness', 1), null);
+  assert.equal(limitOf(dwellOf(), 'stiffness', 2), null);
+  const view = { dwell, fresh: new Freshness(), last: new LastNumbers(), now: 100, broken: false };
+  view.fresh.tookDwell(dwell, 100);
+  const cells = coefficientsOf(view).elements.flatMap((e) => e.cells);
+  assert.deepEqual(cells.map((c) => c.limit?.verdict ?? null), [null, null, 'kept', null]);
+});
+
+const alarm = (state, changes = {}) => ({ name: 'channel:y1', text: 'channel y1: timeout', state, since: '2026-11-23T07:00:00Z',
+  changed: '2026-11-23T07:00:00Z', count: 1, acknowledged_by: null, comment: null, ...changes });
+const NOW = Date.parse('2026-11-23T07:00:12Z');
+
+test('an alarm that waits for somebody is told from one that does not by tone and word', () => {
+  const list = { unacknowledged: 2, alarms: [alarm('unacknowledged', { count: 7 }), alarm('returned-unacknowledged'),
+    alarm('acknowledged', { acknowledged_by: 'anna (uid 1000)', comment: 'cable pulled' })] };
+  const rows = alarmRows(list, NOW);
+  assert.deepEqual(rows.map((r) => [r.tone, r.word, r.waits]), [['alarm', 'unacknowledged', true],
+    ['care', 'returned, unacknowledged', true], ['calm', 'acknowledged', false]]);
+  assert.match(rows[0].when, /^since .* \(12 s\), raised 7 times$/);
+  assert.match(rows[2].when, /; acknowledged by anna \(uid 1000\): cable pulled$/);
+});
+
+test('the head counts those that wait, and is silent where none does', () => {
+  assert.equal(waitingText({ unacknowledged: 1, alarms: [] }), '1 alarm not acknowledged');
+  assert.equal(waitingText({ unacknowledged: 2, alarms: [] }), '2 alarms not acknowledged');
+  assert.equal(waitingText({ unacknowledged: 0, alarms: [] }), null);
+  assert.equal(waitingText(null), null);
+  assert.deepEqual(alarmRows(null, NOW), []);
+});

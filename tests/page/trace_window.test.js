@@ -1,0 +1,60 @@
+// What the page keeps of the traces, and what it saves of them; without a browser.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { csvOf, TraceWindow } from '../../daemon/page/trace_window.mjs';
+
+const channel = (min, max, breaks = []) => ({ name: 'y0', unit: 'mm', min, max, breaks });
+const answerOf = (changes = {}) => ({ step_s: 0.02, from_s: 2, bins: 3, less_dwell: null, channels: [channel([1, null, 3], [2, null, 4], [2])], ...changes });
+const eventOf = (first, values, breaks = []) => ({ step_s: 0.02, first, bins: values.length, channels: [{ min: values, max: values, breaks }] });
+const lows = (window) => Array.from({ length: window.bins }, (_, i) => window.low(0, i));
+
+test('an answer is kept bin by bin: a bin without a reading is none, a break stays one', () => {
+  const window = new TraceWindow(answerOf());
+  assert.deepEqual(lows(window), [1, NaN, 3]);
+  assert.equal(window.high(0, 2), 4);
+  assert.deepEqual([0, 1, 2].map((i) => window.broken(0, i)), [false, false, true]);
+  assert.equal(window.from_s, 2);
+  assert.ok(Math.abs(window.to_s - 2.06) < 1e-12);
+});
+
+test('the stream goes on where the answer ends, and what both hold is kept once', () => {
+  const window = new TraceWindow(answerOf());
+  assert.equal(window.take(eventOf(102, [3, 7], [1])), true);
+  assert.deepEqual(lows(window), [1, NaN, 3, 7]);
+  assert.equal(window.broken(0, 3), true);
+});
+
+test('of wider bins each holds the least and the greatest of what the stream brings', () => {
+  const window = new TraceWindow(answerOf({ step_s: 0.08, from_s: 0.08, bins: 1, channels: [channel([5], [6])] }));
+  assert.equal(window.take(eventOf(7, [4, 9, 8, 2, 3], [3])), true); // bins 7 | 8 9 10 11
+  assert.deepEqual(lows(window), [4, 2]);
+  assert.equal(window.high(0, 1), 9);
+  assert.equal(window.broken(0, 1), true);
+});
+
+test('where an event was lost, the service began anew, or bins are finer than the stream, it says so', () => {
+  assert.equal(new TraceWindow(answerOf()).take(eventOf(104, [1])), false);
+  assert.equal(new TraceWindow(answerOf()).take(eventOf(99, [1])), false);
+  assert.equal(new TraceWindow(answerOf({ step_s: 0.005, from_s: 2 })).take(eventOf(101, [1])), false);
+});
+
+test('it holds a fixed number of bins however long it goes on, the newest ones', () => {
+  const window = new TraceWindow(answerOf(), 50);
+  for (let i = 0; i < 1000; ++i) assert.equal(window.take(eventOf(103 + i, [i])), true);
+  assert.ok(window.bins >= 50 && window.bins <= 100, `${window.bins}`);
+  assert.equal(window.low(0, window.bins - 1), 999);
+  assert.equal(window.low(0, window.bins - 50), 950);
+  assert.ok(Math.abs(window.to_s - (103 + 1000) * 0.02) < 1e-9);
+});
+
+test('a cursor reads the bin under it, or the nearest reading beside it', () => {
+  const window = new TraceWindow(answerOf());
+  assert.deepEqual(window.at(0, 2.001), { low: 1, high: 2 });
+  assert.deepEqual(window.at(0, 2.03), { low: 1, high: 2 });
+  assert.equal(window.at(0, 2.5), null);
+});
+
+test('CSV holds the numbers as the service gave them', () => {
+  const text = csvOf(answerOf({ channels: [channel([0.1, null, -3e-7], [0.2, null, 4])] }));
+  assert.equal(text, 't [s],y0 min [mm],y0 max [mm]\n2,0.1,0.2\n2.02,,\n2.04,-3e-7,4\n');
+});

@@ -1,0 +1,142 @@
+// The traces in Chromium, fed by the real service on a simulated rig: live, paused, zoomed, cursors, CSV.
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { after, before, test } from 'node:test';
+import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+
+let browser;
+let bench;
+let page;
+const complaints = []; // of the browser: the policy, a file, our own code
+before(async () => {
+  [browser, bench] = await Promise.all([openBrowser(), Bench.begin()]);
+  bench.rig.say('start');
+  page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on('pageerror', (error) => complaints.push(error.message));
+  page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
+  await page.goto(bench.url);
+  await page.waitForSelector('#traces:not([hidden])');
+});
+after(async () => {
+  await Promise.all([browser?.close(), bench?.end()]);
+});
+
+const said = (pattern) => page.waitForFunction((p) => new RegExp(p).test(document.querySelector('#trace-what').innerText), pattern);
+const newest = async () => (await bench.get('/api/v1/traces?points=1')).newest_s;
+// What is drawn, as a number that changes with it.
+const picture = () => page.evaluate(() => {
+  const canvas = document.querySelector('#trace-plot');
+  const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  let sum = 0;
+  for (let i = 0; i < pixels.length; i += 4) sum = (sum * 31 + pixels[i]) % 1e9;
+  return sum;
+});
+async function until(condition) {
+  for (const deadline = Date.now() + PATIENCE_MS; !(await condition()); await new Promise((done) => setTimeout(done, 100)))
+    if (Date.now() > deadline) throw new Error(`never: ${condition}`);
+}
+// The CSV that the page saves, as rows of text.
+async function saved() {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#trace-save')]);
+  return (await readFile(await download.path(), 'utf8')).trimEnd().split('\n').map((line) => line.split(','));
+}
+
+test('they move while they are live, and stand still while paused', async () => {
+  await said('in view, live: readings, least and greatest in ');
+  await page.locator('#trace-plot').scrollIntoViewIfNeeded(); // nothing is drawn that nobody sees
+  const before = await picture();
+  await until(async () => await picture() !== before);
+  await page.click('#trace-pause');
+  await said('paused');
+  // The picture of the answer that the pause asked for.
+  let still = await picture();
+  await until(async () => {
+    const last = still;
+    still = await picture();
+    return still === last;
+  });
+  const from = await newest();
+  await until(async () => await newest() > from + 1);
+  assert.equal(await picture(), still);
+});
+
+test('what came during a pause is there afterwards, without a hole', async () => {
+  const from = await newest();
+  await until(async () => await newest() > from + 3);
+  await page.focus('#trace-plot');
+  await page.keyboard.press('End');
+  await said('live');
+  await page.keyboard.press('Space');
+  await said('paused');
+  const rows = await saved();
+  assert.ok(Number(rows.at(-1)[0]) > from + 3 && Number(rows[1][0]) < from, 'the pause is in view');
+  const step = Number(rows[2][0]) - Number(rows[1][0]);
+  if (step >= 0.01) for (const row of rows.slice(1, -1)) assert.ok(row.every((cell) => cell !== ''), row.join());
+  const reading = rows.filter((row) => row[1] !== '').map((row) => Number(row[0]));
+  // The rig is polled 200 times a second; a machine that tests share may be late, but not by a piece of the trace.
+  assert.ok(reading.slice(2).every((t, i) => t - reading[i + 1] < 0.5), 'no piece is missing');
+});
+
+test('the file saved holds what the service answers for the stretch in view', async () => {
+  let asked = null;
+  const note = (response) => {
+    if (response.url().includes('points=4000')) asked = response.json();
+  };
+  page.on('response', note);
+  const rows = await saved();
+  page.off('response', note);
+  const answer = await asked;
+  assert.deepEqual(rows[0].slice(0, 3), ['t [s]', 'y0 min [mm]', 'y0 max [mm]']);
+  assert.equal(rows.length, answer.bins + 1);
+  answer.channels.forEach((channel, c) => channel.min.forEach((value, i) => {
+    assert.equal(rows[i + 1][1 + 2 * c], value === null ? '' : String(value));
+    assert.equal(rows[i + 1][2 + 2 * c], channel.max[i] === null ? '' : String(channel.max[i]));
+  }));
+});
+
+test('zoomed by keyboard the readings are shown one by one', async () => {
+  await page.focus('#trace-plot');
+  for (let i = 0; i < 5; ++i) await page.keyboard.press('+');
+  await said('^31\\d ms in view, paused: readings, least and greatest in (1\\.25|0\\.313) ms');
+  await page.keyboard.press('ArrowLeft');
+  await said('paused');
+});
+
+test('two cursors tell time and value of each channel, and the difference', async () => {
+  await page.check('#trace-cursors');
+  await page.locator('#trace-A').fill('100');
+  await page.locator('#trace-B').fill('900');
+  await page.locator('#trace-between', { hasText: 'B − A: 250' }).waitFor();
+  const between = await page.locator('#trace-between').innerText();
+  const [ms, hz] = between.match(/([\d.]+) ms.* ([\d.]+) Hz/).slice(1).map(Number);
+  assert.ok(Math.abs(ms - 0.8 * 312.5) < 0.1, between);
+  assert.ok(Math.abs(hz * ms - 1000) < 1, between);
+  const rows = await page.locator('#trace-rows tr').allInnerTexts();
+  assert.equal(rows.length, 5);
+  for (const row of rows) {
+    const [a, b, difference] = row.replaceAll('\u2212', '-').match(/-?\d+\.?\d*(?= (?:mm|N)\b)/g).map(Number);
+    assert.ok(Math.abs(b - a - difference) < 2e-3 * (Math.abs(a) + Math.abs(b)) + 1e-3, row);
+  }
+  // A click moves the nearer one.
+  const box = await page.locator('#trace-plot').boundingBox();
+  await page.mouse.click(box.x + box.width / 4, box.y + box.height / 2);
+  await page.waitForFunction(() => Math.abs(document.querySelector('#trace-A').value - 250) < 20);
+});
+
+test('less the steady part, what is left of a settled dwell is small', async () => {
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.focus('#trace-plot');
+  await page.keyboard.press('End');
+  await page.check('#trace-less');
+  await said('live: readings less the steady part of dwell \\d+');
+  await until(async () => {
+    const of = async (less) => (await bench.get(`/api/v1/traces?from=-1&points=50&channels=y1${less}`)).channels[0].max;
+    // The middle one: on a busy machine some readings come late, and are not the motion of their instant.
+    const middle = (values) => values.filter((v) => v !== null).map(Math.abs).sort((a, b) => a - b).at(values.length >> 2);
+    return middle(await of('&less=steady')) < 0.02 * middle(await of(''));
+  });
+  await page.uncheck('#trace-less');
+  await said('live: readings, ');
+  assert.deepEqual(complaints, []);
+});

@@ -1,0 +1,171 @@
+// A loss of power right at the beginning of a run. The run's file and the ledger's entry are written at once, so either
+// may be there without the other, and the file may have its first name only.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "daemon/record/audit.hpp"
+#include "daemon/record/file_name.hpp"
+#include "daemon/record/run_folder.hpp"
+#include "tests/record/child.hpp"
+#include "tests/record/recorded_rig.hpp"
+#include "tests/record/scratch.hpp"
+
+namespace dwell::record {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<NewEntry> one_event() {
+  StoredEvent event;
+  event.position = 1;
+  event.utc = "2026-11-23T00:00:00Z";
+  event.what = "state";
+  event.text = "idle";
+  return {{"event", 2, to_json(event)}};
+}
+
+std::vector<NewEntry> the_end() { return {{"end", 2, to_json(RunEnd{"operator", 0, 0, "2026-11-23T00:00:01Z"})}}; }
+
+// The parts of a directory that a loss of power may take back, as they are now.
+void copy_ledger(const std::string& from, const std::string& to) {
+  fs::create_directories(to);
+  for (const char* name : {"ledger.dwell-ledger", "ledger.dwell-ledger-wal"})
+    fs::copy_file(from + "/" + name, to + "/" + name, fs::copy_options::overwrite_existing);
+}
+
+// Records `runs` runs, each right after the one before. The power is cut right after the last one's beginning; the
+// ledger as it was before that is in `ledger_before`.
+std::string record_and_crash(const std::string& directory, const std::string& ledger_before, int runs) {
+  return in_child([&] {
+    RunFolder folder(folder_options(directory));
+    if (const auto ready = folder.ready(); !ready) return ready.error();
+    RunHeader header = rig_header();
+    header.start_utc = "2026-11-23T00:00:00Z";
+    for (int run = 1; run <= runs; ++run) {
+      if (run == runs) copy_ledger(directory, ledger_before);
+      if (const auto begun = folder.begin(header, 1, one_event()); !begun) return begun.error();
+      if (run == runs) break;
+      if (const auto written = folder.write(one_event()); !written) return written.error();
+      folder.settle();
+      if (const auto ended = folder.end(the_end(), true); !ended) return ended.error();
+    }
+    folder.settle();
+    _exit(0);
+    return std::string();
+  });
+}
+
+std::string run_file_of(const std::string& directory, std::int64_t run) {
+  for (const auto& entry : fs::directory_iterator(directory))
+    if (run_of_file_name(entry.path().filename().string()) == run) return entry.path().string();
+  return {};
+}
+
+// The file as it is before its name is sure to survive.
+void give_first_name(const std::string& directory, std::int64_t run) {
+  const std::string file = run_file_of(directory, run), first = directory + "/next-" + std::to_string(run) + ".new";
+  for (const char* part : {"", "-wal"}) fs::rename(file + part, first + part);
+}
+
+std::string ledger_says(const std::string& directory) {
+  const auto audit = audit_ledger(directory + "/ledger.dwell-ledger", directory, {});
+  if (!audit) return audit.error();
+  std::string text = audit->unbroken ? "" : "broken: " + audit->where;
+  for (const std::string& missing : audit->missing) text += " missing: " + missing;
+  return text;
+}
+
+AuditState state_with_ledger(const std::string& file, const std::string& directory) {
+  AuditOptions options;
+  options.ledger = directory + "/ledger.dwell-ledger";
+  const auto audit = audit_run(file, options);
+  EXPECT_TRUE(audit) << audit.error();
+  EXPECT_TRUE(!audit || audit->where.empty()) << audit->where;
+  return audit ? audit->state : AuditState::tampered;
+}
+
+// Opens the folder as the next start does, and expects run `run` to be cut off, in its file, known to the ledger.
+void expect_adopted(const std::string& directory, std::int64_t run) {
+  {
+    RunFolder folder(folder_options(directory));
+    const auto opened = folder.open();
+    ASSERT_TRUE(opened) << opened.error();
+    const auto cut_off = folder.take_cut_off();
+    ASSERT_TRUE(cut_off);
+    EXPECT_EQ(cut_off->run, run);
+    EXPECT_EQ(cut_off->file, fs::path(run_file_of(directory, run)).filename().string());
+    EXPECT_EQ(ledger_says(directory), "");
+    EXPECT_EQ(state_with_ledger(run_file_of(directory, run), directory), AuditState::open);
+    EXPECT_FALSE(fs::exists(directory + "/next-" + std::to_string(run) + ".new"));
+    RunHeader header = rig_header();
+    header.start_utc = "2026-11-23T00:01:00Z";
+    ASSERT_TRUE(folder.begin(header, 1, one_event()));
+    EXPECT_EQ(header.run, run + 1);
+    ASSERT_TRUE(folder.end(the_end(), false));
+  }
+  EXPECT_EQ(state_with_ledger(run_file_of(directory, run + 1), directory), AuditState::intact);
+  EXPECT_EQ(ledger_says(directory), "");
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesTheRunWhereTheLedgerHasNotHeardOfIt) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  copy_ledger(before.path(), scratch.path());
+  give_first_name(scratch.path(), 1);
+  expect_adopted(scratch.path(), 1);
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesTheRunUnderItsFirstName) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  give_first_name(scratch.path(), 1);
+  expect_adopted(scratch.path(), 1);
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesTheRunUnderBothNames) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  for (const char* part : {"", "-wal"})
+    fs::create_hard_link(run_file_of(scratch.path(), 1) + part, scratch.path("next-1.new") + part);
+  expect_adopted(scratch.path(), 1);
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesTheLogAloneWithItsSecondName) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  const std::string log = run_file_of(scratch.path(), 1) + "-wal";
+  give_first_name(scratch.path(), 1);
+  fs::create_hard_link(scratch.path("next-1.new-wal"), log);
+  expect_adopted(scratch.path(), 1);
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesBothRunsWhereTheLedgerHasHeardOfNeitherTheEndOfOneNorOfTheOther) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 2), "");
+  copy_ledger(before.path(), scratch.path());
+  give_first_name(scratch.path(), 2);
+  expect_adopted(scratch.path(), 2);
+  EXPECT_EQ(state_with_ledger(run_file_of(scratch.path(), 1), scratch.path()), AuditState::intact);
+}
+
+TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
+  const Scratch scratch, before;
+  ASSERT_EQ(in_child([&] {
+              RunFolder folder(folder_options(scratch.path()));
+              if (const auto ready = folder.ready(); !ready) return ready.error();
+              folder.settle();
+              _exit(0);
+              return std::string();
+            }),
+            "");
+  ASSERT_TRUE(fs::exists(scratch.path("next-1.new")));
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.open());
+  EXPECT_FALSE(folder.take_cut_off());
+  EXPECT_EQ(ledger_says(scratch.path()), "");
+}
+
+}  // namespace
+}  // namespace dwell::record
