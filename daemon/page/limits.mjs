@@ -1,11 +1,20 @@
 // What is said of a limit of the rig file: by value ± U95, as the service judged it. Pure.
-import { isNumber, plainText } from './number.mjs';
+import { isNumber, MAX_DIGITS, plainText } from './number.mjs';
 
 // Each verdict has a word and a shape; a colour only the one that is abnormal.
 const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
 
+// At least these digits of a bound; more until the text is the bound: a rounded one would look kept, or violated, where
+// it is not.
+const LEAST_DIGITS = 4;
+function boundText(bound, unit) {
+  let digits = LEAST_DIGITS;
+  while (digits < MAX_DIGITS && Number(bound.toPrecision(digits)) !== bound) ++digits;
+  return plainText(bound, unit, digits);
+}
+
 function boundsText({ low, high, unit }) {
-  const [a, b] = [plainText(low, unit, 4), plainText(high, unit, 4)];
+  const [a, b] = [boundText(low, unit), boundText(high, unit)];
   const [, number, its] = a.match(/^(\S+) (.*)$/) ?? [null, a, ''];
   return `${b.endsWith(` ${its}`) ? number : a} to ${b}`;
 }

@@ -4,7 +4,7 @@
 export const NO_NUMBER = '—';
 export const NORMAL_95 = 1.959964; // half width of the 95 % interval of a normal distribution, in u
 
-const MAX_DIGITS = 15; // what a double carries
+export const MAX_DIGITS = 15; // what a double carries
 const PREFIXED = new Set(['m', 'm/s', 'm/s2', 'rad', 'rad/s', 'rad/s2', 'N', 'N*m', 'N/m', 'N*s/m', 'N*m/rad',
   'N*m*s/rad']);
 const PREFIXES = ['p', 'n', 'µ', 'm', '', 'k', 'M', 'G', 'T'];
@@ -97,6 +97,14 @@ export function joined({ value, u, unit }) {
 export const percentText = (part) => (isNumber(part) ? `${Number((100 * part).toPrecision(2))} %` : NO_NUMBER);
 
 export const secondsText = (s, decimals = 1) => (isNumber(s) ? `${s.toFixed(decimals)} s` : NO_NUMBER);
+
+// An instant of this computer's time zone; with the date where that is not today's: a page is open for days.
+export function instantText(ms, nowMs) {
+  if (!isNumber(ms)) return NO_NUMBER;
+  const at = new Date(ms);
+  const today = at.toDateString() === new Date(nowMs).toDateString();
+  return today ? at.toLocaleTimeString('en-GB') : at.toLocaleString('en-GB', { dateStyle: 'short', timeStyle: 'medium' });
+}
 
 // "0.3 s", "778 s", "21 min", "5 h", "3 d": how old something is, as people say it; as dwellctl watch does.
 export function ageText(s) {

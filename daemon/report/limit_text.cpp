@@ -1,7 +1,10 @@
 #include "daemon/report/limit_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -10,13 +13,25 @@
 namespace dwell {
 namespace {
 
-// Digits of a limit: as a person writes one into a rig file.
-constexpr int kDigits = 4;
+// Significant digits of a bound: at least as many as a person writes into a rig file; at most what a double carries.
+constexpr int kLeastDigits = 4, kMostDigits = 15;
 constexpr std::size_t kIndent = 11;  // as the lines on settling
 
 void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
   for (std::string& line : wrapped(printable("limits     " + text), options.columns, kIndent))
     section.body.push_back({std::move(line), options.age.empty() ? style : Style::old});
+}
+
+// With as many digits as it takes for the text to be the bound: a rounded one would look kept, or violated, where it is
+// not.
+NumberText bound_text(double bound, std::string_view unit) {
+  int digits = kLeastDigits;
+  std::array<char, 32> text{};
+  for (; digits < kMostDigits; ++digits) {
+    std::snprintf(text.data(), text.size(), "%.*e", digits - 1, bound);
+    if (std::strtod(text.data(), nullptr) == bound) break;
+  }
+  return number_text(bound, unit, digits);
 }
 
 const char* unit_of(const JudgedLimit& limit, Motion motion) {
@@ -31,8 +46,8 @@ std::string limited_text(const JudgedLimit& limit) {
 
 std::string bounds_text(const JudgedLimit& limit, Motion motion) {
   const char* const unit = unit_of(limit, motion);
-  const NumberText low = number_text(limit.bounds.low, unit, kDigits);
-  const NumberText high = number_text(limit.bounds.high, unit, kDigits);
+  const NumberText low = bound_text(limit.bounds.low, unit);
+  const NumberText high = bound_text(limit.bounds.high, unit);
   return (low.unit == high.unit ? low.value : join(low)) + " to " + join(high);
 }
 

@@ -44,6 +44,16 @@ TEST(LimitText, TheViolatedComeFirstAndThoseAloneAreLoud) {
     EXPECT_EQ(line.style == Style::alarm, line.text.find("violated") != std::string::npos) << line.text;
 }
 
+TEST(LimitText, ABoundHasAsManyDigitsAsItTakesToBeIt) {
+  JudgedLimit limit;
+  limit.bounds = {8000.4, 8499.9};
+  EXPECT_EQ(bounds_text(limit, Motion::translation), "8.0004 to 8.4999 kN/m");
+  limit.bounds = {1.0 / 3.0, 123456.78901};
+  EXPECT_EQ(bounds_text(limit, Motion::translation), "333.333333333333 mN/m to 123.45678901 kN/m");
+  limit.bounds = {-50.0, 0.0};
+  EXPECT_EQ(bounds_text(limit, Motion::translation), "-50.00 to 0 N/m");
+}
+
 TEST(LimitText, OldVerdictsAreGreyAsTheirNumbers) {
   TextOptions options;
   options.age = "12 s";

@@ -1,7 +1,7 @@
 // Verdicts on limits, and alarms in words.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { alarmRows, waitingText } from '../../daemon/page/alarms.mjs';
+import { alarmRows, noteText, waitingText } from '../../daemon/page/alarms.mjs';
 import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
 import { Freshness } from '../../daemon/page/freshness.mjs';
 import { limitOf } from '../../daemon/page/limits.mjs';
@@ -14,6 +14,13 @@ test('each verdict has its word, its shape and the limit', () => {
   assert.equal(limitOf(limited('violated'), 'stiffness', 2).text, '▲ limit violated: outside 7.500 to 8.500 kN/m');
   assert.equal(limitOf(limited('undecided'), 'stiffness', 2).text, '◇ limit undecided: ± reaches over an end of 7.500 to 8.500 kN/m');
   assert.equal(limitOf(limited('none', 'not settled'), 'stiffness', 2).text, '– no verdict on the limit 7.500 to 8.500 kN/m: not settled');
+});
+
+test('a bound has as many digits as it takes to be it: none is rounded to the number beside it', () => {
+  const of = (low, high) => limitOf(dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low, high, unit: 'N/m', verdict: 'kept', reason: null }] }), 'stiffness', 2).text;
+  assert.equal(of(8000.4, 8499.9), '✓ limit kept: 8.0004 to 8.4999 kN/m');
+  assert.equal(of(1 / 3, 123456.78901), '✓ limit kept: 333.333333333333 mN/m to 123.45678901 kN/m');
+  assert.equal(of(-50, 0), '✓ limit kept: −50.00 to 0 N/m');
 });
 
 test('only the coefficient that has a limit is told one, and only of the dwell that is measured', () => {
@@ -39,6 +46,25 @@ test('an alarm that waits for somebody is told from one that does not by tone an
     ['care', 'returned, unacknowledged', true], ['calm', 'acknowledged', false]]);
   assert.match(rows[0].when, /^since .* \(12 s\), raised 7 times$/);
   assert.match(rows[2].when, /; acknowledged by anna \(uid 1000\): cable pulled$/);
+});
+
+test('an alarm that has returned says when it was over', () => {
+  const [row] = alarmRows({ unacknowledged: 1, alarms: [alarm('returned-unacknowledged', { changed: '2026-11-23T07:00:07Z', count: 2 })] }, NOW);
+  const local = (iso) => new Date(iso).toLocaleTimeString('en-GB');
+  assert.equal(row.when, `since ${local('2026-11-23T07:00:00Z')}, over at ${local('2026-11-23T07:00:07Z')} (5.0 s ago), raised 2 times`);
+});
+
+test('an alarm of another day has its date', () => {
+  const [row] = alarmRows({ unacknowledged: 1, alarms: [alarm('unacknowledged', { since: '2026-11-20T07:00:00Z' })] }, NOW);
+  assert.match(row.when, /^since 20\/11\/2026, \d\d:\d\d:00 \(3 d\)$/);
+});
+
+test('that it was done is said for 10 s, why it was not until the next attempt', () => {
+  const done = { text: 'x is acknowledged.', failed: false, at_s: 100 };
+  assert.equal(noteText(done, 109), 'x is acknowledged.');
+  assert.equal(noteText(done, 110), '');
+  assert.equal(noteText({ ...done, failed: true }, 500), 'x is acknowledged.');
+  assert.equal(noteText(null, 0), '');
 });
 
 test('the head counts those that wait, and is silent where none does', () => {
