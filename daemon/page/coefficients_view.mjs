@@ -81,6 +81,7 @@ function renewBudget(details, element) {
 function renewElement(node, element, view, source) {
   const [, reason, list, notes, budget] = node.children;
   renewBudget(budget, element);
+  node.classList.toggle('withheld', element.reason !== null);
   show(reason, element.reason !== null);
   setText(reason, element.reason === null ? '' : `no coefficients: ${element.reason}`);
   const cells = element.last ?? (element.reason === null ? element.cells : []);

@@ -6,6 +6,7 @@ import { placeLabels, polarOf } from './polar.mjs';
 
 const $ = (id) => document.getElementById(id);
 const RADIUS = 100;
+const LABEL = { size: 12, gap: 15 }; // of the names: their letters, and the distance between two lines
 
 function makeArrow(arrow) {
   return s('g', { class: 'arrow' }, s('line', { class: 'shaft' }), s('ellipse', { class: 'ellipse' }), s('circle', { r: 2.5, class: 'tip' }),
@@ -21,7 +22,8 @@ function renewArrow(node, arrow, units) {
   setAttributes(tip, { cx: arrow.x.toFixed(1), cy: arrow.y.toFixed(1) });
   const end = arrow.side * (RADIUS + 12);
   setAttributes(leader, { x1: arrow.x.toFixed(1), y1: arrow.y.toFixed(1), x2: end, y2: arrow.at.toFixed(1) });
-  setAttributes(text, { x: end + 3 * arrow.side, y: (arrow.at + 4).toFixed(1), 'text-anchor': arrow.side < 0 ? 'end' : 'start' });
+  const size = LABEL.size * arrow.gap / LABEL.gap;
+  setAttributes(text, { x: end + 3 * arrow.side, y: (arrow.at + size / 3).toFixed(1), 'font-size': size.toFixed(1), 'text-anchor': arrow.side < 0 ? 'end' : 'start' });
 }
 
 const degrees = (rad) => {
@@ -63,7 +65,7 @@ export function showPhasors(view) {
   if (!some) return;
   const polar = polarOf(view.dwell.phasors, RADIUS);
   const units = polar.scales.map((scale) => scale.unit);
-  const arrows = placeLabels(polar.arrows, 15, RADIUS);
+  const arrows = placeLabels(polar.arrows, LABEL.gap, RADIUS);
   show($('polar'), arrows.length > 0);
   setAttributes($('polar'), { class: view.fresh.dwellOld(view.now) ? 'old' : '' });
   keyed($('arrows'), arrows, (arrow) => arrow.channel, makeArrow, (node, arrow) => renewArrow(node, arrow, units));

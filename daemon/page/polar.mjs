@@ -25,21 +25,23 @@ export function polarOf(phasors, radius) {
 }
 
 // Where the labels stand: in a column left or right of the circle, beside their arrow's end, at least `gap` apart and
-// within ±reach. Adds { side: -1 or 1, at } to each arrow.
+// within ±reach, which many of one side make closer. Adds { side: -1 or 1, at, gap: that of its column } to each arrow.
 export function placeLabels(arrows, gap, reach) {
   const placed = arrows.map((arrow) => ({ ...arrow, side: arrow.x < 0 ? -1 : 1, at: arrow.y }));
   for (const side of [-1, 1]) {
     const column = placed.filter((arrow) => arrow.side === side).sort((a, b) => a.y - b.y);
+    const apart = Math.min(gap, 2 * reach / Math.max(column.length - 1, 1));
     let free = -reach;
     for (const arrow of column) {
       arrow.at = Math.max(arrow.y, free);
-      free = arrow.at + gap;
+      arrow.gap = apart;
+      free = arrow.at + apart;
     }
     // What was pushed out below pushes the others up again.
     let limit = reach;
     for (const arrow of column.reverse()) {
       arrow.at = Math.min(arrow.at, limit);
-      limit = arrow.at - gap;
+      limit = arrow.at - apart;
     }
   }
   return placed;

@@ -73,6 +73,7 @@ const std::vector<std::string_view>& PageFiles::names() {
       "trace_window.mjs",
       "trace_plot.mjs",
       "traces_view.mjs",
+      "wall_view.mjs",
       "mode_shape.mjs",
       "mode_shape_view.mjs",
       "operate_view.mjs",  // orders to the service

@@ -70,6 +70,8 @@ test('labels do not overlap and stay beside the circle', () => {
   const at9 = placeLabels(arrows, 15, 100).map((a) => a.at).sort((a, b) => a - b);
   for (let i = 1; i < at9.length; ++i) assert.ok(at9[i] - at9[i - 1] >= 15 - 1e-9);
   assert.ok(at9.at(-1) <= 100);
+  const many = placeLabels(Array.from({ length: 31 }, () => ({ x: 90, y: 0 })), 15, 100);
+  assert.ok(many.every((a) => Math.abs(a.at) <= 100 + 1e-9 && a.gap < 6.7), 'many stand closer, none leaves the picture');
 });
 
 test('the budget says what to do about the largest part, noise of all channels as one', () => {

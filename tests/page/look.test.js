@@ -98,6 +98,33 @@ test('thirteen elements fit on a wall display', async () => {
   }
 });
 
+test('thirty elements, all withheld: each is named on a wall display, a longer reason ends with …, what has no room is told', async () => {
+  const page = await browser.newPage({ viewport: SIZES.wall });
+  page.setDefaultTimeout(PATIENCE_MS);
+  let rows = [];
+  const dwell = await bench.get('/api/v1/dwell');
+  await page.route('**/api/v1/stream*', (route) => route.fulfill({ contentType: 'text/event-stream',
+    body: `retry: 200\nevent: dwell\ndata: ${JSON.stringify({ ...dwell, index: 1, state: 'measuring', settled_s: 1, verdict_s: 2, end_s: 3, warnings: rows, doubts: [], unstated: [], phasors: [],
+      elements: Array.from({ length: 30 }, (_, i) => ({ k: i + 1, identifiable: false, budget: [],
+        reason: `the deformation (${i}.2 µm) is less than three times its uncertainty: drive it harder, or nearer to a resonance in which it deforms` })) })}\n\n` }));
+  await page.goto(`${bench.url}/?kiosk`);
+  await page.waitForFunction(() => document.querySelectorAll('.element').length === 30);
+  const boxes = () => page.evaluate(() => [...document.querySelectorAll('.element')].map((e) => {
+    const [box, reason] = [e.getBoundingClientRect(), e.querySelector('.reason')];
+    return { named: e.querySelector('h3').getBoundingClientRect().width > 20, left: box.left, top: box.top, bottom: box.bottom,
+      marked: getComputedStyle(reason).textOverflow === 'ellipsis' && reason.getBoundingClientRect().right <= box.right + 1 };
+  }));
+  const all = await boxes();
+  all.forEach((a, i) => {
+    assert.ok(a.named && a.marked && a.bottom <= SIZES.wall.height, `element ${i + 1}`);
+    for (const b of all.slice(i + 1)) assert.ok(a.left !== b.left || a.bottom <= b.top + 1, 'none overlaps');
+  });
+  if (process.env.DWELL_PICTURES) await page.screenshot({ path: join(process.env.DWELL_PICTURES, 'withheld-wall.png') });
+  rows = Array.from({ length: 30 }, (_, i) => `a warning of the dwell, number ${i}`);
+  await page.locator('#beyond', { hasText: '▼ no room here for: warnings of the dwell' }).waitFor();
+  await page.close();
+});
+
 test('the chain rests where less motion is asked for, and can be moved and halted', async () => {
   const page = await browser.newPage({ viewport: SIZES.desk, reducedMotion: 'reduce' });
   page.setDefaultTimeout(PATIENCE_MS);
