@@ -13,6 +13,9 @@ const SELDOM_MS = 10_000; // between questions for what changes seldom
 const KEPT_EVENTS = 500;
 const KEPT_DWELLS = 300;
 
+// The service answers, but this browser may not read: nobody is logged in, or no longer.
+class Refused extends Error {}
+
 export class Feed {
   dwell = null;
   health = null;
@@ -24,6 +27,7 @@ export class Feed {
   last = new LastNumbers();
   history = new History();
   fresh = new Freshness();
+  refused = false; // the newest answer was that somebody must log in
   #clock;
   #changed;
   #source = null;
@@ -94,6 +98,7 @@ export class Feed {
   async #get(path) {
     const answer = await fetch(path, { signal: AbortSignal.timeout(ANSWER_MS), cache: 'no-store' });
     const value = await answer.json();
+    if (answer.status === 401) throw new Refused(value.error);
     this.fresh.heard(this.#now());
     // Health is told with 503 where the service itself does not work.
     if (!answer.ok && path !== '/api/v1/health') throw new Error(value.error);
@@ -110,11 +115,16 @@ export class Feed {
       this.#ahead_ms = Date.parse(health.utc) - Date.now();
       this.channels = channels.channels;
       this.alarms = alarms;
+      this.refused = false;
+      this.fresh.answered(this.#now());
       if (this.#source.readyState === EventSource.CLOSED || this.#now() - this.#spoke_s > SILENT_S) this.#listen();
       if (1e3 * (this.#now() - this.#seldom_s) >= SELDOM_MS) await this.#askSeldom();
-    } catch {
-      // An error status is an answer as well: then the service is there.
-      if (this.#now() - this.fresh.heard_s > ASK_MS / 1e3) this.fresh.broke(this.#now());
+    } catch (error) {
+      this.refused = error instanceof Refused;
+      // A stream that was opened before would go on: what is shown must be of one time.
+      if (this.refused) this.#source.close();
+      // Another error status is an answer as well: then the service is there.
+      if (this.refused || this.#now() - this.fresh.heard_s > ASK_MS / 1e3) this.fresh.broke(this.#now());
     } finally {
       this.#asking = false;
       this.#changed();

@@ -4,7 +4,7 @@
 // Nothing heard for so long: the service is gone. The stream speaks once a second and the page asks once a second.
 // Halved: a busy network blinks. Doubled: an operator looks at dead numbers for five seconds.
 export const GONE_S = 2.5;
-// Numbers not renewed for so long are old, as in dwellctl watch …
+// Numbers, channels and traces not renewed for so long are old, as in dwellctl watch …
 export const OLD_S = 2.5;
 // … or for so many of the usual times between renewals, where the rig file has them further apart.
 const USUAL_TIMES = 2.5;
@@ -16,6 +16,7 @@ const moved = (before, after) => before.index !== after.index || before.state !=
 
 export class Freshness {
   heard_s = -Infinity; // anything from the service
+  #answered_s = -Infinity; // what the page asks for once a second, all of it
   connected_s = null; // since when the service answers without a break; null: it does not
   gone_s = null; // since when it does not
   #moved_s = -Infinity; // the dwell's data went on
@@ -34,6 +35,12 @@ export class Freshness {
     this.connected_s = null;
   }
 
+  // All that is asked for once a second came: health, channels, alarms.
+  answered(now) {
+    this.heard(now);
+    this.#answered_s = now;
+  }
+
   tookDwell(dwell, now) {
     this.heard(now);
     if (!this.#dwell || !hasData(dwell) || moved(this.#dwell, dwell)) {
@@ -49,6 +56,15 @@ export class Freshness {
 
   silence_s(now) {
     return now - this.heard_s;
+  }
+
+  // How old channels, devices and alarms are, and whether that is too old: the stream does not renew them.
+  answersAge_s(now) {
+    return now - this.#answered_s;
+  }
+
+  answersOld(now) {
+    return this.gone(now) || this.answersAge_s(now) > OLD_S;
   }
 
   // How old the dwell's numbers are, and whether that is too old.

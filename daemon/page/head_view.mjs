@@ -1,6 +1,6 @@
 // The first line: state in word, shape and colour, and what an operator asks next.
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
-import { ageText } from './number.mjs';
+import { ageText, instantText } from './number.mjs';
 import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -13,6 +13,7 @@ const SHAPES = {
   measuring: [['circle', { cx: 12, cy: 12, r: 9, class: 'line' }], ['circle', { cx: 12, cy: 12, r: 5, class: 'area' }]],
   complete: [['rect', { x: 4, y: 4, width: 16, height: 16, class: 'area' }]],
   fault: [['path', { d: 'M12 2L23 21H1Z', class: 'area' }], ['path', { d: 'M12 9v6M12 17v2', class: 'cut' }]],
+  locked: [['rect', { x: 4, y: 10, width: 16, height: 11, class: 'area' }], ['path', { d: 'M7.5 10V7a4.5 4.5 0 0 1 9 0v3', class: 'line' }]],
   gone: [['path', { d: 'M8 2h8l6 6v8l-6 6h-8l-6 -6v-8z', class: 'area' }], ['path', { d: 'M8 8l8 8M16 8l-8 8', class: 'cut' }]],
 };
 
@@ -23,11 +24,9 @@ function showShape(kind) {
   $('shape').replaceChildren(s('svg', { viewBox: '0 0 24 24' }, ...SHAPES[kind].map(([tag, attributes]) => s(tag, attributes))));
 }
 
-const timeOfDay = (ms) => new Date(ms).toLocaleTimeString('en-GB');
-
 function sinceText(view) {
   const ms = view.dwell ? sinceMs(view.dwell, view.events) : null;
-  return ms === null ? null : `${timeOfDay(ms)} (${ageText((view.nowMs - ms) / 1e3)})`;
+  return ms === null ? null : `${instantText(ms, view.nowMs)} (${ageText((view.nowMs - ms) / 1e3)})`;
 }
 
 // What stands behind the state, in this order; what is not known is left out.

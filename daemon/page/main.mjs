@@ -5,10 +5,11 @@ import { Feed } from './feed.mjs';
 import { Clock } from './freshness.mjs';
 import { showHead } from './head_view.mjs';
 import { showModeShape } from './mode_shape_view.mjs';
-import { beginOperate, locked, mayChange, showOperate } from './operate_view.mjs';
+import { beginOperate, mayChange, showOperate } from './operate_view.mjs';
 import { showPhasors } from './phasors_view.mjs';
 import { showTables } from './tables_view.mjs';
 import { TracesView } from './traces_view.mjs';
+import { showBeyond } from './wall_view.mjs';
 
 // Ages and the connection are looked at so often even when nothing comes.
 const TICK_MS = 250;
@@ -26,7 +27,7 @@ function atMost(times, show) {
     show(view);
   };
 }
-const slower = [atMost(2, showPhasors), atMost(1, showModeShape), atMost(1, showTables), atMost(4, showOperate),
+const slower = [atMost(2, showPhasors), atMost(1, showModeShape), atMost(1, showTables), atMost(4, showOperate), atMost(1, showBeyond),
   atMost(2, (view) => showAlarms(view, () => feed.askNow()))];
 
 function draw() {
@@ -35,10 +36,11 @@ function draw() {
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
   const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
     dwells: feed.dwells, runs: feed.runs, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, now,
-    nowMs: feed.nowMs(), broken: silent.size > 0, locked: locked(), mayChange: mayChange() };
+    nowMs: feed.nowMs(), broken: silent.size > 0, refused: feed.refused, mayChange: mayChange() };
   showHead(view);
   showCoefficients(view);
   for (const part of slower) part(view);
+  traces.look(now);
 }
 
 // At most once for each picture that the screen shows, and not at all while nobody sees the page.
@@ -48,7 +50,8 @@ function changed() {
   requestAnimationFrame(draw);
 }
 
-const feed = new Feed(clock, changed, new TracesView());
+const traces = new TracesView(clock);
+const feed = new Feed(clock, changed, traces);
 if (new URLSearchParams(location.search).has('kiosk')) document.documentElement.classList.add('kiosk');
 draw();
 feed.begin();

@@ -1,5 +1,6 @@
 // Acting on the rig from the page: logging in with the token, starting and stopping runs, re-arming the dwell. It is
 // there only where the service takes orders over HTTP, or asks for the token before anything may be read.
+import { noteText } from './alarms.mjs';
 import { setText, show } from './dom.mjs';
 
 const ASK_MS = 10_000; // a session that has ended is noticed so soon
@@ -11,36 +12,54 @@ const kiosk = new URLSearchParams(location.search).has('kiosk');
 // What this browser may; until the service has said it, nothing is offered.
 let rights = { read: true, change: false, token: false };
 let busy = false;
+let said = null; // { text, failed, at_s }: what became of the newest order; null: nothing to say
+let now_s = 0;
 
+let newest = 0; // question; the answer to an older one may be of before a login
 async function ask() {
+  const question = ++newest;
   try {
     const answer = await fetch('/api/v1/rights', { signal: AbortSignal.timeout(ANSWER_MS), cache: 'no-store' });
-    if (answer.ok) rights = await answer.json();
+    const told = answer.ok ? await answer.json() : rights;
+    if (question === newest) rights = told;
   } catch {
     // The first line says that the service does not answer.
   }
 }
 
-// Nothing can be read before somebody logs in.
-export const locked = () => !rights.read;
 // This page may change something, for instance acknowledge an alarm.
 export const mayChange = () => rights.change;
 
+function say(text, failed = false) {
+  said = { text, failed, at_s: now_s };
+  setText($('operate-said'), text);
+}
+
+// Of all orders one at a time. A button that is disabled loses the focus, and gets it back.
+let pressed = null;
+function setBusy(on) {
+  busy = on;
+  if (on) pressed = document.activeElement;
+  for (const button of $('operate').querySelectorAll('button')) button.disabled = on;
+  if (!on && document.activeElement === document.body) pressed?.focus({ preventScroll: true });
+}
+
 // Gives the order and says what became of it. True: it is done.
-async function order(path, body, said) {
+async function order(path, body, done) {
   if (busy) return false;
-  busy = true;
-  setText($('operate-said'), '');
+  setBusy(true);
+  say('');
   try {
     const answer = await fetch(path, { method: 'POST', signal: AbortSignal.timeout(ANSWER_MS),
       headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
-    setText($('operate-said'), answer.ok ? said : `Not done: ${(await answer.json()).error}`);
+    if (answer.ok) say(done);
+    else say(`Not done: ${(await answer.json()).error}`, true);
     return answer.ok;
   } catch {
-    setText($('operate-said'), 'No answer: whether it was done is not known. See the state above and the events.');
+    say('No answer: whether it was done is not known. See the state above and the events.', true);
     return false;
   } finally {
-    busy = false;
+    setBusy(false);
     await ask();
   }
 }
@@ -53,8 +72,8 @@ function onSubmit(id, act) {
 }
 
 export function beginOperate(changed) {
-  const orderThen = async (path, body, said, then) => {
-    if (await order(path, body, said)) then?.();
+  const orderThen = async (path, body, done, then) => {
+    if (await order(path, body, done)) then?.();
     changed();
   };
   onSubmit('operate-login', () => orderThen('/api/v1/login', { token: $('operate-token').value.trim() }, 'Logged in.',
@@ -69,7 +88,8 @@ export function beginOperate(changed) {
   $('operate-rearm').addEventListener('click', () => {
     if (confirm('Re-arm? The dwell ends, and a new one settles.')) orderThen('/api/v1/rearm', {}, 'Dwell re-armed.');
   });
-  $('operate-logout').addEventListener('click', () => orderThen('/api/v1/logout', {}, 'Logged out.'));
+  $('operate-logout').addEventListener('click', () => orderThen('/api/v1/logout', {}, 'Logged out.',
+    () => location.reload())); // what was read with the token is no longer there for whoever comes next
   const renew = async () => {
     await ask();
     changed();
@@ -78,13 +98,16 @@ export function beginOperate(changed) {
   setInterval(renew, ASK_MS);
 }
 
-export function showOperate({ health }) {
+export function showOperate({ health, refused, now }) {
+  now_s = now;
+  setText($('operate-said'), noteText(said, now));
+  const [read, change] = [rights.read && !refused, rights.change && !refused];
   const run = health?.run;
   // A wall display has no hands; it logs in where it could not read otherwise.
-  show($('operate'), rights.token && !(kiosk && rights.read));
-  show($('operate-why'), !rights.read);
-  show($('operate-login'), !rights.change);
-  show($('operate-acts'), rights.change);
+  show($('operate'), rights.token && !(kiosk && read));
+  show($('operate-why'), !read);
+  show($('operate-login'), !change);
+  show($('operate-acts'), change);
   show($('operate-start'), Boolean(run?.recorded) && run.begun_by !== 'operator');
   show($('operate-stop'), Boolean(run?.begun_by));
 }

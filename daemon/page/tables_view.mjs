@@ -2,21 +2,14 @@
 import { openDwell } from './dwell_view.mjs';
 import { COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
-import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
+import { OLD_S } from './freshness.mjs';
+import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
 import { utcMs } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
-const OLD_S = 2.5; // as in freshness.mjs
 const EVENTS_SHOWN = 100;
 
-const timeText = (ms) => (ms === null || !Number.isFinite(ms) ? NO_NUMBER : new Date(ms).toLocaleTimeString('en-GB'));
-// The date only where it is not today's.
-function dateText(iso) {
-  if (!iso) return NO_NUMBER;
-  const at = new Date(iso);
-  const today = at.toDateString() === new Date().toDateString();
-  return today ? at.toLocaleTimeString('en-GB') : at.toLocaleString('en-GB', { dateStyle: 'short', timeStyle: 'medium' });
-}
+const dateText = (iso, nowMs) => instantText(iso ? Date.parse(iso) : null, nowMs);
 const count = (n) => n.toLocaleString('en-GB').replaceAll(',', '\u202f');
 
 // Rows of { key, struck, tone, cells: [text…] }, the first cell a heading.
@@ -31,23 +24,24 @@ function fillRows(body, rows) {
 
 function showChannels({ channels, health, fresh, now }) {
   show($('channels'), channels !== null);
-  const gone = fresh.gone(now) ? fresh.silence_s(now) : 0;
+  const old = fresh.answersOld(now);
+  const since = fresh.answersAge_s(now);
   fillRows($('channel-rows'), (channels ?? []).map((c) => {
     const bad = c.status !== 'ok' && c.status !== 'held' && c.status !== 'gated';
-    const age = isNumber(c.age_s) ? c.age_s + gone : null;
-    return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: gone > 0 || age === null || age > OLD_S,
+    const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
+    return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: old || age === null || age > OLD_S,
       cells: [bad ? `▲ ${c.name}` : c.name, c.reason && c.reason !== c.status ? `${c.status}: ${c.reason}` : c.status,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,
         count(c.received), count(c.dropped), count(c.lost), count(c.gaps)] };
   }));
   show($('devices'), health !== null);
-  fillRows($('device-rows'), (health?.devices ?? []).map((d) => ({ key: d.name, tone: d.up ? 'calm' : 'alarm', struck: false,
-    cells: [d.up ? d.name : `▲ ${d.name}`, d.driver, d.up ? 'delivers' : 'does not deliver',
+  fillRows($('device-rows'), (health?.devices ?? []).map((d) => ({ key: d.name, tone: d.up ? 'calm' : 'alarm', struck: old,
+    cells: [`${d.up ? '' : '▲ '}${d.name}${old ? `, ${ageText(since)} old` : ''}`, d.driver, d.up ? 'delivers' : 'does not deliver',
       Object.entries(d.faults).map(([what, n]) => `${what}: ${count(n)}`).join(', ') || 'none'] })));
 }
 
-function showEvents({ events }) {
+function showEvents({ events, nowMs }) {
   const least = ['info', 'warning', 'error'].indexOf($('event-level').value);
   const words = $('event-words').value.toLowerCase();
   const shown = events.filter((e) => ['info', 'warning', 'error'].indexOf(e.level) >= least && e.text.toLowerCase().includes(words))
@@ -55,8 +49,8 @@ function showEvents({ events }) {
   show($('events'), true);
   setText($('events-none'), shown.length > 0 ? '' : events.length > 0 ? 'No event fits the filter.' : 'No events yet.');
   keyed($('event-rows'), shown, (e) => `${e.number} ${e.utc}`, (e) => h('li', { 'data-level': e.level },
-    h('time', { datetime: e.utc }, dateText(e.utc)), h('span', { class: 'level' }, e.level === 'info' ? '' : e.level === 'error' ? '▲ error ' : '◆ warning '),
-    h('span', {}, e.text)));
+    h('time', { datetime: e.utc }), h('span', { class: 'level' }, e.level === 'info' ? '' : e.level === 'error' ? '▲ error ' : '◆ warning '),
+    h('span', {}, e.text)), (node, e) => setText(node.firstChild, dateText(e.utc, nowMs)));
 }
 
 function coefficientCells(dwell) {
@@ -65,7 +59,7 @@ function coefficientCells(dwell) {
 }
 
 let heads = '';
-function showDwells({ dwells }) {
+function showDwells({ dwells, nowMs }) {
   show($('dwells'), dwells.length > 0);
   const ks = [...new Set(dwells.flatMap((d) => d.elements.map((e) => e.k)))].sort((a, b) => a - b);
   if (ks.join() !== heads) {
@@ -78,20 +72,19 @@ function showDwells({ dwells }) {
     const open = h('button', { type: 'button' }, String(d.index));
     open.addEventListener('click', () => openDwell(d));
     const doubted = d.doubts.length > 0 ? '? ' : '';
-    return h('tr', {}, h('th', { scope: 'row' }, open), ...[timeText(utcMs(d, d.end_s)),
-      d.settled_s === null ? 'never settled' : secondsText(d.end_s - d.settled_s),
+    return h('tr', {}, h('th', { scope: 'row' }, open), ...['', d.settled_s === null ? 'never settled' : secondsText(d.end_s - d.settled_s),
       isNumber(d.frequency_hz.value) ? joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz')) : NO_NUMBER,
       d.table ? plainText(d.table.amplitude, d.table.unit, 4) : NO_NUMBER,
       ...COEFFICIENTS.flatMap(({ letter }) => ks.map((k) => doubted + (numbers.get(letter + subscript(k)) ?? NO_NUMBER))),
       d.ended_by].map((text) => h('td', {}, text)));
-  });
+  }, (node, d) => setText(node.children[1], instantText(utcMs(d, d.end_s), nowMs)));
 }
 
-function showRuns({ runs }) {
+function showRuns({ runs, nowMs }) {
   show($('runs'), runs.length > 0);
   fillRows($('run-rows'), [...runs].reverse().map((r) => ({ key: r.file, struck: false,
     tone: r.state === 'unreadable' ? 'alarm' : r.state === 'cut off' ? 'care' : 'calm',
-    cells: [String(r.run), r.label || NO_NUMBER, dateText(r.begun), dateText(r.ended), r.state === 'unreadable' ? '▲ unreadable' : r.state,
+    cells: [String(r.run), r.label || NO_NUMBER, dateText(r.begun, nowMs), dateText(r.ended, nowMs), r.state === 'unreadable' ? '▲ unreadable' : r.state,
       count(r.dwells), `${(r.bytes / 1e6).toFixed(1)} MB`] })));
 }
 

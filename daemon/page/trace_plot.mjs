@@ -1,5 +1,5 @@
 // Draws traces on a canvas: one lane a channel, each with a scale of its own; time and cursors below.
-import { plainText } from './number.mjs';
+import { ageText, plainText } from './number.mjs';
 
 const LEFT = 8; // px, room before the first bin
 const FOOT = 22; // px, for the times
@@ -11,6 +11,13 @@ function rounded(extent) {
   if (!(extent > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(extent));
   return power * ([1, 2, 5].find((step) => step * power >= extent) ?? 10);
+}
+
+// Since when nothing of a channel is shown, s; Infinity: ever since the page was opened. Less the steady part that may be
+// the end of the dwell.
+export function lastText(age_s, window) {
+  if (age_s === Infinity) return 'no reading';
+  return `last ${window.less_dwell === null ? 'reading' : 'shown'} ${ageText(age_s)} ago`;
 }
 
 // The distance between two marks of time: at most `count` in the range.
@@ -25,7 +32,7 @@ export class TracePlot {
     this.#canvas = canvas;
     this.#context = canvas.getContext('2d', { alpha: false });
     const style = getComputedStyle(document.documentElement);
-    this.#style = Object.fromEntries(['sheet', 'line', 'ink', 'faint'].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+    this.#style = Object.fromEntries(['sheet', 'line', 'ink', 'faint', 'old'].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
   }
 
   // Pixels of the page.
@@ -40,8 +47,9 @@ export class TracePlot {
     return LEFT + (t_s - view.from_s) / (view.to_s - view.from_s) * this.width;
   }
 
-  // window: a TraceWindow; view: { from_s, to_s }; cursors: instants with their names.
-  draw(window, view, cursors) {
+  // window: a TraceWindow; view: { from_s, to_s, end: what stands at its right end }; cursors: instants with their names;
+  // ages: of each channel, s, where its trace is old, else null.
+  draw(window, view, cursors, ages) {
     const c = this.#context;
     const sharp = Math.min(devicePixelRatio, SHARPEST);
     const [width, height] = [this.#canvas.clientWidth, this.#canvas.clientHeight];
@@ -56,7 +64,7 @@ export class TracePlot {
     this.#marks(view, width, height);
     const lane = (height - FOOT) / Math.max(window.names.length, 1);
     c.lineWidth = 1;
-    window.names.forEach((name, channel) => this.#lane(window, channel, view, channel * lane, lane));
+    window.names.forEach((name, channel) => this.#lane(window, channel, view, channel * lane, lane, ages[channel] ?? null));
     for (const [name, t_s] of cursors) this.#cursor(name, t_s, view, height);
   }
 
@@ -99,7 +107,7 @@ export class TracePlot {
     return { middle, half: rounded(half || Math.abs(middle) * 1e-3) };
   }
 
-  #lane(window, channel, view, top, height) {
+  #lane(window, channel, view, top, height, age) {
     const c = this.#context;
     const [from, to] = TracePlot.#visible(window, view);
     const scale = this.#scale(window, channel, from, to);
@@ -113,7 +121,7 @@ export class TracePlot {
       const perUnit = (height / 2 - 3) / scale.half;
       const perBin = window.step_s / (view.to_s - view.from_s) * this.width;
       const start = this.#x((window.first + 0.5) * window.step_s, view);
-      c.strokeStyle = this.#style.ink;
+      c.strokeStyle = age === null ? this.#style.ink : this.#style.old;
       c.beginPath();
       let joined = false;
       let last = 0;
@@ -133,12 +141,13 @@ export class TracePlot {
       }
       c.stroke();
     }
-    this.#label(window.names[channel], scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}` : 'no reading here', top);
+    const old = age === null ? '' : `\u25b2 old, ${lastText(age, window)}  `;
+    this.#label(`${window.names[channel]}  ${old}`, scale ? `\u00b1${plainText(scale.half, '', 1)}${scale.middle === 0 ? '' : ` about ${plainText(scale.middle, '', 4)}`} ${window.units[channel]}` : 'no reading here', top);
   }
 
   #label(name, scale, top) {
     const c = this.#context;
-    const text = `${name}  ${scale}`;
+    const text = `${name}${scale}`;
     c.textAlign = 'left';
     c.fillStyle = this.#style.sheet;
     c.fillRect(0, top + 1, c.measureText(text).width + 10, LABEL + 3);

@@ -1,5 +1,6 @@
 // A stretch of the traces as the page keeps it: the least and the greatest reading of each bin, by channel, in arrays of
 // fixed length. Pure.
+import { OLD_S } from './freshness.mjs';
 
 // The width of the bins that the stream tells of; every other width is this times or divided by a power of 4.
 const LIVE_STEP_S = 0.02;
@@ -53,9 +54,17 @@ export class TraceWindow {
     return this.#breaks[channel][i] === 1;
   }
 
+  // The end of the newest bin with a reading of the channel; null: the window has none.
+  last_s(channel) {
+    for (let i = this.bins - 1; i >= 0; --i)
+      if (!Number.isNaN(this.low(channel, i))) return (this.first + i + 1) * this.step_s;
+    return null;
+  }
+
   // Takes the event `traces` of the stream. false: something is missing between it and this window, or its bins are too
-  // wide for it; then the window is to be asked for anew.
+  // wide for it, or they are of another kind: this window's are less the steady part; then it is to be asked for anew.
   take(event) {
+    if (this.less_dwell !== null) return false;
     const ratio = Math.round(this.step_s / LIVE_STEP_S);
     const next = Math.floor(event.first / Math.max(ratio, 1));
     if (ratio < 1 || event.channels.length !== this.names.length || next > this.first + this.bins || next < this.first) return false;
@@ -102,13 +111,33 @@ const cell = (value) => (value === null ? '' : String(value));
 // "y0" in quotes where CSV needs them; the rig file allows neither quotes nor commas.
 const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
+// The age of each channel's trace, s, where its newest reading is old; else null. Infinity: no reading was ever seen.
+// newest_s: the newest instant of the stream, which came quiet_s ago. last: of each channel the newest reading seen, s.
+export function agesOf(last, newest_s, quiet_s) {
+  return last.map((t_s) => {
+    const age = t_s === null ? Infinity : quiet_s + Math.max(0, newest_s - t_s);
+    return age > OLD_S ? age : null;
+  });
+}
+
+// What was taken out of the readings, as the file says it; empty: nothing was.
+const lessText = (answer) => (answer.less_dwell === null ? ''
+  : ` less steady part of dwell ${answer.less_dwell} fitted from ${Number(answer.less_from_s.toFixed(3))} s`);
+
 // The answer of GET /api/v1/traces as CSV, its numbers as they came: t in seconds since `origin_utc`, where each bin
 // begins, then the least and the greatest reading of each channel. An empty cell: no reading.
 export function csvOf(answer) {
-  const heads = answer.channels.flatMap((c) => [`${c.name} min [${c.unit}]`, `${c.name} max [${c.unit}]`]);
+  const less = lessText(answer);
+  const heads = answer.channels.flatMap((c) => [`${c.name} min${less} [${c.unit}]`, `${c.name} max${less} [${c.unit}]`]);
   const lines = [['t [s]', ...heads].map(quoted).join(',')];
   for (let i = 0; i < answer.bins; ++i)
     lines.push([String(Number((answer.from_s + i * answer.step_s).toFixed(9))),
       ...answer.channels.flatMap((c) => [cell(c.min[i]), cell(c.max[i])])].join(','));
   return `${lines.join('\n')}\n`;
+}
+
+// Of that file: UTC of its first bin, and what was taken out.
+export function csvName(answer) {
+  const begins = new Date(Date.parse(answer.origin_utc) + 1e3 * answer.from_s).toISOString().replace(/[-:]|\.\d+/g, '');
+  return `traces-${answer.less_dwell === null ? '' : `less-steady-part-of-dwell-${answer.less_dwell}-`}${begins}.csv`;
 }

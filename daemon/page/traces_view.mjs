@@ -1,9 +1,10 @@
 // The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps the readings (10 min to 20 ms),
 // so a page that is paused loses nothing: it asks for what it shows.
-import { h, setText, show } from './dom.mjs';
-import { isNumber, NO_NUMBER, plainText } from './number.mjs';
-import { TracePlot } from './trace_plot.mjs';
-import { csvOf, TraceWindow } from './trace_window.mjs';
+import { h, setAttributes, setText, show } from './dom.mjs';
+import { OLD_S } from './freshness.mjs';
+import { ageText, isNumber, NO_NUMBER, plainText } from './number.mjs';
+import { lastText, TracePlot } from './trace_plot.mjs';
+import { agesOf, csvName, csvOf, TraceWindow } from './trace_window.mjs';
 
 const $ = (id) => document.getElementById(id);
 const SPANS = { least: 0.02, most: 2 * 3600, usual: 10 }; // s, what may be in view
@@ -17,27 +18,44 @@ const FINEST_LIVE_S = 0.02;
 const SPARE_BINS = 25;
 const LIVE_LEAST = 0.5; // s
 const DRAG_PX = 4; // less is a click
+const ANSWER_MS = 5000; // then a question is given up …
+const AGAIN_MS = 1000; // … and asked again so much later
+// The origin moves with the corrections of the service's clock, by far less than this between two answers. More: the
+// service began anew, or its clock was set.
+const ORIGIN_MOVED_MS = 1000;
 
+const whyText = (error) => (error.name === 'TimeoutError' || error instanceof TypeError
+  ? 'The traces in view are not complete: no answer of the service; asking again.' : error.message);
 const durationText = (s) => (s < 1 ? `${Number((1e3 * s).toPrecision(3))} ms` : `${Number(s.toPrecision(3))} s`);
 
 export class TracesView {
   #plot = new TracePlot($('trace-plot'));
   #window = null;
-  #view = { from_s: 0, to_s: SPANS.usual, end: '' };
+  #view = { from_s: 0, to_s: SPANS.usual, end: 'now' };
   #span_s = SPANS.usual;
   #live = true;
   #newest_s = 0;
+  #origin_ms = NaN; // UTC at 0 s of the axis
   #asked = null; // what the window under way is for; null: none is
   #askedWidth = 0; // of the plot, px
   #again = false; // the view has changed meanwhile
+  #retry = null; // the timer for the question that failed
   #lessAt = 0;
   #cursors = { A: 0.25, B: 0.75 }; // parts of the view
   #drag = null;
   #due = false;
   #seen = true; // the plot is on the screen
   #drawn = false; // the newest answer is on it
+  #clock;
+  #came_s = -Infinity; // when the stream last went on, by the page's clock
+  #last = []; // of each channel its newest reading seen, s; null: none was
+  #ages = []; // of each channel, s, where it is old; else null
+  #joins = false; // the stream goes on with the axis of the window
+  #news = ''; // what the operator must know of the view, until he acts on it
 
-  constructor() {
+  // clock: the page's.
+  constructor(clock) {
+    this.#clock = clock;
     $('trace-pause').addEventListener('click', () => (this.#live ? this.#pause() : this.#resume()));
     $('trace-in').addEventListener('click', () => this.#zoom(0.5));
     $('trace-out').addEventListener('click', () => this.#zoom(2));
@@ -45,6 +63,8 @@ export class TracesView {
     $('trace-on').addEventListener('click', () => this.#pan(0.5));
     $('trace-save').addEventListener('click', () => this.#save());
     $('trace-less').addEventListener('change', () => this.#ask());
+    $('traces').addEventListener('click', () => (this.#news = ''));
+    $('traces').addEventListener('keydown', () => (this.#news = ''));
     $('trace-cursors').addEventListener('change', () => this.#redraw());
     for (const name of ['A', 'B'])
       $(`trace-${name}`).addEventListener('input', (event) => this.#setCursor(name, event.target.value / 1000));
@@ -68,29 +88,50 @@ export class TracesView {
     document.addEventListener('visibilitychange', () => document.hidden || this.#ask());
   }
 
-  // The stream begins, or begins anew.
+  // The stream begins, or begins anew: maybe that of a service that has begun anew.
   begun() {
-    if (this.#live && !$('traces').hidden) this.#ask();
+    this.#joins = false;
+    this.#ask();
+  }
+
+  // To be called some times a second: what stands still grows old.
+  look(now) {
+    if ($('traces').hidden) return;
+    const quiet = now - this.#came_s;
+    const ages = this.#live && this.#window ? agesOf(this.#seenLast(), this.#newest_s, quiet) : [];
+    const stands = this.#live && quiet > OLD_S;
+    if (this.#live) this.#view.end = stands ? `${ageText(quiet)} ago` : 'now';
+    const changed = ages.some((age, c) => (age === null) !== ((this.#ages[c] ?? null) === null)) || ages.length !== this.#ages.length;
+    this.#ages = ages;
+    if (changed || stands || ages.some((age) => age !== null)) this.#redraw();
+  }
+  #seenLast() {
+    this.#last = this.#window.names.map((_, c) => this.#window.last_s(c) ?? this.#last[c] ?? null);
+    return this.#last;
   }
 
   // The event `traces`.
   take(event) {
-    this.#newest_s = (event.first + event.bins) * event.step_s;
+    const newest_s = (event.first + event.bins) * event.step_s;
+    if (newest_s > this.#newest_s) this.#came_s = this.#clock.now();
+    // The service has begun anew: the view may be of before.
+    const back = newest_s < this.#newest_s - ORIGIN_MOVED_MS / 1e3;
+    this.#newest_s = newest_s;
     if ($('traces').hidden) {
       show($('traces'), true);
       return this.#ask();
     }
+    if (back) this.begun();
     if (!this.#live || document.hidden) return;
-    if ($('trace-less').checked) {
-      if (performance.now() - this.#lessAt > LESS_MS) this.#ask();
-    } else if (!this.#window?.take(event)) {
-      return this.#ask();
-    }
+    const less = $('trace-less').checked;
+    const taken = this.#joins && this.#window.take(event);
+    if (taken && !less) this.#say('');
+    if (less ? performance.now() - this.#lessAt > LESS_MS : !taken) this.#ask();
     this.#follow();
   }
 
   #follow() {
-    this.#view = { from_s: this.#newest_s - this.#span_s, to_s: this.#newest_s, end: 'now' };
+    this.#view = { from_s: this.#newest_s - this.#span_s, to_s: this.#newest_s, end: this.#view.end };
     this.#redraw();
   }
 
@@ -100,6 +141,7 @@ export class TracesView {
   }
   #resume() {
     this.#live = true;
+    this.#view.end = 'now';
     this.#span_s = Math.min(Math.max(this.#span_s, LIVE_LEAST), LIVE_MOST);
     this.#follow();
     this.#ask();
@@ -182,11 +224,19 @@ export class TracesView {
     this.#askedWidth = this.#plot.width;
     this.#lessAt = performance.now();
     try {
-      this.#window = new TraceWindow(await this.#fetch(this.#bins()), this.#live ? this.#bins() : 0);
-      this.#drawn = false;
-      setText($('trace-trouble'), '');
+      const answer = await this.#fetch(this.#bins());
+      if (answer) {
+        this.#window = new TraceWindow(answer, this.#live ? this.#bins() : 0);
+        this.#joins = true;
+        this.#drawn = false;
+        this.#say('');
+      }
     } catch (error) {
-      setText($('trace-trouble'), error.message);
+      this.#say(whyText(error));
+      this.#retry ??= setTimeout(() => {
+        this.#retry = null;
+        this.#ask();
+      }, AGAIN_MS);
     } finally {
       this.#asked = null;
       this.#redraw();
@@ -204,33 +254,51 @@ export class TracesView {
     while (this.#span_s / step > most) step *= RATIO;
     return Math.ceil(Math.min(this.#span_s, this.#newest_s) / step) + SPARE_BINS;
   }
+  #say(trouble) {
+    setText($('trace-trouble'), trouble);
+  }
+  // null: the time axis has another origin than what is in view; then it is live again.
   async #fetch(points) {
     const less = $('trace-less').checked ? '&less=steady' : '';
     const { from_s, to_s } = this.#view;
     const stretch = this.#live ? `from=${-this.#span_s}` : `from=${from_s}&to=${Math.max(to_s, from_s)}`;
-    const answer = await fetch(`/api/v1/traces?${stretch}&points=${points}${less}`, { cache: 'no-store' });
+    const answer = await fetch(`/api/v1/traces?${stretch}&points=${points}${less}`, { cache: 'no-store', signal: AbortSignal.timeout(ANSWER_MS) });
     const value = await answer.json();
     if (!answer.ok) throw new Error(value.error);
+    const origin_ms = Date.parse(value.origin_utc);
+    const moved = Math.abs(origin_ms - this.#origin_ms) > ORIGIN_MOVED_MS;
+    this.#origin_ms = origin_ms;
+    if (value.newest_s > this.#newest_s || moved) this.#came_s = this.#clock.now();
     this.#newest_s = value.newest_s;
-    this.origin_ms = Date.parse(value.origin_utc);
-    return value;
+    if (!moved) return value;
+    this.#last = [];
+    this.#again = true;
+    if (!this.#live) this.#news = `The traces begin anew at ${this.#timeText(0)}: the service was started again, or its clock was set. What was in view is of before.`;
+    this.#resume();
+    return null;
   }
 
   async #save() {
     if (this.#live) this.#pause();
+    const button = $('trace-save');
+    button.disabled = true;
     try {
-      const text = csvOf(await this.#fetch(4000));
-      const link = h('a', { href: URL.createObjectURL(new Blob([text], { type: 'text/csv' })),
-        download: `traces-${new Date(this.origin_ms + 1e3 * this.#view.from_s).toISOString().replace(/[-:]|\.\d+/g, '')}.csv` });
+      const answer = await this.#fetch(4000);
+      if (!answer) return;
+      const link = h('a', { href: URL.createObjectURL(new Blob([csvOf(answer)], { type: 'text/csv' })), download: csvName(answer) });
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+      this.#say('');
     } catch (error) {
-      setText($('trace-trouble'), error.message);
+      this.#say(`Not saved. ${whyText(error).replace('; asking again', '')}`);
+    } finally {
+      button.disabled = false;
+      if (document.activeElement === document.body) button.focus({ preventScroll: true });
     }
   }
 
   #timeText(t_s) {
-    return isNumber(this.origin_ms) ? `${new Date(this.origin_ms + 1e3 * t_s).toISOString().slice(11, 23)} UTC` : '';
+    return isNumber(this.#origin_ms) ? `${new Date(this.#origin_ms + 1e3 * t_s).toISOString().slice(11, 23)} UTC` : '';
   }
 
   // At most once for each picture that the screen shows.
@@ -244,11 +312,15 @@ export class TracesView {
   }
   #draw() {
     setText($('trace-pause'), this.#live ? 'Pause' : 'Live');
-    const less = $('trace-less').checked;
-    const wide = less && this.#span_s > LESS_MOST ? ` (of the last ${LESS_MOST} s in view)` : '';
-    const what = less && isNumber(this.#window?.less_dwell) ? `readings less the steady part of dwell ${this.#window.less_dwell}${wide}` : 'readings';
+    const less = isNumber(this.#window?.less_dwell);
+    const wide = this.#span_s > LESS_MOST ? ` (of the last ${LESS_MOST} s in view)` : '';
+    const what = less ? `readings less the steady part of dwell ${this.#window.less_dwell}${wide}` : 'readings';
     const bins = this.#window ? `, least and greatest in ${durationText(this.#window.step_s)}` : '';
-    setText($('trace-what'), `${durationText(this.#span_s)} in view, ${this.#live ? 'live' : 'paused'}: ${what}${bins}`);
+    const stands = this.#live && this.#view.end !== 'now';
+    const state = stands ? `old, from ${this.#view.end}` : this.#live ? 'live' : 'paused';
+    setText($('trace-what'), `${durationText(this.#span_s)} in view, ${state}: ${what}${bins}${stands ? '' : this.#oldText()}`);
+    setAttributes($('traces'), { 'data-old': stands });
+    setText($('trace-news'), this.#news);
     const on = $('trace-cursors').checked;
     show($('trace-readout'), on);
     if (!this.#window) return;
@@ -256,8 +328,14 @@ export class TracesView {
     if (!this.#seen && this.#drawn) return;
     this.#drawn = true;
     const cursors = on ? Object.entries(this.#cursors).map(([name, part]) => [name, this.#view.from_s + part * this.#span_s]) : [];
-    this.#plot.draw(this.#window, this.#view, cursors);
+    this.#plot.draw(this.#window, this.#view, cursors, this.#ages);
     if (on) this.#read(cursors.map(([, t_s]) => t_s));
+  }
+
+  // Of channels that have stopped while others go on.
+  #oldText() {
+    const old = this.#ages.flatMap((age, c) => (age === null ? [] : [`${this.#window.names[c]} (${lastText(age, this.#window)})`]));
+    return old.length > 0 ? `; old: ${old.join(', ')}` : '';
   }
 
   #lanes(count) {

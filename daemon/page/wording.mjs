@@ -4,7 +4,7 @@ import { ageText, isNumber, joined, NORMAL_95, numberText, percentText, plainTex
 // Grey unless abnormal (ISA-101): `calm` is grey, `care` amber, `alarm` red. Each kind has a shape of its own, so that
 // nobody needs the colour.
 const TONES = { connecting: 'calm', idle: 'calm', settling: 'calm', measuring: 'calm', complete: 'calm', fault: 'alarm',
-  gone: 'alarm' };
+  gone: 'alarm', locked: 'alarm' };
 
 // Of whom doubts are: "any element", "element 2", "elements 1, 3".
 export function whom(doubts) {
@@ -16,13 +16,18 @@ export function whom(doubts) {
 // A doubt about one element stands beside it, any other above them all, once.
 export const isGeneral = (doubt) => doubt.elements.length !== 1;
 
-// The state as the page must show it. view: { dwell, health, fresh, now, locked: nothing may be read }; dwell and health may be null.
-export function stateOf({ dwell, health, fresh, now, locked }) {
+// The state as the page must show it. view: { dwell, health, fresh, now, refused: nobody is logged
+// in, and nothing may be read }; dwell and health may be null.
+export function stateOf({ dwell, health, fresh, now, refused }) {
   const said = (kind, word, detail) => ({ kind, word, detail, tone: TONES[kind] });
+  if (refused) {
+    return dwell ? said('locked', 'logged out', `what is shown is ${ageText(fresh.silence_s(now))} old; log in below to read`)
+      : { ...said('locked', 'logged out', 'log in below to read'), tone: 'calm' };
+  }
   if (!dwell) {
     return fresh.gone(now) && Number.isFinite(fresh.heard_s)
       ? said('gone', 'service gone', 'no answer; trying again every second')
-      : said('connecting', 'connecting', locked ? 'log in below to read' : 'waiting for the first word of the service');
+      : said('connecting', 'connecting', 'waiting for the first word of the service');
   }
   if (fresh.gone(now))
     return said('gone', 'service gone', `nothing heard for ${ageText(fresh.silence_s(now))}; trying again every second`);
@@ -88,6 +93,8 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   if (!dwell || fresh.gone(now)) return list;
   if (fresh.dwellOld(now))
     add('alarm', `old numbers, from ${ageText(fresh.dwellAge_s(now))} ago: the service answers, but no new data come`);
+  if (channels && fresh.answersOld(now))
+    add('alarm', `channels, devices and alarms are ${ageText(fresh.answersAge_s(now))} old: the service does not tell of them`);
   const alike = new Map();
   for (const channel of channels ?? []) {
     if (channel.status === 'ok' || channel.status === 'held' || channel.status === 'gated') continue;

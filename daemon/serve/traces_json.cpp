@@ -92,7 +92,12 @@ HttpReply traces_answer(const ServiceView& view, std::string_view query) {
   append(text, to_s(stretch.first * stretch.step_ns));
   text += ",\"bins\":";
   append(text, stretch.count);
-  text += ",\"less_dwell\":" + (less ? std::to_string(less->dwell()) : "null") + ',';
+  text += ",\"less_dwell\":" + (less ? std::to_string(less->dwell()) : "null") + ",\"less_from_s\":";
+  if (less)
+    append(text, traces.seconds(less->fitted_from_ns()));
+  else
+    text += "null";
+  text += ',';
   append_list(text, "channels", asked->channels.size(), [&](std::size_t i) {
     const std::size_t channel = asked->channels[i];
     text += "{\"name\":" + dump(view.rig.channels[channel].name) +

@@ -16,6 +16,7 @@ std::optional<SteadyPart> SteadyPart::of(const Dwell& dwell, const Rig& rig, std
   part.omega_ = 2.0 * std::numbers::pi * dwell.frequency_hz.value;
   part.ref_ns_ = instant(dwell.t_ref_s);
   part.from_ns_ = instant(dwell.start_s);
+  part.fitted_from_ns_ = instant(dwell.settled_s);
   // The current dwell goes on: what comes after its last datum still is of it.
   part.to_ns_ = dwell.state == State::complete ? instant(dwell.end_s) : std::numeric_limits<std::int64_t>::max();
   part.waves_.assign(rig.channels.size(), {kNaN, kNaN, kNaN});

@@ -24,6 +24,8 @@ class SteadyPart {
   [[nodiscard]] std::int64_t from_ns() const noexcept { return from_ns_; }
   [[nodiscard]] std::int64_t to_ns() const noexcept { return to_ns_; }
   [[nodiscard]] int dwell() const noexcept { return dwell_; }
+  // Where the data begin that it was fitted to: when the dwell had settled.
+  [[nodiscard]] std::int64_t fitted_from_ns() const noexcept { return fitted_from_ns_; }
 
  private:
   struct Wave {
@@ -31,7 +33,7 @@ class SteadyPart {
   };
   int dwell_ = 0;
   double omega_ = 0.0;
-  std::int64_t ref_ns_ = 0, from_ns_ = 0, to_ns_ = 0;
+  std::int64_t ref_ns_ = 0, from_ns_ = 0, to_ns_ = 0, fitted_from_ns_ = 0;
   std::vector<Wave> waves_;  // by Rig::channels
 };
 

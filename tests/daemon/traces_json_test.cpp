@@ -55,6 +55,7 @@ TEST_F(TracesJsonTest, AnswersWhatIsKept) {
   EXPECT_EQ(answer["channels"][0]["name"], "y0");
   EXPECT_EQ(answer["channels"][0]["min"][0], 2);  // readings 100 and 101, modulo 7
   EXPECT_EQ(answer["channels"][0]["max"][0], 3);
+  EXPECT_EQ(answer["less_from_s"], nullptr);
 }
 
 TEST_F(TracesJsonTest, SaysWhereATraceBreaks) {
@@ -98,6 +99,7 @@ TEST_F(TracesJsonTest, WithoutASettledDwellThereIsNoSteadyPart) {
   snapshot.dwell = test::sample_dwell();
   const Parsed answer = json("less=steady");
   EXPECT_EQ(answer["less_dwell"], *snapshot.dwell.index);
+  EXPECT_DOUBLE_EQ(answer["less_from_s"].get<double>(), snapshot.dwell.settled_s);
   EXPECT_EQ(schema.faults_of_text("traces", answer.dump()), "");
 }
 

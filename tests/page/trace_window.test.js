@@ -1,10 +1,10 @@
 // What the page keeps of the traces, and what it saves of them; without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { csvOf, TraceWindow } from '../../daemon/page/trace_window.mjs';
+import { agesOf, csvName, csvOf, TraceWindow } from '../../daemon/page/trace_window.mjs';
 
 const channel = (min, max, breaks = []) => ({ name: 'y0', unit: 'mm', min, max, breaks });
-const answerOf = (changes = {}) => ({ step_s: 0.02, from_s: 2, bins: 3, less_dwell: null, channels: [channel([1, null, 3], [2, null, 4], [2])], ...changes });
+const answerOf = (changes = {}) => ({ origin_utc: '2026-11-23T07:00:00.000000Z', step_s: 0.02, from_s: 2, bins: 3, less_dwell: null, channels: [channel([1, null, 3], [2, null, 4], [2])], ...changes });
 const eventOf = (first, values, breaks = []) => ({ step_s: 0.02, first, bins: values.length, channels: [{ min: values, max: values, breaks }] });
 const lows = (window) => Array.from({ length: window.bins }, (_, i) => window.low(0, i));
 
@@ -38,6 +38,24 @@ test('where an event was lost, the service began anew, or bins are finer than th
   assert.equal(new TraceWindow(answerOf({ step_s: 0.005, from_s: 2 })).take(eventOf(101, [1])), false);
 });
 
+test('readings less the steady part are never joined by those of the stream', () => {
+  const window = new TraceWindow(answerOf({ less_dwell: 3, less_from_s: 1.5 }));
+  assert.equal(window.take(eventOf(103, [7])), false);
+  assert.equal(window.bins, 3);
+});
+
+test('the newest reading of a channel is that of its newest bin that has one', () => {
+  assert.ok(Math.abs(new TraceWindow(answerOf()).last_s(0) - 2.06) < 1e-12);
+  assert.ok(Math.abs(new TraceWindow(answerOf({ channels: [channel([1, null, null], [2, null, null])] })).last_s(0) - 2.02) < 1e-12);
+  assert.equal(new TraceWindow(answerOf({ channels: [channel([null, null, null], [null, null, null])] })).last_s(0), null);
+});
+
+test('a trace is old when its channel has told nothing for 2.5 s, all are when the stream has', () => {
+  assert.deepEqual(agesOf([10, 7, null], 10, 0.1), [null, 3.1, Infinity]);
+  assert.deepEqual(agesOf([10, 9.5], 10, 4), [4, 4.5]);
+  assert.deepEqual(agesOf([10, 9.5], 10, 1), [null, null]);
+});
+
 test('it holds a fixed number of bins however long it goes on, the newest ones', () => {
   const window = new TraceWindow(answerOf(), 50);
   for (let i = 0; i < 1000; ++i) assert.equal(window.take(eventOf(103 + i, [i])), true);
@@ -57,4 +75,13 @@ test('a cursor reads the bin under it, or the nearest reading beside it', () => 
 test('CSV holds the numbers as the service gave them', () => {
   const text = csvOf(answerOf({ channels: [channel([0.1, null, -3e-7], [0.2, null, 4])] }));
   assert.equal(text, 't [s],y0 min [mm],y0 max [mm]\n2,0.1,0.2\n2.02,,\n2.04,-3e-7,4\n');
+});
+
+test('CSV of readings less the steady part says so in every head and in its name, with the data it was fitted to', () => {
+  const answer = answerOf({ less_dwell: 3, less_from_s: 1.5 });
+  assert.equal(csvOf(answer).split('\n')[0],
+    't [s],y0 min less steady part of dwell 3 fitted from 1.5 s [mm],y0 max less steady part of dwell 3 fitted from 1.5 s [mm]');
+  // The stretch answered may begin later than the one in view: the name is that of the first bin.
+  assert.equal(csvName(answer), 'traces-less-steady-part-of-dwell-3-20261123T070002Z.csv');
+  assert.equal(csvName(answerOf()), 'traces-20261123T070002Z.csv');
 });

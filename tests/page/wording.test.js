@@ -17,7 +17,7 @@ const said = (view) => {
 
 test('the state is one word, what belongs to it, and a colour only where it is abnormal', () => {
   assert.equal(said(viewOf(null)), 'connecting calm: connecting, waiting for the first word of the service');
-  assert.equal(said({ ...viewOf(null), locked: true }), 'connecting calm: connecting, log in below to read');
+  assert.equal(said({ ...viewOf(null), refused: true }), 'locked calm: logged out, log in below to read');
   assert.equal(said(viewOf(settlingOf())), 'settling calm: settling, about 3.2 s left');
   assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known');
   assert.equal(said(viewOf(dwellOf())), 'measuring calm: measuring, 10.0 s of data');
@@ -35,6 +35,23 @@ test('numbers that are doubted are an alarm in the first line', () => {
 
 test('a service that is gone comes before all it said last', () => {
   assert.equal(said(viewOf(dwellOf(), { now: 112 })), 'gone alarm: service gone, nothing heard for 12 s; trying again every second');
+});
+
+test('logged out comes before all that was read: it is as old as the last answer', () => {
+  const view = viewOf(dwellOf());
+  view.fresh.answered(100);
+  view.fresh.broke(112); // the answer was 401
+  assert.equal(said({ ...view, now: 112, refused: true }), 'locked alarm: logged out, what is shown is 12 s old; log in below to read');
+  assert.equal(view.fresh.answersOld(112), true);
+});
+
+test('channels that are no longer told of are a trouble, though the stream goes on', () => {
+  const view = viewOf(dwellOf(), { channels: [] });
+  view.fresh.answered(100);
+  view.fresh.tookDwell(dwellOf({ end_s: 23 }), 104);
+  assert.deepEqual(troubles({ ...view, now: 104 }).map((t) => t.text),
+    ['channels, devices and alarms are 4.0 s old: the service does not tell of them']);
+  assert.deepEqual(troubles({ ...view, now: 102 }), []);
 });
 
 test('the model is told with figures, and colours only where it is not good', () => {
