@@ -1,10 +1,15 @@
 // The alarms on the page, and their acknowledgement by whoever has the right.
-import { alarmRows, waitingText } from './alarms.mjs';
+import { alarmRows, noteText, waitingText } from './alarms.mjs';
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
+import { ageText } from './number.mjs';
 
 const $ = (id) => document.getElementById(id);
 
 const ANSWER_MS = 5000;
+
+const underWay = new Set(); // names of alarms whose acknowledgement is
+let note = null; // { text, failed, at_s }: what became of the newest one; null: nothing to say
+let now_s = 0;
 
 // Answers why it was not done; empty: it was.
 async function acknowledge(name) {
@@ -21,26 +26,44 @@ async function acknowledge(name) {
 function makeRow({ name }, changed) {
   const button = h('button', { type: 'button', 'aria-label': `Acknowledge ${name}` }, 'Acknowledge');
   button.addEventListener('click', async () => {
+    underWay.add(name);
     button.disabled = true;
     const why = await acknowledge(name);
+    underWay.delete(name);
     button.disabled = false;
-    setText($('alarms-note'), why ? `${name} was not acknowledged: ${why}` : `${name} is acknowledged.`);
+    // A button that is disabled loses the focus.
+    if (document.activeElement === document.body) button.focus({ preventScroll: true });
+    note = { text: why ? `${name} was not acknowledged: ${why}` : `${name} is acknowledged.`, failed: why !== '', at_s: now_s };
     changed();
   });
   return h('li', {}, h('div', {}, h('strong', { class: 'word' }), ' ', h('span', { class: 'text' }), h('span', { class: 'small when' })), button);
 }
 
+// The place in the list that has the focus; −1: none has.
+const focusedRow = () => [...$('alarm-rows').children].findIndex((row) => row.contains(document.activeElement));
+
+// To the alarm that waits at this place, or before it; where none waits to the heading.
+function focusNear(place) {
+  const buttons = [...$('alarm-rows').children].map((row) => row.lastChild);
+  const next = [...buttons.slice(place), ...buttons.slice(0, place).reverse()].find((button) => !button.hidden && !button.disabled);
+  (next ?? $('alarms')).focus({ preventScroll: true });
+}
+
 // changed: called when something was acknowledged: the list has news.
 export function showAlarms({ alarms, mayChange, fresh, now, nowMs }, changed) {
+  now_s = now;
   const rows = alarmRows(alarms, nowMs);
-  const old = fresh.gone(now);
+  const old = fresh.answersOld(now);
   const waiting = waitingText(alarms);
   show($('alarm-line'), waiting !== null);
-  setText($('alarm-link'), waiting === null ? '' : `${old ? 'when last heard: ' : ''}${waiting}`);
-  show($('alarms'), rows.length > 0 || $('alarms-note').textContent !== '');
+  setText($('alarm-link'), waiting === null ? '' : `${old ? `when last heard, ${ageText(fresh.answersAge_s(now))} ago: ` : ''}${waiting}`);
+  const said = noteText(note, now);
+  setText($('alarms-note'), said);
+  show($('alarms'), rows.length > 0 || said !== '');
   setAttributes($('alarms'), { class: old ? 'full old' : 'full' });
   setText($('alarms-none'), rows.length > 0 ? '' : 'No alarms.');
   setText($('alarms-more'), alarms?.left_out ? `${alarms.left_out} more found no room in the list.` : '');
+  const place = focusedRow();
   keyed($('alarm-rows'), rows, (row) => row.name, (row) => makeRow(row, changed), (node, row) => {
     setAttributes(node, { 'data-tone': row.tone });
     const [words, button] = node.children;
@@ -48,5 +71,9 @@ export function showAlarms({ alarms, mayChange, fresh, now, nowMs }, changed) {
     setText(words.children[1], row.text);
     setText(words.children[2], row.when);
     show(button, row.waits && mayChange && !old);
+    button.disabled = underWay.has(row.name);
   });
+  // The alarm that had the focus is acknowledged or gone.
+  const focused = document.activeElement;
+  if (place >= 0 && !underWay.size && (focusedRow() < 0 || focused.hidden)) focusNear(place);
 }

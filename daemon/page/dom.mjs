@@ -38,6 +38,7 @@ export function keyed(parent, items, keyOf, make, renew) {
   const before = kept.get(parent) ?? new Map();
   const now = new Map();
   let at = parent.firstChild;
+  const focused = parent.contains(document.activeElement) ? document.activeElement : null;
   for (const item of items) {
     let key = keyOf(item);
     while (now.has(key)) key += '\'';
@@ -50,4 +51,6 @@ export function keyed(parent, items, keyOf, make, renew) {
   }
   for (const node of before.values()) node.remove();
   kept.set(parent, now);
+  // A node that is moved loses the focus, although it stays.
+  if (focused?.isConnected && document.activeElement !== focused) focused.focus({ preventScroll: true });
 }

@@ -86,6 +86,8 @@ test('a stale channel is an alarm, is acknowledged by keyboard, returns and is g
   await page.locator('#alarms-note', { hasText: 'device:amplifier is acknowledged.' }).waitFor();
   await button.waitFor({ state: 'hidden' });
   assert.equal(await stateOf('device:amplifier'), 'acknowledged');
+  const next = await page.waitForFunction(() => document.activeElement.closest('#alarm-rows button')?.getAttribute('aria-label'));
+  assert.match(await next.jsonValue(), /^Acknowledge (?!device:amplifier)/, 'the focus is on the next alarm');
   await check(page, 'alarm-acknowledged-desk');
   bench.rig.signal('SIGCONT');
   await row(page, 'device:amplifier').waitFor({ state: 'detached' });
