@@ -52,6 +52,13 @@ export function displacedAt(shape, part) {
   return shape.nodes.map((n) => n.motion[0] * s + n.motion[1] * c);
 }
 
+// The part of the period at which the mass that moves most is at its greatest deflection.
+export function fullestPart(shape) {
+  const [re, im] = shape.nodes.map((n) => n.motion).reduce((most, m) => (Math.hypot(...m) > Math.hypot(...most) ? m : most));
+  const part = Math.atan2(re, im) / (2 * Math.PI);
+  return part < 0 ? part + 1 : part;
+}
+
 // The length of a scale bar: 1, 2 or 5 · 10^n, at most the reach.
 export function barOf(reach) {
   const power = 10 ** Math.floor(Math.log10(reach));

@@ -1,7 +1,7 @@
-// Draws the chain as it moves at the drive frequency, slowed down. It can be halted, and rests from the beginning where
-// the browser asks for less motion (WCAG 2.2.2).
+// Draws the chain as it moves at the drive frequency, slowed down. It can be halted, and stands from the beginning
+// where the browser asks for less motion (WCAG 2.2.2): at its greatest deflection, which shows the shape.
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
-import { barOf, displacedAt, modeShapeOf, reachOf } from './mode_shape.mjs';
+import { barOf, displacedAt, fullestPart, modeShapeOf, reachOf } from './mode_shape.mjs';
 import { isNumber, NO_NUMBER, percentText, plainText } from './number.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -14,7 +14,7 @@ const MIDDLE = 46; // height of the chain in the picture
 
 let shape = null;
 let moves = !matchMedia('(prefers-reduced-motion: reduce)').matches;
-let part = 0.25; // of the period; at rest the largest displacement of the table
+let part = null; // of the period; null: it has not moved yet, and stands at the greatest deflection
 
 const x = (at) => 34 + PITCH * at;
 
@@ -28,7 +28,7 @@ function springPath(from, to) {
 function place() {
   if (!shape) return;
   const reach = reachOf(shape);
-  const moved = displacedAt(shape, part).map((d, at) => x(at) + (reach > 0 ? REACH * d / reach : 0));
+  const moved = displacedAt(shape, part ?? fullestPart(shape)).map((d, at) => x(at) + (reach > 0 ? REACH * d / reach : 0));
   [...$('shape-masses').children].forEach((node, at) => setAttributes(node, { transform: `translate(${moved[at].toFixed(1)} ${MIDDLE})` }));
   const ends = shape.clamped ? [...moved, x(shape.nodes.length)] : moved;
   [...$('shape-springs').children].forEach((node, k) => setAttributes(node, { d: springPath(ends[k] + HALF, ends[k + 1] - HALF) }));
@@ -84,6 +84,6 @@ $('shape-pause').addEventListener('click', () => {
 turn();
 setInterval(() => {
   if (!moves || !shape || document.hidden) return;
-  part = (part + STEP_MS / 1e3 / PERIOD_S) % 1;
+  part = ((part ?? fullestPart(shape)) + STEP_MS / 1e3 / PERIOD_S) % 1;
   place();
 }, STEP_MS);

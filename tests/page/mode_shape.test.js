@@ -1,7 +1,7 @@
 // The shape of the chain from its phasors; without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { barOf, displacedAt, modeShapeOf, reachOf } from '../../daemon/page/mode_shape.mjs';
+import { barOf, displacedAt, fullestPart, modeShapeOf, reachOf } from '../../daemon/page/mode_shape.mjs';
 
 const f = 1 / (2 * Math.PI); // ω = 1
 const phasor = (channel, amplitude, phase_rad, unit = 'm') => ({ channel, unit, amplitude, phase_rad, valid: true, harmonics: [] });
@@ -35,6 +35,13 @@ test('a mass that no channel tells of is not known, and forces say nothing of mo
   assert.equal(shape.clamped, true);
   assert.deepEqual(shape.nodes.map((n) => n.known), [true, false, false]);
   assert.equal(modeShapeOf(dwellOf([phasor('reaction', 9, 0, 'N')]), [channel('reaction', 'ground', 'force')]), null);
+});
+
+test('it stands at the greatest deflection of what moves most, whatever its phase to the table', () => {
+  for (const phase of [0, Math.PI / 2, 2, -2]) {
+    const shape = modeShapeOf(dwellOf([phasor('y0', 1, 0.3), phasor('y1', 9, 0.3 + phase)]), [channel('y0', 0), channel('y1', 1)]);
+    near(displacedAt(shape, fullestPart(shape))[1], 9);
+  }
 });
 
 test('the scale bar is a round length within the largest displacement', () => {
