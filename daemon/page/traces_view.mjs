@@ -226,7 +226,8 @@ export class TracesView {
     try {
       const answer = await this.#fetch(this.#bins());
       if (answer) {
-        this.#window = new TraceWindow(answer, this.#live ? this.#bins() : 0);
+        // Soon after the service has begun the answer is short: there must be room for all that will be in view.
+        this.#window = new TraceWindow(answer, this.#live ? Math.ceil(this.#span_s / answer.step_s) + SPARE_BINS : 0);
         this.#joins = true;
         this.#drawn = false;
         this.#say('');

@@ -33,18 +33,33 @@ async function logIn(page) {
   await page.locator('#operate-acts').waitFor();
 }
 
-// Whether the lane of a channel has pixels of the colour that is named, right of its label.
-const lanePixels = (page, lane, lanes, name) => page.evaluate(([at, count, variable]) => {
+// How many pixels of the colour that is named the lane of a channel has, in a part of its width; right of its label.
+const lanePixels = (page, lane, lanes, name, from = 0.55, part = 0.4) => page.evaluate(([at, count, variable, begin, width]) => {
   const canvas = document.querySelector('#trace-plot');
   const hex = getComputedStyle(document.documentElement).getPropertyValue(variable).trim();
   const wanted = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
   const height = Math.floor((canvas.height - 22 * devicePixelRatio) / count);
-  const left = Math.floor(canvas.width * 0.55);
-  const { data } = canvas.getContext('2d').getImageData(left, at * height + 1, Math.floor(canvas.width * 0.4), height - 2);
+  const left = Math.floor(canvas.width * begin);
+  const { data } = canvas.getContext('2d').getImageData(left, at * height + 1, Math.floor(canvas.width * width), height - 2);
   let found = 0;
   for (let i = 0; i < data.length; i += 4) found += wanted.every((c, k) => Math.abs(data[i + k] - c) < 3) ? 1 : 0;
   return found;
-}, [lane, lanes, name]);
+}, [lane, lanes, name, from, part]);
+
+// The first one: the service has just begun.
+test('a page that was opened as the service began keeps all that is in view', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.goto(bench.url);
+  await page.waitForSelector('#traces:not([hidden])');
+  await page.locator('#trace-plot').scrollIntoViewIfNeeded();
+  for (const deadline = Date.now() + 2 * PATIENCE_MS; (await bench.get('/api/v1/traces?points=1')).newest_s < 14; await new Promise((done) => setTimeout(done, 200)))
+    assert.ok(Date.now() < deadline, 'the stream goes on');
+  await page.locator('#trace-plot').scrollIntoViewIfNeeded();
+  for (const deadline = Date.now() + PATIENCE_MS; await lanePixels(page, 1, 5, '--ink', 0.1, 0.3) === 0; await new Promise((done) => setTimeout(done, 200)))
+    assert.ok(Date.now() < deadline, 'the older part of the view is there');
+  await page.close();
+});
 
 test('the trace of a channel that has stopped turns grey and says how old it is, the others go on', async () => {
   const page = await open();
