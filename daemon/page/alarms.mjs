@@ -26,10 +26,11 @@ export function alarmRows(list, nowMs) {
   });
 }
 
-// For the head; null: nobody has to look at an alarm.
+// For the head, with the first one that waits; null: nobody has to look at an alarm.
 export function waitingText(list) {
   const n = list?.unacknowledged ?? 0;
-  return n > 0 ? `${n} ${n > 1 ? 'alarms' : 'alarm'} not acknowledged` : null;
+  if (n === 0) return null;
+  return `${n} ${n > 1 ? 'alarms' : 'alarm'} not acknowledged${list.alarms.length > 0 ? `: ${list.alarms[0].text}${n > 1 ? ' …' : ''}` : ''}`;
 }
 
 // That something was done is said for so long: what is in the list says it from then on. Why it was not stays until the

@@ -1,7 +1,7 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
 import { limitOf } from './limits.mjs';
-import { isGeneral } from './wording.mjs';
+import { isGeneral, whom } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
 // c_1, r_1 … of an element, as people write them.
@@ -50,12 +50,13 @@ export class LastNumbers {
   elements = []; // as in a dwell
   t = null; // when they were seen last, s of the page's clock
   ended_by = null;
+  doubts = []; // of their dwell: they hold after its end
 
   take(dwell, now) {
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
     const before = this.key === keyOf(dwell) ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
     this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: now } : before.get(e.k) ?? e));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t: now,
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t: now, doubts: dwell.doubts,
       ended_by: dwell.state === 'complete' ? dwell.ended_by : null });
   }
 
@@ -63,14 +64,17 @@ export class LastNumbers {
   takeEnded(dwell, ended_ms, now, nowMs) {
     if (this.key === keyOf(dwell)) {
       this.ended_by = dwell.ended_by;
+      this.doubts = dwell.doubts;
       return;
     }
     if (this.t !== null && now - this.t < (nowMs - ended_ms) / 1e3) return;
     const t = now - (nowMs - ended_ms) / 1e3;
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, elements: dwell.elements.map((e) => ({ ...e, seen: t })),
-      t, ended_by: dwell.ended_by });
+      t, ended_by: dwell.ended_by, doubts: dwell.doubts });
   }
 }
+
+const isDoubted = (doubts, k) => doubts.some((d) => d.elements.length === 0 || d.elements.includes(k));
 
 const marksOf = (coefficient, doubted) =>
   [...(coefficient.significant === false ? ['n.s.'] : []), ...(doubted ? ['?'] : [])];
@@ -94,16 +98,16 @@ function cellsOf(element, doubted, struckAge, dwell = null) {
 //   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
 //           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
-// view: { dwell, fresh, now, last: LastNumbers, broken: a channel that counts is gone }
-export function coefficientsOf({ dwell, fresh, now, last, broken }) {
+// view: { dwell, fresh, now, last: LastNumbers, broken: a channel that counts is gone, refused: nobody is logged in }
+export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
   const none = (reason) => ({ source: 'none', title: '', reason, elements: [] });
-  if (!dwell) return none('the service has not told of a dwell yet');
+  if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
   const old = fresh.dwellOld(now);
   const age = old ? ageText(fresh.dwellAge_s(now)) : null;
 
   const shown = (elements, source, title) => ({ source, title, reason: null, elements: elements.map((e) => {
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
-    const doubted = doubts.length > 0 || dwell.doubts.some((d) => d.elements.length === 0);
+    const doubted = isDoubted(dwell.doubts, e.k);
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
       ? last.elements.find((b) => b.k === e.k && b.identifiable) : null;
     return {
@@ -134,10 +138,11 @@ export function coefficientsOf({ dwell, fresh, now, last, broken }) {
   const lastAge = ageText(now - last.t);
   return {
     source: 'last',
-    title: `last dwell: ${last.index}, ended ${lastAge} ago${last.ended_by ? `: ${last.ended_by}` : ''}`,
+    title: `last dwell: ${last.index}, ended ${lastAge} ago${last.ended_by ? `: ${last.ended_by}` : ''}${
+      last.doubts.map((d) => `; do not rely on ${whom([d])}: ${d.what}`).join('')}`,
     reason: null,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, false, gone ? lastAge : null), last: null, notes: [],
+      cells: cellsOf(e, isDoubted(last.doubts, e.k), gone ? lastAge : null), last: null, notes: [],
       budget: [] })),
   };
 }

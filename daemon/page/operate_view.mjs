@@ -105,6 +105,7 @@ export function showOperate({ health, refused, now }) {
   const run = health?.run;
   // A wall display has no hands; it logs in where it could not read otherwise.
   show($('operate'), rights.token && !(kiosk && read));
+  $('operate').classList.toggle('first', !read); // nothing else can be done
   show($('operate-why'), !read);
   show($('operate-login'), !change);
   show($('operate-acts'), change);

@@ -30,7 +30,7 @@ function showChannels({ channels, health, fresh, now }) {
     const bad = c.status !== 'ok' && c.status !== 'held' && c.status !== 'gated';
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
     return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: old || age === null || age > OLD_S,
-      cells: [bad ? `▲ ${c.name}` : c.name, c.reason && c.reason !== c.status ? `${c.status}: ${c.reason}` : c.status,
+      cells: [bad ? `▲ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,
         count(c.received), count(c.dropped), count(c.lost), count(c.gaps)] };
@@ -41,12 +41,12 @@ function showChannels({ channels, health, fresh, now }) {
       Object.entries(d.faults).map(([what, n]) => `${what}: ${count(n)}`).join(', ') || 'none'] })));
 }
 
-function showEvents({ events, nowMs }) {
+function showEvents({ events, health, nowMs }) {
   const least = ['info', 'warning', 'error'].indexOf($('event-level').value);
   const words = $('event-words').value.toLowerCase();
   const shown = events.filter((e) => ['info', 'warning', 'error'].indexOf(e.level) >= least && e.text.toLowerCase().includes(words))
     .slice(-EVENTS_SHOWN).reverse();
-  show($('events'), true);
+  show($('events'), health !== null);
   setText($('events-none'), shown.length > 0 ? '' : events.length > 0 ? 'No event fits the filter.' : 'No events yet.');
   keyed($('event-rows'), shown, (e) => `${e.number} ${e.utc}`, (e) => h('li', { 'data-level': e.level },
     h('time', { datetime: e.utc }), h('span', { class: 'level' }, e.level === 'info' ? '' : e.level === 'error' ? '▲ error ' : '◆ warning '),

@@ -13,6 +13,15 @@ export function whom(doubts) {
   return `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`;
 }
 
+// More elements than these are counted, not named.
+const NAMED = 6;
+function withheldText(elements) {
+  const ks = elements.filter((e) => !e.identifiable).map((e) => e.k);
+  if (ks.length === 0) return '';
+  if (ks.length === elements.length) return '; no coefficients';
+  return `; no coefficients of ${ks.length > NAMED ? `${ks.length} of ${elements.length} elements` : `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`}`;
+}
+
 // A doubt about one element stands beside it, any other above them all, once.
 export const isGeneral = (doubt) => doubt.elements.length !== 1;
 
@@ -39,6 +48,7 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
   }
   if (dwell.state === 'measuring') {
     const state = said('measuring', 'measuring', `${secondsText(dwell.end_s - dwell.settled_s)} of data`);
+    state.detail += withheldText(dwell.elements);
     if (dwell.doubts.length === 0) return state;
     return { ...state, tone: 'alarm', doubted: true, detail: `${state.detail}; do not rely on ${whom(dwell.doubts)}` };
   }
@@ -52,7 +62,7 @@ export function modelOf(model) {
   let text = model.verdict;
   if (isNumber(model.seen)) text += `, off by ${percentText(model.seen)} ± ${percentText(model.U)}`;
   text += ` (accuracy asked for: ${percentText(model.asked)})`;
-  if (model.consistent === false) text += '; not consistent: noise and stated uncertainties do not explain all that is left';
+  if (model.consistent === false) text += '; not consistent: noise and stated uncertainties do not explain all that is left, ± may be too small';
   const bad = model.verdict === 'not adequate' || model.consistent === false;
   return { text, tone: bad ? 'care' : 'calm' };
 }
@@ -98,7 +108,7 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   const alike = new Map();
   for (const channel of channels ?? []) {
     if (channel.status === 'ok' || channel.status === 'held' || channel.status === 'gated') continue;
-    const why = channel.reason && channel.reason !== channel.status ? `${channel.status}, ${channel.reason}` : channel.status;
+    const why = !channel.reason ? channel.status : channel.reason.startsWith(channel.status) ? channel.reason : `${channel.status}, ${channel.reason}`;
     alike.set(why, [...(alike.get(why) ?? []), channel.name]);
   }
   for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);

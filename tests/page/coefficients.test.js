@@ -86,6 +86,17 @@ test('a doubt and a warning stand beside the element they name, all others with 
   assert.deepEqual(channelWarnings(dwell), ['y1 is gated']);
 });
 
+test('the last dwell keeps its doubts: its end makes no number reliable', () => {
+  const doubts = [{ elements: [2], what: 'r_2 is negative' }];
+  for (const view of [after(dwellOf({ doubts }), idleOf()), after(idleOf())]) {
+    if (view.last.t === null) view.last.takeEnded(dwellOf({ state: 'complete', ended_by: 'drive stopped', doubts }), 1_000_000, view.now, 1_060_000);
+    const { source, title, elements } = coefficientsOf(view);
+    assert.equal(source, 'last');
+    assert.match(title, /; do not rely on element 2: r_2 is negative$/);
+    assert.deepEqual(elements.map((e) => e.cells.map((c) => c.marks)), [[[], []], [['?'], ['?']]]);
+  }
+});
+
 test('names are found as words', () => {
   assert.equal(namesElement('elements 2, 3 and 12 are alike', 12), true);
   assert.equal(namesElement('element 12', 1), false);

@@ -67,9 +67,9 @@ test('that it was done is said for 10 s, why it was not until the next attempt',
   assert.equal(noteText(null, 0), '');
 });
 
-test('the head counts those that wait, and is silent where none does', () => {
-  assert.equal(waitingText({ unacknowledged: 1, alarms: [] }), '1 alarm not acknowledged');
-  assert.equal(waitingText({ unacknowledged: 2, alarms: [] }), '2 alarms not acknowledged');
+test('the head counts those that wait and names the first, and is silent where none does', () => {
+  assert.equal(waitingText({ unacknowledged: 1, alarms: [alarm('unacknowledged')] }), '1 alarm not acknowledged: channel y1: timeout');
+  assert.equal(waitingText({ unacknowledged: 2, alarms: [alarm('unacknowledged'), alarm('unacknowledged')] }), '2 alarms not acknowledged: channel y1: timeout …');
   assert.equal(waitingText({ unacknowledged: 0, alarms: [] }), null);
   assert.equal(waitingText(null), null);
   assert.deepEqual(alarmRows(null, NOW), []);

@@ -8,6 +8,7 @@ import { dwellOf, idleOf, settlingOf } from './sample.js';
 function viewOf(dwell, more = {}) {
   const fresh = new Freshness();
   if (dwell) fresh.tookDwell(dwell, 100);
+  fresh.answered(100);
   return { dwell, health: null, channels: null, fresh, now: 100.2, ...more };
 }
 const said = (view) => {
@@ -31,6 +32,14 @@ test('numbers that are doubted are an alarm in the first line', () => {
   const doubt = { elements: [2], what: 'r_2 is negative' };
   assert.equal(said(viewOf(dwellOf({ doubts: [doubt] }))), 'measuring alarm: measuring, 10.0 s of data; do not rely on element 2');
   assert.match(said(viewOf(dwellOf({ doubts: [doubt, { elements: [], what: 'x' }] }))), /do not rely on any element$/);
+});
+
+test('elements without coefficients are named in the first line', () => {
+  const [one, two] = dwellOf().elements;
+  const without = (...ks) => ks.map((k) => ({ k, identifiable: false, reason: 'y2: stuck' }));
+  assert.equal(said(viewOf(dwellOf({ elements: [one, ...without(2)] }))), 'measuring calm: measuring, 10.0 s of data; no coefficients of element 2');
+  assert.match(said(viewOf(dwellOf({ elements: without(1, 2) }))), /; no coefficients$/);
+  assert.match(said(viewOf(dwellOf({ elements: [one, two, ...without(3, 4, 5, 6, 7, 8, 9)] }))), /; no coefficients of 7 of 9 elements$/);
 });
 
 test('a service that is gone comes before all it said last', () => {
@@ -83,9 +92,9 @@ test('since when: from the dwell, while idle from the events', () => {
 test('channels that fail alike are told together, with the cause in full', () => {
   const silent = { status: 'timeout', reason: 'station 1: no answer within 0.1 s' };
   const channels = [{ name: 'y0', ...silent }, { name: 'y1', ...silent }, { name: 'y2', status: 'ok', reason: null },
-    { name: 'y3', status: 'stuck', reason: 'the same reading 300 times' }];
+    { name: 'y3', status: 'stuck', reason: 'the same reading 300 times' }, { name: 'y4', status: 'stuck', reason: 'stuck at one reading' }];
   assert.deepEqual(troubles(viewOf(dwellOf(), { channels })).map((t) => t.text),
-    ['channels y0, y1: timeout, station 1: no answer within 0.1 s', 'channel y3: stuck, the same reading 300 times']);
+    ['channels y0, y1: timeout, station 1: no answer within 0.1 s', 'channel y3: stuck, the same reading 300 times', 'channel y4: stuck at one reading']);
 });
 
 test('recording, GPIO and doubts about the whole dwell stand beside the state', () => {
