@@ -28,8 +28,8 @@ std::string clipped(std::string_view text, std::size_t columns) {
 std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std::size_t indent) {
   std::vector<std::string> lines;
   std::size_t room = std::max<std::size_t>(columns, 8);
-  while (width(text) > room) {
-    const std::size_t most = bytes_of(text, room);
+  // Looks at one line's bytes at a time: a width of all that is left would cost the square of a text's length.
+  for (std::size_t most = 0; (most = bytes_of(text, room)) < text.size();) {
     // A blank right behind the last code point that fits is a good place, too.
     const std::size_t blank = text.substr(0, most + 1).find_last_of(' ');
     const bool at_blank = blank != std::string_view::npos && blank > 0;

@@ -176,5 +176,14 @@ TEST(Wrapped, BreaksAtBlanksAndLosesNothing) {
   EXPECT_EQ(wrapped("short", kUnlimited, 2), (Lines{"short"}));
 }
 
+// At a cost that grows with the square of the length this takes a quarter of an hour.
+TEST(Wrapped, TakesTheLargestEventOfARunFile) {
+  const std::string text(8 << 20, 'a');
+  const auto lines = wrapped(text, 80, 10);
+  ASSERT_EQ(lines.size(), 1 + (text.size() - 80 + 69) / 70);
+  EXPECT_EQ(lines[0], text.substr(0, 80));
+  EXPECT_EQ(lines[1], std::string(10, ' ') + text.substr(0, 70));
+}
+
 }  // namespace
 }  // namespace dwell
