@@ -58,12 +58,17 @@ record::Result<void> save_personal_key(const record::SigningKey& key, const std:
   if (!folder.empty()) std::filesystem::create_directories(folder, failed);
   ::umask(before);
   if (failed) return tl::unexpected(folder.string() + " cannot be made: " + failed.message());
+  // Whoever holds that file knows the key by which it was signed. So it is kept, and the private key is not written.
+  const std::string pub = path + ".pub";
+  std::error_code none;
+  if (std::filesystem::exists(std::filesystem::symlink_status(pub, none)))
+    return tl::unexpected(pub + ": exists already; a key is not replaced: move the file away, or name another key");
   if (auto saved = key.save(path); !saved) return tl::unexpected(saved.error());
   const std::string vkey = key.public_key().vkey();
-  std::ofstream text(path + ".pub");
+  std::ofstream text(pub);
   text << vkey << "\n";
   text.close();
-  if (!text) return tl::unexpected(path + ".pub cannot be written; the public key is " + vkey);
+  if (!text) return tl::unexpected(pub + " cannot be written; the public key is " + vkey);
   return {};
 }
 

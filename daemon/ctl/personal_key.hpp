@@ -12,7 +12,8 @@ namespace dwell::ctl {
 
 // The name of a new key: USER@HOST.
 [[nodiscard]] std::string personal_key_name();
-// Writes the key to a new file, and its public part to PATH.pub. If the folder is new, others cannot read it.
+// Writes the key to a new file, and its public part to PATH.pub, new as well. If either exists, fails and writes
+// nothing. If the folder is new, others cannot read it.
 [[nodiscard]] record::Result<void> save_personal_key(const record::SigningKey& key, const std::string& path);
 
 struct PersonalKey {
