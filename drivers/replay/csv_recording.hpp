@@ -8,6 +8,10 @@
 // it may stand but not go back within a channel), missing or surplus cells, names given twice. Fields are not quoted.
 #pragma once
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -270,11 +274,18 @@ inline tl::expected<CsvRecording, std::string> parse_csv(std::string_view text, 
 }
 
 inline tl::expected<CsvRecording, std::string> read_csv(const std::string& path, const std::function<bool()>& go_on) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"), &std::fclose);
   auto failed = [&](int code) {
     return tl::make_unexpected(path + ":1:1: cannot be read: " + std::generic_category().message(code));
   };
-  if (!file) return failed(errno);
+  // Without O_NONBLOCK a named pipe would hold up the caller until somebody writes to it.
+  const int opened = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (opened < 0) return failed(errno);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(::fdopen(opened, "rb"), &std::fclose);
+  if (!file) return ::close(opened), failed(ENOMEM);
+  struct stat status {};
+  if (::fstat(opened, &status) != 0) return failed(errno);
+  if (!S_ISREG(status.st_mode))
+    return tl::make_unexpected(path + ":1:1: is no regular file; expected a recording in a file");
   detail::CsvParser parser(path);
   // Twice the longest line, so that a line which does not end is recognized while memory stays fixed.
   std::vector<char> buffer(2 * kCsvMaxLine);
