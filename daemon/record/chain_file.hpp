@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,10 @@ enum class ChainSort : std::uint32_t {
   run = 0x44574c4c,     // "DWLL"
   ledger = 0x44574c47,  // "DWLG"
 };
+
+// Called while somebody else has a file open for writing, with how often it was called before. Returns whether to try
+// again. Empty: gives up at once.
+using WhileBusy = std::function<bool(int tries)>;
 
 // Appends entries. Bound to one thread. Every failure is returned with its reason, "disk full" for instance. It
 // discards uncommitted entries and leaves committed ones as they were. While a writer exists, SQLite in no other
@@ -38,10 +43,11 @@ class ChainWriter {
                                                 const SigningKey& key);
   // The same after a change of keys: the last note must be by `last`.
   [[nodiscard]] static Result<ChainWriter> open(const std::string& path, ChainSort sort, std::string origin,
-                                                const SigningKey& key, const PublicKey& last);
+                                                const SigningKey& key, const PublicKey& last,
+                                                const WhileBusy& busy = {});
   // The same without a private key. Its commits carry no note: for a `signature` entry, which carries its own.
   [[nodiscard]] static Result<ChainWriter> open_without_key(const std::string& path, ChainSort sort, std::string origin,
-                                                            const PublicKey& last);
+                                                            const PublicKey& last, const WhileBusy& busy = {});
   ChainWriter(ChainWriter&&) noexcept;
   ChainWriter& operator=(ChainWriter&&) noexcept;
   ~ChainWriter();  // discards uncommitted entries

@@ -177,9 +177,9 @@ struct ChainWriter::Impl {
     return fails(std::move(error));
   }
 
-  Result<void> connect() {
+  Result<void> connect(const WhileBusy& busy = {}) {
     database = open_database(path, 0);
-    if (!database || !set_up(database.get())) return fails(sqlite_error(database.get(), path));
+    if (!database || !while_busy(database.get(), busy, set_up)) return fails(sqlite_error(database.get(), path));
     insert_entry = prepare(database.get(), "INSERT INTO entry (seq, kind, t_ns, body, head) VALUES (?, ?, ?, ?, ?)");
     insert_note = prepare(database.get(), "INSERT INTO note (seq, text) VALUES (?, ?)");
     if (!insert_entry || !insert_note) return fails(sqlite_error(database.get(), path));
@@ -320,21 +320,21 @@ Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, s
 }
 
 Result<ChainWriter> ChainWriter::open(const std::string& path, ChainSort sort, std::string origin,
-                                      const SigningKey& key, const PublicKey& last) {
-  Result<ChainWriter> writer = open_without_key(path, sort, std::move(origin), last);
+                                      const SigningKey& key, const PublicKey& last, const WhileBusy& busy) {
+  Result<ChainWriter> writer = open_without_key(path, sort, std::move(origin), last, busy);
   if (writer) writer->impl_->key = key;
   return writer;
 }
 
 Result<ChainWriter> ChainWriter::open_without_key(const std::string& path, ChainSort sort, std::string origin,
-                                                  const PublicKey& last) {
+                                                  const PublicKey& last, const WhileBusy& busy) {
   const Result<Tail> tail = follow(path, sort, origin, last);
   if (!tail) return fails(tail.error());
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   impl->origin = std::move(origin);
   impl->pending = impl->committed = *tail;
-  if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
+  if (Result<void> connected = impl->connect(busy); !connected) return fails(std::move(connected.error()));
   // Somebody else may have written since the chain was followed.
   const std::string now =
       first_text(impl->database.get(), "SELECT seq || ' ' || lower(hex(head)) FROM entry ORDER BY seq DESC LIMIT 1");

@@ -1,11 +1,12 @@
 #include "daemon/record/signature.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <initializer_list>
 #include <optional>
+#include <thread>
 #include <utility>
 
-#include "daemon/record/chain_file.hpp"
 #include "daemon/record/utf8.hpp"
 
 namespace dwell::record {
@@ -45,6 +46,10 @@ Result<PersonalSignature> append(ChainWriter& file, const EndedRun& run, const P
   return signature;
 }
 
+constexpr std::chrono::milliseconds kBetweenTries{50};
+// Closing a run takes three waits for the disk. Ten seconds is a disk that stalls.
+constexpr int kMostTries = 200;
+
 // What the person says, a line each. Fails if a run file could not hold it.
 Result<std::string> lines_of(const PersonalSignature& signature) {
   std::string text;
@@ -74,8 +79,14 @@ Result<std::string> signature_text(const std::string& run_id, const PersonalSign
   return text + *words;
 }
 
+bool wait_for_service(int tries) {
+  if (tries >= kMostTries) return false;
+  std::this_thread::sleep_for(kBetweenTries);
+  return true;
+}
+
 Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSignature signature,
-                                          const SigningKey& service) {
+                                          const SigningKey& service, const WhileBusy& busy) {
   if (!signature.person) return fails("the service signs only for a user of this computer");
   // Checked first: opening the file for writing alters it.
   if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
@@ -84,7 +95,7 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
   if (!(run->key == service.public_key()))
     return fails(path + ": was recorded with the key " + run->key.fingerprint() +
                  ", which is no longer the service's; sign with a key of your own");
-  Result<ChainWriter> file = ChainWriter::open(path, ChainSort::run, run->origin(), service);
+  Result<ChainWriter> file = ChainWriter::open(path, ChainSort::run, run->origin(), service, service.public_key(), busy);
   if (!file) return fails(std::move(file.error()));
   signature.seq = file->committed();
   signature.head = hex(file->committed_head());
@@ -94,11 +105,12 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
   return append(*file, *run, signature);
 }
 
-Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature, const SigningKey& own) {
+Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature, const SigningKey& own,
+                                          const WhileBusy& busy) {
   if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
   const Result<EndedRun> run = read_ended(path);
   if (!run) return fails(run.error());
-  Result<ChainWriter> file = ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key);
+  Result<ChainWriter> file = ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key, busy);
   if (!file) return fails(std::move(file.error()));
   signature.seq = file->committed();
   signature.head = hex(file->committed_head());

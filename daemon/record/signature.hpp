@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "daemon/record/chain_file.hpp"
 #include "daemon/record/run_entries.hpp"
 
 namespace dwell::record {
@@ -12,15 +13,20 @@ namespace dwell::record {
 // control character, a newline for instance.
 [[nodiscard]] Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature);
 
+// The service still has a run's file open when the run has just ended. Sleeps 50 ms; false: it has done so for 10 s.
+[[nodiscard]] bool wait_for_service(int tries);
+
 // Each appends one signature to the closed run file `path` and returns it as written, for the ledger. The caller fills
 // in name, meaning, reason and utc; seq and head become those of the last entry. Waits for the disk. Fails if the run
 // has not ended or its chain is broken; then the file is as before.
 //
 // The service countersigns for `person`, which the caller fills in. `service` must be the key that signed the run.
 [[nodiscard]] Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSignature signature,
-                                                        const SigningKey& service);
+                                                        const SigningKey& service,
+                                                        const WhileBusy& busy = wait_for_service);
 // Signs with the person's own key; needs no service.
 [[nodiscard]] Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature,
-                                                        const SigningKey& own);
+                                                        const SigningKey& own,
+                                                        const WhileBusy& busy = wait_for_service);
 
 }  // namespace dwell::record

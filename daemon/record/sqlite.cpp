@@ -38,6 +38,18 @@ bool execute(sqlite3* database, const char* sql) {
   return sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK;
 }
 
+bool while_busy(sqlite3* database, const std::function<bool(int tries)>& busy, bool (*step)(sqlite3*)) {
+  if (!busy) return step(database);
+  std::function<bool(int tries)> asked = busy;
+  sqlite3_busy_handler(
+      database,
+      [](void* own, int tries) { return (*static_cast<std::function<bool(int tries)>*>(own))(tries) ? 1 : 0; }, &asked);
+  const bool done = step(database);
+  // Sets no error: that of the step stays.
+  sqlite3_busy_handler(database, nullptr, nullptr);
+  return done;
+}
+
 std::string first_text(sqlite3* database, const char* sql) {
   const Statement statement = prepare(database, sql);
   if (!statement || sqlite3_step(statement.get()) != SQLITE_ROW) return {};

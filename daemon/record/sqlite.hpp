@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,6 +37,9 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 
 // Runs statements that yield nothing; false: failed.
 [[nodiscard]] bool execute(sqlite3* database, const char* sql);
+
+// Runs step(database); each time that somebody else has the file locked, asks `busy` whether to try again.
+[[nodiscard]] bool while_busy(sqlite3* database, const std::function<bool(int tries)>& busy, bool (*step)(sqlite3*));
 
 // The first column of the first row. Empty: failed, or there is none.
 [[nodiscard]] std::string first_text(sqlite3* database, const char* sql);
