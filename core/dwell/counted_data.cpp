@@ -229,8 +229,9 @@ Refined CountedData::gather(int from, int to, bool with_open, std::int64_t now_n
   return refined;
 }
 
-std::vector<PhasorStretch> CountedData::stretches(int channel, int from, int to, const HarmonicFit& fit) const {
-  return phasor_stretches(blocks_, from, to, channel, H(), fit, totals_.omega(), totals_.t_ref_ns(), window_);
+std::vector<std::vector<PhasorStretch>> CountedData::stretches(int from, int to,
+                                                               std::span<const HarmonicFit* const> fits) const {
+  return phasor_stretches(blocks_, from, to, H(), fits, totals_.omega(), totals_.t_ref_ns(), window_);
 }
 
 PhasorSlope CountedData::slope(int channel, const HarmonicFit& fit) const noexcept {

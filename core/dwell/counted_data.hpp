@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/drive/drive_reference.hpp"
@@ -95,8 +96,10 @@ class CountedData {
   // Sums blocks [from, to), and with_open the open one, at the best ω for them, into totals().
   Refined gather(int from, int to, bool with_open, std::int64_t now_ns, std::int64_t hold_ns) const noexcept;
   [[nodiscard]] const Totals& totals() const noexcept { return totals_; }
-  // Changes within blocks [from, to), whose sums totals() holds. fit: the channel's, from totals(). Allocates.
-  [[nodiscard]] std::vector<PhasorStretch> stretches(int channel, int from, int to, const HarmonicFit& fit) const;
+  // Changes within blocks [from, to), whose sums totals() holds, by channel. fits: of all channels, from totals().
+  // Allocates.
+  [[nodiscard]] std::vector<std::vector<PhasorStretch>> stretches(int from, int to,
+                                                                  std::span<const HarmonicFit* const> fits) const;
   [[nodiscard]] PhasorSlope slope(int channel, const HarmonicFit& fit) const noexcept;
 
  private:

@@ -1,4 +1,6 @@
 // Detects changes within a dwell: of one channel against the table, of the table itself, of the drive's frequency.
+#include <utility>
+
 #include "core/base/wording.hpp"
 #include "core/dwell/pipeline_impl.hpp"
 #include "core/fit/scatter.hpp"
@@ -45,13 +47,19 @@ Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channe
 
 }  // namespace
 
-void Pipeline::Impl::look_within(int c, int from, int to, ChannelResult& result) const {
-  result.stretches = data.stretches(c, from, to, result.fit);
-  result.scatter = scatter_of(result.stretches);
-  result.slope = data.slope(c, result.fit);
+void Pipeline::Impl::look_within(int from, int to, std::vector<ChannelResult>& results) const {
+  std::vector<const HarmonicFit*> fits;
+  for (const ChannelResult& result : results) fits.push_back(&result.fit);
+  auto stretches = data.stretches(from, to, fits);
   const Complex turn = std::polar(1.0, data.bend(data.totals().t_ref_ns()));
-  for (PhasorStretch& stretch : result.stretches) stretch.off *= turn;
-  result.slope.value *= turn;
+  for (int c = 0; c < live.count(); ++c) {
+    ChannelResult& result = results[static_cast<std::size_t>(c)];
+    result.stretches = std::move(stretches[static_cast<std::size_t>(c)]);
+    result.scatter = scatter_of(result.stretches);
+    result.slope = data.slope(c, result.fit);
+    for (PhasorStretch& stretch : result.stretches) stretch.off *= turn;
+    result.slope.value *= turn;
+  }
 }
 
 // Did the drive change since the rig settled? Then the modal fit may have taken the masses' answer to that change for a

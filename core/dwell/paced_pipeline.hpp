@@ -15,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/slices.hpp"
@@ -41,6 +42,8 @@ class PacedPipeline {
   // Hands in the next record of the stream. Takes this record, or up to two that wait, the oldest first; all up to an
   // urgent one. Stops at the first Change and returns it. Real-time safe unless a dwell ends.
   std::uint8_t push(const Record& record) noexcept;
+  // As Pipeline::push_in_block(); 0 while records wait.
+  std::size_t push_in_block(std::span<const Record> records) noexcept;
   // At the end of the run, until waiting() is 0: takes what waits, up to the first Change. Unlimited work.
   std::uint8_t flush() noexcept;
   // As Pipeline::finish(); only when waiting() is 0.
@@ -60,6 +63,9 @@ class PacedPipeline {
   void append(const Record& record) noexcept;
   bool take_next() noexcept;
   void take(const Record& record) noexcept;
+  void count(const Record& record) noexcept {
+    if (record.kind == Kind::sample && record.channel < taken_.size()) ++taken_[record.channel];
+  }
 
   Slices slices_;
   Pipeline pipeline_;

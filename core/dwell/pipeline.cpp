@@ -46,6 +46,20 @@ void Pipeline::Impl::take_record(const Record& record) {
   }
 }
 
+[[gnu::flatten]] std::size_t Pipeline::Impl::take_in_block(std::span<const Record> records) {
+  if (!blocks().is_open()) return 0;
+  const std::int64_t end_ns = std::min(blocks().open_end_ns(), Pipeline::kLatest_ns);
+  std::size_t n = 0;
+  for (; n < records.size(); ++n) {
+    const Record& record = records[n];
+    const bool sampled = record.kind == Kind::sample;
+    if ((!sampled && record.kind != Kind::tick) || record.t_ns < now_ns || record.t_ns >= end_ns) break;
+    now_ns = record.t_ns;
+    if (sampled) sample(record);
+  }
+  return n;
+}
+
 void Pipeline::Impl::advance() {
   if (!blocks().is_open()) {
     data.open(now_ns);
@@ -94,6 +108,8 @@ Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
 std::uint8_t Pipeline::push(const Record& record) noexcept { return impl_->push(record); }
+
+std::size_t Pipeline::push_in_block(std::span<const Record> records) noexcept { return impl_->take_in_block(records); }
 
 std::uint8_t Pipeline::finish() {
   impl_->changes = kNothing;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,7 @@ struct Pipeline::Impl {
 
   std::uint8_t push(const Record& record);
   void take_record(const Record& record);
+  std::size_t take_in_block(std::span<const Record> records);
 
   // Closes blocks and opens new ones up to now_ns.
   void advance();
@@ -204,7 +206,7 @@ struct Pipeline::Impl {
   void warn_of_hum(double seconds, Dwell& dwell) const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
   // dwell_steadiness.cpp: changes within blocks [from, to), whose sums `totals` holds.
-  void look_within(int c, int from, int to, ChannelResult& result) const;
+  void look_within(int from, int to, std::vector<ChannelResult>& results) const;
   void look_at_settling(std::vector<ChannelResult>& results) const;
   void warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const;
   [[nodiscard]] double frequency_widens(const ChannelResult& table) const;

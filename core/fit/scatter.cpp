@@ -50,22 +50,24 @@ double Scatter::widens() const noexcept {
   return ratio * (ratio > kUnsteady ? dof / 2 + 1 : 1.0);
 }
 
-std::vector<PhasorStretch> phasor_stretches(const Blocks& blocks, int from, int to, int channel, int harmonics,
-                                            const HarmonicFit& fit, double omega, std::int64_t t_ref_ns,
-                                            Totals& scratch) {
-  std::vector<PhasorStretch> stretches;
-  const bool fitted = fit.usable && fit.sigma2 > 0;
+std::vector<std::vector<PhasorStretch>> phasor_stretches(const Blocks& blocks, int from, int to, int harmonics,
+                                                         std::span<const HarmonicFit* const> fits, double omega,
+                                                         std::int64_t t_ref_ns, Totals& scratch) {
+  std::vector<std::vector<PhasorStretch>> stretches(fits.size());
   int quarters = 0;
   for (int i = from; i < to; ++i) quarters += blocks.block(i).quarters;
   const int wanted = std::max(kQuartersOfPeriod, quarters / kStretchesCompared);
   for (int first = from, i = from, held = 0; i < to; ++i) {
     held += blocks.block(i).quarters;
     if (held < wanted) continue;
-    blocks.sum_channel(channel, first, i + 1, omega, t_ref_ns, scratch);
-    const ChannelMoments sums = scratch.channel(channel);
-    stretches.push_back(fitted && sums.instants[0] > 2 * harmonics + 1
-                            ? stretch_of(sums, harmonics, fit, blocks.reference(channel))
-                            : PhasorStretch{});
+    blocks.sum(first, i + 1, omega, t_ref_ns, scratch);
+    for (std::size_t c = 0; c < fits.size(); ++c) {
+      const HarmonicFit& fit = *fits[c];
+      const ChannelMoments sums = scratch.channel(static_cast<int>(c));
+      const bool fitted = fit.usable && fit.sigma2 > 0 && sums.instants[0] > 2 * harmonics + 1;
+      stretches[c].push_back(fitted ? stretch_of(sums, harmonics, fit, blocks.reference(static_cast<int>(c)))
+                                    : PhasorStretch{});
+    }
     first = i + 1;
     held = 0;
   }

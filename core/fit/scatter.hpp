@@ -35,11 +35,14 @@ struct Scatter {
   static constexpr double kUnsteady = 9.0;  // ratio above which this holds and an operator is told
 };
 
-// Cuts blocks [from, to) into about twelve stretches of at least a period, the same for every channel. `fit`: of their
-// sum about (omega, t_ref_ns) with `harmonics`. `scratch`: overwritten in this channel. O(blocks · H), allocates.
-[[nodiscard]] std::vector<PhasorStretch> phasor_stretches(const Blocks& blocks, int from, int to, int channel,
-                                                          int harmonics, const HarmonicFit& fit, double omega,
-                                                          std::int64_t t_ref_ns, Totals& scratch);
+// Cuts blocks [from, to) into about twelve stretches of at least a period, the same for every channel; returns them by
+// channel. `fits`: of the channels' sums about (omega, t_ref_ns) with `harmonics`. `scratch`: overwritten. O(blocks ·
+// channels · H), allocates.
+[[nodiscard]] std::vector<std::vector<PhasorStretch>> phasor_stretches(const Blocks& blocks, int from, int to,
+                                                                       int harmonics,
+                                                                       std::span<const HarmonicFit* const> fits,
+                                                                       double omega, std::int64_t t_ref_ns,
+                                                                       Totals& scratch);
 
 // Scatter of one channel.
 [[nodiscard]] Scatter scatter_of(std::span<const PhasorStretch> stretches) noexcept;

@@ -8,13 +8,17 @@ namespace dwell {
 
 MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept {
   if (held_ < kPoints) return {};
-  bool other = omega != weights_.omega;
-  for (std::size_t j = 0; j < kPoints; ++j) {
-    const std::int64_t ago_ns = points_[j].t_ns - t_ns;
-    other |= ago_ns != weights_.ago_ns[j];
-    weights_.ago_ns[j] = ago_ns;
+  const bool evenly = even_ >= kPoints - 1 && t_ns - points_.back().t_ns == gap_ns_;
+  if (!evenly || gap_ns_ != weights_.gap_ns || omega != weights_.omega) {
+    weights_.gap_ns = evenly ? gap_ns_ : 0;
+    bool other = omega != weights_.omega;
+    for (std::size_t j = 0; j < kPoints; ++j) {
+      const std::int64_t ago_ns = points_[j].t_ns - t_ns;
+      other |= ago_ns != weights_.ago_ns[j];
+      weights_.ago_ns[j] = ago_ns;
+    }
+    if (other) weigh(omega);
   }
-  if (other) weigh(omega);
   if (!(weights_.gain > 0)) return {};
   if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * weights_.interval) return {};
   Prediction out;

@@ -28,6 +28,9 @@ class MotionPredictor {
   }
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
+    const std::int64_t gap_ns = t_ns - points_.back().t_ns;
+    even_ = gap_ns == gap_ns_ ? std::min(even_ + 1, kPoints) : 1;
+    gap_ns_ = gap_ns;
     std::move(points_.begin() + 1, points_.end(), points_.begin());
     points_.back() = {t_ns, value};
     if (held_ < kPoints) ++held_;
@@ -47,7 +50,8 @@ class MotionPredictor {
   // The points' weights in the prediction. Only their instants and ω determine them.
   struct Weights {
     double omega = 0.0;                          // 0: not computed yet
-    std::array<std::int64_t, kPoints> ago_ns{};  // before the predicted instant
+    std::int64_t gap_ns = 0;                     // of points evenly spaced, up to the predicted instant; 0: of others
+    std::array<std::int64_t, kPoints> ago_ns{};  // of others: before the predicted instant
     std::array<double, kEven> of_point{};        // those beyond kPoints are unused
     double interval = 0.0, gain = 0.0;           // rad, mean distance of the points; 0: no prediction
   };
@@ -55,7 +59,9 @@ class MotionPredictor {
 
   std::array<Point, kPoints> points_{};  // the newest last
   std::size_t held_ = 0;
-  Weights weights_;  // sampled evenly they stay the same
+  std::int64_t gap_ns_ = 0;  // between the newest two points
+  std::size_t even_ = 0;     // the newest gaps that equal it, itself included; at most kPoints
+  Weights weights_;          // sampled evenly they stay the same
 };
 
 }  // namespace dwell

@@ -20,7 +20,7 @@ class RecentNumbers {
   // Forgets the oldest.
   void add(double number) noexcept {
     numbers_[next_] = number;
-    next_ = (next_ + 1) % N;
+    next_ = next_ + 1 < N ? next_ + 1 : 0;
   }
   [[nodiscard]] bool has(double number) const noexcept {
     Packed<std::int64_t> found{};  // left to itself, GCC compares one by one, in three times as many instructions
@@ -29,7 +29,7 @@ class RecentNumbers {
     return (found[0] | found[1]) != 0;
   }
   // NaN: none yet.
-  [[nodiscard]] double newest() const noexcept { return numbers_[(next_ + N - 1) % N]; }
+  [[nodiscard]] double newest() const noexcept { return numbers_[next_ > 0 ? next_ - 1 : N - 1]; }
 
  private:
   std::array<double, N + N % 2> numbers_;  // of an odd N one place stays NaN

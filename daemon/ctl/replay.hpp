@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/dwell/dwell_draft.hpp"
@@ -26,6 +27,16 @@ class Replay {
     state_changed_ = false;
     if (const std::uint8_t change = pipeline_.push(record); change != kNothing) note(change);
     if (record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::ends)) finish();
+  }
+  // Takes the samples and ticks that `records` begins with, up to where a dwell may end or the state change. Returns
+  // how many; 0: take() must take the next one. Costs less than take().
+  std::size_t take_samples(std::span<const Record> records) {
+    const std::size_t n = pipeline_.push_in_block(records);
+    if (n == 0) return 0;
+    position_ += n;
+    if (!ended_.empty()) ended_.clear();
+    state_changed_ = false;
+    return n;
   }
   // Ends a stream that breaks off without RunEdge::ends: the current dwell ends. Nothing may be taken afterwards.
   void break_off();

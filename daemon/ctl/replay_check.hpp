@@ -50,7 +50,13 @@ class ReplayCheck {
   ReplayCheck(const ReplayCheck&) = delete;
   ReplayCheck& operator=(const ReplayCheck&) = delete;
 
-  // Call after each record that the replay has taken.
+  // How many records the replay may take before follow() must be called.
+  [[nodiscard]] std::uint64_t free_until(const Replay& replay) const noexcept {
+    const StoredResults::Entry* const next = stored_.now();
+    if (next == nullptr) return UINT64_MAX;
+    return next->position > replay.position() ? next->position - replay.position() - 1 : 0;
+  }
+  // Call after each record that the replay has taken, except for so many samples and ticks as free_until() says.
   void follow(const Replay& replay) {
     const StoredResults::Entry* const next = stored_.now();
     if ((next != nullptr && next->position <= replay.position()) || !replay.ended().empty()) look(replay);

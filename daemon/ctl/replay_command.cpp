@@ -1,9 +1,11 @@
 // replay: computes a run again from its stream. With the run's own rig file, compares the results with the stored ones.
 // With another rig file the results are new, and may be written to a child file.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -39,23 +41,41 @@ bool begins_a_run(const Record& record) {
   return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(RunEdge::armed);
 }
 
-// Hands every record to the replay, and then calls after(record), the record as the replay's rig has it. Returns the
-// dwells that ended. If the stream breaks off, the last one ends there.
-template <class After>
+// Hands every record to the replay, and then calls after(record), the record as the replay's rig has it. free() says
+// how many samples and ticks it need not be called for. Returns the dwells that ended. If the stream breaks off, the
+// last one ends there.
+template <class Free, class After>
 Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& reader, const ChannelMap& channels,
-                                Replay& replay, const After& after) {
+                                Replay& replay, const Free& free, const After& after) {
   ProgressBar bar("replaying");
+  std::vector<Record> mapped;
   std::vector<Dwell> dwells;
   const auto keep = [&] { dwells.insert(dwells.end(), replay.ended().begin(), replay.ended().end()); };
+  std::uint64_t next_shown = kShowEvery;
   const double begin_ns = static_cast<double>(reader.begin_ns());
   const double length_ns = static_cast<double>(reader.end_ns()) - begin_ns + 1.0;
-  const auto played = reader.stream([&](const Record& record) {
-    if (replay.position() == 0 && !begins_a_run(record)) return false;
-    const Record mapped = channels.map(record);
-    replay.take(mapped);
-    if (!replay.ended().empty()) keep();
-    after(mapped);
-    if (replay.position() % kShowEvery == 0) bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
+  const auto played = reader.blocks([&](std::span<const Record> records) {
+    if (replay.position() == 0 && !records.empty() && !begins_a_run(records.front())) return false;
+    if (!channels.same_order()) {
+      mapped.assign(records.begin(), records.end());
+      for (Record& record : mapped) record = channels.map(record);
+      records = mapped;
+    }
+    while (!records.empty()) {
+      const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(free(), records.size()));
+      const std::size_t taken = most > 0 ? replay.take_samples(records.first(most)) : 0;
+      records = records.subspan(taken);
+      if (taken > 0) continue;
+      const Record& record = records.front();
+      replay.take(record);
+      if (!replay.ended().empty()) keep();
+      after(record);
+      if (replay.position() >= next_shown) {
+        bar.show((static_cast<double>(record.t_ns) - begin_ns) / length_ns);
+        next_shown = replay.position() + kShowEvery;
+      }
+      records = records.subspan(1);
+    }
     return true;
   });
   if (!played) return tl::unexpected(played.error());
@@ -82,7 +102,9 @@ int check(const ReplayOptions& options, record::RunReader& reader) {
   ReplayCheck check(
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
       reader.end().has_value());
-  const auto dwells = play(options.file, reader, *channels, replay, [&](const Record&) { check.follow(replay); });
+  const auto dwells = play(
+      options.file, reader, *channels, replay, [&] { return check.free_until(replay); },
+      [&](const Record&) { check.follow(replay); });
   if (!dwells) return cannot_replay(dwells.error());
   const auto findings = check.finish();
   if (!findings) return cannot_replay(findings.error());
@@ -164,7 +186,8 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
     child->add(t_ns, record::StoredResult{replay.position(), final, to_json(dwell, file->rig, info)});
   };
   ChildEvents events(header, reader.begin_ns(), file->rig, devices_of(header));
-  const auto dwells = play(options.file, reader, *channels, replay, [&](const Record& record) {
+  const auto each = [] { return std::uint64_t{0}; };
+  const auto dwells = play(options.file, reader, *channels, replay, each, [&](const Record& record) {
     if (!child) return;
     for (const record::StoredEvent& event : events.follow(record, replay)) child->add(record.t_ns, event);
     for (const Dwell& dwell : replay.ended()) add_result(record.t_ns, true, dwell);

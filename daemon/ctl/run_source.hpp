@@ -29,6 +29,8 @@ class ChannelMap {
   [[nodiscard]] static tl::expected<ChannelMap, std::string> between(const record::RunHeader& header,
                                                                      const std::string& run_path, const Rig& rig,
                                                                      const std::string& rig_path);
+  // Whether the rig has the channels in the run's order: map() changes nothing.
+  [[nodiscard]] bool same_order() const noexcept { return to_.empty(); }
   // The record with the rig's channel.
   [[nodiscard]] Record map(Record record) const noexcept {
     const bool of_channel =

@@ -34,6 +34,10 @@ class RunReader {
   // Each hands its items to `take`, in order, as long as that returns true. take must not call this reader. Fails with
   // "FILE: entry N: what is wrong", possibly after some items.
   //
+  // Takes a block of the stream; returns whether to go on.
+  using TakeBlock = std::function<bool(std::span<const Record>)>;
+  // Every block of the stream.
+  [[nodiscard]] Result<void> blocks(const TakeBlock& take);
   // Every record of the stream; blocks are read on a thread of its own, ahead of `take`. Cost: about 0.02 µs a record.
   template <class Take>
   [[nodiscard]] Result<void> stream(const Take& take) {
@@ -51,13 +55,11 @@ class RunReader {
   [[nodiscard]] Result<std::vector<PersonalSignature>> signatures();
 
  private:
-  using TakeBlock = std::function<bool(std::span<const Record>)>;
   // Inline, so that a record costs no call by a pointer.
   template <class Take>
   [[nodiscard]] static TakeBlock each_of(const Take& take) {
     return [&take](std::span<const Record> block) { return std::all_of(block.begin(), block.end(), std::ref(take)); };
   }
-  [[nodiscard]] Result<void> blocks(const TakeBlock& take);
   [[nodiscard]] Result<void> blocks_from(std::int64_t t_ns, const TakeBlock& take);
 
   struct Impl;
