@@ -95,7 +95,8 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
   if (!(run->key == service.public_key()))
     return fails(path + ": was recorded with the key " + run->key.fingerprint() +
                  ", which is no longer the service's; sign with a key of your own");
-  Result<ChainWriter> file = ChainWriter::open(path, ChainSort::run, run->origin(), service, service.public_key(), busy);
+  Result<ChainWriter> file =
+      ChainWriter::open(path, ChainSort::run, run->origin(), service, service.public_key(), busy);
   if (!file) return fails(std::move(file.error()));
   signature.seq = file->committed();
   signature.head = hex(file->committed_head());
