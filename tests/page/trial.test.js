@@ -1,0 +1,62 @@
+// Whether the page alone tells an operator new to it if the numbers may be used, and why not. Ten situations were tried by
+// eye; where each is kept:
+//   settling, measuring, drive stopped, device dead, service killed   page.test.js
+//   limit violated, clock not synchronized                            alarms.test.js
+//   logged out                                                        honest.test.js
+//   recording stopped                                                 wording.test.js
+//   wrong mass, stuck transducer, registers refreshed slowly          here
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+
+let browser;
+before(async () => {
+  browser = await openBrowser();
+});
+after(() => browser?.close());
+
+async function situation(options, act) {
+  const bench = await Bench.begin(options);
+  try {
+    bench.rig.say('start');
+    const page = await browser.newPage({ viewport: SIZES.desk });
+    page.setDefaultTimeout(2 * PATIENCE_MS);
+    await page.goto(bench.url);
+    await page.waitForSelector('#coefficients[data-source=measured] .element');
+    await act(page, bench);
+    await page.close();
+  } finally {
+    await bench.end();
+  }
+}
+const numbers = (page) => page.locator('.coefficient .number').allInnerTexts();
+
+test('a mass is wrong by 10 %: no, do not rely on them, and the mass is named; the end of the dwell changes nothing', () =>
+  situation({ edit: (text) => text.replace('masses   = [12.0, 8.0, 5.0]', 'masses   = [12.0, 8.8, 5.0]') }, async (page, bench) => {
+    await page.waitForSelector('#state[data-kind=measuring][data-tone=alarm]');
+    await page.locator('#detail', { hasText: /; do not rely on any element$/ }).waitFor();
+    await page.locator('#troubles li', { hasText: /possible causes: .*mass 2 stated \d/ }).waitFor();
+    for (const number of await numbers(page)) assert.match(number, /\?$/);
+    bench.rig.say('stop');
+    await page.waitForSelector('#coefficients[data-source=last] .element');
+    await page.locator('#coefficients-from', { hasText: /^not of now · last dwell: .*; do not rely on any element: / }).waitFor();
+    for (const number of await numbers(page)) assert.match(number, /\?$/);
+  }));
+
+test('a transducer is stuck: the elements beside it have no numbers, the others may be used', () =>
+  situation({}, async (page, bench) => {
+    bench.rig.say('stuck y2 on');
+    await page.locator('#detail', { hasText: /; no coefficients of elements 1, 2, 3$/ }).waitFor();
+    await page.locator('#troubles li', { hasText: /^channel y2: stuck at one reading/ }).waitFor();
+    await page.waitForFunction(() => document.querySelectorAll('.coefficient .number.struck').length === 6);
+    const usable = (await numbers(page)).filter((number) => !/old$/.test(number));
+    assert.equal(usable.length, 2);
+  }));
+
+test('registers are refreshed more slowly than they are polled: the numbers may be used, their ± is wide, and why is said', () =>
+  situation({ rig: ['--refresh', '0.02'] }, async (page) => {
+    await page.locator('#phasor-notes li', { hasText: /^y1: refreshed every 2\d(\.\d)? ms, polled every [\d.]+ ms; each new value counts once/ }).waitFor();
+    const [value, U] = (await numbers(page))[0].match(/^([\d.]+) ± ([\d.]+) kN\/m$/).slice(1).map(Number);
+    assert.ok(U > 0.1 && Math.abs(value - 24) < 2 * U, `${value} ± ${U}`);
+    assert.equal(await page.locator('#state').getAttribute('data-tone'), 'calm');
+  }));
