@@ -4,8 +4,9 @@ import { setText, show } from './dom.mjs';
 const $ = (id) => document.getElementById(id);
 const kiosk = new URLSearchParams(location.search).has('kiosk');
 
-// Alarms are counted in the head, and traces fill what is left.
-const PARTS = [['warnings', 'warnings of the dwell'], ['legend', 'notes on the coefficients'], ['phasor-notes', 'warnings of channels']];
+// Alarms are counted in the head.
+const PARTS = [['warnings', 'warnings of the dwell'], ['legend', 'notes on the coefficients'], ['traces', 'traces'],
+  ['phasor-notes', 'warnings of channels']];
 
 const bottomOf = (node) => node.getBoundingClientRect().bottom; // 0 where it is hidden
 

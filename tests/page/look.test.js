@@ -66,6 +66,20 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
     await page.waitForSelector('#state[data-kind=measuring]');
     await page.waitForSelector('.arrow');
     if (size !== 'wall') await page.locator('#event-rows li').first().waitFor();
+    // However long a number is, and old: neither it nor its trend reaches into the neighbour.
+    const crossed = await page.evaluate(() => [...document.querySelectorAll('.coefficient')].flatMap((cell) => {
+      const [number, trend] = [cell.querySelector('.number'), cell.querySelector('.trend')];
+      return [['7.99978', ' ± 0.00099', false], ['24.001', ' ± 0.025', true]].filter(([value, pm, struck]) => {
+        number.children[0].textContent = value;
+        number.children[1].textContent = pm;
+        number.children[4].textContent = struck ? ' 7.3 s old' : '';
+        number.classList.toggle('struck', struck);
+        const right = Math.max(number.getBoundingClientRect().right, trend.getBoundingClientRect().right);
+        return right > cell.getBoundingClientRect().right + 1;
+      }).map(([value]) => `${cell.innerText}: ${value}`);
+    }));
+    assert.deepEqual(crossed, []);
+    await page.waitForFunction(() => !document.querySelector('.coefficient .struck'));
     await check(page, `measured-${size}`);
     if (size === 'wall') {
       // Read from across the room, without scrolling.
