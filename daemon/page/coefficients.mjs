@@ -42,21 +42,23 @@ export const generalWarnings = (dwell) => unsaid(dwell).filter((text) => !namesS
 // Names a dwell among all of a service's runs: its index begins anew with each.
 export const keyOf = (dwell) => `${dwell.start_utc} ${dwell.index}`;
 
+// The doubts that concern an element.
+const about = (doubts, k) => doubts.filter((d) => d.elements.length === 0 || d.elements.includes(k));
+
 // Coefficients that a dwell or its transient gives, remembered for when they are withdrawn: an operator must see that the
 // number before his eyes a second ago is gone, and from when it was.
 export class LastNumbers {
   key = null; // of their dwell
   index = null;
-  elements = []; // as in a dwell
+  elements = []; // as in a dwell; where there is a number: when it was seen, and the doubts about it then
   t = null; // when they were seen last, s of the page's clock
   ended_by = null;
-  doubts = []; // of their dwell: they hold after its end
 
   take(dwell, now) {
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
     const before = this.key === keyOf(dwell) ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
-    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: now } : before.get(e.k) ?? e));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t: now, doubts: dwell.doubts,
+    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: now, doubts: about(dwell.doubts, e.k) } : before.get(e.k) ?? e));
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t: now,
       ended_by: dwell.state === 'complete' ? dwell.ended_by : null });
   }
 
@@ -64,17 +66,20 @@ export class LastNumbers {
   takeEnded(dwell, ended_ms, now, nowMs) {
     if (this.key === keyOf(dwell)) {
       this.ended_by = dwell.ended_by;
-      this.doubts = dwell.doubts;
+      if (dwell.doubts.length > 0) this.elements = this.elements.map((e) => (e.identifiable ? { ...e, doubts: about(dwell.doubts, e.k) } : e));
       return;
     }
     if (this.t !== null && now - this.t < (nowMs - ended_ms) / 1e3) return;
     const t = now - (nowMs - ended_ms) / 1e3;
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, elements: dwell.elements.map((e) => ({ ...e, seen: t })),
-      t, ended_by: dwell.ended_by, doubts: dwell.doubts });
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by,
+      elements: dwell.elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k) })) });
+  }
+
+  // They hold after the end of the dwell, and after a moment in which there were no numbers to be doubted.
+  doubts() {
+    return [...new Set(this.elements.flatMap((e) => e.doubts ?? []))];
   }
 }
-
-const isDoubted = (doubts, k) => doubts.some((d) => d.elements.length === 0 || d.elements.includes(k));
 
 const marksOf = (coefficient, doubted) =>
   [...(coefficient.significant === false ? ['n.s.'] : []), ...(doubted ? ['?'] : [])];
@@ -107,7 +112,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
 
   const shown = (elements, source, title) => ({ source, title, reason: null, elements: elements.map((e) => {
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
-    const doubted = isDoubted(dwell.doubts, e.k);
+    const doubted = about(dwell.doubts, e.k).length > 0;
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
       ? last.elements.find((b) => b.k === e.k && b.identifiable) : null;
     return {
@@ -115,7 +120,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
       reason: e.identifiable ? null : e.reason ?? 'no reason stated',
       cells: cellsOf(e, doubted, age, source === 'measured' ? dwell : null),
       budget: e.budget ?? [],
-      last: before ? cellsOf(before, false, ageText(now - before.seen)) : null,
+      last: before ? cellsOf(before, before.doubts.length > 0, ageText(now - before.seen)) : null,
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
         ...dwell.warnings.filter((text) => namesElement(text, e.k) && !dwell.doubts.some((d) => d.what === text))
           .map((text) => ({ tone: 'care', text }))],
@@ -139,10 +144,10 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
   return {
     source: 'last',
     title: `last dwell: ${last.index}, ended ${lastAge} ago${last.ended_by ? `: ${last.ended_by}` : ''}${
-      last.doubts.map((d) => `; do not rely on ${whom([d])}: ${d.what}`).join('')}`,
+      last.doubts().map((d) => `; do not rely on ${whom([d])}: ${d.what}`).join('')}`,
     reason: null,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, isDoubted(last.doubts, e.k), gone ? lastAge : null), last: null, notes: [],
+      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null), last: null, notes: [],
       budget: [] })),
   };
 }
