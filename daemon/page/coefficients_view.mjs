@@ -13,7 +13,7 @@ const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty'
 // Parts of a number apart, so that they can be aligned and the unit stand smaller.
 export function makeNumber() {
   return h('span', { class: 'number' }, h('span', { class: 'value' }), h('span', { class: 'pm' }), h('span', { class: 'unit' }),
-    h('span', { class: 'marks' }), h('span', { class: 'age' }));
+    h('span', { class: 'marks' }), ' ', h('span', { class: 'age' }));
 }
 
 export function renewNumber(node, { number, struck, marks = [] }) {
@@ -23,7 +23,7 @@ export function renewNumber(node, { number, struck, marks = [] }) {
   setText(pm, number.u ? ` ± ${number.u}` : '');
   setText(unit, number.unit ? ` ${number.unit}` : '');
   setText(mark, marks.map((m) => ` ${m}`).join(''));
-  setText(age, struck ? ` ${struck} old` : '');
+  setText(age, struck ? `${struck} old` : '');
 }
 
 function makeCell(cell) {
