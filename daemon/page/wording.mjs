@@ -62,7 +62,7 @@ export function modelOf(model) {
   let text = model.verdict;
   if (isNumber(model.seen)) text += `, off by ${percentText(model.seen)} ± ${percentText(model.U)}`;
   text += ` (accuracy asked for: ${percentText(model.asked)})`;
-  if (model.consistent === false) text += '; not consistent: noise and stated uncertainties do not explain all that is left, ± may be too small';
+  if (model.consistent === false) text += '; not consistent: more is left than noise and stated uncertainties explain, ± may be too small';
   const bad = model.verdict === 'not adequate' || model.consistent === false;
   return { text, tone: bad ? 'care' : 'calm' };
 }
