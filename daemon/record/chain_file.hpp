@@ -31,7 +31,7 @@ class ChainWriter {
   [[nodiscard]] static Result<ChainWriter> create(const std::string& path, ChainSort sort, std::string origin,
                                                   const SigningKey& key);
   // A file without entries, made in advance: that takes four waits for the disk, its first commit then one. It may be
-  // handed to another thread. Before the first append() it takes its name.
+  // handed to another thread. Before the first append() it takes its name. Where this fails, it leaves no file behind.
   [[nodiscard]] static Result<ChainWriter> create_ahead(const std::string& path, ChainSort sort);
   // The prepared file is also at `path` from now on, its log as well. Does not wait for the disk: a loss of power may
   // leave it at the first name alone.

@@ -279,10 +279,13 @@ Result<ChainWriter> ChainWriter::create_ahead(const std::string& path, ChainSort
   if (Result<void> made = make_file(path, sort); !made) return fails(std::move(made.error()));
   auto impl = std::make_unique<Impl>();
   impl->path = path;
-  if (Result<void> connected = impl->connect(); !connected) return fails(std::move(connected.error()));
-  ChainWriter writer(std::move(impl));
-  if (Result<void> begun = writer.begin_log(); !begun) return fails(std::move(begun.error()));
-  return writer;
+  Result<void> connected = impl->connect();
+  std::optional<ChainWriter> writer(ChainWriter(std::move(impl)));
+  Result<void> begun = connected ? writer->begin_log() : std::move(connected);
+  if (begun) return std::move(*writer);
+  writer.reset();
+  for (const std::string& own : {path + "-wal", path}) ::unlink(own.c_str());
+  return fails(std::move(begun.error()));
 }
 
 // A transaction that changes nothing. With it the log's header is on the disk, and so is the log's name.

@@ -40,7 +40,6 @@ Result<ChainWriter> PreparedRun::take(std::int64_t run) {
   Result<ChainWriter> file = made_.get();
   run_ = 0;
   if (file) return file;
-  remove(run);
   return ChainWriter::create_ahead(path_of(run), ChainSort::run);
 }
 
@@ -53,14 +52,29 @@ std::vector<std::int64_t> PreparedRun::left_over() const {
   return runs;
 }
 
+Result<std::optional<RunHeader>> PreparedRun::header_of(std::int64_t run) const {
+  const std::string path = path_of(run);
+  const auto unclear = [](const std::string& why) {
+    return tl::unexpected(why + "; it may hold a run: move it elsewhere");
+  };
+  auto reader = ChainReader::open(path, ChainSort::run);
+  if (!reader) return unclear(reader.error());
+  const auto first = reader->next();
+  if (!first) return unclear(first.error());
+  if (!*first) return std::nullopt;
+  auto header = parse_run_header((*first)->entry.body);
+  if (!header) return unclear(path + ": " + header.error());
+  return std::move(*header);
+}
+
 void PreparedRun::remove(std::int64_t run) const noexcept {
   for (const char* part : {"-wal", ""}) unlink((path_of(run) + part).c_str());
 }
 
 void PreparedRun::discard() {
   if (run_ == 0) return;
-  { const Result<ChainWriter> unused = made_.get(); }
-  remove(run_);
+  const bool made = made_.get().has_value();
+  if (made) remove(run_);
   run_ = 0;
 }
 

@@ -1,6 +1,7 @@
 #include "daemon/record/run_folder.hpp"
 
 #include <sys/random.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -48,6 +49,14 @@ std::string file_of_run(const std::string& directory, std::int64_t run) {
     if (run_of_file_name(name) == run) return name;
   }
   return {};
+}
+
+// Whether different files stand at the two names.
+bool are_two_files(const std::string& a, const std::string& b) {
+  struct stat one {
+  }, other{};
+  return lstat(a.c_str(), &one) == 0 && lstat(b.c_str(), &other) == 0 &&
+         (one.st_dev != other.st_dev || one.st_ino != other.st_ino);
 }
 
 Result<void> append_and_commit(ChainWriter& file, std::span<const NewEntry> entries) {
@@ -127,7 +136,8 @@ struct RunFolder::Impl {
   std::optional<ChainWriter> file;
   std::string name, origin;
   std::int64_t run = 0;
-  std::optional<Anchor> last_head;  // of the run before
+  bool has_first_name = false, has_name = false;  // what stands at a name that was not taken is not ours
+  std::optional<Anchor> last_head;                // of the run before
   Beside beside;
 
   // The file that was cut off is not altered.
@@ -165,6 +175,10 @@ struct RunFolder::Impl {
     if (full.empty()) full = run_file_name(options.rig, number, compact_utc(header.start_utc));
     const std::string path = prepared.path_of(number), to = options.directory + "/" + full;
     for (const char* part : {"-wal", ""})
+      if (are_two_files(to + part, path + part))
+        return tl::unexpected(to + part + ": is not the run that a crash left at " + path + part +
+                              ", but stands at its name: move it elsewhere");
+    for (const char* part : {"-wal", ""})
       if (link((path + part).c_str(), (to + part).c_str()) != 0 && errno != EEXIST && errno != ENOENT)
         return tl::unexpected(to + part + ": " + std::strerror(errno));
     if (auto kept = ChainWriter::drop_name(path, to); !kept) return tl::unexpected(kept.error());
@@ -176,13 +190,12 @@ struct RunFolder::Impl {
   Result<void> tell_of_crash() {
     std::vector<std::pair<RunHeader, std::string>> unknown;
     for (const std::int64_t number : prepared.left_over()) {
-      auto reader = ChainReader::open(prepared.path_of(number), ChainSort::run);
-      const auto first = reader ? reader->next() : tl::unexpected(reader.error());
-      if (const auto header =
-              first && *first ? parse_run_header((*first)->entry.body) : tl::unexpected(std::string())) {
-        const auto given = give_name(number, *header);
+      const auto header = prepared.header_of(number);
+      if (!header) return tl::unexpected(header.error());
+      if (*header) {
+        const auto given = give_name(number, **header);
         if (!given) return tl::unexpected(given.error());
-        if (signs->ledger.file_of(number).empty()) unknown.emplace_back(*header, *given);
+        if (signs->ledger.file_of(number).empty()) unknown.emplace_back(**header, *given);
       }
       prepared.remove(number);
     }
@@ -221,8 +234,9 @@ struct RunFolder::Impl {
 
   void remove_file() {
     file.reset();
-    for (const char* part : {"", "-wal", "-shm"}) unlink((options.directory + "/" + name + part).c_str());
-    prepared.remove(run);
+    if (has_name)
+      for (const char* part : {"", "-wal", "-shm"}) unlink((options.directory + "/" + name + part).c_str());
+    if (has_first_name) prepared.remove(run);
   }
 
   // Enters a run without a file into the ledger, with the reason.
@@ -238,9 +252,12 @@ struct RunFolder::Impl {
 
   Result<void> fill_file(const RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) {
     auto made = prepared.take(run);
+    has_first_name = made.has_value();
+    has_name = false;
     if (!made) return tl::unexpected(made.error());
     file.emplace(std::move(*made));
     if (auto named = file->take_name(options.directory + "/" + name, origin, signs->key); !named) return named;
+    has_name = true;
     if (auto appended = file->append("run", t_ns, to_json(header)); !appended) return appended;
     return append_and_commit(*file, first);
   }

@@ -167,5 +167,69 @@ TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
   EXPECT_EQ(ledger_says(scratch.path()), "");
 }
 
+// The full name of the run, at which something else stands.
+std::string foreign_file(const Scratch& scratch) { return scratch.write("bench-1-20261123T000000Z.dwell", "foreign"); }
+
+TEST(AFileAtTheFirstNameOfARun, ThatCannotBeReadIsLeftWhereItIsAndNothingIsRecordedThere) {
+  const Scratch scratch;
+  const std::string file = scratch.write("next-1.new", "half a run, perhaps");
+  {
+    RunFolder folder(folder_options(scratch.path()));
+    const auto opened = folder.open();
+    ASSERT_FALSE(opened);
+    EXPECT_NE(opened.error().find(fs::path(file).filename().string()), std::string::npos) << opened.error();
+    EXPECT_NE(opened.error().find("it may hold a run: move it elsewhere"), std::string::npos) << opened.error();
+  }
+  EXPECT_EQ(Scratch::read(file), "half a run, perhaps");
+  fs::rename(file, scratch.path("elsewhere"));
+  RunFolder folder(folder_options(scratch.path()));
+  const auto opened = folder.open();
+  EXPECT_TRUE(opened) << opened.error();
+}
+
+TEST(AFileAtTheFirstNameOfARun, ThatComesWhileTheServiceRunsIsNotDeleted) {
+  const Scratch scratch;
+  std::string file;
+  {
+    RunFolder folder(folder_options(scratch.path()));
+    ASSERT_TRUE(folder.ready());
+    folder.settle();
+    fs::rename(scratch.path("next-1.new"), scratch.path("elsewhere"));
+    fs::rename(scratch.path("next-1.new-wal"), scratch.path("elsewhere-wal"));
+    RunHeader header = rig_header();
+    header.start_utc = "2026-11-23T00:00:00Z";
+    file = scratch.write("next-2.new", "foreign");
+    ASSERT_FALSE(folder.begin(header, 1, one_event())) << "its prepared file is gone";
+    ASSERT_FALSE(folder.begin(header, 1, one_event())) << "its first name is another file's";
+  }
+  EXPECT_EQ(Scratch::read(file), "foreign");
+}
+
+TEST(AFileAtTheNameOfARun, IsNotTheRunsAndStays) {
+  const Scratch scratch;
+  const std::string file = foreign_file(scratch);
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.ready());
+  RunHeader header = rig_header();
+  header.start_utc = "2026-11-23T00:00:00Z";
+  EXPECT_FALSE(folder.begin(header, 1, one_event()));
+  EXPECT_EQ(Scratch::read(file), "foreign");
+  EXPECT_TRUE(folder.begin(header, 1, one_event())) << "the next run has another name";
+}
+
+TEST(AFileAtTheNameOfARun, IsNotTakenForTheRunThatACrashLeftAtItsFirstName) {
+  const Scratch scratch, before;
+  ASSERT_EQ(record_and_crash(scratch.path(), before.path(), 1), "");
+  give_first_name(scratch.path(), 1);
+  const std::string file = foreign_file(scratch);
+  RunFolder folder(folder_options(scratch.path()));
+  const auto opened = folder.open();
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().find(fs::path(file).filename().string()), std::string::npos) << opened.error();
+  EXPECT_EQ(Scratch::read(file), "foreign");
+  EXPECT_TRUE(fs::exists(scratch.path("next-1.new"))) << "the run";
+  EXPECT_FALSE(fs::exists(file + "-wal")) << "the run's log is no log of that file";
+}
+
 }  // namespace
 }  // namespace dwell::record
