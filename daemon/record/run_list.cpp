@@ -19,13 +19,15 @@ std::uint64_t size_of(const std::string& path) {
   return failed ? 0 : bytes;
 }
 
-std::uint64_t ended_dwells(RunReader& reader) {
+// Fails where the file is damaged.
+Result<std::uint64_t> ended_dwells(RunReader& reader) {
   std::uint64_t dwells = 0;
   const auto read = reader.results(true, [&](const StoredResult&) {
     ++dwells;
     return true;
   });
-  return read ? dwells : 0;
+  if (!read) return tl::unexpected(read.error());
+  return dwells;
 }
 
 std::string end_of_cut_off(const RunReader& reader) {
@@ -52,7 +54,9 @@ ListedRun look_at_run(const std::string& directory, const std::string& name) {
   listed.label = header.label;
   listed.begun_by = header.begun_by;
   listed.begun_utc = header.start_utc;
-  listed.dwells = ended_dwells(*reader);
+  const auto dwells = ended_dwells(*reader);
+  if (!dwells) return listed;
+  listed.dwells = *dwells;
   listed.state = reader->end() ? "closed" : "cut off";
   listed.samples = reader->end() ? reader->end()->samples : 0;
   listed.ended_utc = reader->end() ? reader->end()->utc : end_of_cut_off(*reader);

@@ -29,7 +29,8 @@ struct ListedRun {
 
 using ListedRuns = std::vector<ListedRun>;  // oldest first
 
-// Reads the file `name` of the directory. A file that cannot be read is listed as "unreadable". Takes milliseconds;
+// Reads the file `name` of the directory. A file that cannot be read, or whose results cannot, is listed as
+// "unreadable". Takes milliseconds;
 // longer for a file that was cut off, since its results are read.
 [[nodiscard]] ListedRun look_at_run(const std::string& directory, const std::string& name);
 

@@ -52,6 +52,7 @@ void RunLog::set_clock(const ClockPair& now) {
   const std::int64_t step_ns = (now.utc_ns - now_.utc_ns) - (now.raw_ns - now_.raw_ns);
   const bool first = now_.utc_ns == 0;
   now_ = now;
+  if (!last_.empty() && now_.raw_ns - last_ns_ >= kSilence_ns) write(std::exchange(last_, {}));
   if (first || std::abs(step_ns) < kClockStep_ns) return;
   char text[64];
   std::snprintf(text, sizeof text, "the wall clock was set by %+.3f s", static_cast<double>(step_ns) * 1e-9);
@@ -256,6 +257,7 @@ void RunLog::end(const Record& edge) {
   if (!run_ || !run_->ending.empty()) return cut();
   note_request(edge);
   last_ = take_batch();
+  last_ns_ = now_.raw_ns;
   run_->ending = why_text(static_cast<EndOfRun>(edge.value));
 }
 

@@ -91,6 +91,19 @@ TEST(RunFolder, RunsAreFilesOfTheirOwnThatAuditAsIntactAndTheLedgerKnowsThem) {
   EXPECT_EQ(listed.head.size(), 64u);
 }
 
+TEST(RunFolder, ARunWhoseDwellsCannotBeReadIsListedAsUnreadable) {
+  const Scratch scratch;
+  RunFolder folder(folder_options(scratch.path()));
+  ASSERT_TRUE(folder.ready());
+  RunHeader header = rig_header();
+  header.start_utc = "2026-11-23T00:00:00Z";
+  const std::vector<NewEntry> damaged{{"result", 2, "no JSON"}};
+  ASSERT_TRUE(folder.begin(header, 1, damaged));
+  const ListedRun listed = look_at_run(scratch.path(), folder.file());
+  EXPECT_EQ(listed.state, "unreadable") << "not: cut off, with " << listed.dwells << " dwells";
+  EXPECT_EQ(listed.run, 1);
+}
+
 TEST(RunFolder, TheNextStartTellsOfARunThatWasCutOffAndAltersNoByteOfIt) {
   const Scratch scratch;
   // A crash: the process ends without another word.

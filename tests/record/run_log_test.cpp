@@ -355,6 +355,20 @@ TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
   EXPECT_EQ(events[0].text, "the wall clock was set by +3.000 s");
 }
 
+TEST_F(RunLogTest, TheLastBlockOfARunDoesNotWaitLongForARecordThatNeverComes) {
+  stream.starts();
+  stream.play(2.5);
+  stream.ends();
+  const auto turn = [this](std::int64_t t_ns) { log.set_clock({t_ns, kUtc_ns + t_ns}); };
+  const auto written = [this] { return records_of(store.runs[0]).size(); };
+  turn(stream.t_ns() + RunLog::kSilence_ns - 20'000'000);
+  EXPECT_LT(written(), handed.size()) << "another run may begin at once";
+  turn(stream.t_ns() + RunLog::kSilence_ns);
+  EXPECT_EQ(written(), handed.size());
+  stream.play(1.1);
+  EXPECT_TRUE(store.runs[0].closed);
+}
+
 TEST_F(RunLogTest, TheEndOfTheServiceEndsTheRun) {
   stream.starts();
   stream.play(2.5);
