@@ -184,7 +184,7 @@ struct Service::Impl {
   }
 
   tl::expected<void, std::string> operate(const OperatorRequest& request, const record::Person& by) {
-    if (request.verb != record::Request::Verb::acknowledge) return session->operators().ask(request, by);
+    if (request.verb != OperatorRequest::Verb::acknowledge) return session->operators().ask(request, by);
     return alarms.acknowledge(request.alarm, request.comment, by, {raw_now_ns(), utc_now_ns()});
   }
 

@@ -14,9 +14,6 @@
 namespace dwell::record {
 
 struct Request {
-  // acknowledge concerns an alarm and enters no stream: it is an OperatorRequest, never a Request.
-  enum class Verb : std::uint8_t { start, stop, rearm, acknowledge };
-  Verb verb = Verb::start;
   std::uint16_t number = 0;  // 1 … 65535, then 1 again
   std::string label;         // of start: the run's; empty: none
   StoredEvent event;         // its `what` is "action"; the sink fills in position and instant of the record

@@ -8,7 +8,7 @@
 namespace dwell {
 namespace {
 
-using Verb = record::Request::Verb;
+using Verb = OperatorRequest::Verb;
 
 std::string words(const OperatorRequest& request) {
   switch (request.verb) {
@@ -55,7 +55,6 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
   if (std::string why = obstacle(request.verb); !why.empty()) return tl::unexpected(std::move(why));
   number_ = number_ == UINT16_MAX ? std::uint16_t{1} : static_cast<std::uint16_t>(number_ + 1);
   record::Request told;
-  told.verb = request.verb;
   told.number = number_;
   told.label = request.label;
   told.event.what = "action";
@@ -68,7 +67,9 @@ tl::expected<void, std::string> OperatorRequests::ask(const OperatorRequest& req
   told.event.after = request.verb == Verb::stop ? "no run" : standing();
   log_.info(told.event.text + (request.comment.empty() ? "" : ": " + request.comment));
   if (recorder_ != nullptr) recorder_->request(std::move(told));
-  run_.ask(request.verb, number_);
+  if (request.verb == Verb::start) run_.begin_run(number_);
+  if (request.verb == Verb::stop) run_.end_run(number_);
+  if (request.verb == Verb::rearm) run_.rearm(number_);
   return {};
 }
 

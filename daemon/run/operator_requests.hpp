@@ -15,7 +15,8 @@
 namespace dwell {
 
 struct OperatorRequest {
-  record::Request::Verb verb = record::Request::Verb::start;
+  enum class Verb : std::uint8_t { start, stop, rearm, acknowledge };
+  Verb verb = Verb::start;
   std::string label;    // of start
   std::string comment;  // empty: none
   std::string alarm{};  // of acknowledge: its name
@@ -35,7 +36,7 @@ class OperatorRequests {
   tl::expected<void, std::string> ask(const OperatorRequest& request, const record::Person& by);
 
  private:
-  [[nodiscard]] std::string obstacle(record::Request::Verb verb) const;
+  [[nodiscard]] std::string obstacle(OperatorRequest::Verb verb) const;
   // The state of the run, in words.
   [[nodiscard]] std::string standing() const;
 

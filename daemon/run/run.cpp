@@ -61,20 +61,6 @@ bool Run::refresh() {
   return newer;
 }
 
-bool Run::ask(record::Request::Verb verb, std::uint16_t request) noexcept {
-  switch (verb) {
-    case record::Request::Verb::start:
-      return estimator_.begin_run(request);
-    case record::Request::Verb::stop:
-      return estimator_.end_run(request);
-    case record::Request::Verb::rearm:
-      return estimator_.rearm(request);
-    case record::Request::Verb::acknowledge:
-      break;
-  }
-  return false;
-}
-
 std::optional<WatchedThread> Run::thread() const {
   if (!thread_) return std::nullopt;
   return WatchedThread{"estimate", thread_->last_turn_ns(), kEstimateBound_ns};

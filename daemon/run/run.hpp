@@ -12,7 +12,6 @@
 #include "daemon/estimate/estimation_thread.hpp"
 #include "daemon/estimate/estimator.hpp"
 #include "daemon/estimate/long_work.hpp"
-#include "daemon/record/request.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/watchdog.hpp"
 
@@ -36,9 +35,10 @@ class Run {
   [[nodiscard]] const Snapshot& latest() const noexcept { return estimator_.latest(); }
   // What happened next; false: nothing more so far.
   bool next_event(RunEvent& out) { return estimator_.next_event(out); }
-  // An operator's request, with its number; false: too many at once.
-  bool ask(record::Request::Verb verb, std::uint16_t request) noexcept;
-  bool rearm() noexcept { return estimator_.rearm(); }
+  // An operator's requests, with their numbers; false: too many at once.
+  bool begin_run(std::uint16_t request) noexcept { return estimator_.begin_run(request); }
+  bool end_run(std::uint16_t request) noexcept { return estimator_.end_run(request); }
+  bool rearm(std::uint16_t request = 0) noexcept { return estimator_.rearm(request); }
   // The recorder's request for a new run in place of the current one; false: too many at once.
   bool restart() noexcept { return estimator_.begin_run(0); }
   [[nodiscard]] bool has_room() const noexcept { return estimator_.has_room(); }

@@ -9,7 +9,7 @@
 namespace dwell {
 namespace {
 
-using Verb = record::Request::Verb;
+using Verb = OperatorRequest::Verb;
 
 // Longer texts belong into a document beside the run.
 constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;

@@ -257,10 +257,10 @@ TEST_F(ApiTest, ControlAnswersItsVerbs) {
   EXPECT_EQ(control(R"({"verb":"start","label":"sweep 3","comment":"ä new damper"})")["done"], true);
   EXPECT_EQ(control(R"({"verb":"stop"})")["done"], true);
   ASSERT_EQ(asked.size(), 3u);
-  EXPECT_EQ(asked[1].verb, record::Request::Verb::start);
+  EXPECT_EQ(asked[1].verb, OperatorRequest::Verb::start);
   EXPECT_EQ(asked[1].label, "sweep 3");
   EXPECT_EQ(asked[1].comment, "ä new damper");
-  EXPECT_EQ(asked[2].verb, record::Request::Verb::stop);
+  EXPECT_EQ(asked[2].verb, OperatorRequest::Verb::stop);
 }
 
 TEST_F(ApiTest, ControlSaysWhatIsWrongWithALine) {

@@ -50,7 +50,7 @@ TEST(HttpActions, AskTheSameAsTheControlSocketDoes) {
   ASSERT_EQ(asked.size(), 4u);
   EXPECT_EQ(asked[0].label, "sweep 3");
   EXPECT_EQ(asked[0].comment, "new damper");
-  EXPECT_EQ(asked[1].verb, record::Request::Verb::rearm);
+  EXPECT_EQ(asked[1].verb, OperatorRequest::Verb::rearm);
 }
 
 TEST(HttpActions, AnAlarmIsAcknowledgedByItsName) {
@@ -63,7 +63,7 @@ TEST(HttpActions, AnAlarmIsAcknowledgedByItsName) {
             200);
   EXPECT_EQ(action_answer("acknowledge", post("{}"), operate).status, 400);
   ASSERT_EQ(asked.size(), 1u);
-  EXPECT_EQ(asked[0].verb, record::Request::Verb::acknowledge);
+  EXPECT_EQ(asked[0].verb, OperatorRequest::Verb::acknowledge);
   EXPECT_EQ(asked[0].alarm, "channel:y1");
   EXPECT_EQ(asked[0].comment, "cable pulled");
 }

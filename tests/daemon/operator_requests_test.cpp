@@ -12,7 +12,7 @@
 namespace dwell {
 namespace {
 
-using Verb = record::Request::Verb;
+using Verb = OperatorRequest::Verb;
 
 struct OperatorRequestsTest : testing::Test {
   struct Sink final : record::RequestSink {
@@ -47,7 +47,6 @@ TEST_F(OperatorRequestsTest, TheRecordLearnsWhoAskedForWhatAndWhyBeforeTheStream
   EXPECT_EQ(ask(Verb::stop), "");
   ASSERT_EQ(sink.requests.size(), 3u);
   const record::Request &start = sink.requests[0], &rearm = sink.requests[1], &stop = sink.requests[2];
-  EXPECT_EQ(start.verb, Verb::start);
   EXPECT_EQ(start.number, 1);
   EXPECT_EQ(start.label, "sweep 3");
   EXPECT_EQ(start.event.what, "action");

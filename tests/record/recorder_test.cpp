@@ -57,7 +57,7 @@ TEST_F(RecorderTest, WhatItIsHandedStandsInTheFileBitForBit) {
     SyntheticStream stream = stream_to(recorder);
     stream.armed();
     stream.play(1.0);
-    Request start{.verb = Request::Verb::start, .number = 1, .label = "first", .event = {}};
+    Request start{.number = 1, .label = "first", .event = {}};
     start.event.what = "action";
     start.event.person = Person{1000, "anna"};
     recorder.request(start);

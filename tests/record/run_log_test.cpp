@@ -206,7 +206,7 @@ TEST_F(RunLogTest, ResultsAndEventsFollowTheBlockOfTheirPositionAndFinalsComeAft
 }
 
 TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosition) {
-  Request start{.verb = Request::Verb::start, .number = 3, .label = "oil film", .event = {}};
+  Request start{.number = 3, .label = "oil film", .event = {}};
   start.event.what = "action";
   start.event.text = "start";
   start.event.comment = "second try";
@@ -216,7 +216,7 @@ TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosi
   stream.begins(3);
   const std::uint64_t began = stream.position();
   stream.play(2.0);
-  Request stop{.verb = Request::Verb::stop, .number = 4, .label = {}, .event = {}};
+  Request stop{.number = 4, .label = {}, .event = {}};
   stop.event.text = "stop";
   log.request(stop);
   stream.ends(EndOfRun::by_operator, 4);
