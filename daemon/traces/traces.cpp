@@ -12,6 +12,12 @@ std::size_t readings_each(std::size_t channels) {
   return std::min(TraceReadings::kMost, room);
 }
 
+// The number as it is kept; NaN: a float32 does not hold it.
+float kept(double value) noexcept {
+  const bool fits = std::abs(value) <= double{std::numeric_limits<float>::max()};
+  return fits ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN();
+}
+
 }  // namespace
 
 Traces::Traces(const Rig& rig)
@@ -36,9 +42,9 @@ void Traces::take(const Record& record) noexcept {
   if (record.kind != Kind::sample) return;
   if ((record.flags & kGap) != 0) break_trace(channel, record.t_ns);
   const double value = trace.scale * record.value + trace.offset;
-  if (trace.withheld || !std::isfinite(value) || value < trace.low || value > trace.high)
+  const float shown = kept(value);
+  if (trace.withheld || !std::isfinite(shown) || value < trace.low || value > trace.high)
     return break_trace(channel, record.t_ns);
-  const auto shown = static_cast<float>(value);
   trace.readings.push(record.t_ns, shown);
   for (TraceBins& bins : bins_) bins.at(channel, bins.newest()).take(shown);
 }
@@ -76,7 +82,7 @@ std::size_t Traces::level_of(std::int64_t step_ns) noexcept {
 }
 
 std::int64_t Traces::instant(double t_s) const noexcept {
-  return origin_ns_ + static_cast<std::int64_t>(std::clamp(t_s, 0.0, newest_s()) * 1e9);
+  return origin_ns_ + std::llround(std::clamp(t_s, 0.0, newest_s()) * 1e9);
 }
 
 Traces::Stretch Traces::cut(std::int64_t from_ns, std::int64_t to_ns, std::int64_t step_ns) const noexcept {
@@ -112,6 +118,8 @@ std::vector<TraceBin> Traces::bins_of_readings(const Stretch& stretch, std::size
   std::vector<TraceBin> bins(static_cast<std::size_t>(stretch.count));
   const std::int64_t from_ns = origin_ns_ + stretch.first * stretch.step_ns,
                      to_ns = from_ns + stretch.count * stretch.step_ns;
+  // The first bin may have begun before the oldest reading that is kept.
+  bins.front().broken = traces_[channel].readings.oldest_ns() > from_ns;
   traces_[channel].readings.between(from_ns, to_ns, [&](std::int64_t t_ns, float reading) {
     TraceBin& bin = bins[static_cast<std::size_t>((t_ns - from_ns) / stretch.step_ns)];
     const float value = shown(t_ns, reading);
@@ -131,6 +139,7 @@ std::vector<TraceBin> Traces::read(const Stretch& stretch, std::size_t channel) 
   std::vector<TraceBin> bins(static_cast<std::size_t>(stretch.count));
   const std::int64_t from = std::max(stretch.first * ratio, bins_[level].oldest()),
                      to = std::min((stretch.first + stretch.count) * ratio - 1, bins_[level].newest());
+  bins.front().broken = from > stretch.first * ratio;  // some of what it is made of is no longer kept
   for (std::int64_t number = from; number <= to; ++number)
     bins[static_cast<std::size_t>(number / ratio - stretch.first)].merge(bins_[level].at(channel, number));
   return bins;
@@ -139,7 +148,7 @@ std::vector<TraceBin> Traces::read(const Stretch& stretch, std::size_t channel) 
 std::vector<TraceBin> Traces::read_less(const Stretch& stretch, std::size_t channel, const SteadyPart& less) const {
   return bins_of_readings(stretch, channel, [&](std::int64_t t_ns, float reading) {
     const bool holds = t_ns >= less.from_ns() && t_ns <= less.to_ns();
-    return holds ? static_cast<float>(reading - less.at(channel, t_ns)) : std::numeric_limits<float>::quiet_NaN();
+    return kept(holds ? reading - less.at(channel, t_ns) : kNaN);
   });
 }
 

@@ -131,6 +131,49 @@ TEST_F(TracesTest, ATraceBreaksWhereReadingsAreMissingOrNotShown) {
   EXPECT_FALSE(bins[2].empty()) << "the reading after a loss is";
 }
 
+TEST_F(TracesTest, AReadingThatNoFloat32HoldsIsMissing) {
+  tick(0.0);
+  sample(0.01, 1.0);
+  for (const double beyond : {1e39, -1e39}) sample(0.03, beyond);
+  sample(0.05, 1e38);
+  for (const std::int64_t points : {100, 3}) {  // of readings, and as kept
+    const auto bins = read(0.0, 0.05, points);
+    for (const TraceBin& bin : bins) {
+      EXPECT_TRUE(bin.empty() || (std::isfinite(bin.low) && std::isfinite(bin.high))) << bin.low << " " << bin.high;
+      EXPECT_TRUE(!bin.broken || bin.empty());
+    }
+    EXPECT_EQ(std::count_if(bins.begin(), bins.end(), [](const TraceBin& bin) { return bin.broken; }), 1);
+  }
+}
+
+TEST_F(TracesTest, AStretchBeginsWithTheBinThatBeginsThen) {
+  run(0.0, 100.0);
+  for (int number = 0; number < 3000; ++number) {
+    (void)read(0.02 * number, 99.0, 5000);
+    ASSERT_EQ(stretch.step_ns, 20 * kMs_ns);
+    ASSERT_EQ(stretch.first, number);
+  }
+}
+
+TEST_F(TracesTest, ABinOfWhichReadingsAreNoLongerKeptIsBroken) {
+  // More readings than are kept, 1000 a second: the oldest that is kept stands within a bin of 5 ms.
+  const auto each = static_cast<std::int64_t>(
+      std::min(TraceReadings::kMost, Traces::kReadingBytes / TraceReadings::kBytesEach / rig.channels.size()));
+  for (std::int64_t i = 0; i < each + 10'003; ++i) sample(static_cast<double>(i) / 1000.0, 1.0);
+  const double oldest_s = 10.003;
+  auto bins = read(oldest_s, oldest_s + 1.0, 250);
+  ASSERT_EQ(stretch.step_ns, 5 * kMs_ns);
+  EXPECT_TRUE(bins[0].broken) << "of its five readings two are left";
+  EXPECT_FALSE(bins[1].broken);
+  tick(2000.01);  // bins of 80 ms are made of those of 20 ms or kept themselves
+  bins = read(0.0, 2000.0, 200);
+  EXPECT_FALSE(bins[0].broken) << "nothing has been overwritten in these";
+  tick(20'000.01);
+  bins = read(0.0, 20'000.0, 4000);
+  EXPECT_TRUE(bins[0].broken);
+  EXPECT_FALSE(bins[1].broken);
+}
+
 TEST_F(TracesTest, LessTheSteadyPartTheTransientIsLeft) {
   rig.channels[0] = rig.channels[1] = Channel{};
   rig.channels[1].measures = Quantity::acceleration;
