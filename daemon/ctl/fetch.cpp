@@ -34,13 +34,20 @@ tl::expected<Url, std::string> url_of(const Service& service) {
   return url;
 }
 
+tl::expected<Url, int> usable_url(const Service& service) {
+  auto url = url_of(service);
+  if (url) return std::move(*url);
+  std::fprintf(stderr, "dwellctl: %s\n", printable(url.error()).c_str());
+  return tl::unexpected(static_cast<int>(kUsage));
+}
+
 tl::expected<Json, int> fetch(const Service& service, const std::string& path) {
-  const auto url = url_of(service);
-  if (!url) {
-    std::fprintf(stderr, "dwellctl: %s\n", printable(url.error()).c_str());
-    return tl::unexpected(static_cast<int>(kUsage));
-  }
-  const auto answer = http_get(*url, path);
+  const auto url = usable_url(service);
+  return url ? fetch(service, *url, path) : tl::unexpected(url.error());
+}
+
+tl::expected<Json, int> fetch(const Service& service, const Url& url, const std::string& path) {
+  const auto answer = http_get(url, path);
   if (!answer) return tl::unexpected(unreachable(answer.error()));
   Json value = Json::parse(answer->body, nullptr, false);
   if (answer->status != 200) {

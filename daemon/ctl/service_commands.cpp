@@ -28,7 +28,9 @@ const Json* array_in(const Json& value, const char* name) {
 }  // namespace
 
 int status(const Service& service) {
-  const auto value = fetch(service, "/api/v1/dwell");
+  const auto url = usable_url(service);
+  if (!url) return url.error();
+  const auto value = fetch(service, *url, "/api/v1/dwell");
   if (!value) return value.error();
   const auto view = dwell_from_json(*value);
   if (!view) return not_the_service(service.url, view.error());
@@ -37,7 +39,7 @@ int status(const Service& service) {
   } else {
     print(dwell_text(*view));
     // A service too old to tell, or one that has just ended, says nothing of its lines.
-    if (const auto answer = http_get(*url_of(service), "/api/v1/health"))
+    if (const auto answer = http_get(*url, "/api/v1/health"))
       print(gpio_text(Json::parse(answer->body, nullptr, false)));
   }
   return view->dwell.state == State::measuring && view->dwell.doubts.empty() ? kDone : kNo;

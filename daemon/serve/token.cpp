@@ -1,22 +1,20 @@
 #include "daemon/serve/token.hpp"
 
-#include <fcntl.h>
 #include <openssl/crypto.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 
 #include "config/sha256.hpp"
+#include "daemon/record/small_file.hpp"
 
 namespace dwell {
 namespace {
 
-using Text = tl::expected<std::string, std::string>;
+// Of a file that is read at all: far more than a token, so that what is too long is told by its length.
+constexpr std::size_t kMostBytes = 4096;
 
 std::string octal(mode_t mode) {
   std::array<char, 8> text{};
@@ -24,34 +22,15 @@ std::string octal(mode_t mode) {
   return text.data();
 }
 
-// One byte more than a token and its end of line may have: what is longer is seen to be.
-Text bytes_of(int file, const std::string& cannot) {
-  struct stat status {};
-  if (file < 0 || fstat(file, &status) != 0) return tl::unexpected(cannot + std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) return tl::unexpected(std::string("is no regular file: expected a file with one line"));
-  if ((status.st_mode & S_IRWXO) != 0)
-    return tl::unexpected("is open to every user of this computer (mode " + octal(status.st_mode) +
-                          "): expected 0640 or less; chmod o= it, and put another token in");
-  std::array<char, Token::kMost + 2> buffer{};
-  std::size_t size = 0;
-  while (size < buffer.size()) {
-    const ssize_t got = read(file, buffer.data() + size, buffer.size() - size);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return tl::unexpected(cannot + std::strerror(errno));
-    if (got == 0) break;
-    size += static_cast<std::size_t>(got);
-  }
-  return std::string(buffer.data(), size);
-}
-
 }  // namespace
 
 tl::expected<Token, std::string> Token::read(const std::string& path) {
-  // Non-blocking, so that a named pipe is refused rather than waited for.
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  Text text = bytes_of(file, "cannot be read: ");
-  if (file >= 0) close(file);
-  if (!text) return tl::unexpected(text.error());
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0 && S_ISREG(status.st_mode))
+    return tl::unexpected("is open to every user of this computer (mode " + octal(status.st_mode) +
+                          "): expected 0640 or less; chmod o= it, and put another token in");
+  auto text = record::read_small_file(path, kMostBytes);
+  if (!text) return tl::unexpected("cannot be read: " + text.error().substr(path.size() + 2));  // behind "PATH: "
   if (!text->empty() && text->back() == '\n') text->pop_back();
   const std::string expected = ": expected one line of " + std::to_string(kFewest) + " to " + std::to_string(kMost) +
                                " characters; openssl rand -hex 16 makes one";

@@ -49,6 +49,22 @@ TEST(CommandLine, WrongUsageIsExitCode2) {
   }
 }
 
+// As a shell's <(command) makes it: it can be read once.
+TEST(CommandLine, StatusReadsTheTokenOnce) {
+  int pipe[2] = {-1, -1};
+  ASSERT_EQ(::pipe(pipe), 0);
+  const std::string token = "0123456789abcdef0123456789abcdef";
+  ASSERT_EQ(::write(pipe[1], (token + "\n").c_str(), token.size() + 1), static_cast<ssize_t>(token.size() + 1));
+  ::close(pipe[1]);
+  ScriptedServer server({{http_reply(200, sample_text())}, {http_reply(200, R"({"gpio":{}})")}});
+  const Outcome outcome = run({"status", "--url", server.url(), "--token-file", "/dev/fd/" + std::to_string(pipe[0])});
+  ::close(pipe[0]);
+  EXPECT_TRUE(outcome.code == 0 || outcome.code == 1) << outcome.code << outcome.err;
+  ASSERT_EQ(server.requests().size(), 2U);
+  for (const std::string& request : server.requests())
+    EXPECT_NE(request.find("Authorization: Bearer " + token + "\r\n"), std::string::npos) << request;
+}
+
 TEST(CommandLine, ListsOnlyTheVerbsThatExist) {
   const Outcome outcome = run({"--help"});
   EXPECT_EQ(outcome.code, 0);
