@@ -10,6 +10,7 @@
 #include "daemon/handon/html.hpp"
 #include "daemon/handon/picture.hpp"
 #include "daemon/report/dwell_text.hpp"
+#include "daemon/report/limit_text.hpp"
 #include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
 
@@ -90,6 +91,31 @@ std::string coefficients(const DwellView& view) {
     html += html_heading(4, "Uncertainty budget") +
             html_table({{"element", true}, {"part in u²(c)"}, {"part in u²(r)"}}, budgets);
   return html;
+}
+
+// Of a violated one the row stands out; of one without a verdict it has the reason.
+std::string limits(const DwellView& view) {
+  std::vector<std::vector<Markup>> rows;
+  for (const JudgedLimit& limit : view.limits) {
+    std::string measured = kNoNumber;
+    for (const ElementEstimate& e : view.dwell.elements)
+      if (e.k == limit.element)
+        measured = limit.kind == CoefficientKind::stiffness
+                       ? coefficient_text(view.dwell, e, e.stiffness, stiffness_unit(view.motion))
+                       : coefficient_text(view.dwell, e, e.damping, damping_unit(view.motion));
+    const bool none = limit.verdict == LimitVerdict::none, violated = limit.verdict == LimitVerdict::violated;
+    rows.push_back({limited_text(limit), bounds_text(limit, view.motion), measured,
+                    none       ? Markup("no verdict: " + limit.reason)
+                    : violated ? Markup::made(std::string("<strong class=\"alarm\">violated</strong>"))
+                               : Markup(to_string(limit.verdict))});
+  }
+  if (rows.empty()) return {};
+  return html_heading(4, "Limits") +
+         html_table({{"of"}, {"from the rig file"}, {"measured", true}, {"verdict"}}, rows) +
+         html_list({"Kept: value ± U95 lies wholly within the limits; violated: wholly outside; undecided: it reaches "
+                    "over an "
+                    "end (ISO 14253-1)."},
+                   "notes");
 }
 
 std::optional<std::size_t> reference_of(const Dwell& dwell, std::size_t count) {
@@ -188,6 +214,7 @@ std::string report_dwell(const DwellView& view) {
   std::string html = "<section class=\"dwell\">" + html_heading(3, title);
   html += html_list(doubts, "alarm");
   html += coefficients(view);
+  html += limits(view);
   html += html_list(warnings, "warning");
   html += html_heading(4, "Verdicts") + verdicts(view);
   html += html_heading(4, "Phasors") + phasors(view);

@@ -5,6 +5,8 @@
 
 #include "daemon/handon/html.hpp"
 #include "daemon/handon/picture.hpp"
+#include "daemon/handon/report_dwell.hpp"
+#include "tests/ctl/sample_dwell.hpp"
 #include "tests/handon/handed_run.hpp"
 
 namespace dwell::handon {
@@ -43,6 +45,25 @@ TEST(Report, SaysWhatWasTamperedWithFirst) {
   const std::string page = report_page(selection, *story, audit, test::provenance());
   EXPECT_LT(page.find("tampered: entry 3: its head does not follow"), page.find("<h2>"));
   EXPECT_NE(page.find("not closed: still recorded, or cut off"), std::string::npos);
+}
+
+TEST(Report, HoldsADwellAgainstTheLimitsOfTheRigFile) {
+  Rig rig = test::sample_rig();
+  EXPECT_EQ(report_dwell(make_view(test::sample_dwell(), rig, test::sample_run())).find("Limits"), std::string::npos);
+  rig.limits = {{1, Bounds{23000.0, 25000.0}, Bounds{60.0, 70.0}},
+                {2, Bounds{1.0, 2.0}, std::nullopt},
+                {3, Bounds{1e6, 1.1e6}, std::nullopt}};
+  const std::string html = report_dwell(make_view(test::sample_dwell(), rig, test::sample_run()));
+  const auto row_of = [&html](const std::string& what) {
+    const auto at = html.find("<td>" + what + "</td>");
+    return at == std::string::npos ? "" : html.substr(at, html.find("</tr>", at) - at);
+  };
+  EXPECT_NE(row_of("stiffness of element 1").find("<td>kept</td>"), std::string::npos) << html;
+  EXPECT_NE(row_of("damping of element 1").find("<td>undecided</td>"), std::string::npos);
+  EXPECT_NE(row_of("stiffness of element 3").find("violated"), std::string::npos);
+  EXPECT_NE(row_of("stiffness of element 2").find("no verdict"), std::string::npos);
+  EXPECT_NE(row_of("stiffness of element 1").find("24.010 ± 0.027 kN/m"), std::string::npos)
+      << "what is held against it";
 }
 
 TEST(Html, EscapesWhatComesFromOutside) {
