@@ -1,6 +1,7 @@
 #include "daemon/health.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/rig/limit.hpp"
@@ -72,8 +73,17 @@ const char* to_string(Health::Status status) noexcept {
   return "?";
 }
 
-Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines, const LogStats& log,
-                    const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
+double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept {
+  if (snapshot.sequence == 0) return std::numeric_limits<double>::infinity();
+  return std::max(0.0, static_cast<double>(now_ns - snapshot.t_ns) * 1e-9);
+}
+
+bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept {
+  return estimate_age_s(snapshot, now_ns) > std::max(kStale_s, kStaleUpdates * rig.update_s);
+}
+
+Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns, const gpio::Status& lines,
+                    const LogStats& log, const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
                     bool clock_synchronized) {
   Health health;
   const auto add = [&](std::string name, std::string text) {
@@ -103,8 +113,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status
   health.status = !trouble.empty()        ? Health::Status::fault
                   : none_degrades(health) ? Health::Status::ok
                                           : Health::Status::degraded;
-  health.ready =
-      trouble.empty() && dwell.state == State::measuring && trustworthy(dwell) && interlock.level.value_or(true);
+  health.ready = trouble.empty() && dwell.state == State::measuring && trustworthy(dwell) &&
+                 interlock.level.value_or(true) && !is_overdue(rig, snapshot, now_ns);
   return health;
 }
 

@@ -29,15 +29,24 @@ struct Health {
   enum class Status : std::uint8_t { ok, degraded, fault };
   Status status = Status::ok;
   std::vector<Trouble> troubles;  // with ok, none that degrades
-  bool ready = false;             // a dwell is measured whose coefficients may be relied on; the interlock is not open
-  std::string run{};              // whether a run goes on and is recorded: a fact, no fault
+  // A dwell is measured whose coefficients may be relied on; they are of now; the interlock is not open.
+  bool ready = false;
+  std::string run{};  // whether a run goes on and is recorded: a fact, no fault
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
+// What is known has not been renewed for so long: it is stale. The page and dwellctl watch have the same bounds, for
+// the same reason: one late estimate is no alarm, two missing ones are. By the rig's `update` where that is slower.
+inline constexpr double kStale_s = 2.5;
+inline constexpr double kStaleUpdates = 2.5;
+// Since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.
+[[nodiscard]] double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
+[[nodiscard]] bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept;
+
 // trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should.
 // clock_synchronized: of the computer. Pure.
-[[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, const gpio::Status& lines,
-                                  const LogStats& log, const std::string& trouble,
+[[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns,
+                                  const gpio::Status& lines, const LogStats& log, const std::string& trouble,
                                   const std::vector<record::RecorderAlarm>& recorder = {},
                                   bool clock_synchronized = true);
 

@@ -122,7 +122,7 @@ struct Service::Impl {
       now.recorder = recorder->state(now.now_ns);
       now.runs = recorder->runs();
     }
-    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, watch.trouble(),
+    now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, watch.trouble(),
                               now.recorder ? now.recorder->alarms : std::vector<record::RecorderAlarm>(),
                               record::clock_synchronized());
     return now;

@@ -8,7 +8,6 @@ namespace dwell {
 namespace {
 
 bool is_active(AlarmState state) { return state == AlarmState::unacknowledged || state == AlarmState::acknowledged; }
-bool waits(AlarmState state) { return state == AlarmState::unacknowledged || state == AlarmState::returned; }
 
 // In the order in which operators read them.
 int rank(AlarmState state) { return state == AlarmState::unacknowledged ? 0 : state == AlarmState::returned ? 1 : 2; }
@@ -121,9 +120,13 @@ std::vector<Alarm> AlarmList::alarms() const {
   return list;
 }
 
+std::size_t AlarmList::count(AlarmState state) const noexcept {
+  return static_cast<std::size_t>(std::count_if(alarms_.begin(), alarms_.end(),
+                                                [state](const auto& entry) { return entry.second.state == state; }));
+}
+
 std::size_t AlarmList::unacknowledged() const noexcept {
-  return static_cast<std::size_t>(
-      std::count_if(alarms_.begin(), alarms_.end(), [](const auto& entry) { return waits(entry.second.state); }));
+  return count(AlarmState::unacknowledged) + count(AlarmState::returned);
 }
 
 }  // namespace dwell

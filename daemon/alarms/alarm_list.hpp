@@ -66,6 +66,7 @@ class AlarmList {
 
   // Unacknowledged, then returned, then acknowledged ones; of each the newest first.
   [[nodiscard]] std::vector<Alarm> alarms() const;
+  [[nodiscard]] std::size_t count(AlarmState state) const noexcept;
   // Those that wait for somebody: unacknowledged and returned.
   [[nodiscard]] std::size_t unacknowledged() const noexcept;
   // Troubles that last and found no room.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "daemon/alarms/alarm_list.hpp"
 #include "daemon/serve/element_standing.hpp"
 
 namespace dwell {
@@ -98,7 +99,7 @@ constexpr Register kHeader[] = {
     {3, kWord, "state", "", "0 idle, 1 settling, 2 measuring, 3 complete, 4 fault, 5 stale: not known", state_code},
     {4, kWord, "health", "", "0 ok, 1 degraded, 2 fault", health_code},
     {5, kWord, "ready", "",
-     "1: a dwell is measured whose coefficients may all be relied on, and the interlock is not open",
+     "1: a dwell is measured now whose coefficients may all be relied on, and the interlock is not open",
      [](const Source& s) { return s.now.health.ready ? 1.0 : 0.0; }},
     {6, kWord, "verdict", "", "on the dwell's model: 0 not verified yet, 1 adequate, 2 not adequate", verdict_code},
     {7, kWord, "elements", "", "of the rig", [](const Source& s) { return double(s.now.rig.element_count()); }},
@@ -116,9 +117,11 @@ constexpr Register kHeader[] = {
     {16, kReal, "settles in", "s", "until the dwell has settled, where that is known",
      [](const Source& s) { return while_in(State::settling, s, s.now.snapshot.dwell.settles_in_s); }},
     {18, kReal, "age", "s", "of the estimate, when this image was made; an image is made once a second at least",
-     [](const Source& s) { return estimate_age_s(s.now); }},
+     [](const Source& s) { return estimate_age_s(s.now.snapshot, s.now.now_ns); }},
     {20, kCount, "run", "", "runs of the session so far; 0 where runs are not recorded",
      [](const Source& s) { return s.now.snapshot.run.bracketed ? double(s.now.snapshot.run.number) : 0.0; }},
+    {22, kWord, "alarms", "", "that wait for somebody to acknowledge them",
+     [](const Source& s) { return s.now.alarms == nullptr ? 0.0 : double(s.now.alarms->unacknowledged()); }},
 };
 
 constexpr Register kElement[] = {

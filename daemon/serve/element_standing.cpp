@@ -1,7 +1,6 @@
 #include "daemon/serve/element_standing.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace dwell {
 namespace {
@@ -36,14 +35,8 @@ const char* to_string(Standing standing) noexcept {
   return "?";
 }
 
-double estimate_age_s(const ServiceView& now) noexcept {
-  if (now.snapshot.sequence == 0) return std::numeric_limits<double>::infinity();
-  return std::max(0.0, static_cast<double>(now.now_ns - now.snapshot.t_ns) * 1e-9);
-}
-
 bool is_stale(const ServiceView& now) noexcept {
-  return now.health.status == Health::Status::fault ||
-         estimate_age_s(now) > std::max(kStale_s, kStaleUpdates * now.rig.update_s);
+  return now.health.status == Health::Status::fault || is_overdue(now.rig, now.snapshot, now.now_ns);
 }
 
 Standing standing_of(const ServiceView& now, int k) noexcept {

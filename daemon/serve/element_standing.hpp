@@ -20,15 +20,8 @@ inline constexpr std::array kStandings{Standing::valid, Standing::doubtful, Stan
                                        Standing::not_identifiable, Standing::stale};
 [[nodiscard]] const char* to_string(Standing standing) noexcept;  // "valid", "doubtful", "not settled", …
 
-// What is known has not been renewed for so long: it is stale. The page and dwellctl watch have the same bounds, for
-// the same reason: one late estimate is no alarm, two missing ones are. By the rig's `update` where that is slower.
-inline constexpr double kStale_s = 2.5;
-inline constexpr double kStaleUpdates = 2.5;
-
-// Since the estimation published what `now` shows, s; infinite: it has published nothing.
-[[nodiscard]] double estimate_age_s(const ServiceView& now) noexcept;
-
-// Whether that is too long ago, or the service itself does not work: then nothing of the dwell is known to be true now.
+// Whether what is known is overdue, or the service itself does not work: then nothing of the dwell, its channels and
+// its devices is known to be true now.
 [[nodiscard]] bool is_stale(const ServiceView& now) noexcept;
 
 // How element k (1 …) stands. Pure.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "daemon/alarms/alarm_list.hpp"
+
 namespace dwell {
 namespace {
 
@@ -27,7 +29,13 @@ void write_recorder(const ServiceView& now, Exposition& out) {
   out.sample(count_value(recorder.lost_events));
 }
 
-void write_http(const HttpStats& http, Exposition& out) {
+void write_alarms(const ServiceView& now, Exposition& out) {
+  out.gauge("dwell_alarms", "Alarms by their state. The names: /api/v1/alarms.");
+  for (const AlarmState state : {AlarmState::unacknowledged, AlarmState::acknowledged, AlarmState::returned})
+    out.sample(now.alarms == nullptr ? 0.0 : count_value(now.alarms->count(state)), {{"state", to_string(state)}});
+}
+
+void write_http(const HttpStats& http, std::uint64_t wrong_tokens, Exposition& out) {
   out.gauge("dwell_http_clients", "Connections to the HTTP server.");
   out.sample(count_value(http.clients));
   out.gauge("dwell_http_streams", "Live streams among the connections.");
@@ -40,6 +48,8 @@ void write_http(const HttpStats& http, Exposition& out) {
   out.sample(count_value(http.displaced));
   out.counter("dwell_http_dropped_events_total", "Events of live streams dropped because their reader was slow.");
   out.sample(count_value(http.events_dropped));
+  out.counter("dwell_http_wrong_tokens_total", "Requests that showed a wrong token.");
+  out.sample(count_value(wrong_tokens));
 }
 
 void write_modbus(const ModbusStats& modbus, Exposition& out) {
@@ -74,8 +84,9 @@ void write_service_metrics(const ServiceView& now, Exposition& out) {
     out.sample(thread.turns(now.now_ns) ? 1.0 : 0.0, {{"thread", thread.name}});
   out.counter("dwell_estimate_skipped_turns_total", "Turns of the estimation that came too late and were left out.");
   out.sample(count_value(now.snapshot.skipped_turns));
+  write_alarms(now, out);
   write_recorder(now, out);
-  write_http(now.http, out);
+  write_http(now.http, now.wrong_tokens, out);
   if (now.modbus) write_modbus(*now.modbus, out);
   out.counter("dwell_log_lines_total", "Lines handed to the log.");
   out.sample(count_value(now.log.lines));

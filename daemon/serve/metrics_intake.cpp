@@ -1,4 +1,5 @@
 #include "daemon/serve/channel_status.hpp"
+#include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/metrics.hpp"
 
 namespace dwell {
@@ -11,27 +12,34 @@ void each_channel(const ServiceView& now, Exposition& out, Value value) {
     out.sample(value(now.snapshot.channels[i]), {{"channel", now.rig.channels[i].name}});
 }
 
-void write_channels(const ServiceView& now, Exposition& out) {
+// What holds now. Stale it is left out: a state that stands still would look like one that holds.
+void write_channel_states(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_channel_up", "1: the channel delivers.");
   each_channel(now, out, [](const ChannelView& c) { return c.fault == Fault::none ? 1.0 : 0.0; });
   out.gauge("dwell_channel_status",
             "1 beside the channel's status: ok, what is wrong with its readings, or why there are none.");
   for (std::size_t i = 0; i < now.snapshot.channels.size(); ++i)
     out.sample(1.0, {{"channel", now.rig.channels[i].name}, {"status", status_of(now.snapshot.channels[i])}});
-  out.gauge("dwell_channel_reading_age_seconds", "Since the channel's newest reading was taken in. Absent: none was.");
-  each_channel(now, out, [&](const ChannelView& c) { return reading_age_s(c, now.now_ns); });
   out.gauge("dwell_channel_rate_hertz", "Samples per second of the channel, over the last second.");
   each_channel(now, out, [](const ChannelView& c) { return c.rate_hz; });
   out.gauge("dwell_channel_jitter_seconds",
             "Standard deviation of the stamps from the clock recognized in them. Absent: none is.");
   each_channel(now, out, [](const ChannelView& c) { return c.clock.jitter_s; });
+  out.gauge("dwell_channel_queued_samples", "Samples on their way to the estimation.");
+  each_channel(now, out, [](const ChannelView& c) { return count_value(c.tally.queued); });
+  out.gauge("dwell_device_up", "1: at least one channel of the device delivers.");
+  for (const DeviceView& device : now.snapshot.devices)
+    out.sample(device.up ? 1.0 : 0.0, {{"device", device.name}, {"driver", device.driver}});
+}
+
+void write_channels(const ServiceView& now, Exposition& out) {
+  out.gauge("dwell_channel_reading_age_seconds", "Since the channel's newest reading was taken in. Absent: none was.");
+  each_channel(now, out, [&](const ChannelView& c) { return reading_age_s(c, now.now_ns); });
   out.counter("dwell_channel_received_samples_total",
               "Samples handed in by the driver. They are used, dropped or queued.");
   each_channel(now, out, [](const ChannelView& c) { return count_value(c.tally.received); });
   out.counter("dwell_channel_used_samples_total", "Samples that the estimation took into account.");
   each_channel(now, out, [](const ChannelView& c) { return count_value(c.tally.used); });
-  out.gauge("dwell_channel_queued_samples", "Samples on their way to the estimation.");
-  each_channel(now, out, [](const ChannelView& c) { return count_value(c.tally.queued); });
   out.counter("dwell_channel_lost_samples_total", "Samples recognized as lost before they arrived.");
   each_channel(now, out, [](const ChannelView& c) { return count_value(c.clock.lost); });
   out.counter("dwell_channel_gaps_total", "Times that samples of the channel were lost.");
@@ -56,9 +64,6 @@ void write_dropped(const ServiceView& now, Exposition& out) {
 }
 
 void write_devices(const ServiceView& now, Exposition& out) {
-  out.gauge("dwell_device_up", "1: at least one channel of the device delivers.");
-  for (const DeviceView& device : now.snapshot.devices)
-    out.sample(device.up ? 1.0 : 0.0, {{"device", device.name}, {"driver", device.driver}});
   out.counter("dwell_device_faults_total", "Faults of the device, by their kind.");
   for (const DeviceView& device : now.snapshot.devices)
     for (int kind = 1; kind < kFaultCount; ++kind)
@@ -91,6 +96,7 @@ void write_lines(const ServiceView& now, Exposition& out) {
 }  // namespace
 
 void write_intake_metrics(const ServiceView& now, Exposition& out) {
+  if (!is_stale(now)) write_channel_states(now, out);
   write_channels(now, out);
   write_dropped(now, out);
   write_devices(now, out);

@@ -51,13 +51,14 @@ void write_coefficients(const ServiceView& now, Exposition& out) {
 }
 
 void write_model(const ServiceView& now, Exposition& out) {
+  out.gauge("dwell_model_error_limit_ratio",
+            "Largest error of a prediction that is asked for, as part of a channel's rms.");
+  out.sample(now.accuracy);
+  if (is_stale(now)) return;
   const auto model = live_dwell(now).model;
   constexpr std::array kVerdicts{Verdict::adequate, Verdict::not_adequate, Verdict::not_verified};
   out.gauge("dwell_model_verdict", "The verdict on the current dwell's model: 1 for what holds.");
   write_states(out, "verdict", model ? model->verdict : Verdict::not_verified, kVerdicts);
-  out.gauge("dwell_model_error_limit_ratio",
-            "Largest error of a prediction that is asked for, as part of a channel's rms.");
-  out.sample(now.accuracy);
   if (!model) return;
   out.gauge("dwell_model_error_ratio",
             "Error of the model's prediction in the channel that decides, as part of its rms.");
@@ -88,9 +89,9 @@ void write_dwell(const Dwell& dwell, Exposition& out) {
 
 void write_measurement_metrics(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_estimate_age_seconds", "Since the estimation last published.");
-  out.sample(estimate_age_s(now));
+  out.sample(estimate_age_s(now.snapshot, now.now_ns));
   out.gauge("dwell_ready",
-            "1: a dwell is measured whose coefficients may be relied on, and the interlock is not open.");
+            "1: a dwell is measured now whose coefficients may be relied on, and the interlock is not open.");
   out.sample(now.health.ready ? 1.0 : 0.0);
   if (!is_stale(now)) write_dwell(now.snapshot.dwell, out);
   out.counter("dwell_finished_dwells_total", "Dwells of the run that have ended.");

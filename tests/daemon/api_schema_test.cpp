@@ -87,7 +87,7 @@ struct ApiSchemaTest : testing::Test {
     now.runs = runs;
     now.events = &events;
     now.alarms = &alarms;
-    now.health = judge_health(rig, snapshot, now.gpio, now.log, "");
+    now.health = judge_health(rig, snapshot, now.now_ns, now.gpio, now.log, "");
     return now;
   }
   [[nodiscard]] std::string get(const std::string& path) const { return http_answer(view(), path, "").body; }

@@ -36,7 +36,7 @@ struct ApiTest : testing::Test {
     return judged(now, trouble);
   }
   [[nodiscard]] static ServiceView judged(ServiceView now, const std::string& trouble = {}) {
-    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, trouble);
+    now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, trouble);
     return now;
   }
   [[nodiscard]] Json get(const char* path, const char* query = "") const {

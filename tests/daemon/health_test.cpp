@@ -13,13 +13,14 @@ struct HealthTest : testing::Test {
       channel.fault = Fault::none;
       channel.condition = Condition::ok;
     }
+    snapshot.sequence = 1;
     snapshot.dwell.state = State::measuring;
     snapshot.dwell.settled_s = 3.0;
     snapshot.dwell.elements.resize(1);
     snapshot.dwell.elements[0].identifiable = true;
   }
   [[nodiscard]] Health judge() const {
-    return judge_health(rig, snapshot, lines, log, trouble, recorder, synchronized);
+    return judge_health(rig, snapshot, now_ns, lines, log, trouble, recorder, synchronized);
   }
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> names;
@@ -40,6 +41,7 @@ struct HealthTest : testing::Test {
   std::string trouble;
   std::vector<record::RecorderAlarm> recorder;
   bool synchronized = true;
+  std::int64_t now_ns = 100'000'000;  // 0.1 s after the estimate
 };
 
 TEST_F(HealthTest, IsOkAndReadyWhereADwellMayBeReliedOn) { expect(Health::Status::ok, true, ""); }
@@ -52,6 +54,15 @@ TEST_F(HealthTest, IsOkButNotReadyWhileNothingIsMeasured) {
 TEST_F(HealthTest, IsNotReadyWhereTheCoefficientsMustNotBeReliedOn) {
   snapshot.dwell.doubts.push_back({{1}, "the poles contradict the chain"});
   expect(Health::Status::ok, false, "");
+}
+
+TEST_F(HealthTest, IsNotReadyWhereTheEstimateIsNoLongerRenewed) {
+  now_ns = 2'500'000'000;
+  expect(Health::Status::ok, true, "");
+  now_ns = 2'600'000'000;
+  expect(Health::Status::ok, false, "");
+  rig.update_s = 2.0;
+  expect(Health::Status::ok, true, "");
 }
 
 TEST_F(HealthTest, NamesTheChannelThatDoesNotDeliverOrDeliversNothingUsable) {

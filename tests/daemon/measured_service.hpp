@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "daemon/alarms/alarm_list.hpp"
 #include "daemon/service_view.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 
@@ -34,6 +35,15 @@ struct MeasuredService {
     verified->verification.verdict = verdict;
     snapshot.verified = std::move(verified);
   }
+  // Three alarms: one of each state.
+  void raise_alarms() {
+    constexpr std::int64_t kLong_ns = 2 * AlarmList::kLasts_ns;
+    const std::vector<Trouble> troubles{{"channel:y0", "timeout"}, {"channel:y1", "timeout"}, {"log", "no room"}};
+    (void)alarms.follow(troubles, {0, 0});
+    (void)alarms.follow(troubles, {kLong_ns, kLong_ns});
+    (void)alarms.acknowledge("log", "anna (uid 1000)", "", {kLong_ns, kLong_ns});
+    (void)alarms.follow({troubles[0], troubles[2]}, {2 * kLong_ns, 2 * kLong_ns});
+  }
   // A chain of so many masses, each element measured: c = 1000 k, r = 10 k, U95 a hundredth of it.
   void chain_of(int masses) {
     rig.masses.assign(static_cast<std::size_t>(masses), 1.0);
@@ -56,7 +66,9 @@ struct MeasuredService {
     now.recorder = recorder;
     now.http.requests = 12;
     now.modbus = modbus;
-    now.health = judge_health(now.rig, now.snapshot, now.gpio, now.log, trouble);
+    now.alarms = &alarms;
+    now.wrong_tokens = 3;
+    now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, trouble);
     return now;
   }
 
@@ -66,6 +78,7 @@ struct MeasuredService {
   gpio::Status gpio{};
   std::optional<record::RecorderState> recorder;
   std::optional<ModbusStats> modbus;
+  AlarmList alarms;
   std::int64_t now_ns = 10'000'000'000;  // 0.1 s after the estimate
 };
 

@@ -75,6 +75,29 @@ TEST_F(Metrics, NoNumberIsToldThatTheEstimationNoLongerRenews) {
   EXPECT_EQ(of("dwell_stiffness_newtons_per_meter", "thread estimate has not turned"), "");
 }
 
+TEST_F(Metrics, NoStateIsToldThatTheEstimationNoLongerRenews) {
+  chain_of(2);
+  verify(Verdict::adequate);
+  for (ChannelView& channel : snapshot.channels) channel.clock.jitter_s = 1e-4;
+  const std::vector<std::string> states{"dwell_model_verdict",
+                                        "dwell_model_error_ratio",
+                                        "dwell_model_error_uncertainty_ratio",
+                                        "dwell_channel_up",
+                                        "dwell_channel_status",
+                                        "dwell_channel_rate_hertz",
+                                        "dwell_channel_jitter_seconds",
+                                        "dwell_channel_queued_samples",
+                                        "dwell_device_up"};
+  for (const std::string& name : states) EXPECT_NE(of(name), "") << name;
+  EXPECT_EQ(of("dwell_ready"), "dwell_ready 1\n");
+  now_ns = snapshot.t_ns + 2'600'000'000;
+  for (const std::string& name : states) EXPECT_EQ(of(name), "") << name;
+  EXPECT_EQ(of("dwell_ready"), "dwell_ready 0\n");
+  EXPECT_NE(of("dwell_channel_reading_age_seconds").find("{channel=\"y0\"} 2.7\n"), std::string::npos)
+      << "an age is of now";
+  EXPECT_NE(of("dwell_channel_received_samples_total"), "") << "a count stays what it was";
+}
+
 TEST_F(Metrics, AStateIsOneOfItsNames) {
   EXPECT_EQ(of("dwell_state"),
             "dwell_state{state=\"idle\"} 0\ndwell_state{state=\"settling\"} 0\ndwell_state{state=\"measuring\"} 1\n"
@@ -88,6 +111,15 @@ TEST_F(Metrics, AChannelsSamplesAddUp) {
   EXPECT_NE(of("dwell_channel_dropped_samples_total").find("{channel=\"y0\",reason=\"refused\"} 1\n"),
             std::string::npos);
   EXPECT_NE(of("dwell_channel_status").find("{channel=\"y2\",status=\"timeout\"} 1\n"), std::string::npos);
+}
+
+TEST_F(Metrics, AlarmsAreCountedByTheirState) {
+  EXPECT_NE(of("dwell_alarms").find("{state=\"unacknowledged\"} 0\n"), std::string::npos);
+  raise_alarms();
+  EXPECT_EQ(of("dwell_alarms"),
+            "dwell_alarms{state=\"unacknowledged\"} 1\ndwell_alarms{state=\"acknowledged\"} 1\n"
+            "dwell_alarms{state=\"returned-unacknowledged\"} 1\n");
+  EXPECT_EQ(of("dwell_http_wrong_tokens_total"), "dwell_http_wrong_tokens_total 3\n");
 }
 
 TEST_F(Metrics, AreServedAsPrometheusAsksForThem) {

@@ -27,7 +27,7 @@ struct RecorderJsonTest : testing::Test {
     now.now_ns = 10'000'000'000;
     now.recorder = recording;
     now.runs = runs;
-    now.health = judge_health(rig, snapshot, now.gpio, now.log, "",
+    now.health = judge_health(rig, snapshot, now.now_ns, now.gpio, now.log, "",
                               recording ? recording->alarms : std::vector<record::RecorderAlarm>());
     return http_answer(now, path, query);
   }

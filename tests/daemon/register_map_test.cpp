@@ -80,6 +80,13 @@ TEST_F(RegisterMap, NothingOldIsANumber) {
   EXPECT_EQ(word(image("thread estimate has not turned"), of(1)), 5);
 }
 
+TEST_F(RegisterMap, NothingOldIsReady) {
+  chain_of(2);
+  EXPECT_EQ(word(image(), 5), 1);
+  now_ns += 3'000'000'000;
+  EXPECT_EQ(word(image(), 5), 0);
+}
+
 TEST_F(RegisterMap, WhatSettlesHasNoCoefficients) {
   snapshot.dwell = test::settling_dwell();
   const RegisterImage registers = image();
@@ -96,6 +103,12 @@ TEST_F(RegisterMap, TheVerdictIsThatOfTheCurrentDwell) {
   EXPECT_EQ(word(image(), 6), 2);
   snapshot.dwell.index = 2;
   EXPECT_EQ(word(image(), 6), 0);
+}
+
+TEST_F(RegisterMap, AlarmsThatWaitForSomebodyAreCounted) {
+  EXPECT_EQ(word(image(), 22), 0);
+  raise_alarms();
+  EXPECT_EQ(word(image(), 22), 2) << "one lasts, one has returned; the third is acknowledged";
 }
 
 TEST_F(RegisterMap, TheHeartbeatStandsStillWithTheEstimation) {
