@@ -57,11 +57,11 @@ void read_server(Section& section, Draft& draft) {
   section.refuse_rest();
 }
 
-bool beyond_loopback(const ServerSettings& server) {
+bool beyond_loopback(const std::string& host) {
   in_addr v4{};
-  if (inet_pton(AF_INET, server.host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) != 127;
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) != 127;
   in6_addr v6{};
-  if (inet_pton(AF_INET6, server.host.c_str(), &v6) == 1) return !IN6_IS_ADDR_LOOPBACK(&v6);
+  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return !IN6_IS_ADDR_LOOPBACK(&v6);
   return false;  // localhost
 }
 

@@ -32,8 +32,16 @@ struct ServerSettings {
   Position listen_at, token_file_at;
 };
 
-// Whether other computers can reach the address. ::ffff:127.0.0.1 counts as beyond.
-[[nodiscard]] bool beyond_loopback(const ServerSettings& server);
+// Where PLCs read. Modbus knows no rights.
+struct ModbusServerSettings {
+  ListenAddress address;
+  bool open_to_network = false;  // whoever reaches an address beyond loopback may read
+  Position listen_at;            // as in ServerSettings
+};
+
+// Whether other computers can reach the address of this `host`, which is numeric or "localhost". ::ffff:127.0.0.1
+// counts as beyond.
+[[nodiscard]] bool beyond_loopback(const std::string& host);
 
 // Anchors: every so often the newest head of each chain is copied to a place outside the record, so that an auditor
 // sees whether the end of a file was cut off later.
@@ -78,7 +86,7 @@ struct RigFile {
   ServerSettings server;
   RecordingSettings recording;
   VerificationSettings verification;
-  std::optional<ListenAddress> modbus_server;  // where PLCs read; none: they do not
+  std::optional<ModbusServerSettings> modbus_server;  // none: PLCs do not read
   GpioSettings gpio;
   std::string path;       // as given
   std::string directory;  // of the file: relative paths in it start there

@@ -66,8 +66,14 @@ void print_summary(const RigFile& file) {
 
 // What only the service needs, beside a rig file without mistakes.
 int check(const RigFile& file) {
-  if (const auto access = dwell::read_access(file.server); !access) {
-    std::fputs(dwell::config::to_string(file.path, access.error()).c_str(), stderr);
+  dwell::config::Mistakes mistakes;
+  const auto add = [&mistakes](const auto& checked) {
+    if (!checked) mistakes.insert(mistakes.end(), checked.error().begin(), checked.error().end());
+  };
+  add(dwell::read_access(file.server));
+  if (file.modbus_server) add(dwell::check_modbus_access(*file.modbus_server));
+  if (!mistakes.empty()) {
+    std::fputs(dwell::config::to_string(file.path, mistakes).c_str(), stderr);
     return kUnusable;
   }
   print_summary(file);

@@ -214,6 +214,9 @@ struct Service::Impl {
   Made make_rights(const config::RigFile& file) {
     auto access = read_access(file.server);
     if (!access) return tl::unexpected(Failure{2, config::to_string(file.path, access.error().front())});
+    if (file.modbus_server)
+      if (const auto open = check_modbus_access(*file.modbus_server); !open)
+        return tl::unexpected(Failure{2, config::to_string(file.path, open.error().front())});
     rights.emplace(std::move(*access), log);
     return {};
   }
@@ -234,6 +237,11 @@ struct Service::Impl {
     return {};
   }
 
+  void warn_of_address(const std::string& table, const std::string& listen) {
+    log.warning(table + " listen: " + listen +
+                " is no address of this computer yet; clients are served as soon as it is, the rig is measured anyway");
+  }
+
   Made make_http(const std::string& page_folder) {
     const config::ServerSettings& server = session->file().server;
     PageFiles page = page_folder.empty() ? PageFiles() : PageFiles::read(page_folder);
@@ -243,25 +251,23 @@ struct Service::Impl {
     auto made = Http::make(loop, http_options(server), std::move(content));
     if (!made) return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, made.error().message});
     http = std::move(*made);
-    if (http->server().awaits_address())
-      log.warning(
-          "listen: " + server.listen +
-          " is no address of this computer yet; clients are served as soon as it is, the rig is measured anyway");
+    if (http->server().stats().awaits_address) warn_of_address("[server]", server.listen);
     return {};
   }
 
   Made make_plc() {
-    const auto& address = session->file().modbus_server;
-    if (!address) return {};
+    const auto& server = session->file().modbus_server;
+    if (!server) return {};
     ModbusOptions options;
-    options.host = address->host;
-    options.port = address->port;
+    options.host = server->address.host;
+    options.port = server->address.port;
     auto made = Plc::make(loop, options);
     if (!made)
       return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, "[modbus_server] " + made.error().message});
     plc = std::move(*made);
-    log.info("serving PLCs on " + address->host + " port " + std::to_string(plc->server().port()) +
+    log.info("serving PLCs on " + options.host + " port " + std::to_string(plc->server().port()) +
              "; Modbus knows no rights: whoever reaches this address can read, and nobody can write");
+    if (plc->server().stats().awaits_address) warn_of_address("[modbus_server]", server->address.text);
     return {};
   }
 

@@ -21,11 +21,7 @@ tl::expected<std::unique_ptr<Http>, HttpServer::Failure> Http::make(EventLoop& l
   std::unique_ptr<Http> made(new Http(std::move(content)));
   auto server = HttpServer::make(
       loop, options, [http = made.get()](const HttpRequest& request) { return http->answer(request); },
-      [http = made.get()](const HttpRequest& request) -> tl::expected<std::string, HttpReply> {
-        if (auto refused = http->reading_refused(request)) return tl::unexpected(std::move(*refused));
-        http->stream_.joined();
-        return event_text("dwell", dwell_text_json(http->content_.now()));
-      });
+      [http = made.get()](const HttpRequest& request) { return http->begin_stream(request); });
   if (!server) return tl::unexpected(std::move(server.error()));
   made->server_ = std::move(*server);
   return made;
@@ -33,6 +29,18 @@ tl::expected<std::unique_ptr<Http>, HttpServer::Failure> Http::make(EventLoop& l
 
 std::optional<HttpReply> Http::reading_refused(const HttpRequest& request) const {
   return content_.rights == nullptr ? std::nullopt : content_.rights->reading_refused(request);
+}
+
+tl::expected<StreamBegin, HttpReply> Http::begin_stream(const HttpRequest& request) {
+  if (auto refused = reading_refused(request)) return tl::unexpected(std::move(*refused));
+  stream_.joined();
+  return StreamBegin{event_text("dwell", dwell_text_json(content_.now())),
+                     content_.rights == nullptr ? std::string() : content_.rights->session_of(request)};
+}
+
+void Http::end_streams_of_ended_sessions() const {
+  if (content_.rights == nullptr) return;
+  for (const std::string& session : content_.rights->take_ended_sessions()) server_->end_streams(session);
 }
 
 HttpReply Http::answer(const HttpRequest& request) const {
@@ -51,14 +59,18 @@ HttpReply Http::answer(const HttpRequest& request) const {
 HttpReply Http::act(std::string_view verb, const HttpRequest& request) const {
   if (auto foreign = foreign_refusal(request)) return std::move(*foreign);
   if (content_.rights == nullptr) return http_error(403, "nothing can be changed over HTTP");
-  if (verb == "login") return content_.rights->login(request);
-  if (verb == "logout") return content_.rights->logout(request);
+  if (verb == "login" || verb == "logout") {
+    HttpReply reply = verb == "login" ? content_.rights->login(request) : content_.rights->logout(request);
+    end_streams_of_ended_sessions();
+    return reply;
+  }
   if (auto refused = content_.rights->changing_refused(request)) return std::move(*refused);
   return action_answer(verb, request,
                        [&](const OperatorRequest& asked) { return content_.operate(asked, bearer_at(request.from)); });
 }
 
 void Http::show(const ServiceView& now) {
+  end_streams_of_ended_sessions();
   // Shown again without a newer snapshot: that was pushed already.
   if (std::exchange(told_sequence_, now.snapshot.sequence) == now.snapshot.sequence || now.http.streams == 0) return;
   const DwellStream::Event event = stream_.next(live_dwell(now), now.snapshot.t_ns);

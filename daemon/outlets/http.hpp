@@ -50,6 +50,9 @@ class Http final : public Outlet {
   [[nodiscard]] HttpReply answer(const HttpRequest& request) const;
   [[nodiscard]] HttpReply act(std::string_view verb, const HttpRequest& request) const;
   [[nodiscard]] std::optional<HttpReply> reading_refused(const HttpRequest& request) const;
+  [[nodiscard]] tl::expected<StreamBegin, HttpReply> begin_stream(const HttpRequest& request);
+  // A stream ends with the session that it was begun in.
+  void end_streams_of_ended_sessions() const;
 
   const HttpContent content_;
   DwellStream stream_;

@@ -134,9 +134,10 @@ Json run_json(const ServiceView& view) {
 Json modbus_json(const ServiceView& view) {
   if (!view.modbus) return nullptr;
   const ModbusStats& modbus = *view.modbus;
-  return {{"clients", modbus.clients},     {"answers", modbus.answers},     {"exceptions", modbus.exceptions},
-          {"malformed", modbus.malformed}, {"timed_out", modbus.timed_out}, {"refused", modbus.refused},
-          {"displaced", modbus.displaced}};
+  return {{"clients", modbus.clients},       {"answers", modbus.answers},
+          {"exceptions", modbus.exceptions}, {"malformed", modbus.malformed},
+          {"timed_out", modbus.timed_out},   {"refused", modbus.refused},
+          {"displaced", modbus.displaced},   {"awaits_address", modbus.awaits_address}};
 }
 
 Json health_json(const ServiceView& view) {
@@ -170,7 +171,8 @@ Json health_json(const ServiceView& view) {
             {"refused", view.http.refused},
             {"displaced", view.http.displaced},
             {"wrong_tokens", view.wrong_tokens},
-            {"events_dropped", view.http.events_dropped}}},
+            {"events_dropped", view.http.events_dropped},
+            {"awaits_address", view.http.awaits_address}}},
           {"modbus", modbus_json(view)},
           {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}, {"failing", view.log.failing}}},
           {"recorder", recorder_json(view)}};

@@ -2,10 +2,10 @@
 //
 // It knows nothing of what it serves: a handler answers paths, broadcast() pushes events. Everything a client can make
 // it spend is bounded: clients, streams among them, header and body, the time for a request, the events waiting for one
-// slow reader (the oldest are dropped and counted). Where there are as many clients as there may be, a new one takes
-// the place of the one that has been silent longest: of those that never asked for anything first, then of those that
-// have asked, after `kept_time`. Who is being answered or reads a stream keeps its place. Bound to the event loop's
-// thread.
+// slow reader (those that must be asked for are dropped first, then the oldest; all are counted). Where there are as
+// many clients as there may be, a new one takes the place of the one that has been silent longest: of those that never
+// asked for anything first, then of those that have asked, after `kept_time`. Who is being answered or reads a stream
+// keeps its place. Bound to the event loop's thread.
 #pragma once
 
 #include <chrono>
@@ -47,7 +47,7 @@ struct HttpOptions {
   std::size_t body_bytes = 16 * 1024;      // beyond: 413
   std::size_t large_bytes = 1'000'000;     // an answer beyond this is large …
   std::size_t answers_bytes = 64'000'000;  // … and all large ones on their way together hold this at most; beyond: 503
-  std::size_t events_waiting = 16;         // per stream; beyond, the oldest is dropped
+  std::size_t events_waiting = 16;         // per stream, behind the one on its way
   std::chrono::milliseconds request_time{
       10'000};  // from its first chance to be sent until it is here, and for the answer
   // A client that has been answered keeps its place for so long at least. Shorter: pages that poll connect anew each
@@ -63,34 +63,40 @@ struct HttpStats {
   std::uint64_t refused = 0;         // connections, because there were too many
   std::uint64_t displaced = 0;       // silent connections that made room for new ones
   std::uint64_t events_dropped = 0;  // because a reader was slow
+  bool awaits_address = false;       // the address is not there yet: nobody can be served
+};
+
+// What a live stream begins with.
+struct StreamBegin {
+  std::string first_event;  // as event_text makes it; empty: none yet
+  std::string holder{};     // whose stream it is, for end_streams(holder); empty: nobody's
 };
 
 class HttpServer {
  public:
   // Answers GET, HEAD (the server leaves the body out) and POST of a path.
   using Handler = std::function<HttpReply(const HttpRequest& request)>;
-  // The first event of a stream, as event_text makes it (empty: none yet), or why this client gets no stream.
-  using FirstEvent = std::function<tl::expected<std::string, HttpReply>(const HttpRequest& request)>;
+  // Or why this client gets no stream. Asked for HEAD as well, which gets the head of the answer alone.
+  using BeginStream = std::function<tl::expected<StreamBegin, HttpReply>(const HttpRequest& request)>;
 
   using Failure = ListenFailure;
 
   // Binds and listens. An address that this computer does not have yet (a cable or a lease comes later than the
   // service) is bound all the same and is served once it is there.
   static tl::expected<std::unique_ptr<HttpServer>, Failure> make(EventLoop& loop, const HttpOptions& options,
-                                                                 Handler handler, FirstEvent first_event);
+                                                                 Handler handler, BeginStream begin_stream);
   ~HttpServer();  // closes every connection
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const;
-  // The address was not there when it was bound.
-  [[nodiscard]] bool awaits_address() const noexcept;
-
+  // Ends every stream, or those of one holder. Whoever may still read connects again.
+  void end_streams();
+  void end_streams(std::string_view holder);
   // Sends `data` (one line) as an event of this name to every stream.
   void broadcast(std::string_view name, std::string_view data);
-  // Ends every stream. Whoever may still read connects again.
-  void end_streams();
-  // The same to those streams alone that asked for it in their query, as in /api/v1/stream?NAME&NAME.
+  // The same to those streams alone that asked for it in their query, as in /api/v1/stream?NAME&NAME. Such an event
+  // yields to those that every stream gets.
   void broadcast_to_askers(std::string_view name, std::string_view data);
   // Whether any stream did.
   [[nodiscard]] bool asked_for(std::string_view name) const noexcept;

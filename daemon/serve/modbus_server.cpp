@@ -9,6 +9,7 @@
 #include <boost/asio/write.hpp>
 #include <unordered_set>
 
+#include "daemon/serve/awaited_address.hpp"
 #include "daemon/serve/listener.hpp"
 #include "daemon/serve/tcp_listen.hpp"
 
@@ -28,6 +29,7 @@ struct ModbusServer::Impl : std::enable_shared_from_this<ModbusServer::Impl> {
   const ModbusOptions options;
   const ReadRegisters read;
   Listener<boost::asio::ip::tcp> listener;
+  AwaitedAddress address{options.host, false};
   std::unordered_set<ModbusClient*> clients;
   ModbusStats counts;  // clients apart: that is the set above
 };
@@ -55,6 +57,7 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
     server_->clients.erase(this);
     boost::system::error_code ignored;
     socket_.close(ignored);
+    ++waits_;
     timer_.cancel();
   }
 
@@ -62,15 +65,15 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
   [[nodiscard]] Clock::time_point silent_since() const noexcept { return silent_since_; }
 
  private:
-  // It is closed unless limit() is called again within this time.
+  // It is closed unless limit() or rest() is called within this time. Where the time was over by then, the timer's
+  // handler is queued already, and Asio does not take it back: so it looks whether it is still meant.
   void limit(std::chrono::milliseconds time) {
     timer_.expires_after(time);
-    timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
-      if (error) return;
-      if (const auto self = weak.lock()) {
-        ++self->server_->counts.timed_out;
-        self->close();
-      }
+    timer_.async_wait([weak = weak_from_this(), number = ++waits_](const boost::system::error_code& error) {
+      const auto self = weak.lock();
+      if (error || !self || self->waits_ != number) return;
+      ++self->server_->counts.timed_out;
+      self->close();
     });
   }
 
@@ -115,6 +118,7 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
 
   void rest() {
     timer_.expires_after(server_->options.pause);
+    ++waits_;  // what limited the answer is over
     timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
       if (!error && self->socket_.is_open()) self->begin();
     });
@@ -123,6 +127,7 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
   const std::shared_ptr<ModbusServer::Impl> server_;
   boost::asio::ip::tcp::socket socket_;
   boost::asio::steady_timer timer_;
+  std::uint64_t waits_ = 0;  // of the timer, so far
   ModbusConversation conversation_;
   bool asked_ = false;  // a whole request
   Clock::time_point silent_since_ = Clock::now();
@@ -161,7 +166,9 @@ tl::expected<std::unique_ptr<ModbusServer>, ListenFailure> ModbusServer::make(Ev
                                                                               ReadRegisters read) {
   auto impl = std::make_shared<Impl>(loop, options, std::move(read));
   auto& acceptor = impl->listener.acceptor();
-  if (auto bound = bind_tcp(acceptor, options.host, options.port); !bound) return tl::unexpected(bound.error());
+  const auto bound = bind_tcp(acceptor, options.host, options.port);
+  if (!bound) return tl::unexpected(bound.error());
+  impl->address = {options.host, *bound};
   boost::system::error_code error;
   // Not the server itself: a listener that holds on to it would keep it for ever.
   impl->listener.begin(
@@ -186,6 +193,7 @@ std::uint16_t ModbusServer::port() const {
 ModbusStats ModbusServer::stats() const noexcept {
   ModbusStats stats = impl_->counts;
   stats.clients = impl_->clients.size();
+  stats.awaits_address = impl_->address.awaited();
   return stats;
 }
 

@@ -43,6 +43,7 @@ struct ModbusStats {
   std::uint64_t timed_out = 0;   // connections closed because half a request came, an answer was not taken, or nothing
   std::uint64_t refused = 0;     // connections, because there were too many
   std::uint64_t displaced = 0;   // silent connections that made room for new ones
+  bool awaits_address = false;   // the address is not there yet: nobody can be served
 };
 
 class ModbusServer {

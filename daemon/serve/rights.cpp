@@ -35,7 +35,7 @@ std::optional<std::string_view> bearer(std::string_view authorization) {
 }  // namespace
 
 config::Result<Access> read_access(const config::ServerSettings& server) {
-  const bool asked = !beyond_loopback(server) || server.behind_proxy;
+  const bool asked = !config::beyond_loopback(server.host) || server.behind_proxy;
   Access access;
   access.open = asked;
   access.cookie += "_" + std::to_string(server.port);
@@ -52,6 +52,14 @@ config::Result<Access> read_access(const config::ServerSettings& server) {
         mistake(server.token_file_at, "token_file " + config::in_quotes(server.token_file) + " " + token.error()));
   access.token = std::move(*token);
   return access;
+}
+
+config::Result<void> check_modbus_access(const config::ModbusServerSettings& server) {
+  if (server.open_to_network || !config::beyond_loopback(server.address.host)) return {};
+  return tl::unexpected(
+      mistake(server.listen_at, "\"listen\" is " + config::in_quotes(server.address.text) +
+                                    ", which other computers reach, and Modbus asks nobody who it is: expected "
+                                    "open_to_network = true, where all who reach it may read, or 127.0.0.1"));
 }
 
 bool Rights::renew(Access access) {
@@ -112,6 +120,11 @@ HttpReply Rights::logout(const HttpRequest& request) {
   HttpReply reply{200, kDone};
   reply.cookie = access_.cookie + "=" + kCookieRules + "; Max-Age=0";
   return reply;
+}
+
+std::string Rights::session_of(const HttpRequest& request) {
+  const std::string_view value = cookie_value(request.cookie, access_.cookie);
+  return sessions_.use(value, clock_()) ? std::string(value) : std::string();
 }
 
 HttpReply Rights::told(const HttpRequest& request) {

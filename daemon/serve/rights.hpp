@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "config/rig_file.hpp"
 #include "daemon/clock.hpp"
@@ -32,6 +33,9 @@ struct Access {
 // replayed where its token is not.
 [[nodiscard]] config::Result<Access> read_access(const config::ServerSettings& server);
 
+// The same of the address for PLCs, which nobody is asked at: the network reads there only where the rig file says so.
+[[nodiscard]] config::Result<void> check_modbus_access(const config::ModbusServerSettings& server);
+
 // Bound to one thread, in dwelld the event loop's.
 class Rights {
  public:
@@ -50,6 +54,10 @@ class Rights {
   // A browser's session begins with {"token": …} as the body, and ends. Both are changing requests in all else.
   [[nodiscard]] HttpReply login(const HttpRequest& request);
   [[nodiscard]] HttpReply logout(const HttpRequest& request);
+  // The session that the client's reading rests on; empty: none.
+  [[nodiscard]] std::string session_of(const HttpRequest& request);
+  // The sessions that have ended since the last call, as session_of told them: logged out, overdue, or made room.
+  [[nodiscard]] std::vector<std::string> take_ended_sessions() { return sessions_.take_ended(clock_()); }
   // {"read": …, "change": …, "token": …}: what this client may, and whether a token would help.
   [[nodiscard]] HttpReply told(const HttpRequest& request);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
 
 namespace dwell {
 
@@ -16,9 +17,9 @@ std::string Sessions::begin(std::int64_t now_ns) {
   std::string value;
   for (const unsigned char byte : random) (value += kDigits[byte >> 4U]) += kDigits[byte & 15U];
   if (open_.size() == kMost)
-    open_.erase(std::min_element(open_.begin(), open_.end(),
-                                 [](const Session& a, const Session& b) { return a.used_ns < b.used_ns; }));
-  open_.push_back({value, now_ns});
+    end_at(std::min_element(open_.begin(), open_.end(),
+                            [](const Session& a, const Session& b) { return a.used_ns < b.used_ns; }));
+  open_.push_back({value, now_ns, now_ns});
   return value;
 }
 
@@ -29,8 +30,31 @@ std::vector<Sessions::Session>::iterator Sessions::find(std::string_view value) 
   });
 }
 
+void Sessions::end_at(std::vector<Session>::iterator session) {
+  ended_.push_back(std::move(session->value));
+  open_.erase(session);
+}
+
+void Sessions::end_overdue(std::int64_t now_ns) {
+  for (auto one = open_.begin(); one != open_.end();) {
+    const bool overdue = now_ns - one->used_ns > kUnused_ns || now_ns - one->begun_ns > kLongest_ns;
+    if (!overdue) {
+      ++one;
+      continue;
+    }
+    const auto place = one - open_.begin();
+    end_at(one);
+    one = open_.begin() + place;
+  }
+}
+
+std::vector<std::string> Sessions::take_ended(std::int64_t now_ns) {
+  end_overdue(now_ns);
+  return std::exchange(ended_, {});
+}
+
 bool Sessions::use(std::string_view value, std::int64_t now_ns) {
-  std::erase_if(open_, [now_ns](const Session& one) { return now_ns - one.used_ns > kUnused_ns; });
+  end_overdue(now_ns);
   const auto found = find(value);
   if (found == open_.end()) return false;
   found->used_ns = now_ns;
@@ -38,7 +62,11 @@ bool Sessions::use(std::string_view value, std::int64_t now_ns) {
 }
 
 void Sessions::end(std::string_view value) {
-  if (const auto found = find(value); found != open_.end()) open_.erase(found);
+  if (const auto found = find(value); found != open_.end()) end_at(found);
+}
+
+void Sessions::end_all() {
+  while (!open_.empty()) end_at(open_.end() - 1);
 }
 
 std::string_view cookie_value(std::string_view field, std::string_view name) {

@@ -206,7 +206,10 @@ TEST(RigFileMistakes, OfTheModbusServer) {
   const std::string expected =
       "expected \"ADDRESS:PORT\" with a numeric address or localhost, for instance \"127.0.0.1:1502\"";
   const std::string before = "\"[::1]:9000\"\n[modbus_server]\nlisten = ";
-  expect_good("\"[::1]:9000\"", before + "\"0.0.0.0:1502\"");
+  expect_good("\"[::1]:9000\"", before + "\"0.0.0.0:1502\"");  // of a run that was recorded
+  expect_good("\"[::1]:9000\"", before + "\"0.0.0.0:1502\"\nopen_to_network = true");
+  expect_mistake("\"[::1]:9000\"", before + "\"0.0.0.0:1502\"\nopen_to_network = @\"yes\"",
+                 "\"open_to_network\" is a string: expected true or false");
   expect_mistake("\"[::1]:9000\"", before + "@\"plc:1502\"", "\"listen\" is \"plc:1502\": " + expected);
   expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\n@[modbus_server]",
                  "[modbus_server] has no \"listen\": " + expected);

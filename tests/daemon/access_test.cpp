@@ -32,20 +32,20 @@ struct AccessTest : testing::Test {
     const auto token = Token::read(write(text, mode));
     return token ? "" : token.error();
   }
-  // Of a rig file with this [server].
-  config::Result<Access> access(const std::string& keys) {
-    const auto file = config::parse(
+  // With these tables behind all that a rig file needs.
+  [[nodiscard]] config::RigFile rig_file(const std::string& tables) const {
+    auto file = config::parse(
         "[rig]\nname = \"r\"\nboundary = \"clamped\"\nmasses = []\n[excitation]\nfrequency = 4.0\nminimum = 2e-5\n"
         "[[channel]]\nname = \"y0\"\nmeasures = \"displacement\"\nat = 0\nunit = \"m\"\n"
-        "[[channel]]\nname = \"f\"\nmeasures = \"force\"\nat = \"ground\"\nunit = \"N\"\n[server]\n" +
-            keys,
+        "[[channel]]\nname = \"f\"\nmeasures = \"force\"\nat = \"ground\"\nunit = \"N\"\n" +
+            tables,
         folder + "/rig.toml", {});
-    if (!file) {
-      ADD_FAILURE() << config::to_string("rig.toml", file.error());
-      return Access{};
-    }
-    return read_access(file->server);
+    if (file) return std::move(*file);
+    ADD_FAILURE() << config::to_string("rig.toml", file.error());
+    return {};
   }
+  // Of a rig file with this [server].
+  config::Result<Access> access(const std::string& keys) { return read_access(rig_file("[server]\n" + keys).server); }
   // The mistake in it, with its place.
   std::string mistake(const std::string& keys) {
     const auto read = access(keys);
@@ -121,6 +121,25 @@ TEST_F(AccessTest, TheNetworkIsServedOnlyWhereTheRigFileSaysWhoAsksWhoItIs) {
     EXPECT_FALSE(proxied->token) << "and nothing can be changed";
   }
   EXPECT_NE(mistake("listen = \"0.0.0.0:80\"\nbehind_proxy = false\n"), "");
+}
+
+TEST_F(AccessTest, PlcsOfTheNetworkReadOnlyWhereTheRigFileSaysThatAllMay) {
+  const auto mistake_in = [this](const std::string& keys) {
+    const auto checked = check_modbus_access(*rig_file("[modbus_server]\n" + keys).modbus_server);
+    return checked ? "" : config::to_string("rig.toml", checked.error().front());
+  };
+  for (const char* address : {"127.0.0.1:1502", "[::1]:1502", "localhost:1502"})
+    EXPECT_EQ(mistake_in(std::string("listen = \"") + address + "\"\n"), "");
+  for (const char* address : {"0.0.0.0:1502", "192.0.2.1:1502", "[::]:1502"}) {
+    const std::string listen = std::string("listen = \"") + address + "\"\n";
+    for (const char* more : {"", "open_to_network = false\n"})
+      EXPECT_EQ(
+          mistake_in(listen + more),
+          "rig.toml:19:10: \"listen\" is \"" + std::string(address) +
+              "\", which other computers reach, and Modbus asks nobody who it is: expected open_to_network = true, "
+              "where all who reach it may read, or 127.0.0.1");
+    EXPECT_EQ(mistake_in(listen + "open_to_network = true\n"), "");
+  }
 }
 
 TEST_F(AccessTest, ATokenFileThatCannotBeUsedIsAMistakeAtItsKey) {

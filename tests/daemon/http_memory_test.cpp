@@ -21,7 +21,7 @@ TEST(HttpMemory, WhereverItEndsWhileOneClientIsWelcomedTheNextIsServed) {
       [](const HttpRequest&) {
         return HttpReply{200, "{}"};
       },
-      [](const HttpRequest&) { return event_text("dwell", "{}"); });
+      [](const HttpRequest&) { return StreamBegin{event_text("dwell", "{}")}; });
   ASSERT_TRUE(made);
   const std::uint16_t port = (*made)->port();
   loop.every(std::chrono::milliseconds(20), [&made] { (*made)->broadcast("dwell", "{}"); });

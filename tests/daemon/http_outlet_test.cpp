@@ -157,6 +157,38 @@ TEST_F(GuardedHttpTest, ABrowserLogsInAndActsByItsCookie) {
   EXPECT_EQ(done.size(), 1u);
 }
 
+TEST_F(GuardedHttpTest, LoggingOutEndsTheStreamsOfItsSessionAndNoOther) {
+  const auto post_to = [this](const std::string& verb, const std::string& fields, const std::string& body) {
+    test::Client client = test::Client::tcp(http->server().port());
+    client.send("POST /api/v1/" + verb + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n" + fields +
+                "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+    return test::read_answer(client).head;
+  };
+  const auto log_in = [&] {
+    const std::string head = post_to("login", "", std::string("{\"token\":\"") + kGuard + "\"}");
+    const std::string mark = "Set-Cookie: ";
+    const auto at = head.find(mark) + mark.size();
+    return "Cookie: " + head.substr(at, head.find(';', at) - at) + "\r\n";
+  };
+  const auto stream = [this](const std::string& fields) {
+    test::Client client = test::Client::tcp(http->server().port());
+    client.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n");
+    EXPECT_NE(client.until("\n\n").find(" 200 "), std::string::npos);
+    return client;
+  };
+  const auto streams = [this] { return thread->on_loop([this] { return http->server().stats().streams; }); };
+  const std::string one = log_in(), other = log_in(), foreign = "Cookie: dwell=" + std::string(64, '0') + "\r\n";
+  test::Client of_one = stream(one), another_of_one = stream(one), of_other = stream(other),
+               of_nobody = stream(foreign);
+  post_to("logout", "", "{}");
+  post_to("logout", foreign, "{}");
+  EXPECT_EQ(streams(), 4u) << "no session has ended";
+  post_to("logout", one, "{}");
+  of_one.all();  // returns when the server closes
+  another_of_one.all();
+  EXPECT_EQ(streams(), 2u);
+}
+
 TEST_F(GuardedHttpTest, EveryStreamEndsWhereWhoMayReadIsAskedAnew) {
   test::Client stream = test::Client::tcp(http->server().port());
   stream.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");

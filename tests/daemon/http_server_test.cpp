@@ -35,7 +35,7 @@ struct HttpServerTest : testing::Test {
           if (path == "/throw") throw std::runtime_error("no");
           return http_error(404, "nothing here");
         },
-        [](const HttpRequest&) { return std::string(); });
+        [](const HttpRequest&) { return StreamBegin{}; });
     ASSERT_TRUE(made) << made.error().message;
     server = std::move(*made);
     port = server->port();
@@ -320,7 +320,7 @@ TEST_F(HttpServerTest, ABodyThatAGetBringsAlongIsIgnored) {
 TEST(HttpServer, AnAddressThatIsNoneIsToldApartFromOneThatIsTaken) {
   EventLoop loop;
   const auto handler = [](const HttpRequest&) { return HttpReply{}; };
-  const auto silent = [](const HttpRequest&) { return std::string(); };
+  const auto silent = [](const HttpRequest&) { return StreamBegin{}; };
   HttpOptions options;
   options.host = "no.such.host";
   const auto bad = HttpServer::make(loop, options, handler, silent);

@@ -21,9 +21,9 @@ struct HttpStreamTest : testing::Test {
         [](const HttpRequest&) {
           return HttpReply{200, "{}"};
         },
-        [](const HttpRequest& request) -> tl::expected<std::string, HttpReply> {
+        [](const HttpRequest& request) -> tl::expected<StreamBegin, HttpReply> {
           if (request.query() == "refused") return tl::unexpected(http_error(401, "not you"));
-          return event_text("dwell", "\"first\"");
+          return StreamBegin{event_text("dwell", "\"first\"")};
         });
     ASSERT_TRUE(made) << made.error().message;
     server = std::move(*made);
@@ -118,6 +118,33 @@ TEST_F(HttpStreamTest, WhatMustBeAskedForComesToThoseAloneThatAsked) {
   for (Client* client : {&asker, &plain, &other}) EXPECT_EQ(client->until("\n\n"), "event: dwell\ndata: 2\n\n");
 }
 
+// Traces for minutes, of which a slow reader takes little: what becomes of the dwell.
+TEST_F(HttpStreamTest, TracesYieldToTheDwellWhereTheReaderIsSlow) {
+  begin();
+  Client slow = Client::tcp(port, 1024);
+  slow.send("GET /api/v1/stream?traces HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  ASSERT_NE(slow.until("\"first\"\n\n"), "");
+  const std::string traces(8 * 1024, 'x');
+  constexpr int kDwells = 8;
+  for (int i = 0; i < 50 * kDwells; ++i) {
+    thread->on_loop([&] { server->broadcast_to_askers("traces", traces); });
+    if (i % 50 == 25) broadcast(std::to_string(i));
+  }
+  EXPECT_GT(stats().events_dropped, 0u);
+  int dwells = 0, before_the_first = 0;
+  while (dwells < kDwells) {
+    const std::string event = slow.until("\n\n");
+    ASSERT_NE(event, "") << "after " << dwells << " of the dwell's";
+    if (event.substr(0, 13) == "event: traces") {
+      before_the_first += dwells == 0 ? 1 : 0;
+    } else {
+      EXPECT_EQ(event, "event: dwell\ndata: " + std::to_string(50 * dwells + 25) + "\n\n");
+      ++dwells;
+    }
+  }
+  EXPECT_LT(before_the_first, 100) << "what the kernel's buffers hold, of 400";
+}
+
 TEST_F(HttpStreamTest, AReaderThatTakesNothingAtAllIsGivenUp) {
   HttpOptions options;
   options.stream_write_time = std::chrono::milliseconds(200);
@@ -172,6 +199,13 @@ TEST_F(HttpStreamTest, HeadOfTheStreamEnds) {
   Client client = Client::tcp(port);
   client.send("HEAD /api/v1/stream HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_NE(client.all().find("text/event-stream"), std::string::npos);
+}
+
+TEST_F(HttpStreamTest, HeadOfTheStreamNeedsTheRightsThatTheStreamNeeds) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("HEAD /api/v1/stream?refused HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(read_answer(client, true).status, 401);
 }
 
 }  // namespace

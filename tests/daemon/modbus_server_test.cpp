@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/serve/awaited_address.hpp"
 #include "tests/daemon/sockets.hpp"
 
 namespace dwell {
@@ -93,6 +94,22 @@ TEST_F(ModbusServerTest, WhoSaysNothingIsClosedInTime) {
   EXPECT_EQ(stats().timed_out, 1U);
 }
 
+// The loop was busy until after the end of the idle time. Request and end are then found at once.
+TEST_F(ModbusServerTest, ARequestThatCameInTimeIsAnsweredHoweverLateItIsRead) {
+  options.idle_time = std::chrono::milliseconds(300);
+  begin();
+  Client client = connect();
+  while (stats().clients == 0) std::this_thread::yield();
+  thread->on_loop([&] {
+    client.send(kRequest);
+    const auto end = std::chrono::steady_clock::now() + options.idle_time;
+    while (std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  });
+  EXPECT_EQ(client.exactly(kAnswer.size()), kAnswer);
+  EXPECT_EQ(ask(client), kAnswer);
+  EXPECT_EQ(stats().timed_out, 0U);
+}
+
 // Requests without end for all that an answer can hold, and none is read: the kernel's buffers fill, and then nothing
 // more is taken from it.
 TEST_F(ModbusServerTest, WhoReadsNoAnswerIsClosedAndTheOthersAreServedMeanwhile) {
@@ -147,6 +164,17 @@ TEST_F(ModbusServerTest, WhoHasNotAskedForLongMakesRoom) {
   Client young = connect();
   EXPECT_EQ(ask(young), kAnswer);
   EXPECT_EQ(stats().displaced, 1U);
+}
+
+// 192.0.2.0/24 is for documentation (RFC 5737): no computer has it.
+TEST_F(ModbusServerTest, AnAddressThatIsNotThereYetIsAwaited) {
+  options.host = "192.0.2.7";
+  begin();
+  EXPECT_TRUE(stats().awaits_address);
+  AwaitedAddress local("127.0.0.1", true), foreign("192.0.2.7", true), never_missed("192.0.2.7", false);
+  EXPECT_FALSE(local.awaited()) << "it has come";
+  EXPECT_TRUE(foreign.awaited());
+  EXPECT_FALSE(never_missed.awaited());
 }
 
 TEST_F(ModbusServerTest, AnAddressInUseIsSaid) {

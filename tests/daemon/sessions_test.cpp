@@ -18,6 +18,29 @@ TEST(Sessions, GoOnWhileTheyAreUsedAndEndAShiftAfter) {
   EXPECT_FALSE(sessions.use(used, 3 * Sessions::kUnused_ns + 1));
 }
 
+TEST(Sessions, EndInTimeThoughAnOpenPageUsesThemEachSecond) {
+  Sessions sessions;
+  const std::string page = sessions.begin(0);
+  std::int64_t now_ns = 0;
+  for (; now_ns <= Sessions::kLongest_ns; now_ns += 60'000'000'000) ASSERT_TRUE(sessions.use(page, now_ns)) << now_ns;
+  EXPECT_FALSE(sessions.use(page, now_ns));
+}
+
+TEST(Sessions, TellOnceWhichHaveEnded) {
+  Sessions sessions;
+  const std::string out = sessions.begin(0), unused = sessions.begin(0), open = sessions.begin(0);
+  EXPECT_TRUE(sessions.use(open, Sessions::kUnused_ns));
+  sessions.end(out);
+  sessions.end("none");
+  EXPECT_EQ(sessions.take_ended(Sessions::kUnused_ns), std::vector<std::string>{out});
+  EXPECT_EQ(sessions.take_ended(Sessions::kUnused_ns + 1), std::vector<std::string>{unused});
+  for (std::size_t i = 0; i < Sessions::kMost; ++i) (void)sessions.begin(Sessions::kUnused_ns + 2);
+  EXPECT_EQ(sessions.take_ended(Sessions::kUnused_ns + 2), std::vector<std::string>{open}) << "it made room";
+  sessions.end_all();
+  EXPECT_EQ(sessions.take_ended(Sessions::kUnused_ns + 2).size(), Sessions::kMost);
+  EXPECT_TRUE(sessions.take_ended(Sessions::kUnused_ns + 2).empty());
+}
+
 TEST(Sessions, AreKnownByTheirWholeValueAlone) {
   Sessions sessions;
   const std::string value = sessions.begin(0);

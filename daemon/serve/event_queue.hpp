@@ -1,0 +1,47 @@
+// The events that wait for one reader of a live stream. Bounded: where its reader is slow, events are dropped, and the
+// newest of a name is what it needs. Some events yield to the others (the traces to the dwell): they wait behind them
+// and are dropped before them. Bound to one thread.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <string>
+
+namespace dwell {
+
+class EventQueue {
+ public:
+  using Event = std::shared_ptr<const std::string>;
+
+  // most: events that wait, at least 1.
+  explicit EventQueue(std::size_t most) : most_(most) {}
+
+  // False: there was no room, and one event was dropped: the oldest that yields, else the oldest; but never one that
+  // does not yield for one that does.
+  bool push(Event event, bool yields) {
+    const bool room = first_.size() + yielding_.size() < most_;
+    if (!room && yields && yielding_.empty()) return false;
+    if (!room) (yielding_.empty() ? first_ : yielding_).pop_front();
+    (yields ? yielding_ : first_).push_back(std::move(event));
+    return room;
+  }
+  // The one whose turn it is; null: none waits.
+  Event take() {
+    std::deque<Event>& from = first_.empty() ? yielding_ : first_;
+    if (from.empty()) return nullptr;
+    Event event = std::move(from.front());
+    from.pop_front();
+    return event;
+  }
+  void clear() noexcept {
+    first_.clear();
+    yielding_.clear();
+  }
+
+ private:
+  std::size_t most_;
+  std::deque<Event> first_, yielding_;  // oldest first
+};
+
+}  // namespace dwell
