@@ -23,12 +23,14 @@ class HoldRecord {
   // capacity: readings, at least 1.
   explicit HoldRecord(std::size_t capacity) : ring_(capacity) {}
 
-  void push(const Reading& reading) noexcept {
+  // false: there was no room, it was passed over.
+  bool push(const Reading& reading) noexcept {
     if (full()) {
       passed_over_ = true;
-      return;
+      return false;
     }
     ring_[static_cast<std::size_t>(end_++ % ring_.size())] = reading;
+    return true;
   }
 
   // A hold begins with the first reading at or after from_ns that is still there. At most half of the room goes to

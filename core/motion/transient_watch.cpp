@@ -42,9 +42,9 @@ TransientWatch::TransientWatch(const Rig& rig)
   for (const Channel& channel : rig.channels) counts_.push_back(channel.measures != Quantity::auxiliary);
 }
 
-void TransientWatch::take(const Record& record, std::int64_t t_ns) noexcept {
+void TransientWatch::take(const Record& record, std::int64_t t_ns, std::uint64_t position) noexcept {
   if (record.kind != Kind::sample || record.channel >= counts_.size() || !counts_[record.channel]) return;
-  record_.push({t_ns, record.value, record.channel});
+  if (record_.push({t_ns, record.value, record.channel})) last_ = position;
   now_s_ = to_s(t_ns);
 }
 
@@ -94,6 +94,7 @@ TransientJob TransientWatch::hand_over() {
   job.result.from_s = to_s(job.readings.front().t_ns);
   job.result.until_s = to_s(job.readings.back().t_ns);
   job.result.given = handed_ = job.readings.size();
+  job.result.last = last_;
   out_ = true;
   phase_ = Phase::estimating;
   return job;

@@ -40,6 +40,9 @@ struct TransientEstimate {
   MotionEstimate estimate;
   double from_s = kNaN, until_s = kNaN;  // stamps of the first and the last reading given, on the run's axis
   std::size_t given = 0;                 // readings
+  // Position of the last of them in the stream of the run. They are the `given` newest samples up to there, those of
+  // auxiliary channels left out.
+  std::uint64_t last = 0;
 };
 
 // Work for whoever has time: run(), then TransientWatch::take_back(). Owns all it needs; may go to another thread.
@@ -60,8 +63,8 @@ class TransientWatch {
   // Everything that is kept of the stream is allocated here: 24 bytes for each reading that an estimate takes.
   explicit TransientWatch(const Rig& rig);
 
-  // A record of the stream, its instant on the run's axis. Real-time safe.
-  void take(const Record& record, std::int64_t t_ns) noexcept;
+  // A record of the stream, its instant on the run's axis, and its position. Real-time safe.
+  void take(const Record& record, std::int64_t t_ns, std::uint64_t position = 0) noexcept;
   // The dwell as it stands now. A few times a second.
   void follow(const Dwell& now);
 
@@ -88,6 +91,7 @@ class TransientWatch {
   double hold_s_ = kNaN;      // … and its newest
   double now_s_ = kNaN;       // of the newest reading
   std::uint64_t stretch_ = 0;
+  std::uint64_t last_ = 0;  // position of the newest reading in record_
   std::size_t handed_ = 0;  // readings of the stretch in the last job
   bool out_ = false;        // a job is
   std::shared_ptr<const TransientEstimate> newest_;

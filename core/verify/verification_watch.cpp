@@ -38,11 +38,24 @@ VerificationWatch::VerificationWatch(const Rig& rig) : period_s_(1.0 / rig.excit
 void VerificationWatch::take(const SampleHistory& history, std::int64_t origin_ns) noexcept {
   for (next_ = std::max(next_, history.begin()); next_ < history.end(); ++next_) {
     const SampleHistory::Sample& sample = history[next_];
-    record_.push({sample.t_ns - origin_ns, sample.value, sample.channel});
+    if (record_.push({sample.t_ns - origin_ns, sample.value, sample.channel})) last_ = next_ + 1;
   }
 }
 
-void VerificationWatch::follow(const Dwell& now) {
+VerificationJob VerificationWatch::job_of(const Hold& hold, const Dwell& dwell, std::uint64_t position, bool ended) {
+  VerificationJob job{hold.evidence, {dwell, {}}, nullptr};
+  VerifiedDwell& of = job.result;
+  of.position = position;
+  of.ended = ended;
+  of.last = hold.last;
+  of.given = hold.evidence->size();
+  if (hold.evidence->empty()) return job;
+  of.from_s = to_s(hold.evidence->front().t_ns);
+  of.until_s = to_s(hold.evidence->back().t_ns);
+  return job;
+}
+
+void VerificationWatch::follow(const Dwell& now, std::uint64_t position) {
   const bool on = now.index && (now.state == State::settling || now.state == State::measuring);
   if (!on) {
     if (now_.dwell) {
@@ -53,7 +66,7 @@ void VerificationWatch::follow(const Dwell& now) {
   }
   if (now.index != now_.dwell || now.start_s != now_.start_s) {
     if (now_.dwell && now.index != now_.dwell) before_ = now_;
-    now_ = {now.index, now.start_s, nullptr, 0.0};
+    now_ = {now.index, now.start_s, nullptr, 0, 0.0};
     record_.begin(to_ns(now.start_s - kBefore * period_s_));
   }
   if (!std::isfinite(now.settled_s)) {
@@ -63,19 +76,20 @@ void VerificationWatch::follow(const Dwell& now) {
   }
   if (!now_.evidence) {
     now_.evidence = std::make_shared<const std::vector<HoldRecord::Reading>>(record_.readings());
+    now_.last = last_;
     now_.verified_s = 0.0;
     record_.roll();
   }
   const double length_s = now.end_s - now.settled_s;
   if (now.elements.empty() || waiting_ || !(length_s >= kGrowth * now_.verified_s)) return;
   now_.verified_s = length_s;
-  waiting_ = VerificationJob{now_.evidence, {now, {}}, nullptr};
+  waiting_ = job_of(now_, now, position, false);
 }
 
-void VerificationWatch::ended(const Dwell& dwell) {
+void VerificationWatch::ended(const Dwell& dwell, std::uint64_t position) {
   const Hold& of = dwell.index == now_.dwell ? now_ : before_;
   if (of.evidence && dwell.index == of.dwell && std::isfinite(dwell.settled_s))
-    waiting_ = VerificationJob{of.evidence, {dwell, {}}, nullptr};  // replaces a waiting job: it has more data
+    waiting_ = job_of(of, dwell, position, true);  // replaces a waiting job: it has more data
 }
 
 VerificationJob VerificationWatch::hand_over() {

@@ -27,6 +27,15 @@ namespace dwell {
 struct VerifiedDwell {
   Dwell dwell;  // as it stood, with the coefficients that were verified
   Verification verification;
+  // What it was made from, so that it can be made again. The dwell stood so after the record `position` of the run's
+  // stream; `ended`: it ended there.
+  std::uint64_t position = 0;
+  bool ended = false;
+  // The evidence: `given` readings. The pipeline's readings that count are numbered from 1 on; `last` is the number of
+  // the newest of these, from_s … until_s their instants on the run's axis.
+  std::uint64_t last = 0;
+  std::size_t given = 0;
+  double from_s = kNaN, until_s = kNaN;
 };
 
 // Work for whoever has time: run(), then VerificationWatch::take_back(). May go to another thread; shares the evidence,
@@ -50,10 +59,11 @@ class VerificationWatch {
   // The readings that have come since the last call. origin_ns: of the run's axis, on the history's. Real-time safe;
   // O(new readings).
   void take(const SampleHistory& history, std::int64_t origin_ns) noexcept;
-  // The dwell as it stands now. A few times a second; where it settles, copies the evidence: a millisecond at most.
-  void follow(const Dwell& now);
-  // A dwell has ended.
-  void ended(const Dwell& dwell);
+  // The dwell as it stood after the record `position`. A few times a second; where it settles, copies the evidence: a
+  // millisecond at most.
+  void follow(const Dwell& now, std::uint64_t position = 0);
+  // A dwell has ended with the record `position`.
+  void ended(const Dwell& dwell, std::uint64_t position = 0);
 
   // Whether a job is to be done now; at most one is out at a time.
   [[nodiscard]] bool due() const noexcept { return !out_ && waiting_.has_value(); }
@@ -70,12 +80,16 @@ class VerificationWatch {
     std::optional<int> dwell;  // its index; none: no dwell is on
     double start_s = kNaN;
     Evidence evidence;        // null: it has not settled
+    std::uint64_t last = 0;   // number of its newest reading
     double verified_s = 0.0;  // length of the data that were verified last
   };
+
+  [[nodiscard]] static VerificationJob job_of(const Hold& hold, const Dwell& dwell, std::uint64_t position, bool ended);
 
   double period_s_;  // of the nominal drive
   HoldRecord record_;
   std::uint64_t next_ = 0;  // number in the history
+  std::uint64_t last_ = 0;  // number of the newest reading in record_, from 1 on
   Hold now_, before_;       // before_: the dwell before, while its end is not reported
   std::optional<VerificationJob> waiting_;
   bool out_ = false;                      // a job is

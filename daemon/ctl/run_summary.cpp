@@ -1,5 +1,6 @@
 #include "daemon/ctl/run_summary.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -72,6 +73,13 @@ Result<RunSummary> read_summary(const std::string& file) {
     return true;
   });
   if (!events) return fail(events.error());
+  const auto models = reader->models([&](const record::StoredModel& model) {
+    run.models.push_back(model);
+    return true;
+  });
+  if (!models) return fail(models.error());
+  std::stable_sort(run.models.begin(), run.models.end(),
+                   [](const record::StoredModel& a, const record::StoredModel& b) { return a.position < b.position; });
   auto signatures = reader->signatures();
   if (!signatures) return fail(signatures.error());
   run.signatures = std::move(*signatures);
@@ -85,6 +93,12 @@ Json summary_json(const RunSummary& run) {
   for (const DwellView& view : run.dwells) dwells.push_back(json_value(view));
   Json events = Json::array();
   for (const record::StoredEvent& event : run.events) events.push_back(json_or_text(to_json(event)));
+  Json models = Json::array();
+  for (const record::StoredModel& model : run.models) {
+    Json entry = json_or_text(to_json(model));
+    if (entry.is_object()) entry["kind"] = model.kind;
+    models.push_back(std::move(entry));
+  }
   Json signatures = Json::array();
   for (const record::PersonalSignature& signature : run.signatures)
     signatures.push_back(json_or_text(to_json(signature)));
@@ -97,6 +111,7 @@ Json summary_json(const RunSummary& run) {
           {"header", json_or_text(to_json(run.header))},
           {"end", run.end ? json_or_text(to_json(*run.end)) : Json(nullptr)},
           {"dwells", std::move(dwells)},
+          {"models", std::move(models)},
           {"events", std::move(events)},
           {"signatures", std::move(signatures)}};
 }

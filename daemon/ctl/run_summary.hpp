@@ -21,7 +21,8 @@ struct RunSummary {
   std::string key;               // fingerprint
   std::optional<double> span_s;  // from the first to the last entry of the stream; none: it holds nothing
   std::optional<record::RunEnd> end;
-  std::vector<DwellView> dwells;  // those that have ended
+  std::vector<DwellView> dwells;            // those that have ended
+  std::vector<record::StoredModel> models;  // estimates from transients and verifications, by position
   std::vector<record::StoredEvent> events;
   std::vector<record::PersonalSignature> signatures;
 };

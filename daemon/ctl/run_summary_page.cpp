@@ -10,6 +10,7 @@
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/line.hpp"
 #include "daemon/report/number_text.hpp"
+#include "daemon/report/stored_model_text.hpp"
 #include "daemon/report/table.hpp"
 
 namespace dwell::ctl {
@@ -175,6 +176,24 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   return section;
 }
 
+Section model_section(const RunSummary& run, std::size_t columns) {
+  Section section;
+  if (run.models.empty()) return section;
+  section.head.push_back({"estimates and verifications", Style::title});
+  const std::size_t left_out = run.models.size() - std::min(run.models.size(), kMostEvents);
+  if (left_out > 0)
+    section.body.push_back(
+        {"  the newest of " + std::to_string(run.models.size()) + ", which --json shows", Style::plain});
+  for (std::size_t i = left_out; i < run.models.size(); ++i) {
+    const record::StoredModel& model = run.models[i];
+    const std::string line = "  " + printable(instant(model.utc, run.header)) + "  " + pad_right(model.kind, 12) + "  ";
+    for (std::string& part :
+         wrapped(line + printable(stored_model_text(model.kind, model.from, model.result)), columns, width(line)))
+      section.body.push_back({std::move(part), Style::plain});
+  }
+  return section;
+}
+
 Section signature_section(const RunSummary& run, std::size_t columns) {
   Section section;
   if (run.signatures.empty()) return section;
@@ -207,6 +226,7 @@ std::string summary_page(const RunSummary& run, std::size_t columns) {
   if (run.dwells.empty()) notes.body.push_back({"no dwell has ended in this run", Style::plain});
   for (const std::string& text : legend_of(dwells)) append_wrapped(notes, text, columns);
   sections.push_back(std::move(notes));
+  sections.push_back(model_section(run, columns));
   for (const bool losses : {true, false}) sections.push_back(event_section(run, losses, columns));
   sections.push_back(signature_section(run, columns));
   Section last;

@@ -8,7 +8,10 @@ namespace dwell {
 Measurement::Measurement(const Rig& rig, KeptDwells kept, Tell tell)
     : pipeline_(rig), current_(pipeline().current()), finished_(std::move(kept)), tell_(std::move(tell)) {}
 
-void Measurement::take(const Record& record) { note(pipeline_.push(record)); }
+void Measurement::take(const Record& record) {
+  ++taken_;
+  note(pipeline_.push(record));
+}
 
 void Measurement::finish() {
   for (std::uint8_t change = pipeline_.flush(); change != kNothing; change = pipeline_.flush()) note(change);
@@ -16,7 +19,9 @@ void Measurement::finish() {
 }
 
 const Dwell& Measurement::current() {
-  if (!pipeline_.busy()) current_ = pipeline().current();
+  if (pipeline_.busy()) return current_;
+  current_ = pipeline().current();
+  current_at_ = taken_;
   return current_;
 }
 

@@ -36,6 +36,8 @@ class Measurement {
   [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_.pipeline(); }
   // The dwell as it stands; while a long piece of work goes on, as it stood before. Allocates.
   [[nodiscard]] const Dwell& current();
+  // After how many records the dwell stood as current() returned it last.
+  [[nodiscard]] std::uint64_t current_at() const noexcept { return current_at_; }
   // The newest readings that count; null while a long piece of work goes on.
   [[nodiscard]] const SampleHistory* readings() const noexcept {
     return pipeline_.busy() ? nullptr : &pipeline().readings();
@@ -53,7 +55,8 @@ class Measurement {
 
   PacedPipeline pipeline_;
   Dwell current_;
-  State state_ = State::idle;  // the last that was told
+  std::uint64_t taken_ = 0, current_at_ = 0;  // records
+  State state_ = State::idle;                 // the last that was told
   KeptDwells finished_;
   Tell tell_;
 };

@@ -10,25 +10,29 @@ ModelWork::ModelWork(std::shared_ptr<LongWork> work)
     : work_(std::move(work)), transient_(work_->rig), verification_(work_->rig) {}
 
 void ModelWork::take(const Record& record) noexcept {
+  ++position_;
   if (!concerns_pipeline(record.kind)) return;
   if (origin_ns_ == INT64_MIN) origin_ns_ = record.t_ns;
-  transient_.take(record, record.t_ns - origin_ns_);
+  transient_.take(record, record.t_ns - origin_ns_, position_);
 }
 
 void ModelWork::gather(const SampleHistory* readings) noexcept {
   if (readings != nullptr && origin_ns_ != INT64_MIN) verification_.take(*readings, origin_ns_);
 }
 
-void ModelWork::turn(const Dwell& now) {
+void ModelWork::turn(const Dwell& now, std::uint64_t position) {
   if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) {
     if (auto* const transient = std::get_if<TransientJob>(&*job)) {
+      const auto before = transient_.newest();
       transient_.take_back(std::move(*transient));
+      if (transient_.newest() != before) news_ = transient_.newest();
     } else {
       verification_.take_back(std::move(std::get<VerificationJob>(*job)));
+      news_ = verification_.newest();
     }
   }
   transient_.follow(now);
-  verification_.follow(now);
+  verification_.follow(now, position);
   if (!work_->slot.free()) return;
   // A transient first: the operator waits for its numbers.
   if (transient_.due()) {

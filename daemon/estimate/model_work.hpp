@@ -5,11 +5,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "core/motion/transient_watch.hpp"
 #include "core/verify/verification_watch.hpp"
 #include "daemon/estimate/long_work.hpp"
 #include "daemon/estimate/snapshot.hpp"
+#include "daemon/record/stream_sink.hpp"
 
 namespace dwell {
 
@@ -18,15 +21,18 @@ class ModelWork {
  public:
   explicit ModelWork(std::shared_ptr<LongWork> work);
 
-  // A record of the stream, as the pipeline is given it. Real-time safe.
+  // A record of the stream, as the pipeline is given it, the first of the run among them. Real-time safe.
   void take(const Record& record) noexcept;
-  // A dwell has ended.
-  void ended(const Dwell& dwell) { verification_.ended(dwell); }
+  // A dwell has ended with the record taken last.
+  void ended(const Dwell& dwell) { verification_.ended(dwell, position_); }
   // Call a few times a second, with the readings that count; null: not available now.
   void gather(const SampleHistory* readings) noexcept;
-  // Call a few times a second on the one object that may use the slot, with the current dwell. Takes finished work back
-  // and hands the next job over, in a millisecond at most. Drops a job that another object has handed over before.
-  void turn(const Dwell& now);
+  // Call a few times a second on the one object that may use the slot, with the current dwell, which stood so after the
+  // record `position`. Takes finished work back and hands the next job over, in a millisecond at most. Drops a job that
+  // another object has handed over before.
+  void turn(const Dwell& now, std::uint64_t position);
+  // What the last turn() took back; each once.
+  [[nodiscard]] std::optional<record::ModelResult> take_news() noexcept { return std::exchange(news_, std::nullopt); }
 
   void show(const Dwell& now, Snapshot& to) const;
 
@@ -34,6 +40,8 @@ class ModelWork {
   const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
   TransientWatch transient_;
   VerificationWatch verification_;
+  std::optional<record::ModelResult> news_;
+  std::uint64_t position_ = 0;          // of the record taken last
   std::int64_t origin_ns_ = INT64_MIN;  // of the run's axis of time; INT64_MIN: nothing has come yet
   bool out_ = false;                    // the job in the slot is this one's
 };

@@ -221,8 +221,9 @@ void RunCycle::show(Snapshot& to) {
   for (const auto& pipeline : live_)
     if (pipeline->model() != nullptr) pipeline->model()->gather(pipeline->measurement().readings());
   if (ModelWork* const model = past && past_.model ? past_.model.get() : shown.model()) {
-    model->turn(to.dwell);
+    model->turn(to.dwell, shown.measurement().current_at());
     model->show(to.dwell, to);
+    if (auto news = model->take_news(); news && run_.on) tap_.model(shown, std::move(*news));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "daemon/estimate/run_pipeline.hpp"
 #include "daemon/record/stream_sink.hpp"
@@ -27,6 +28,10 @@ class RunTap {
     if (sink_ == nullptr || t_ns < next_ns_ || run.measurement().busy()) return;
     next_ns_ = std::max(next_ns_ + every_ns_, t_ns);
     sink_->result(run.position(), false, std::make_shared<const Dwell>(run.measurement().current()));
+  }
+  // Something about the run's model was published after the record taken last.
+  void model(const RunPipeline& run, record::ModelResult result) {
+    if (sink_ != nullptr) sink_->model(run.position(), std::move(result));
   }
   // A dwell of the run has ended with the record taken last.
   void ended(const RunPipeline& run, std::shared_ptr<const Dwell> dwell) {

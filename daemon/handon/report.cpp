@@ -164,6 +164,7 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   html += report_conditions(selection);
   html += report_channels(selection, story);
   html += traces(selection, story);
+  html += report_models(story);
   html += report_losses(selection, story);
   html += report_events(story);
   html += report_audit(selection, story, audit);

@@ -9,6 +9,7 @@
 #include "daemon/handon/report.hpp"
 #include "daemon/record/stream_events.hpp"
 #include "daemon/report/number_text.hpp"
+#include "daemon/report/stored_model_text.hpp"
 
 namespace dwell::handon {
 namespace {
@@ -133,6 +134,19 @@ std::string report_losses(const Selection& selection, const RunStory& story) {
   std::string html = html_heading(2, "Losses and faults");
   if (rows.empty()) return html + html_paragraph("None: every sample that a driver handed in is in the record.");
   return html + html_table({{"where"}, {"what"}, {"how often", true}}, rows);
+}
+
+std::string report_models(const RunStory& story) {
+  if (story.models.empty()) return {};
+  std::vector<std::vector<Markup>> rows;
+  for (const record::StoredModel& model : story.models)
+    rows.push_back({model.utc, model.kind, stored_model_text(model.kind, model.from, model.result)});
+  return html_heading(2, "Estimates and verifications") +
+         html_paragraph("Coefficients from the transient, and verifications, as they were published then.") +
+         html_table({{"when"}, {"what"}, {"text"}}, rows) +
+         (story.models_left_out == 0
+              ? std::string()
+              : html_paragraph("and " + std::to_string(story.models_left_out) + " more, which are in the run file"));
 }
 
 std::string report_events(const RunStory& story) {

@@ -71,6 +71,15 @@ Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
     return true;
   });
   if (!done) return tl::make_unexpected(done.error());
+  auto models = selection.reader().models([&story](const record::StoredModel& model) {
+    if (story.models.size() < RunStory::kModels) {
+      story.models.push_back(model);
+    } else {
+      ++story.models_left_out;
+    }
+    return true;
+  });
+  if (!models) return tl::make_unexpected(models.error());
   auto signatures = selection.reader().signatures();
   if (!signatures) return tl::make_unexpected(signatures.error());
   story.signatures = std::move(*signatures);

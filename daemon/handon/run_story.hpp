@@ -14,8 +14,10 @@
 namespace dwell::handon {
 
 struct RunStory {
-  // Most events and dwells of one report. Those beyond are counted, not shown; the run file has them all.
+  // Most events, dwells, and estimates with verifications of one report. Those beyond are counted, not shown; the run
+  // file has them all.
   static constexpr std::size_t kEvents = 2000;
+  static constexpr std::size_t kModels = 1000;
   static constexpr std::size_t kDwells = 500;
 
   double begin_s = 0.0, end_s = 0.0;  // on the run's axis
@@ -25,6 +27,8 @@ struct RunStory {
   std::map<std::pair<std::uint16_t, Fault>, double> faults;  // by device and which
   std::vector<DwellView> dwells;                             // each as it was published last
   std::uint64_t dwells_left_out = 0;
+  std::vector<record::StoredModel> models;  // estimates from transients, then verifications
+  std::uint64_t models_left_out = 0;
   std::vector<record::StoredEvent> events;
   std::uint64_t events_left_out = 0;
   std::vector<record::PersonalSignature> signatures;

@@ -157,6 +157,7 @@ Result<void> RunAudit::take_part(const Entry& entry) {
   if (entry.kind == "signature") return fails("a signature before the end of the run");
   const auto wrong = [](const auto& parsed) { return parsed ? Result<void>() : fails(parsed.error()); };
   if (entry.kind == "result") return check_result(entry.body);
+  if (entry.kind == "estimate" || entry.kind == "verification") return wrong(parse_model(entry.kind, entry.body));
   if (entry.kind == "event") return wrong(parse_event(entry.body));
   if (entry.kind == "end") return wrong(parse_run_end(entry.body));
   return {};

@@ -49,8 +49,16 @@ void RecordRing::push(const Record& record) noexcept {
 }
 
 void RecordRing::push(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) noexcept {
+  push(RingResult{position, final, std::move(dwell), {}, pushed_});
+}
+
+void RecordRing::push(std::uint64_t position, ModelResult model) noexcept {
+  push(RingResult{position, false, nullptr, std::move(model), pushed_});
+}
+
+void RecordRing::push(RingResult result) noexcept {
   // A result that was published in a gap has no position in the stream, so it is lost too.
-  if (pending_gap_ == 0 && results_.push(RingResult{position, final, std::move(dwell), pushed_})) return;
+  if (pending_gap_ == 0 && results_.push(std::move(result))) return;
   lost_results_.fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -14,6 +14,7 @@
 
 #include "core/result/dwell.hpp"
 #include "core/stream/record.hpp"
+#include "daemon/record/stream_sink.hpp"
 
 namespace dwell::record {
 
@@ -22,11 +23,12 @@ namespace dwell::record {
 // service). rate_hz: samples per second, all channels together; a thousand other records a second are added.
 [[nodiscard]] std::size_t ring_records(double rate_hz) noexcept;
 
-// A result on its way. `dwell` is never null.
+// A result on its way.
 struct RingResult {
   std::uint64_t position = 0;
   bool final = false;
-  std::shared_ptr<const Dwell> dwell;
+  std::shared_ptr<const Dwell> dwell;  // null: it is `model`
+  ModelResult model;
   std::uint64_t after = 0;  // records that entered the ring before it
 };
 
@@ -44,6 +46,7 @@ class RecordRing {
   // Real-time safe.
   void push(const Record& record) noexcept;
   void push(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) noexcept;
+  void push(std::uint64_t position, ModelResult model) noexcept;
 
   struct Reader {
     std::function<void(const Record&)> record;
@@ -61,6 +64,7 @@ class RecordRing {
   [[nodiscard]] std::uint64_t lost_results() const noexcept { return lost_results_.load(std::memory_order_relaxed); }
 
  private:
+  void push(RingResult result) noexcept;
   void hand_results(const Reader& reader);
 
   const std::size_t capacity_;

@@ -74,7 +74,7 @@ struct Recorder::Impl {
         ring(ring_records(options.rate_hz)),
         folder(options.folder),
         keeper({options.folder.directory, options.retention, options.anchor}, folder, list, options.tell),
-        log(folder, {options.header, options.dwell_json, options.tell, options.names}),
+        log(folder, {options.header, options.dwell_json, options.model_json, options.tell, options.names}),
         thread([this] { run(); }) {}
   ~Impl() {
     {
@@ -133,7 +133,12 @@ struct Recorder::Impl {
                   if (may_bear_request(record)) read_inbox();
                   log.record(record);
                 },
-                [this](const RingResult& result) { log.result(result.position, result.final, *result.dwell); },
+                [this](const RingResult& result) {
+                  if (result.dwell)
+                    log.result(result.position, result.final, *result.dwell);
+                  else
+                    log.model(result.position, result.model);
+                },
                 [this](std::uint64_t lost) { log.gap(lost); }});
     refresh_recorded();
     tell_failures();
@@ -239,6 +244,7 @@ void Recorder::record(const Record& record) noexcept { impl_->ring.push(record);
 void Recorder::result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) {
   impl_->ring.push(position, final, std::move(dwell));
 }
+void Recorder::model(std::uint64_t position, ModelResult result) { impl_->ring.push(position, std::move(result)); }
 void Recorder::request(Request request) { impl_->inbox.put(std::move(request)); }
 void Recorder::event(StoredEvent event) { impl_->inbox.put(std::move(event)); }
 

@@ -26,9 +26,10 @@ struct RecorderOptions {
   RetentionPolicy retention;
   AnchorTarget anchor;
   double rate_hz = 0.0;  // samples per second of all channels together: sizes the buffer
-  // These three are called on the recorder's thread and must not wait. The first two: see RunLogOptions.
+  // These four are called on the recorder's thread and must not wait. The first three: see RunLogOptions.
   std::function<RunHeader()> header;
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
+  std::function<StoredModel(const ModelResult&)> model_json;
   Tell tell;
   StreamNames names;
 };
@@ -68,6 +69,7 @@ class Recorder final : public StreamSink, public RequestSink {
 
   void record(const Record& record) noexcept override;
   void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) override;
+  void model(std::uint64_t position, ModelResult result) override;
   void request(Request request) override;
   // Stores the event in the file of the current run, or of the next run if that reaches back so far. Thread-safe, short
   // lock.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "daemon/record/digest.hpp"
 #include "daemon/record/utf8.hpp"
@@ -317,6 +318,30 @@ Result<StoredResult> parse_result(const std::string& body) {
     return result;
   } catch (const Wrong& wrong) {
     return tl::unexpected("result entry: " + wrong.what);
+  }
+}
+
+std::string to_json(const StoredModel& model) {
+  return R"({"position":)" + std::to_string(model.position) + R"(,"utc":)" + text_of(Json(model.utc)) + R"(,"from":)" +
+         model.from + R"(,"result":)" + model.result + "}";
+}
+
+Result<StoredModel> parse_model(const std::string& kind, const std::string& body) {
+  try {
+    StoredModel model;
+    const Json json = parse(body);
+    const Reader reader(json, "");
+    model.kind = kind;
+    reader("position", model.position);
+    reader("utc", model.utc);
+    for (const auto& [name, text] : {std::pair{"from", &model.from}, std::pair{"result", &model.result}}) {
+      const auto part = json.find(name);
+      if (part == json.end() || !part->is_object()) throw Wrong{"\"" + std::string(name) + "\" is no object"};
+      *text = text_of(*part);
+    }
+    return model;
+  } catch (const Wrong& wrong) {
+    return tl::unexpected(kind + " entry: " + wrong.what);
   }
 }
 

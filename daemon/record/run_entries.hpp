@@ -78,6 +78,16 @@ struct StoredResult {
   std::string dwell;
 };
 
+// What was computed beside the pipeline while a dwell was on, as published. Both JSON texts are objects; to_json() puts
+// them in as they are.
+struct StoredModel {
+  std::string kind;            // of the entry: "estimate" of coefficients from the transient, or "verification"
+  std::uint64_t position = 0;  // records of the stream before it was published
+  std::string utc;
+  std::string from;    // the stretch of the stream that it was computed from
+  std::string result;  // of the public interface
+};
+
 // What happened. `what`: "state", "fault", "loss", "action", "recording", "clock", "alarm"; `text`: one line for
 // people.
 struct StoredEvent {
@@ -111,6 +121,7 @@ struct PersonalSignature {
 
 [[nodiscard]] std::string to_json(const RunHeader& header);
 [[nodiscard]] std::string to_json(const StoredResult& result);
+[[nodiscard]] std::string to_json(const StoredModel& model);
 [[nodiscard]] std::string to_json(const StoredEvent& event);
 [[nodiscard]] std::string to_json(const RunEnd& end);
 [[nodiscard]] std::string to_json(const PersonalSignature& signature);
@@ -119,6 +130,7 @@ struct PersonalSignature {
 // may be anything.
 [[nodiscard]] Result<RunHeader> parse_run_header(const std::string& body);
 [[nodiscard]] Result<StoredResult> parse_result(const std::string& body);
+[[nodiscard]] Result<StoredModel> parse_model(const std::string& kind, const std::string& body);
 [[nodiscard]] Result<StoredEvent> parse_event(const std::string& body);
 [[nodiscard]] Result<RunEnd> parse_run_end(const std::string& body);
 [[nodiscard]] Result<PersonalSignature> parse_personal_signature(const std::string& body);

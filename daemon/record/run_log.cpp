@@ -99,9 +99,21 @@ void RunLog::note_request(const Record& record) {
 void RunLog::result(std::uint64_t position, bool final, const Dwell& dwell) {
   if (!run_) return;
   if (final) ++run_->dwells;
-  std::string body = to_json(StoredResult{position, final, options_.dwell_json(dwell, run_->header.start_utc)});
-  if (body.size() <= kMaxJson) return notes_.push_back({"result", 0, std::move(body)});
-  StoredEvent event = own_event("the result here is not recorded: it has " + std::to_string(body.size()) +
+  publish("result", position,
+          to_json(StoredResult{position, final, options_.dwell_json(dwell, run_->header.start_utc)}));
+}
+
+void RunLog::model(std::uint64_t position, const ModelResult& result) {
+  if (!run_) return;
+  StoredModel model = options_.model_json(result);
+  model.position = position;
+  model.utc = utc_now();
+  publish(model.kind, position, to_json(model));
+}
+
+void RunLog::publish(std::string kind, std::uint64_t position, std::string body) {
+  if (body.size() <= kMaxJson) return notes_.push_back({std::move(kind), 0, std::move(body)});
+  StoredEvent event = own_event("the " + kind + " here is not recorded: it has " + std::to_string(body.size()) +
                                 " bytes; at most " + std::to_string(kMaxJson) + " can be read back");
   event.position = position;
   options_.tell({Notice::Grade::error, named(run_->header) + ": " + event.text, run_->header.run, {}});

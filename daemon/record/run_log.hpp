@@ -21,6 +21,7 @@
 #include "daemon/record/run_entries.hpp"
 #include "daemon/record/run_store.hpp"
 #include "daemon/record/stream_events.hpp"
+#include "daemon/record/stream_sink.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -40,6 +41,8 @@ struct RunLogOptions {
   std::function<RunHeader()> header;  // the members that do not depend on the run; called as a run begins
   // The JSON object of a dwell. The instant in UTC: the beginning of the run.
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
+  // All but position and instant.
+  std::function<StoredModel(const ModelResult&)> model_json;
   Tell tell;
   StreamNames names;
 };
@@ -70,6 +73,7 @@ class RunLog {
   void set_clock(const ClockPair& now);
   void record(const Record& record);
   void result(std::uint64_t position, bool final, const Dwell& dwell);
+  void model(std::uint64_t position, const ModelResult& result);
   // Fills in the event's position and instant if they are not given.
   void event(StoredEvent event);
   // `lost` records of the stream are missing here: the run ends.
@@ -104,6 +108,7 @@ class RunLog {
   [[nodiscard]] std::vector<NewEntry> take_batch();
   [[nodiscard]] std::vector<NewEntry> take_notes(std::int64_t t_ns);
   void note(StoredEvent event);
+  void publish(std::string kind, std::uint64_t position, std::string body);
   [[nodiscard]] const Request* request_of(const Record& record) const noexcept;
   void note_request(const Record& record);
   [[nodiscard]] RunHeader make_header(const Request* request, std::int64_t first_t_ns);

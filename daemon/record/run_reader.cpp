@@ -219,6 +219,19 @@ Result<void> RunReader::events(const std::function<bool(const StoredEvent&)>& ta
   });
 }
 
+Result<void> RunReader::models(const std::function<bool(const StoredModel&)>& take) {
+  bool more = true;
+  for (const char* const kind : {"estimate", "verification"}) {
+    const auto read = impl_->each(1, kind, [&](const Entry& entry) -> Result<bool> {
+      const auto model = parse_model(kind, entry.body);
+      if (!model) return tl::unexpected(model.error());
+      return more = take(*model);
+    });
+    if (!read || !more) return read;
+  }
+  return {};
+}
+
 Result<std::vector<PersonalSignature>> RunReader::signatures() {
   std::vector<PersonalSignature> signatures;
   const auto read = impl_->each(impl_->last_block, "signature", [&](const Entry& entry) -> Result<bool> {

@@ -51,6 +51,8 @@ class RunReader {
   // finals: only the final results of dwells.
   [[nodiscard]] Result<void> results(bool finals, const std::function<bool(const StoredResult&)>& take);
   [[nodiscard]] Result<void> events(const std::function<bool(const StoredEvent&)>& take);
+  // Estimates from transients, then verifications; each in the order in which they were published.
+  [[nodiscard]] Result<void> models(const std::function<bool(const StoredModel&)>& take);
   // Fails where there are more than 1000.
   [[nodiscard]] Result<std::vector<PersonalSignature>> signatures();
 

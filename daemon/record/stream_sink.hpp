@@ -22,11 +22,21 @@
 
 #include <cstdint>
 #include <memory>
+#include <variant>
 
 #include "core/result/dwell.hpp"
 #include "core/stream/record.hpp"
 
+namespace dwell {
+struct TransientEstimate;
+struct VerifiedDwell;
+}  // namespace dwell
+
 namespace dwell::record {
+
+// Computed beside the pipeline, in a time of its own: coefficients from the transient, or a verification. Both say
+// which stretch of the stream they were computed from. Never null.
+using ModelResult = std::variant<std::shared_ptr<const TransientEstimate>, std::shared_ptr<const VerifiedDwell>>;
 
 // Called on the estimation thread alone.
 class StreamSink {
@@ -39,6 +49,9 @@ class StreamSink {
   // and the next RunEdge::begins only finals come, of the run that has just ended and at the position of its end. Never
   // waits.
   virtual void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) = 0;
+  // Published after record `position` of the current run. When that is depends on the processor's time, so a replay
+  // does not compare it. Never waits.
+  virtual void model(std::uint64_t position, ModelResult result) = 0;
 };
 
 }  // namespace dwell::record

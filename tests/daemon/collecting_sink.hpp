@@ -32,6 +32,10 @@ struct CollectingSink final : record::StreamSink {
     results.push_back({position, final, std::move(dwell), records.size()});
   }
 
+  void model(std::uint64_t position, record::ModelResult result) override {
+    models.emplace_back(position, std::move(result));
+  }
+
   static bool is(const Record& record, RunEdge edge) {
     return record.kind == Kind::run && record.flags == static_cast<std::uint8_t>(edge);
   }
@@ -56,6 +60,7 @@ struct CollectingSink final : record::StreamSink {
 
   std::vector<Record> records;
   std::vector<Result> results;
+  std::vector<std::pair<std::uint64_t, record::ModelResult>> models;  // with their positions
 };
 
 }  // namespace dwell::test

@@ -2,13 +2,18 @@
 // estimator in virtual time, the worker's jobs done by hand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "core/model/driven_chain.hpp"
+#include "core/motion/motion_estimate.hpp"
+#include "core/motion/motion_recorder.hpp"
+#include "core/verify/verification.hpp"
 #include "daemon/estimate/estimator.hpp"
 #include "tests/core/bench_rig.hpp"
+#include "tests/daemon/collecting_sink.hpp"
 #include "tests/durations.hpp"
 
 namespace dwell {
@@ -18,7 +23,7 @@ constexpr double kTable_hz = 4.0;
 
 // A rig whose table rests for half a second, then moves at 4 Hz; scanned 200 times a second, both channels at once.
 struct LiveRig {
-  LiveRig(const Chain& the_chain, double amplitude, double sigma)
+  LiveRig(const Chain& the_chain, double amplitude, double sigma, record::StreamSink* sink = nullptr)
       : chain(the_chain),
         rig(rig_of(chain, kTable_hz)),
         motion(chain, {kTable_hz, amplitude, 0.0, 0.0}, DrivenChain::Start::rest),
@@ -36,6 +41,7 @@ struct LiveRig {
     work = std::make_shared<LongWork>(rig, 0.05);
     EstimatorOptions options;
     options.long_work = work;
+    options.runs.sink = sink;
     estimator.emplace(
         rig, std::vector<DeviceFeed>{{&*link, "modbus", 200.0, false}}, options, *log, [] {}, now_ns);
   }
@@ -79,6 +85,11 @@ struct LiveRig {
   int jobs = 0;
 };
 
+// t = 0 of a run.
+std::int64_t origin_of(const std::vector<Record>& stream) {
+  return std::find_if(stream.begin(), stream.end(), [](const Record& r) { return concerns_pipeline(r.kind); })->t_ns;
+}
+
 // ζ = 0.2 %: the transient takes 100 s to fall to 0.5 %.
 Chain hardly_damped() {
   const double natural = 2 * std::numbers::pi * 4.4;
@@ -120,6 +131,70 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
   EXPECT_EQ(now.verified->dwell.index, now.dwell.index);
   EXPECT_EQ(now.verified->verification.verdict, Verdict::adequate)
       << (now.verified->verification.reasons.empty() ? "" : now.verified->verification.reasons.front());
+}
+
+// What is recorded of an estimate names its stretch of the stream. From that alone it is computed again, bit by bit.
+TEST(LiveModel, ARecordedEstimateCanBeComputedAgainFromItsStretchOfTheStream) {
+  test::CollectingSink sink;
+  LiveRig live(clamped_chain(), 0.005, 1e-5, &sink);
+  live.run(20.0);
+  const std::vector<Record> stream = sink.runs().at(0).records;
+  int estimates = 0;
+  for (const auto& [position, model] : sink.models) {
+    ASSERT_LE(position, stream.size());
+    const auto* const of = std::get_if<std::shared_ptr<const TransientEstimate>>(&model);
+    if (of == nullptr) continue;
+    const TransientEstimate& stored = **of;
+    ASSERT_LE(stored.last, position);
+    std::vector<Record> samples;
+    for (std::size_t i = 0; i < stored.last; ++i)
+      if (stream[i].kind == Kind::sample) samples.push_back(stream[i]);
+    ASSERT_GE(samples.size(), stored.given);
+    MotionRecorder recorder(live.rig);
+    for (auto sample = samples.end() - static_cast<std::ptrdiff_t>(stored.given); sample != samples.end(); ++sample) {
+      Record record = *sample;
+      record.t_ns -= origin_of(stream);
+      recorder.take(record);
+    }
+    const MotionEstimate again = estimate_motion(live.rig, recorder.data());
+    ASSERT_EQ(again.reason, stored.estimate.reason);
+    ASSERT_EQ(again.elements.size(), stored.estimate.elements.size());
+    for (std::size_t k = 0; k < again.elements.size(); ++k)
+      EXPECT_EQ(again.elements[k].stiffness.value, stored.estimate.elements[k].stiffness.value);
+    ++estimates;
+  }
+  EXPECT_GE(estimates, 2);
+}
+
+TEST(LiveModel, ARecordedVerificationCanBeMadeAgainFromTheStream) {
+  test::CollectingSink sink;
+  LiveRig live(clamped_chain(), 0.005, 1e-5, &sink);
+  live.run(20.0);
+  const std::vector<Record> stream = sink.runs().at(0).records;
+  int verifications = 0;
+  for (const auto& [position, model] : sink.models) {
+    const auto* const of = std::get_if<std::shared_ptr<const VerifiedDwell>>(&model);
+    if (of == nullptr) continue;
+    const VerifiedDwell& stored = **of;
+    ASSERT_LE(stored.position, position);
+    Measurement measurement(live.rig, KeptDwells(10, 1'000'000), [](RunEvent) {});
+    for (std::size_t i = 0; i < stored.position; ++i) measurement.take(stream[i]);
+    const Dwell dwell = measurement.current();
+    EXPECT_EQ(dwell.frequency_hz.value, stored.dwell.frequency_hz.value);
+    std::vector<ChannelReadings> evidence(live.rig.channels.size());
+    const SampleHistory& counted = *measurement.readings();
+    for (std::uint64_t number = stored.last - stored.given; number < stored.last; ++number) {
+      ChannelReadings& channel = evidence[static_cast<std::size_t>(counted[number].channel)];
+      channel.t_ns.push_back(counted[number].t_ns - origin_of(stream));
+      channel.value.push_back(counted[number].value);
+    }
+    const Verification again = verify_model(live.rig, dwell, evidence, 0.05);
+    EXPECT_EQ(again.verdict, stored.verification.verdict);
+    EXPECT_EQ(again.e_n, stored.verification.e_n);
+    EXPECT_EQ(again.chi2, stored.verification.chi2);
+    ++verifications;
+  }
+  EXPECT_GE(verifications, 2);
 }
 
 TEST(LiveModel, AnIdleRigCostsNothing) {

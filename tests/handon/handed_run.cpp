@@ -143,6 +143,8 @@ void write(HandedRun& run, const std::string& path) {
   if ((pipeline.finish() & kCompleted) != 0) store(pipeline.completed());
   for (const record::StoredEvent& event : run.events)
     must(writer.append("event", run.stream.back().t_ns, to_json(event)));
+  for (const record::StoredModel& model : run.models)
+    must(writer.append(model.kind, run.stream.back().t_ns, to_json(model)));
   must(writer.commit());
   if (!run.closed) return;
   must(writer.append("end", run.stream.back().t_ns,

@@ -24,6 +24,7 @@ struct HandedRun {
   double gap_from_s = 0.0, gap_to_s = 0.0;  // the table's channel says nothing
   std::string label = "cold <b>start</b> & \"quoted\"";
   std::vector<record::StoredEvent> events;
+  std::vector<record::StoredModel> models;
   bool closed = true;
 
   // What was written.

@@ -31,6 +31,24 @@ TEST(Report, IsOnePageThatHoldsEverythingAndRunsNothing) {
   EXPECT_NE(record::Scratch::read(scratch.path("report.html")).find("<td>2f\u00a0"), std::string::npos);
 }
 
+TEST(Report, TellsWhatWasEstimatedAndVerifiedMeanwhile) {
+  const record::Scratch scratch;
+  test::HandedRun run;
+  run.length_s = 2.0;
+  run.models = {{"estimate", 400, "2026-11-23T03:12:18Z", R"({"last":390,"readings":250,"from_s":0.5,"until_s":3.125})",
+                 R"({"motion":null,"motion_reason":"the table <rests>"})"},
+                {"verification", 900, "2026-11-23T03:12:20Z", R"({"position":880,"ended":false})",
+                 R"({"dwell":1,"verdict":"adequate","e_n":0.42})"}};
+  test::write(run, scratch.path("run.dwell"));
+  Selection selection = test::select(run);
+  const auto story = tell_run(selection, {});
+  ASSERT_TRUE(story) << story.error();
+  const std::string page = report_page(selection, *story, {}, test::provenance());
+  EXPECT_NE(page.find("from 0.50 s to 3.12 s, 250 readings: no coefficients: the table &lt;rests&gt;"),
+            std::string::npos);
+  EXPECT_NE(page.find("of dwell 1: adequate, E_n 0.42"), std::string::npos);
+}
+
 TEST(Report, SaysWhatWasTamperedWithFirst) {
   const record::Scratch scratch;
   test::HandedRun run;

@@ -64,6 +64,7 @@ void read_all(const std::string& path) {
   check(run->results(false, [](const StoredResult& result) { return !result.dwell.empty(); }), path);
   check(run->results(true, [](const StoredResult& result) { return !result.dwell.empty(); }), path);
   check(run->events([](const StoredEvent&) { return true; }), path);
+  check(run->models([](const StoredModel& model) { return !model.result.empty(); }), path);
   check(run->signatures(), path);
 }
 
@@ -86,6 +87,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)parse_run_header(body);
   (void)parse_result(body);
   (void)parse_event(body);
+  (void)parse_model("estimate", body);
   (void)parse_run_end(body);
   (void)parse_personal_signature(body);
   return 0;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "daemon/record/chain_file.hpp"
+#include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
 #include "tests/record/sample_run.hpp"
 #include "tests/record/scratch.hpp"
@@ -88,6 +89,25 @@ TEST_F(PythonReader, ReadsEveryRecordToTheLastBitAndEveryHead) {
   std::vector<std::string> heads;
   for (auto row = reader->next(); row && *row; row = reader->next()) heads.push_back(hex((*row)->head));
   EXPECT_EQ(found.json["heads"].get<std::vector<std::string>>(), heads);
+}
+
+TEST_F(PythonReader, ReadsEstimatesAndVerificationsWithWhatTheyWereComputedFrom) {
+  run.models = {
+      {"verification", 900, "2026-07-01T10:12:09Z", R"({"position":880,"ended":false})", R"({"verdict":"adequate"})"},
+      {"estimate", 400, "2026-07-01T10:12:04Z", R"({"last":390,"readings":250})", R"({"motion":null})"}};
+  write(run, key);
+  const Found found = read();
+  ASSERT_EQ(found.code, 0) << found.json;
+  EXPECT_EQ(found.json["state"], "intact");
+  EXPECT_EQ(found.json["estimates"][0]["position"], 400);
+  EXPECT_EQ(found.json["estimates"][0]["from"]["last"], 390);
+  EXPECT_EQ(found.json["verifications"][0]["result"]["verdict"], "adequate");
+
+  auto reader = RunReader::open(run.path);
+  ASSERT_TRUE(reader) << reader.error();
+  std::vector<std::string> kinds;
+  ASSERT_TRUE(reader->models([&](const StoredModel& model) { return kinds.push_back(model.kind), true; }));
+  EXPECT_EQ(kinds, (std::vector<std::string>{"estimate", "verification"})) << "in the order of their positions";
 }
 
 TEST_F(PythonReader, TellsARunThatWasCutOff) {

@@ -145,7 +145,8 @@ class Reader:
         self.head, self.seq = bytes(32), 0
         self.note, self.note_hash = 0, bytes(32)  # the last note
         self.covered = 0  # the last entry that a signature covers
-        self.heads, self.result = [], {"records": 0, "samples": 0, "results": [], "events": [], "signatures": []}
+        self.heads, self.result = [], {"records": 0, "samples": 0, "results": [], "estimates": [],
+                                    "verifications": [], "events": [], "signatures": []}
 
     def read(self, path, folder):
         table = rows(path, folder)
@@ -182,7 +183,7 @@ class Reader:
             self.begin(value)
         elif kind == "end":
             self.end = value
-        elif kind in ("result", "event"):
+        elif kind in ("result", "estimate", "verification", "event"):
             self.result[kind + "s"].append(value)
 
     def signature(self, where, head, value):

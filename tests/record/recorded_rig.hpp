@@ -56,8 +56,13 @@ class Notices {
 };
 
 inline RunLogOptions log_options(Notices& notices) {
-  return {
-      rig_header, [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); }, notices.tell(), {}};
+  return {rig_header,
+          [](const Dwell&, const std::string&) { return std::string("{\"index\":1}"); },
+          [](const ModelResult&) {
+            return StoredModel{"estimate", 0, {}, "{\"last\":9}", "{\"motion\":null}"};
+          },
+          notices.tell(),
+          {}};
 }
 
 inline RecorderOptions recorder_options(const std::string& directory, Notices& notices) {

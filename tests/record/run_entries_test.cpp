@@ -163,6 +163,8 @@ TEST(RunEntries, AHostileBodyIsAnError) {
   EXPECT_EQ(parse_event(std::string((8 << 20) + 1, ' ')).error(),
             "event entry: it holds 8388609 bytes: at most 8388608 are allowed");
   EXPECT_FALSE(parse_event("{\"position\":1e999}"));
+  EXPECT_EQ(parse_model("estimate", R"({"position":1,"utc":"","from":{},"result":null})").error(),
+            "estimate entry: \"result\" is no object");
   EXPECT_FALSE(parse_event(std::string("\xFF\xFE\0{", 4)));
   std::mt19937_64 random(3);
   const std::string body = to_json(full_header());

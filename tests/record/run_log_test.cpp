@@ -59,6 +59,9 @@ struct RunLogTest : testing::Test {
   RunLogTest()
       : log(store, {[] { return RunHeader(); },
                     [this](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"" + more + "}"; },
+                    [](const ModelResult&) {
+                      return StoredModel{"estimate", 0, {}, R"({"last":19})", R"({"motion":null})"};
+                    },
                     [this](const Notice& notice) { notices.push_back(notice); },
                     {{"y0", "y1"}, {"amplifier"}}}),
         stream(2, 200.0, [this](const Record& record) {
@@ -130,6 +133,26 @@ TEST_F(RunLogTest, AResultThatNoReaderTakesIsAnEventInstead) {
   EXPECT_EQ(left_out->position, 20u);
   EXPECT_NE(left_out->text.find("is not recorded"), std::string::npos) << left_out->text;
   EXPECT_TRUE(told("is not recorded"));
+}
+
+TEST_F(RunLogTest, WhatIsPublishedOfTheModelStandsAtItsPosition) {
+  stream.armed();
+  log.model(3, {});  // of no run
+  stream.play(1.0);
+  stream.begins();
+  log.model(20, {});
+  stream.play(1.5);
+  stream.ends();
+  stream.play(1.1);
+  const MemoryRun& run = store.runs.at(0);
+  std::vector<StoredModel> models;
+  for (const NewEntry& entry : run.entries)
+    if (entry.kind == "estimate") models.push_back(*parse_model(entry.kind, entry.body));
+  ASSERT_EQ(models.size(), 1u);
+  EXPECT_EQ(models[0].position, 20u);
+  EXPECT_EQ(models[0].utc.rfind("20", 0), 0u) << models[0].utc;
+  EXPECT_EQ(models[0].from, R"({"last":19})");
+  EXPECT_EQ(models[0].result, R"({"motion":null})");
 }
 
 TEST_F(RunLogTest, ARunHoldsTheStreamFromTheBirthOfItsPipelineToItsEnd) {

@@ -120,6 +120,7 @@ void write(const SampleRun& run, const SigningKey& key) {
   }
   const std::int64_t end_ns = run.stream.back().t_ns;
   for (const StoredEvent& event : run.events) sure(writer.append("event", end_ns, to_json(event)));
+  for (const StoredModel& model : run.models) sure(writer.append(model.kind, end_ns, to_json(model)));
   for (const StoredResult& result : run.results) sure(writer.append("result", end_ns, to_json(result)));
   if (!run.closed) return sure(writer.commit());
   sure(writer.append("end", end_ns, to_json(end_of(run))));

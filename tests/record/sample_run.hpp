@@ -16,6 +16,7 @@ struct SampleRun {
   RunHeader header;
   std::vector<Record> stream;
   std::vector<StoredResult> results;
+  std::vector<StoredModel> models = {};
   std::vector<StoredEvent> events;
   bool closed = true;
 };
