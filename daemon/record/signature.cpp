@@ -22,7 +22,8 @@ struct EndedRun {
   std::string origin() const { return "dwell/run/" + header.id; }
 };
 
-Result<EndedRun> read_ended(const std::string& path) {
+// nullopt: the run has not ended.
+Result<std::optional<EndedRun>> read_ended(const std::string& path) {
   Result<ChainReader> reader = ChainReader::open(path, ChainSort::run);
   if (!reader) return fails(std::move(reader.error()));
   const auto first = reader->next();
@@ -35,7 +36,7 @@ Result<EndedRun> read_ended(const std::string& path) {
   reader->seek(1, "end");
   const auto end = reader->next();
   if (!end) return fails(end.error());
-  if (!*end) return fails(path + ": the run has not ended; only a closed run can be signed");
+  if (!*end) return std::nullopt;
   return EndedRun{std::move(*header), std::move(*key), (*end)->entry.t_ns};
 }
 
@@ -47,8 +48,21 @@ Result<PersonalSignature> append(ChainWriter& file, const EndedRun& run, const P
 }
 
 constexpr std::chrono::milliseconds kBetweenTries{50};
+// A run's end is written with the block after it, a second later. Three seconds are a disk that takes its time.
+// Doubled, whoever asks to sign a run that goes on waits longer for the answer.
+constexpr int kMostForEnd = 60;
 // Closing a run takes three waits for the disk. Ten seconds is a disk that stalls.
 constexpr int kMostTries = 200;
+
+Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {
+  for (int tries = 0;; ++tries) {
+    Result<std::optional<EndedRun>> run = read_ended(path);
+    if (!run) return fails(std::move(run.error()));
+    if (*run) return std::move(**run);
+    if (!busy || tries == kMostForEnd || !busy(tries))
+      return fails(path + ": the run has not ended; only a closed run can be signed");
+  }
+}
 
 // What the person says, a line each. Fails if a run file could not hold it.
 Result<std::string> lines_of(const PersonalSignature& signature) {
@@ -90,7 +104,7 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
   if (!signature.person) return fails("the service signs only for a user of this computer");
   // Checked first: opening the file for writing alters it.
   if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
-  const Result<EndedRun> run = read_ended(path);
+  const Result<EndedRun> run = wait_for_end(path, busy);
   if (!run) return fails(run.error());
   if (!(run->key == service.public_key()))
     return fails(path + ": was recorded with the key " + run->key.fingerprint() +
@@ -109,7 +123,7 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
 Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSignature signature, const SigningKey& own,
                                           const WhileBusy& busy) {
   if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
-  const Result<EndedRun> run = read_ended(path);
+  const Result<EndedRun> run = wait_for_end(path, busy);
   if (!run) return fails(run.error());
   Result<ChainWriter> file = ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key, busy);
   if (!file) return fails(std::move(file.error()));

@@ -210,8 +210,8 @@ TEST(Audit, OnlyAClosedRunIsSignedAndOnlyByTheKeyThatRecordedIt) {
   write_sample(open, {.seed = 6, .end = SampleEnd::log_left});
   write_sample(closed, {.seed = 6});
   const Files before = files_in(scratch);
-  EXPECT_FALSE(sign_by_service(open, signature, sample_key()));
-  EXPECT_FALSE(sign_by_own_key(open, signature, sample_other()));
+  EXPECT_FALSE(sign_by_service(open, signature, sample_key(), {}));
+  EXPECT_FALSE(sign_by_own_key(open, signature, sample_other(), {}));
   EXPECT_FALSE(sign_by_service(closed, signature, sample_other()));
   EXPECT_EQ(files_in(scratch), before);
   signature.reason = "two\nlines";

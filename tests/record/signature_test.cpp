@@ -9,7 +9,7 @@
 namespace dwell::record {
 namespace {
 
-// Closing a run takes some waits for the disk, while its end is already there to be read.
+// A run's end is written with the block after it. Closing the file then takes some waits for the disk.
 TEST(Signature, RightAfterTheEndWaitsUntilTheServiceHasClosedTheRun) {
   const Scratch scratch(true);
   PersonalSignature signature;
@@ -22,14 +22,24 @@ TEST(Signature, RightAfterTheEndWaitsUntilTheServiceHasClosedTheRun) {
     const RunHeader header = sample_header(7, sample_key());
     ChainWriter service = *ChainWriter::create(path, ChainSort::run, "dwell/run/" + header.id, sample_key());
     ASSERT_TRUE(service.append("run", 0, to_json(header)));
-    ASSERT_TRUE(service.append("end", 1, to_json(RunEnd{"operator", 0, 0, "2026-11-23T03:13:00Z"})));
     ASSERT_TRUE(service.commit());
+    const auto write_end = [&] {
+      return service.append("end", 1, to_json(RunEnd{"operator", 0, 0, "2026-11-23T03:13:00Z"})).has_value() &&
+             service.commit().has_value();
+    };
     const auto sign = [&](const WhileBusy& busy) {
       return by_service ? sign_by_service(path, signature, sample_key(), busy)
                         : sign_by_own_key(path, signature, sample_other(), busy);
     };
+    const auto too_early = sign([](int tries) { return tries < 3; });
+    ASSERT_FALSE(too_early);
+    EXPECT_EQ(too_early.error(), path + ": the run has not ended; only a closed run can be signed");
     int waits = 0;
-    const auto given_up = sign([&](int tries) { return (waits = tries) < 3; });
+    bool ended = false;
+    const auto given_up = sign([&](int tries) {
+      if (!ended) return ended = write_end();
+      return (waits = tries) < 3;
+    });
     EXPECT_EQ(waits, 3);
     ASSERT_FALSE(given_up);
     EXPECT_EQ(given_up.error(), path + ": another process has it open for writing");
