@@ -7,6 +7,8 @@
 
 namespace dwell {
 
+inline constexpr double kNsPerS = 1e9;
+
 [[nodiscard]] inline std::int64_t to_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 [[nodiscard]] inline double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 

@@ -16,8 +16,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 1e-5;     // relative step of a pole for a central difference
-constexpr double kNothing = 1e-9;  // relative to the norm of a row: a smaller entry is rounding of a zero
+constexpr double kPoleStep = 1e-5;  // relative step of a pole for a central difference
+constexpr double kNothing = 1e-9;   // relative to the norm of a row: a smaller entry is rounding of a zero
 
 // The matrix that multiplies (Re, Im) by z.
 Matrix2d turn(std::complex<double> z) {
@@ -63,7 +63,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   }
   const MatrixXcd by = by_amplitude(seen.pole);
   scaled_residual_ = in_pairs(by * seen.amplitude);
-  const Complex step = kStep * seen.pole;
+  const Complex step = kPoleStep * seen.pole;
   by_pole_ = (by_amplitude(seen.pole + step) - by_amplitude(seen.pole - step)) * seen.amplitude / (2.0 * step);
   MatrixXd J(2 * E, 2 * channels + 2);
   for (Index i = 0; i < E; ++i) {

@@ -12,10 +12,10 @@
 
 namespace dwell {
 
+using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-using Index = Eigen::Index;
 
 Propagation::Propagation(const ChainState& chain, const ElementStates& elements)
     : chain_(chain), elements_(elements), relative_deformation_rows_(elements.deformation_rows) {

@@ -5,6 +5,7 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/drive/frequency_search.hpp"
 #include "core/fit/blocks.hpp"
 
 namespace dwell {
@@ -15,8 +16,6 @@ constexpr double kInPhase_rad = 0.02;  // table against dwell, beyond noise: up 
 constexpr double kSlip_rad = 0.1;      // table against dwell, beyond noise: from here on another frequency
 constexpr double kStopped = 0.25;      // part of the reference's amplitude: an uncertain window below it shows no drive
 constexpr double kUncertain = 3.0;     // standard deviations: a window with a smaller amplitude is uncertain
-// Standard deviations. Noise alone must not begin a dwell; it exceeds five in one of 300 000 windows.
-constexpr double kSurelyMoves = 5.0;
 
 }  // namespace
 

@@ -7,16 +7,13 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/instants.hpp"
+#include "core/drive/refine.hpp"
 #include "core/result/dwell.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr int kSteps = 10;                // of Gauss-Newton, at most
-constexpr double kNegligibleStep = 1e-2;  // of ω's standard uncertainty: a smaller step ends the iteration
-// A sine counts as found if its amplitude exceeds this many standard deviations, as in DriveTracker. Noise does so in
-// one of 300 000 stretches and cells. At this amplitude ω is known to 0.11/T, which is less than half a cell.
-constexpr double kSurelyMoves = 5.0;
+constexpr int kGaussNewtonSteps = 10;  // at most
 // Cost of one reading, in multiplications: in one cell, and where it needs a sine and a cosine.
 constexpr double kOfCell = 12.0, kOfSine = 100.0;
 
@@ -89,7 +86,7 @@ double FrequencySearch::best_cell(const Readings& readings) noexcept {
 
 std::optional<double> FrequencySearch::refined(const Readings& readings, double omega) const noexcept {
   bool sure = false;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kGaussNewtonSteps; ++step) {
     // Products of 1, sin, cos, u sin, u cos and y. With b, p, q fitted, the derivative by ω is p u cos - q u sin.
     Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Zero();
     readings.each([&](double u, double y) {

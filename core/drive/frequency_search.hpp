@@ -19,6 +19,10 @@
 
 namespace dwell {
 
+// A motion counts as found if its amplitude exceeds this many standard deviations. Noise alone does so in one of 300
+// 000 windows, or stretches and cells. At this amplitude ω is known to 0.11/T, which is less than half a cell.
+inline constexpr double kSurelyMoves = 5.0;
+
 // Bound to one thread; real-time safe except for the constructor. Angular frequencies in rad/s.
 class FrequencySearch {
  public:

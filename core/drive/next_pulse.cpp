@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/instants.hpp"
+
 namespace dwell {
 namespace {
 
 constexpr double kLeast = 0.02, kMost = 0.2;  // bounds of allowed(), in periods
 constexpr double kSureOfAPulse = 8.0;         // standard deviations allowed between these bounds
-
-double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
 

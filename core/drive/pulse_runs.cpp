@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
 
 namespace dwell {
-namespace {
-
-double to_s(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-
-}  // namespace
+namespace {}  // namespace
 
 std::int64_t PulseLine::nearest_ns(std::int64_t t_ns) const noexcept {
   const double T_s = kTwoPi / omega;

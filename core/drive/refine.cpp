@@ -10,8 +10,7 @@
 
 namespace dwell {
 namespace {
-constexpr int kSteps = 7;
-constexpr double kNegligibleStep = 1e-2;  // part of u: a smaller step ends the iteration
+constexpr int kRefinements = 7;     // at most
 constexpr double kFurthest = 5e-3;  // most turning at the ends of the data, rad; its error is the cube over six, 2e-8
 }  // namespace
 
@@ -33,7 +32,7 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
   const FrequencyPrior stated = stated_frequency(rig);
   Refined result{.omega = within_search(rig, sums.omega())};
   sums.turned(result.omega, t_ref_ns, out);
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kRefinements; ++step) {
     double score = 0.0, information = 0.0, longest = 0.0;
     for (std::size_t c = 0; c < rig.channels.size(); ++c) {
       if (rig.channels[c].measures == Quantity::auxiliary) continue;

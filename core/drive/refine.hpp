@@ -9,6 +9,9 @@
 
 namespace dwell {
 
+// An iteration on ω ends with a step below this part of its standard uncertainty.
+inline constexpr double kNegligibleStep = 1e-2;
+
 struct Refined {
   double omega = 0.0;      // rad/s
   double u = 0.0;          // its standard uncertainty, rad/s, by residuals and prior; NaN: nothing tells ω

@@ -9,6 +9,12 @@
 
 namespace dwell {
 
+// Residuals above this part of a channel's rms, beyond the noise from reading to reading: the elements are not linear,
+// and a coefficient would be an average over amplitudes. Twice the accuracy that a model needs by default.
+inline constexpr double kNotLinear = 0.1;
+// … and above this many times that noise, which is known to 10 %.
+inline constexpr double kMoreThanNoise = 1.5;
+
 struct Leftover {
   // Sum over the channels. With r = (fitted noise / noise from reading to reading)², a channel of the chain adds its
   // Ljung-Box statistic beyond chance times r; the factor is there because the statistic saturates where residuals are

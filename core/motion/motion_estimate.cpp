@@ -12,6 +12,7 @@
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/motion/given_table.hpp"
+#include "core/motion/leftover.hpp"
 #include "core/motion/missing_terms.hpp"
 #include "core/motion/missing_wording.hpp"
 #include "core/motion/motion_course.hpp"
@@ -25,12 +26,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// Residuals above this part of a channel's rms, beyond the noise from reading to reading: the elements are not linear,
-// and a coefficient would be an average over amplitudes. Twice the accuracy that a model needs by default.
-constexpr double kRefused = 0.1;
-// … and above this many times that noise, which is known to 10 %.
-constexpr double kMoreThanNoise = 1.5;
 
 class Report {
  public:
@@ -84,7 +79,7 @@ class Report {
       const double beyond = channel.u_noise * channel.u_noise - course_.noise[c] * course_.noise[c];
       channel.unexplained = std::sqrt(std::max(0.0, beyond)) / std::max(course_.size[c], 1e-300);
       out.readings += static_cast<std::size_t>(pass_.count[c]);
-      if (channel.unexplained > kRefused && channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
+      if (channel.unexplained > kNotLinear && channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
         far_from_linear = true;  // says more than that the estimate did not converge
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr int kPasses = 12;  // from a maximum nearby
+constexpr int kRefitPasses = 12;  // from a maximum nearby
 // An input depends on the fitted motion, at first that without it. It is made anew and fitted again until the gain
 // grows by less than this part, at most kRounds times.
 constexpr double kSettled = 0.01;
@@ -33,7 +33,7 @@ Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& te
   std::vector<Parameter> parameters = course.parameters;
   MotionUnknowns at = course.fit.at;
   FitLimits limits = course.limits;
-  limits.passes = kPasses;
+  limits.passes = kRefitPasses;
   auto known = std::find_if(parameters.begin(), parameters.end(),
                             [&](const Parameter& p) { return p.what == term.what && p.index == term.index; });
   const auto a = static_cast<Index>(known - parameters.begin());

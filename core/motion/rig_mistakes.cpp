@@ -13,9 +13,6 @@ using Eigen::Index;
 // A coefficient this many standard uncertainties below zero is impossible. A healthy one near zero gets there once in
 // 30 000.
 constexpr double kNegative = 4.0;
-// Of a channel's rms that may be left over, as where an estimate is refused (core/motion/motion_estimate.cpp).
-constexpr double kMostLeft = 0.1;
-constexpr double kMoreThanNoise = 1.5;
 
 // SI = gain · raw + offset.
 double gain_of(const Channel& channel) { return channel.si_per_unit * channel.scale; }
@@ -95,7 +92,7 @@ ChainFit chain_fit(const Rig& rig, const MotionCourse& course) {
     const auto c = static_cast<std::size_t>(p.index);
     const double u = std::exp(course.fit.at.theta(static_cast<Index>(a))), noise = course.noise[c];
     const double left = std::sqrt(std::max(0.0, u * u - noise * noise));
-    if (left > kMostLeft * course.size[c] && u > kMoreThanNoise * noise) out.possible = false;
+    if (left > kNotLinear * course.size[c] && u > kMoreThanNoise * noise) out.possible = false;
   }
   return out;
 }

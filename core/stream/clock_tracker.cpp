@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/instants.hpp"
+
 namespace dwell {
 namespace {
 
-constexpr double kNsPerS = 1e9;
 // Mean absolute deviations from the clock beyond which an arrival is a stall and does not move it.
 constexpr double kRejection = 6.0;
 constexpr double kLeastSpread = 1e-4;  // periods: keeps the rejection limit above zero where arrivals hardly jitter

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 
+#include "core/base/instants.hpp"
+
 namespace dwell {
 namespace {
 
-constexpr double kNsPerS = 1e9;
 constexpr std::int64_t kSilence_ns = 1'000'000'000;  // after such a pause the device may have restarted
 constexpr double kSilentPeriods = 64.0;
 

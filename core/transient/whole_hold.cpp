@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/base/complex.hpp"
+#include "core/base/instants.hpp"
 
 namespace dwell {
 namespace {
@@ -37,9 +38,8 @@ constexpr double kMostSearched = 2e4;
 // Multiplications: to decide whether a sample is left out; of a line at a sample.
 constexpr double kOfChance = 5.0, kOfLine = 6.0;
 
-double to_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-
-std::int64_t to_ns(double s) { return static_cast<std::int64_t>(1e9 * s); }
+// The whole nanoseconds that are over after s ≥ 0 seconds.
+std::int64_t whole_ns(double s) { return static_cast<std::int64_t>(kNsPerS * s); }
 
 // A number in [0, 1) without a pattern, by an integer hash. Leaving samples out at equal steps would fold frequencies.
 double chance(std::uint64_t number) {
@@ -75,9 +75,9 @@ void WholeHold::begin(const Given& given) noexcept {
 }
 
 bool WholeHold::earlier(const Given& given) noexcept {
-  const std::int64_t first_ns = given.begin_ns + to_ns(kFirstBegin * given.period_s);
+  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirstBegin * given.period_s);
   if (from_ns_ <= first_ns) return false;
-  from_ns_ = std::max(first_ns, given.begin_ns + to_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
+  from_ns_ = std::max(first_ns, given.begin_ns + whole_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
   omega_ += given.latest.rate() * to_s(from_ns_ - omega_at_ns_);
   omega_at_ns_ = from_ns_;
   refine(given);
@@ -203,7 +203,7 @@ bool WholeHold::explains(const Given& given) noexcept {
   const std::int64_t until_ns = given.latest.t0_ns();
   for (PerChannel& channel : channels_) channel.squares = channel.count = 0.0;
   std::uint64_t i = given.history.first_at(from_ns_);
-  for (std::int64_t length_ns = std::max<std::int64_t>(1, to_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
+  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];
@@ -249,7 +249,7 @@ bool WholeHold::add_pole(const Given& given) noexcept {
   const double grid = 0.5 * std::numbers::pi / stretch_s;
   const auto lines = std::clamp(static_cast<std::size_t>(kHighest * omega_ / grid), std::size_t{1}, kMostLines);
   const std::uint64_t first = given.history.first_at(from_ns_),
-                      end = given.history.first_at(from_ns_ + to_ns(stretch_s));
+                      end = given.history.first_at(from_ns_ + whole_ns(stretch_s));
   const double part = kMostSearched / std::max(1.0, static_cast<double>(end - first));
   for (PerChannel& channel : channels_) std::fill(channel.lines.begin(), channel.lines.end(), Complex{});
   for (std::uint64_t i = first; i < end; ++i) {

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 // Draws of noise: u of the prediction is then known to 9 %, and so is the spread of a test's statistic.
 constexpr Index kDraws = 64;
-constexpr std::uint64_t kSeed = 20161;
+constexpr std::uint64_t kEvidenceSeed = 20161;
 
 // Places rows of one stretch into those of all; an empty matrix stays empty.
 void place(const MatrixXd& from, Index at, Index count, double scale, Index to, Index total, MatrixXd& out) {
@@ -47,7 +47,7 @@ void VerificationEvidence::add(VerificationStretch stretch, const Dwell& of, con
   for (const ChannelPhasor& phasor : of.phasors) freedom.push_back(phasor.samples);
   SteadyTable table(stretch.readings[t], stretch.sigma[t], stretch.omega, rig.excitation.harmonics);
   // Far from the seed of anything else that is drawn.
-  NoiseDraws draws(stretch, kDraws, kSeed + 1000 * parts_.size());
+  NoiseDraws draws(stretch, kDraws, kEvidenceSeed + 1000 * parts_.size());
   parts_.push_back(
       {std::move(stretch), std::move(table), std::move(draws), amplitude_ / amplitude, std::move(freedom)});
 }

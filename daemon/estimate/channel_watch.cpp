@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "core/base/instants.hpp"
+
 namespace dwell {
 namespace {
-constexpr double kNsPerS = 1e9;
 constexpr double kSilentIntervals = 20.0;
 constexpr double kShortestSilence_ns = 1e9;
 constexpr double kLongestSilence_ns = 600e9;

@@ -9,19 +9,13 @@
 #include "config/units.hpp"
 #include "core/result/dwell.hpp"
 #include "daemon/handon/html.hpp"
+#include "daemon/handon/printf_text.hpp"
 #include "daemon/report/number_text.hpp"
 
 namespace dwell::handon {
 namespace {
 
 constexpr double kWidth = 640.0;
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 std::string open_svg(double width, double height, const std::string& title) {
   return format("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">", width, height, width,

@@ -1,12 +1,11 @@
 #include "daemon/handon/uff.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <vector>
 
 #include "config/units.hpp"
 #include "daemon/handon/output_file.hpp"
+#include "daemon/handon/printf_text.hpp"
 #include "daemon/handon/resampler.hpp"
 #include "daemon/handon/uff_plan.hpp"
 #include "daemon/handon/uff_text.hpp"
@@ -16,13 +15,6 @@ namespace {
 
 constexpr std::size_t kBuffers = 32U << 20U;  // bytes, of all channels together
 constexpr double kPlanning = 0.1;             // part of the time that the first pass takes
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 128> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "config/units.hpp"
+#include "daemon/handon/printf_text.hpp"
 
 namespace dwell::handon {
 namespace {
@@ -19,13 +20,6 @@ constexpr int kTimeResponse = 1;
 constexpr int kRealDouble = 4;
 constexpr int kEven = 1;
 constexpr int kTime = 17;
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 int specific_type(const Channel& channel) {
   switch (channel.measures) {

@@ -14,10 +14,6 @@
 namespace dwell::record {
 namespace {
 
-tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
-
-std::string entry_name(std::int64_t seq) { return "entry " + std::to_string(seq); }
-
 // One pass over a run file. Fills `audit`, except its state, as far as the pass comes.
 class RunAudit {
  public:

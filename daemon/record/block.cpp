@@ -27,7 +27,6 @@ struct Column {
 };
 constexpr Column kKind{0, 1}, kFlags{1, 1}, kForm{2, 1}, kChannel{3, 2}, kHalf{5, 4}, kInstant{9, 8}, kDelay{17, 8},
     kValue{25, 8};
-constexpr std::size_t kPlanes = 33;
 
 // How a value becomes 64 bits with small differences. Within a block a channel's form only gets wider.
 enum class Form : Byte {

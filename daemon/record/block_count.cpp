@@ -14,12 +14,9 @@ namespace dwell::record {
 namespace {
 
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kFront = 8;    // version, number of records
-constexpr std::size_t kPlanes = 33;  // bytes a record
+constexpr std::size_t kFront = 8;  // version, number of records
 
-tl::unexpected<std::string> fails(std::string message) {
-  return tl::unexpected<std::string>("block: " + std::move(message));
-}
+tl::unexpected<std::string> block_fails(const std::string& reason) { return fails("block: " + reason); }
 
 std::uint32_t u32(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -40,14 +37,14 @@ BlockCount& BlockCount::operator=(BlockCount&&) noexcept = default;
 BlockCount::~BlockCount() = default;
 
 Result<std::uint64_t> BlockCount::samples(std::string_view block) {
-  if (block.size() < kFront) return fails("it ends before its records");
-  if (u32(block, 0) != kVersion) return fails("version " + std::to_string(u32(block, 0)) + ", expected 1");
+  if (block.size() < kFront) return block_fails("it ends before its records");
+  if (u32(block, 0) != kVersion) return block_fails("version " + std::to_string(u32(block, 0)) + ", expected 1");
   const std::size_t records = u32(block, 4);
-  if (records > kMaxBlockRecords) return fails(std::to_string(records) + " records are more than a block holds");
+  if (records > kMaxBlockRecords) return block_fails(std::to_string(records) + " records are more than a block holds");
   const std::string_view frame = block.substr(kFront);
   if (ZSTD_getFrameContentSize(frame.data(), frame.size()) != kPlanes * records)
-    return fails("its size is not that of " + std::to_string(records) + " records");
-  if (!impl_->context) return fails("out of memory");
+    return block_fails("its size is not that of " + std::to_string(records) + " records");
+  if (!impl_->context) return block_fails("out of memory");
 
   ZSTD_DCtx_reset(impl_->context.get(), ZSTD_reset_session_only);
   // The frame states the size of its window, which is never larger than its content.
@@ -57,8 +54,8 @@ Result<std::uint64_t> BlockCount::samples(std::string_view block) {
   for (std::size_t left = records; left > 0;) {
     ZSTD_outBuffer out{impl_->kinds.data(), std::min(left, impl_->kinds.size()), 0};
     const std::size_t code = ZSTD_decompressStream(impl_->context.get(), &out, &in);
-    if (ZSTD_isError(code) != 0) return fails(ZSTD_getErrorName(code));
-    if (out.pos == 0 && in.pos == in.size) return fails("it ends before its records");
+    if (ZSTD_isError(code) != 0) return block_fails(ZSTD_getErrorName(code));
+    if (out.pos == 0 && in.pos == in.size) return block_fails("it ends before its records");
     count += static_cast<std::uint64_t>(
         std::count(impl_->kinds.data(), impl_->kinds.data() + out.pos, static_cast<char>(Kind::sample)));
     left -= out.pos;

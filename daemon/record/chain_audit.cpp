@@ -6,10 +6,6 @@
 namespace dwell::record {
 namespace {
 
-tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
-
-std::string entry_name(std::int64_t seq) { return "entry " + std::to_string(seq); }
-
 std::string without_path(const std::string& message, const std::string& path) {
   return message.rfind(path + ": ", 0) == 0 ? message.substr(path.size() + 2) : message;
 }

@@ -14,6 +14,8 @@
 
 namespace dwell::record {
 
+[[nodiscard]] inline std::string entry_name(std::int64_t seq) { return "entry " + std::to_string(seq); }
+
 // Bound to one thread. A failure names the place and what was found there, without the path.
 class ChainAudit {
  public:

@@ -31,8 +31,6 @@ constexpr int kMostFrames = static_cast<int>(ChainReader::kMaxWal / 16384);
 constexpr const char* kWaits = "PRAGMA synchronous = FULL";
 constexpr const char* kNoWaits = "PRAGMA synchronous = OFF";
 
-tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
-
 // Largest body of an entry that readers take.
 std::size_t most_bytes(std::string_view kind) {
   return kind == "stream" ? static_cast<std::size_t>(ChainReader::kMaxBody) : kMaxJson;

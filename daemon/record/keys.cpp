@@ -29,8 +29,6 @@ constexpr std::string_view kPrivate = "PRIVATE+KEY+";
 using Pkey = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
 using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
 
-tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
-
 const unsigned char* bytes_of(std::string_view text) { return reinterpret_cast<const unsigned char*>(text.data()); }
 
 std::string sha256(std::string_view text) {

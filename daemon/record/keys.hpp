@@ -6,12 +6,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
+
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
-
-template <class T>
-using Result = tl::expected<T, std::string>;
 
 // A public key with its name. A value; any thread.
 class PublicKey {

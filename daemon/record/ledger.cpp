@@ -15,8 +15,6 @@
 namespace dwell::record {
 namespace {
 
-tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
-
 std::int64_t utc_now_ns() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);

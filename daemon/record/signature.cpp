@@ -12,8 +12,6 @@
 namespace dwell::record {
 namespace {
 
-tl::unexpected<std::string> fails(std::string message) { return tl::unexpected<std::string>(std::move(message)); }
-
 // The header of a run that has ended, and its clock's last instant.
 struct EndedRun {
   RunHeader header;
