@@ -16,6 +16,9 @@ constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are a
 constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
 constexpr double kJumped = 6.0;   // after a jump the median is at least its error over this
 
+// A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
+constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
+
 }  // namespace
 
 double MotionGate::noise() const noexcept { return seen_ > kFewest ? median_ / kMedianOfNormal : 0.0; }
@@ -26,12 +29,14 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   last_ns_ = reading.t_ns;
   const bool tied = recent_.has(reading.value) || (foreign_.cluster() && reading.value == foreign_.value());
   if (recent_.newest() != reading.value) recent_.add(reading.value);
+  if (median_half_ns_ == 0.0) median_half_ns_ = reading.half_ns;
+  median_half_ns_ *= kTowards[reading.half_ns > median_half_ns_ ? 1 : 0];
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;
   if (!(predicted.gain > 0) || !std::isfinite(step)) {
     if (predictor_.full()) predictor_.restart();  // a pause, or too few readings a period: begin anew
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
-    predictor_.add(reading.t_ns, reading.value);
+    follow(reading);
     return Says::take;
   }
   const double error = std::abs(reading.value - predicted.value), relative = error / predicted.gain;
@@ -39,7 +44,7 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     ++seen_;
     median_ =
         seen_ <= 8 ? std::max(median_, relative) : median_ * (relative > median_ ? 1 + 5 * kLearn : 1 - 5 * kLearn);
-    predictor_.add(reading.t_ns, reading.value);
+    follow(reading);
     return Says::take;
   }
   const double far = predicted.gain * kFar * median_ + kRounding * step;
@@ -52,9 +57,8 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   if (error <= limit || error <= limit + late()) {
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
-    static constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
-    median_ *= kTowards[relative > median_ ? 1 : 0];  // no branch: noise cannot be guessed
-    predictor_.add(reading.t_ns, reading.value);
+    median_ *= kTowards[relative > median_ ? 1 : 0];
+    follow(reading);
     return Says::take;
   }
   if (tied) {
@@ -76,8 +80,8 @@ double MotionGate::tied_medians(double step) const noexcept {
 MotionGate::Says MotionGate::give_back(const Reading& newest, double relative) noexcept {
   given_back_ = waits_;
   predictor_.restart();
-  for (std::size_t i = 0; i < given_back_; ++i) predictor_.add(waiting_[i].t_ns, waiting_[i].value);
-  predictor_.add(newest.t_ns, newest.value);
+  for (std::size_t i = 0; i < given_back_; ++i) follow(waiting_[i]);
+  follow(newest);
   waits_ = 0;
   median_ = std::max(median_, relative / kJumped);
   return Says::give_back;

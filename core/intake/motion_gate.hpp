@@ -12,7 +12,8 @@
 //                    such that p exp(-(0.67 k)²/2) is 10^-8.
 //
 // To each limit is added what rounding can contribute at most, and the half width of the reading's instant times the
-// slope.
+// steepest slope. An answer that was held up, with a half width beyond 1.5 medians, is judged but predicts nothing: it
+// would make the readings after it look foreign.
 //
 // A reading out of the motion waits. If the next one fits again, those that wait are foreign. Three in a row that go on
 // evenly, or any four, are another motion (a knock, friction that turns round): they are given back and count.
@@ -60,8 +61,13 @@ class MotionGate {
 
  private:
   using Recent = RecentNumbers<8>;
+  static constexpr double kHeldUp = 1.5;   // medians of the half widths
   static constexpr std::size_t kMost = 4;  // readings out of the motion that make another motion
 
+  // A good reading, for the predictions that follow.
+  void follow(const Reading& reading) noexcept {
+    if (reading.half_ns <= kHeldUp * median_half_ns_) predictor_.add(reading.t_ns, reading.value);
+  }
   [[nodiscard]] bool even(const Reading& newest, double limit) const noexcept;
   // The limit k for a reading that equals one of the last, in medians.
   [[nodiscard]] double tied_medians(double step) const noexcept;
@@ -71,7 +77,7 @@ class MotionGate {
   Recent recent_;
   std::array<Reading, kMost - 1> waiting_{};
   std::size_t waits_ = 0, given_back_ = 0;
-  double median_ = 0.0;
+  double median_ = 0.0, median_half_ns_ = 0.0;  // running: of |e| / a; of the half widths
   int seen_ = 0;
   bool active_ = false;
   std::int64_t last_ns_ = INT64_MIN;  // of the newest reading, taken or not

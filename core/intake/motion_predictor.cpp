@@ -27,6 +27,15 @@ MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int
   return out;
 }
 
+double MotionPredictor::slope(const Prediction& predicted, std::int64_t t_ns) const noexcept {
+  double steepest = 0.0;
+  Point after{t_ns, predicted.value};
+  for (std::size_t j = kPoints; j-- > 0; after = points_[j])
+    steepest = std::max(steepest,
+                        std::abs(after.value - points_[j].value) / static_cast<double>(after.t_ns - points_[j].t_ns));
+  return 1e9 * steepest;
+}
+
 void MotionPredictor::weigh(double omega) noexcept {
   weights_.omega = omega;
   weights_.gain = 0.0;

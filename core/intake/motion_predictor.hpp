@@ -21,11 +21,8 @@ class MotionPredictor {
   };
   // The prediction for t_ns. before_ns: the instant of the reading before, good or not; omega: rad/s.
   [[nodiscard]] Prediction predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept;
-  // The slope up to a prediction for t_ns, per s, without its sign.
-  [[nodiscard]] double slope(const Prediction& predicted, std::int64_t t_ns) const noexcept {
-    const Point& newest = points_.back();
-    return std::abs(predicted.value - newest.value) / (1e-9 * static_cast<double>(t_ns - newest.t_ns));
-  }
+  // The steepest slope from point to point and up to a prediction for t_ns, per s, without its sign.
+  [[nodiscard]] double slope(const Prediction& predicted, std::int64_t t_ns) const noexcept;
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
     const std::int64_t gap_ns = t_ns - points_.back().t_ns;
