@@ -24,8 +24,6 @@ struct LogEntry {
   std::uint64_t sector, sectors, flags, text_bytes;
 };
 
-tl::unexpected<std::string> fails(const std::string& what) { return tl::unexpected(what); }
-
 }  // namespace
 
 tl::expected<void, std::string> mark_block_log(const std::string& name, const std::string& text) {
