@@ -11,7 +11,7 @@
 namespace dwell {
 namespace {
 
-constexpr double kStep = 1e-7;
+constexpr double kGateStep = 1e-7;
 
 // A sine of amplitude 1 with noise of 0.1 %, polled as fast as `interval_s` and the answers allow. The device samples
 // somewhere between request and answer; an answer takes 0.2 … 0.6 ms, and one in fifty is held up by up to `held_up_s`.
@@ -25,10 +25,10 @@ class Polled {
     if (uniform_(rng_) < 0.02) turnaround_s += held_up_s_ * uniform_(rng_);
     const double y = std::sin(omega_ * (request_s_ + turnaround_s * uniform_(rng_))) + 1e-3 * normal_(rng_);
     MotionGate::Reading reading{std::llround(1e9 * (request_s_ + 0.5 * turnaround_s)),
-                                times * kStep * std::round(y / kStep)};
+                                times * kGateStep * std::round(y / kGateStep)};
     reading.half_ns = static_cast<std::uint32_t>(0.5e9 * turnaround_s);
     request_s_ = std::max(request_s_ + turnaround_s, interval_s_ * (std::floor(request_s_ / interval_s_) + 1));
-    return gate.judge(reading, omega_, kStep);
+    return gate.judge(reading, omega_, kGateStep);
   }
 
  private:
