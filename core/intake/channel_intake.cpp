@@ -41,7 +41,8 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   if (const auto interval = times_.mean_interval(); interval.span_ns > 0) sampled_ = {omega, interval};
   const bool same = held_.add(raw, rounding_.step());
   cluster_.add(raw, before);
-  pile_up_.add(raw, before, [this] { return held_.mean_difference(); });
+  pile_up_.add(
+      raw, before, [this] { return held_.mean_difference(); }, [this] { return noise(); });
   const bool spike = spikes_.spike(raw);
   if (spike && !motion_.active()) {
     left_.spike();
@@ -124,15 +125,7 @@ PileUp::Noise ChannelIntake::noise() const noexcept {
   return {noise > kRealNoise * codes_.largest() ? noise : 0.0, apart()};
 }
 
-double ChannelIntake::clipping_bias() const noexcept {
-  if (pile_up_.seen() == 0) return 0.0;
-  double bias = 0.0;
-  for (const std::int64_t clipped : {clipped_above(), clipped_below()}) {
-    const double part = static_cast<double>(clipped) / static_cast<double>(pile_up_.seen());
-    bias += 2 / (3 * std::numbers::pi) * std::pow(std::numbers::pi * part, 3);
-  }
-  return bias;
-}
+double ChannelIntake::clipping_bias() const noexcept { return pile_up_.loss(noise()); }
 
 HeldReadings::Again ChannelIntake::again() const noexcept {
   if (held() || readings_a_period() < kTurnsSlowly || times_.count() == 0) return {};
@@ -172,8 +165,8 @@ std::string ChannelIntake::clipped_reason() const {
             percent(static_cast<double>(clipped) / static_cast<double>(pile_up_.seen())) +
             " of its readings are exactly " + numbers_.text(at);
   };
-  end(clipped_above(), pile_up_.largest());
-  end(clipped_below(), pile_up_.smallest());
+  end(clipped_above(), pile_up_.upper_end());
+  end(clipped_below(), pile_up_.lower_end());
   return text;
 }
 

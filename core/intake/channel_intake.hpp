@@ -60,8 +60,7 @@ class ChannelIntake {
   // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.
   [[nodiscard]] double step() const noexcept { return numbers_.si_of_difference(rounding_.step()); }
   [[nodiscard]] bool clipped() const noexcept { return clipped_above() + clipped_below() > 0; }
-  // Loss of the fundamental's amplitude by clipping, relative; 0: none. If the part p of all readings is clipped, the
-  // loss is (2/3π) (πp)³.
+  // Loss of the fundamental's amplitude by clipping, relative; 0: none (PileUp::loss).
   [[nodiscard]] double clipping_bias() const noexcept;
   // For a held register: mean half width of the refreshes' instants in this hold, s; 0: it is not held. The device
   // refreshes such a register more slowly than it is read, and each new value is used once.

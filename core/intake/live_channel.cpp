@@ -90,7 +90,7 @@ std::vector<std::string> LiveChannel::warnings(double tolerance) const {
   if (std::string reason = intake_.left_out_reason(); !reason.empty()) out.push_back(std::move(reason));
   if (intake_.repeat_bias() > 0) out.push_back(intake_.repeat_reason());
   if (intake_.clipping_bias() > kBiasShows * tolerance)
-    out.push_back(intake_.clipped_reason() + "; choose a larger range, or a smaller amplitude");
+    out.push_back(intake_.clipped_reason() + "; choose a larger range, or a smaller amplitude, then re-arm");
   return out;
 }
 

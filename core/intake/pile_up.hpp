@@ -23,6 +23,9 @@
 // extreme. Five or more runs there, and hardly any elsewhere, are no repeats (passed by chance less than once in 1000,
 // where there are such runs at all).
 //
+// Readings once cut off stay so until the restart, though later ones go beyond that end: a larger range makes what was
+// read before no better.
+//
 // An end once found is remembered: readings that pile up there later need no proof against chance. A number far from
 // the motion is no clipping: the reading before a clipped one is clipped as well, or near.
 #pragma once
@@ -32,6 +35,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 
 namespace dwell {
 
@@ -42,9 +46,12 @@ class PileUp {
   struct Noise {
     double sigma, step;
   };
-  // The next reading, the one before it, and a function that returns the mean difference of consecutive readings.
-  template <class Difference>
-  void add(double reading, double before, Difference&& difference) noexcept {
+  // The next reading, the one before it, and functions that return the mean difference of consecutive readings and the
+  // noise. The latter is called where the reading is beyond all others.
+  template <class Difference, class NoiseNow>
+  void add(double reading, double before, Difference&& difference, NoiseNow&& noise) noexcept {
+    if (reading > top_.numbers[0].value) top_.pass(noise(), stuck_elsewhere(), seen_);
+    if (-reading > bottom_.numbers[0].value) bottom_.pass(noise(), stuck_elsewhere(), seen_);
     ++seen_;
     top_.add(reading, before, difference);
     bottom_.add(-reading, -before, difference);
@@ -56,19 +63,28 @@ class PileUp {
     bottom_.see_stuck();
   }
   // How many readings since the restart are cut off at the upper and at the lower end; 0: none.
-  [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept { return top_.clipped(noise, stuck_elsewhere()); }
+  [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept { return top_.cut_off(noise, stuck_elsewhere()); }
   [[nodiscard]] std::int64_t below(const Noise& noise) const noexcept {
-    return bottom_.clipped(noise, stuck_elsewhere());
+    return bottom_.cut_off(noise, stuck_elsewhere());
   }
   [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
-  // The largest and the smallest reading since the restart, in the device's numbers.
-  [[nodiscard]] double largest() const noexcept { return top_.numbers[0].value; }
-  [[nodiscard]] double smallest() const noexcept { return -bottom_.numbers[0].value; }
+  // Loss of the fundamental's amplitude, relative; 0: none. If the part p of all readings is cut off at one end, the
+  // fundamental loses (2/3π)(πp)³. What was read before an end was passed has its part in the mean.
+  [[nodiscard]] double loss(const Noise& noise) const noexcept {
+    if (seen_ == 0) return 0.0;
+    const auto all = static_cast<double>(seen_);
+    double sum = (top_.lost + bottom_.lost) / all;
+    for (const End* end : {&top_, &bottom_}) sum += loss(end->clipped(noise, stuck_elsewhere()), seen_);
+    return sum;
+  }
+  // Where readings are cut off, in the device's numbers; where none is, the largest and the smallest.
+  [[nodiscard]] double upper_end() const noexcept { return top_.end(); }
+  [[nodiscard]] double lower_end() const noexcept { return -bottom_.end(); }
   // Counts begin anew; ends found so far are remembered.
   void restart(const Noise& noise) noexcept {
     const std::int64_t elsewhere = stuck_elsewhere();
     for (End* end : {&top_, &bottom_}) {
-      const double known = end->clipped(noise, elsewhere) > 0 ? end->numbers[0].value : end->known;
+      const double known = end->cut_off(noise, elsewhere) > 0 ? end->end() : end->known;
       *end = {};
       end->known = known;
     }
@@ -92,6 +108,9 @@ class PileUp {
     std::int64_t from_far = 0, stuck = 0;  // of the largest number: readings from far away; long runs
     bool at_top = false;                   // the newest reading is the largest
     double known = INFINITY;               // the end of the transducer's range, found before
+    std::int64_t passed = 0;               // readings cut off at an end that later ones went beyond
+    double passed_end = 0.0;               // the newest such end
+    double lost = 0.0;                     // of the fundamental until then: relative loss times readings
 
     template <class Difference>
     void add(double reading, double before, Difference&& difference) noexcept {
@@ -107,6 +126,19 @@ class PileUp {
       if (reading != before) ++at->runs;
       if (at == numbers.begin() && std::abs(reading - before) > kNear * difference()) ++from_far;
     }
+
+    // A reading goes beyond the largest so far.
+    void pass(const Noise& noise, std::int64_t elsewhere, std::int64_t seen) noexcept {
+      const std::int64_t here = clipped(noise, elsewhere);
+      if (here == 0) return;
+      passed += here;
+      passed_end = numbers[0].value;
+      lost += static_cast<double>(seen) * loss(here, seen);
+    }
+    [[nodiscard]] std::int64_t cut_off(const Noise& noise, std::int64_t elsewhere) const noexcept {
+      return passed + clipped(noise, elsewhere);
+    }
+    [[nodiscard]] double end() const noexcept { return passed > 0 ? passed_end : numbers[0].value; }
 
     void see_stuck() noexcept {
       if (at_top) ++stuck;
@@ -134,6 +166,11 @@ class PileUp {
       return 0;
     }
   };
+  // The same, of one end: `cut_off` of `seen` readings.
+  [[nodiscard]] static double loss(std::int64_t cut_off, std::int64_t seen) noexcept {
+    return 2 / (3 * std::numbers::pi) *
+           std::pow(std::numbers::pi * static_cast<double>(cut_off) / static_cast<double>(seen), 3);
+  }
   // Whether `top` of `top + others` has a probability below exp(-unlikely), if each is at the top with probability p.
   [[nodiscard]] static bool exceeds(std::int64_t top, std::int64_t others, double p, double unlikely) noexcept {
     const auto a = static_cast<double>(top), b = static_cast<double>(others), all = a + b;

@@ -209,6 +209,23 @@ TEST_F(DisturbedReadings, ATableRefreshedTooSlowlyForItsHarmonicsIsTheReasonThat
   EXPECT_NE(dwell.settling_reason.find("refreshed every 81"), std::string::npos) << all(dwell);
 }
 
+// As where the operator follows the advice to choose a larger range.
+TEST_F(DisturbedReadings, WhatWasMeasuredWhileAChannelWasClippedStaysWithheldThoughTheClippingEnds) {
+  for (const double end : {0.2, 0.5, 0.8, 0.95})
+    for (const double until_s : {31.0, 35.0}) {
+      const std::string what = "cut off at " + std::to_string(end) + ", then 5 s and " + std::to_string(until_s - 30);
+      const double limit = end * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
+      const Dwell dwell = measured(
+          [&](Record& record, double t) {
+            if (record.channel == 1 && t < 30) record.value = std::clamp(record.value, -limit, limit);
+          },
+          until_s);
+      expect_no_wrong_number(dwell, what);
+      EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
+      EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
+    }
+}
+
 TEST_F(DisturbedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasured) {
   for (const double level : {0.5, 0.8, 0.9, 0.97})
     for (const bool both : {true, false})

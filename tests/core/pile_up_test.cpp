@@ -16,6 +16,10 @@ struct NoisyMotion {
   double third = 0.0;  // harmonic: 1/9 makes the crest flat
 };
 
+PileUp::Noise seen(const NoisyMotion& motion) {
+  return {std::hypot(motion.noise, motion.step / std::sqrt(12.0)), motion.step};
+}
+
 // So many periods of a sine of amplitude 1 as the transducer shows it.
 void play(PileUp& pile_up, const NoisyMotion& motion, double periods, std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -27,13 +31,10 @@ void play(PileUp& pile_up, const NoisyMotion& motion, double periods, std::uint6
     double reading = std::sin(at) + motion.third * std::sin(3 * at) + motion.noise * normal(random);
     if (motion.step > 0) reading = motion.step * std::nearbyint(reading / motion.step);
     reading = std::min(reading, motion.end);
-    pile_up.add(reading, before, [&] { return 4 / motion.readings_a_period; });
+    pile_up.add(
+        reading, before, [&] { return 4 / motion.readings_a_period; }, [&] { return seen(motion); });
     before = reading;
   }
-}
-
-PileUp::Noise seen(const NoisyMotion& motion) {
-  return {std::hypot(motion.noise, motion.step / std::sqrt(12.0)), motion.step};
 }
 
 std::int64_t found(const NoisyMotion& motion, double periods, std::uint64_t seed) {
@@ -99,7 +100,12 @@ TEST(PileUp, OfAMotionThatIsNotCutOffThereIsNoneHoweverOftenEachReadingIsRepeate
     double before = 0.0;
     for (int i = 0; i < 400; ++i) {
       const double reading = std::sin(0.157 * i) + 0.02 * normal(random);
-      for (int k = 0; k < 5; ++k, before = reading) pile_up.add(reading, before, [] { return 0.1; });
+      for (int k = 0; k < 5; ++k, before = reading)
+        pile_up.add(
+            reading, before, [] { return 0.1; },
+            [] {
+              return PileUp::Noise{0.02, 0.0};
+            });
     }
     EXPECT_EQ(pile_up.above({0.02, 0.0}), 0) << seed;
   }
@@ -110,8 +116,10 @@ TEST(PileUp, RepeatsOfALargestReadingAreNone) {
     PileUp pile_up;
     const NoisyMotion motion{0.02};
     play(pile_up, motion, 8.0, seed);
-    const double largest = pile_up.largest();
-    for (int i = 0; i < 2; ++i) pile_up.add(largest, largest, [] { return 0.1; });
+    const double largest = pile_up.upper_end();
+    for (int i = 0; i < 2; ++i)
+      pile_up.add(
+          largest, largest, [] { return 0.1; }, [&] { return seen(motion); });
     EXPECT_EQ(pile_up.above(seen(motion)), 0);
   }
 }
@@ -123,7 +131,11 @@ TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
     double before = 0.0;
     for (int i = 0; i < 20 * periods; ++i) {
       const double reading = std::min(1e-3 * std::nearbyint(1e3 * std::sin(M_PI * i / 10)), 0.8);
-      pile_up.add(reading, before, [] { return 0.2; });
+      pile_up.add(
+          reading, before, [] { return 0.2; },
+          [] {
+            return PileUp::Noise{3e-4, 1e-3};
+          });
       before = reading;
       if (i % 20 == 7) pile_up.stuck();                                                  // the last reading at the end
       if (every_other > 0 && i % 20 == 1 && i / 20 % every_other == 0) pile_up.stuck();  // a repeated answer
@@ -134,6 +146,27 @@ TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
   EXPECT_EQ(play_runs(few, 4, 0), 0);
   EXPECT_EQ(play_runs(enough, 5, 0), 25);
   EXPECT_EQ(play_runs(repeats, 5, 2), 0);
+}
+
+TEST(PileUp, WhatWasCutOffStaysSoThoughTheRangeIsWidened) {
+  for (const NoisyMotion& wide : {NoisyMotion{1e-3}, NoisyMotion{1e-4, 1e-3}, NoisyMotion{0.01, 1e-6}}) {
+    NoisyMotion narrow = wide;
+    narrow.end = 0.8;
+    PileUp pile_up;
+    play(pile_up, narrow, 30.0, 1);
+    const std::int64_t cut_off = pile_up.above(seen(narrow));
+    EXPECT_GT(cut_off, 0);
+    const double loss = pile_up.loss(seen(narrow));
+    play(pile_up, wide, 30.0, 2);
+    EXPECT_NEAR(pile_up.loss(seen(wide)), 0.5 * loss, 0.03 * loss) << "the mean of both halves";
+    play(pile_up, wide, 70.0, 2);
+    EXPECT_EQ(pile_up.above(seen(wide)), cut_off);
+    EXPECT_EQ(pile_up.upper_end(), 0.8);
+    EXPECT_EQ(pile_up.below(seen(wide)), 0);
+    pile_up.restart(seen(wide));
+    play(pile_up, wide, 100.0, 3);
+    EXPECT_EQ(pile_up.above(seen(wide)), 0);
+  }
 }
 
 TEST(PileUp, AnEndOnceFoundNeedsNoProofLater) {
