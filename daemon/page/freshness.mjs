@@ -44,8 +44,10 @@ export class Freshness {
   tookDwell(dwell, now) {
     this.heard(now);
     if (!this.#dwell || !hasData(dwell) || moved(this.#dwell, dwell)) {
-      this.#turns = [Number.isFinite(this.#moved_s) ? now - this.#moved_s : 0, ...this.#turns.slice(0, 2)];
-      this.#moved_s = now;
+      // The service says how old it is: it may have told the same for minutes before this page was opened.
+      const at = now - (dwell.estimate_age_s ?? 0);
+      this.#turns = [Number.isFinite(this.#moved_s) ? at - this.#moved_s : 0, ...this.#turns.slice(0, 2)];
+      this.#moved_s = at;
     }
     this.#dwell = dwell;
   }
@@ -75,7 +77,7 @@ export class Freshness {
   dwellOld(now) {
     // One outage among three renewals must not pass as usual: the shortest counts.
     const limit = Math.max(OLD_S, USUAL_TIMES * Math.min(...this.#turns));
-    return this.gone(now) || this.dwellAge_s(now) > limit;
+    return this.gone(now) || this.#dwell?.stale === true || this.dwellAge_s(now) > limit;
   }
 }
 

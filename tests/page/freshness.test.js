@@ -35,6 +35,17 @@ test('numbers are old where the service answers but the data stand still', () =>
   assert.ok(Math.abs(fresh.dwellAge_s(14) - 4) < 1e-9);
 });
 
+test('a page that is opened while the service tells a stale dwell shows it as old at once, with its true age', () => {
+  const fresh = new Freshness();
+  fresh.tookDwell({ ...dwellOf(), estimate_age_s: 678, stale: true }, 100);
+  assert.equal(fresh.gone(100), false);
+  assert.equal(fresh.dwellOld(100), true);
+  assert.equal(fresh.dwellAge_s(101), 679);
+  fresh.tookDwell({ ...dwellOf({ end_s: 700 }), estimate_age_s: 0, stale: false }, 102);
+  assert.equal(fresh.dwellOld(102), false);
+  assert.equal(fresh.dwellAge_s(102), 0);
+});
+
 test('while idle there are no data that could stand still', () => {
   const fresh = new Freshness();
   for (let t = 0; t < 100; t += 1) fresh.tookDwell(idleOf(), t);
