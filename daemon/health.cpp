@@ -89,7 +89,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   const auto add = [&](std::string name, std::string text) {
     health.troubles.push_back({std::move(name), std::move(text)});
   };
-  if (!trouble.empty()) add("service", trouble);
+  if (!trouble.empty()) add(kServiceTrouble, trouble);
   add_channels(rig, snapshot, health.troubles);
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (lines[i].configured && !lines[i].works)

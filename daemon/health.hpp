@@ -22,6 +22,9 @@ struct Trouble {
   bool degrades = true;  // false: operators are told, but the service and the rig are as well as without it
 };
 
+// What the watchdog found: the service itself does not work.
+inline constexpr const char* kServiceTrouble = "service";
+
 struct Health {
   // degraded: a channel does not deliver or delivers nothing usable, a GPIO line does not work, the dwell's data do not
   // suffice, a limit of the rig file is violated, the log loses lines, runs are not recorded as they should. fault: the

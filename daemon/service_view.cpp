@@ -4,12 +4,29 @@
 #include <memory>
 
 #include "daemon/report/motion_report.hpp"
+#include "daemon/serve/element_standing.hpp"
 
 namespace dwell {
+namespace {
+
+// Why nothing of the dwell is known to be true now. Without an age: it is told apart, and the words must not change
+// from one answer to the next.
+std::string stale_reason(const ServiceView& now) {
+  for (const Trouble& trouble : now.health.troubles)
+    if (trouble.name == kServiceTrouble) return "stale: the service itself does not work: " + trouble.text;
+  return now.snapshot.sequence == 0 ? "the estimation has not published anything yet"
+                                    : "stale: the estimation publishes nothing new";
+}
+
+}  // namespace
 
 DwellView live_dwell(const ServiceView& now) {
   const Snapshot& snapshot = now.snapshot;
-  DwellView view = make_view(snapshot.dwell, now.rig, now.run);
+  const bool stale = is_stale(now);
+  Dwell dwell = snapshot.dwell;
+  if (stale) dwell.doubts.insert(dwell.doubts.begin(), Doubt{{}, stale_reason(now)});
+  DwellView view = make_view(dwell, now.rig, now.run);
+  view.age = LiveAge{estimate_age_s(snapshot, now.now_ns), stale};
   if (const auto& transient = snapshot.transient) {
     auto beside = std::make_shared<MotionView>(make_view(transient->estimate, snapshot.transient_e_n, now.rig));
     beside->from_s = transient->from_s;
@@ -17,7 +34,7 @@ DwellView live_dwell(const ServiceView& now) {
     beside->given = transient->given;
     view.transient = std::move(beside);
   }
-  if (!std::isfinite(snapshot.dwell.settled_s)) return view;
+  if (stale || !std::isfinite(snapshot.dwell.settled_s)) return view;
   view.model.emplace();
   view.model->asked = now.accuracy;
   if (const auto& verified = snapshot.verified; verified && verified->dwell.index == snapshot.dwell.index) {

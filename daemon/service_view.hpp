@@ -45,7 +45,8 @@ struct ServiceView {
   double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
 };
 
-// The current dwell with what stands beside it: its coefficients from the transient, what is known of its model.
+// The current dwell with what stands beside it: its coefficients from the transient, what is known of its model, its
+// age. Stale, a doubt that names every element says why: so its limits have no verdict, and its model has none.
 [[nodiscard]] DwellView live_dwell(const ServiceView& now);
 
 }  // namespace dwell

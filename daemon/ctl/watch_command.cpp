@@ -171,6 +171,7 @@ class Watch {
                          before->dwell.index != view->dwell.index || estimated_anew(*before, *view);
     state_.take(std::move(*view), now_s());
     const Dwell& dwell = state_.dwell()->dwell;
+    const auto& age = state_.dwell()->age;
     const bool enough =
         options_.until_s > 0.0 && std::isfinite(dwell.settled_s) && dwell.end_s - dwell.settled_s >= options_.until_s;
     if (service_.json) {
@@ -180,6 +181,11 @@ class Watch {
       show(changed || enough);
     }
     if (!enough) return std::nullopt;
+    if (age && age->stale) {
+      why_ = "the data are there, but stale, from " + age_text(age->s) + " ago" +
+             (dwell.doubts.empty() ? "" : ": " + dwell.doubts.front().what);
+      return kNo;
+    }
     agreed_ = truth_ && agrees(dwell, *truth_, 4.0, why_);
     return !truth_ || agreed_ ? kDone : kNo;
   }

@@ -168,19 +168,6 @@ std::vector<TextLine> footer(const Controls& controls, std::size_t page, std::si
 
 }  // namespace
 
-std::string age_text(double seconds) {
-  if (!std::isfinite(seconds)) return kNoNumber;
-  seconds = std::max(0.0, seconds);
-  const auto whole = [](double value, const char* unit) {
-    return std::to_string(static_cast<long long>(value)) + unit;
-  };
-  if (seconds < 9.95) return seconds_text(seconds, 1);
-  if (seconds < 1000.0) return whole(seconds, " s");
-  if (seconds < 7200.0) return whole(seconds / 60.0, " min");
-  if (seconds < 172800.0) return whole(seconds / 3600.0, " h");
-  return whole(seconds / 86400.0, " d");
-}
-
 Page draw(const WatchState& state, const Controls& controls, const Truth* truth, Size size, double now_s,
           const std::string& clock) {
   const std::size_t columns = std::max<std::size_t>(size.columns, 8);

@@ -50,7 +50,4 @@ struct Page {
 // What is left on the operator's own screen at the end: everything, without pages, old numbers marked as well.
 [[nodiscard]] std::string last_words(const WatchState& state, const Truth* truth, double now_s);
 
-// "0.3 s", "778 s", "21 min", "5 h", "3 d": how old something is, as people say it; "—" if that is not known.
-[[nodiscard]] std::string age_text(double seconds);
-
 }  // namespace dwell::ctl

@@ -156,6 +156,10 @@ Json json_value(const DwellView& view, Detail detail) {
   object["motion"] = view.transient ? json_value(*view.transient, detail) : Json(nullptr);
   object["motion_reason"] = json_text(view.transient ? view.transient->estimate.reason : "");
   object["model"] = view.model ? model_value(*view.model) : Json(nullptr);
+  if (view.age) {
+    object["estimate_age_s"] = json_number(view.age->s);
+    object["stale"] = view.age->stale;
+  }
   return object;
 }
 

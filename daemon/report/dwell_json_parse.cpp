@@ -118,6 +118,12 @@ std::vector<JudgedLimit> limits_of(const Json& value, Motion& motion) {
   return limits;
 }
 
+// Of a dwell that is stored, or of a service that does not tell: none.
+std::optional<LiveAge> age_of(const Json& value) {
+  if (!value.contains("stale")) return std::nullopt;
+  return LiveAge{real_of(value, "estimate_age_s"), boolean_of(value, "stale")};
+}
+
 DwellView parse(const Json& value) {
   DwellView view;
   Dwell& d = view.dwell;
@@ -157,6 +163,7 @@ DwellView parse(const Json& value) {
   view.transient = motion_of(value);
   view.model = model_of(value);
   view.limits = limits_of(value, view.motion);
+  view.age = age_of(value);
   return view;
 }
 

@@ -355,8 +355,13 @@ std::vector<Section> dwell_sections(const DwellView& view, const TextOptions& op
 std::string dwell_text(const DwellView& view, const Truth* truth) {
   TextOptions options;
   options.truth = truth;
+  std::string first = headline(view);
+  if (view.age && view.age->stale) {
+    options.age = age_text(view.age->s);
+    first = (std::isfinite(view.age->s) ? "STALE, from " + options.age + " ago: " : "no estimate yet: ") + first;
+  }
   std::vector<Section> sections = dwell_sections(view, options);
-  sections.insert(sections.begin(), Section{{}, {{headline(view), Style::plain}}, {}});
+  sections.insert(sections.begin(), Section{{}, {{first, Style::plain}}, {}});
   return plain_text(sections);
 }
 

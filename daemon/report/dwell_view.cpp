@@ -13,7 +13,7 @@ std::vector<ChannelLabel> channel_labels(const Rig& rig) {
 }
 
 DwellView make_view(const Dwell& dwell, const Rig& rig, const RunInfo& run) {
-  return {rig.motion, channel_labels(rig), run, dwell, nullptr, std::nullopt, judge_limits(rig, dwell)};
+  return {rig.motion, channel_labels(rig), run, dwell, nullptr, std::nullopt, judge_limits(rig, dwell), std::nullopt};
 }
 
 }  // namespace dwell

@@ -38,6 +38,12 @@ struct ModelVerdict {
   double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
 };
 
+// Of a live dwell, when it was told.
+struct LiveAge {
+  double s = kNaN;     // since the estimation published it; not finite: it has published nothing
+  bool stale = false;  // by the service's judgement: nothing of the dwell is known to be true now
+};
+
 struct DwellView {
   Motion motion = Motion::translation;
   std::vector<ChannelLabel> channels;  // one per Dwell::phasors
@@ -48,6 +54,7 @@ struct DwellView {
   std::shared_ptr<const MotionView> transient = nullptr;
   std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell that has settled
   std::vector<JudgedLimit> limits = {};              // the rig's, by this dwell's coefficients
+  std::optional<LiveAge> age = std::nullopt;         // of a live dwell
 };
 
 // Units as the JSON writes them (ASCII).

@@ -189,6 +189,19 @@ std::string seconds_text(double seconds, int decimals) {
   return text.data();
 }
 
+std::string age_text(double seconds) {
+  if (!std::isfinite(seconds)) return kNoNumber;
+  seconds = std::max(0.0, seconds);
+  const auto whole = [](double value, const char* unit) {
+    return std::to_string(static_cast<long long>(value)) + unit;
+  };
+  if (seconds < 9.95) return seconds_text(seconds, 1);
+  if (seconds < 1000.0) return whole(seconds, " s");
+  if (seconds < 7200.0) return whole(seconds / 60.0, " min");
+  if (seconds < 172800.0) return whole(seconds / 3600.0, " h");
+  return whole(seconds / 86400.0, " d");
+}
+
 std::size_t width(std::string_view utf8) noexcept {
   return static_cast<std::size_t>(
       std::count_if(utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));

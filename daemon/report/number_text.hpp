@@ -39,6 +39,9 @@ struct NumberText {
 // A duration or an instant in seconds with `decimals` decimals, "—" if it is not known.
 [[nodiscard]] std::string seconds_text(double seconds, int decimals);
 
+// "0.3 s", "778 s", "21 min", "5 h", "3 d": how old something is, as people say it; "—" if that is not known.
+[[nodiscard]] std::string age_text(double seconds);
+
 // Columns that a terminal needs for a text: its code points.
 [[nodiscard]] std::size_t width(std::string_view utf8) noexcept;
 [[nodiscard]] std::string pad_left(std::string_view text, std::size_t columns);

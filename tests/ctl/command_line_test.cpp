@@ -140,6 +140,37 @@ TEST(CommandLine, StatusIsNoWhileItsNumbersMustNotBeReliedOn) {
   EXPECT_NE(outcome.out.find("do not rely on element 1: y1 and y2 look swapped"), std::string::npos) << outcome.out;
 }
 
+std::string stale_text() {
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{}, "stale: the service itself does not work: thread estimate has not turned for 5.6 s"}};
+  DwellView view = make_view(dwell, test::sample_rig(), test::sample_run());
+  view.age = LiveAge{5.7, true};
+  return to_json(view);
+}
+
+// The estimation hangs, the rest of the service answers: it said "measuring", with exit code 0.
+TEST(CommandLine, StatusOfAStaleDwellIsNoAndSaysHowOldItIsAndWhy) {
+  const std::string broken = R"({"status":"fault","reason":"thread estimate has not turned for 5.6 s","gpio":{}})";
+  ScriptedServer server(
+      {Reply{http_reply(200, stale_text())}, Reply{http_reply(503, broken)}, Reply{http_reply(200, stale_text())}});
+  const Outcome outcome = run({"status", "--url", server.url()});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.out.substr(0, outcome.out.find('\n')),
+            "STALE, from 5.7 s ago: dwell 1 · measuring, 24.6 s of data");
+  EXPECT_NE(outcome.out.find("thread estimate has not turned for 5.6 s"), std::string::npos) << outcome.out;
+  const Outcome json = run({"status", "--json", "--url", server.url()});
+  EXPECT_EQ(json.code, 1);
+  EXPECT_EQ(Json::parse(json.out)["estimate_age_s"], 5.7);
+}
+
+TEST(CommandLine, WatchUntilThereAreEnoughDataTakesNoStaleOnesForThem) {
+  ScriptedServer server({Reply{test::stream_header() + dwell_event(stale_text()), true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("stale, from 5.7 s ago"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("thread estimate has not turned"), std::string::npos) << outcome.err;
+}
+
 TEST(CommandLine, RearmAsksTheServiceAndSaysWhatCameOfIt) {
   const test::TemporaryFolder folder;
   ScriptedServer server({Reply{"{\"done\":true}\n", true}, Reply{"{\"done\":true}\n", true},

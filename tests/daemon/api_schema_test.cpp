@@ -32,6 +32,8 @@ struct ApiSchemaTest : testing::Test {
     rig = test::sample_rig();
     rig.devices = {{"amplifier", 0.0, 0.0}};
     for (Channel& channel : rig.channels) channel.device = 0;
+    snapshot.sequence = 1;
+    snapshot.t_ns = 1'900'000'000;  // 0.1 s ago
     snapshot.channels.resize(rig.channels.size());
     snapshot.channels[0].value = 1.25;
     snapshot.channels[0].heard_ns = 1'900'000'000;
@@ -123,6 +125,8 @@ struct ApiSchemaTest : testing::Test {
 TEST_F(ApiSchemaTest, DocumentsEveryMemberAndTheUnitOfEveryNumber) { EXPECT_EQ(schema.undocumented(), ""); }
 
 TEST_F(ApiSchemaTest, IsMetByEveryAnswer) {
+  expect_all();
+  snapshot.t_ns = -8'000'000'000;  // stale
   expect_all();
   EXPECT_EQ(schema.faults_of_text("dwell", get("/api/v1/dwells/1")), "");
   EXPECT_EQ(schema.faults_of_text("error", get("/api/v1/nowhere")), "");

@@ -19,6 +19,8 @@ struct ApiTest : testing::Test {
     channel.device = 0;
     channel.unit = "mm";
     rig.channels = {channel};
+    snapshot.sequence = 1;
+    snapshot.t_ns = 1'900'000'000;  // 0.1 s ago
     snapshot.channels.resize(1);
     snapshot.channels[0].tally = {10, 5, 1, 1, 0, 1, 2};
     snapshot.channels[0].half_width_s = 1e-3;
@@ -217,6 +219,49 @@ TEST_F(ApiTest, TheCurrentDwellHasItsTransientBesideItAndTheModelsVerdict) {
   EXPECT_EQ(get("/api/v1/dwell")["model"]["asked"], 0.05);
   snapshot.dwell.index = 1;
   EXPECT_EQ(get("/api/v1/dwell")["model"]["verdict"], "adequate");
+}
+
+TEST_F(ApiTest, TheCurrentDwellTellsHowOldItIs) {
+  EXPECT_NEAR(get("/api/v1/dwell")["estimate_age_s"].get<double>(), 0.1, 1e-9);
+  EXPECT_EQ(get("/api/v1/dwell")["stale"], false);
+  EXPECT_EQ(get("/api/v1/dwell")["doubts"], Json::array());
+  snapshot.sequence = 0;
+  EXPECT_TRUE(get("/api/v1/dwell")["estimate_age_s"].is_null()) << "nothing has been published";
+  EXPECT_EQ(get("/api/v1/dwell")["stale"], true);
+  finish(1);
+  EXPECT_FALSE(get("/api/v1/dwells")["dwells"][0].contains("stale")) << "a finished dwell does not age";
+}
+
+// The estimation hangs: the service went on telling "kept" and "adequate", without a doubt.
+TEST_F(ApiTest, AStaleDwellHasAReasonNotToRelyOnItAndNoVerdicts) {
+  rig.limits = {{1, Bounds{23e3, 25e3}, std::nullopt}};
+  snapshot.dwell.index = 1;
+  snapshot.dwell.state = State::measuring;
+  snapshot.dwell.settled_s = 3.0;
+  ElementEstimate& element = snapshot.dwell.elements.emplace_back();
+  element.k = 1;
+  element.identifiable = true;
+  element.stiffness = {24e3, 10.0, 1e3, 20.0, true};
+  auto verified = std::make_shared<VerifiedDwell>();
+  verified->dwell.index = 1;
+  verified->verification.verdict = Verdict::adequate;
+  snapshot.verified = verified;
+  const Json fresh = get("/api/v1/dwell");
+  EXPECT_EQ(fresh["limits"][0]["verdict"], "kept");
+  EXPECT_EQ(fresh["model"]["verdict"], "adequate");
+
+  const auto expect_stale = [](const Json& dwell, const std::string& reason) {
+    EXPECT_EQ(dwell["stale"], true);
+    EXPECT_EQ(dwell["limits"][0]["verdict"], "none");
+    EXPECT_NE(dwell["limits"][0]["reason"].get<std::string>().find(reason), std::string::npos) << dwell["limits"];
+    EXPECT_TRUE(dwell["model"].is_null());
+    EXPECT_EQ(dwell["doubts"][0]["what"], reason);
+    EXPECT_EQ(dwell["doubts"][0]["elements"], Json::array()) << "it names every element";
+  };
+  expect_stale(Json::parse(http_answer(view("thread estimate has not turned for 3.0 s"), "/api/v1/dwell", "").body),
+               "stale: the service itself does not work: thread estimate has not turned for 3.0 s");
+  snapshot.t_ns = -1'000'000'000;  // 3 s ago
+  expect_stale(get("/api/v1/dwell"), "stale: the estimation publishes nothing new");
 }
 
 TEST_F(ApiTest, BeforeThereIsAVerificationItSaysWhy) {
