@@ -188,6 +188,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     request.content_type = field(http::field::content_type);
     request.cookie = field(http::field::cookie);
     request.origin = field(http::field::origin);
+    request.codings = read.count(http::field::transfer_encoding);
+    request.coding = field(http::field::transfer_encoding);
+    request.has_length = read.count(http::field::content_length) > 0;
     request.body = read.body();
     request.from = from_;
     request.from_loopback = from_loopback_;

@@ -5,8 +5,22 @@
 #include "daemon/serve/host_check.hpp"
 
 namespace dwell {
+namespace {
+
+// Whether the end of the body is certain (RFC 9112, 6.3): by its Content-Length, or by the chunks of HTTP/1.1. Where it
+// is not, a part of the body could be taken for the next request.
+bool has_certain_end(const HttpRequest& request) {
+  return request.codings == 0 ||
+         (request.host_needed && request.codings == 1 && !request.has_length && same_name(request.coding, "chunked"));
+}
+
+}  // namespace
 
 std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector<std::string>& names) {
+  if (!has_certain_end(request))
+    return HttpRefusal{http_error(400,
+                                  "the end of the body is not certain: expected a Content-Length, or in HTTP/1.1 "
+                                  "\"Transfer-Encoding: chunked\" alone")};
   if (request.hosts > 1 || (request.hosts == 0 && request.host_needed))
     return HttpRefusal{http_error(400, "expected one Host field")};
   if (request.hosts == 1 && !is_our_host(request.host, names))

@@ -22,6 +22,10 @@ struct HttpRequest {
   std::string_view target;
   std::string_view known{};                                              // If-None-Match: tags of what the client has
   std::string_view authorization{}, content_type{}, cookie{}, origin{};  // the fields of these names; empty: none
+  // Transfer-Encoding: how many fields, and the value of the first. has_length: there is a Content-Length as well.
+  std::size_t codings = 0;
+  std::string_view coding{};
+  bool has_length = false;
   std::string_view body{};
   std::string_view from{};     // the client's numeric address
   bool from_loopback = false;  // the client runs on this computer

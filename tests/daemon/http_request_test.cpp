@@ -55,6 +55,25 @@ TEST(HttpRequest, NamesOneHostWhichIsThisService) {
   EXPECT_FALSE(refusal(request, {})) << "HTTP/1.0";
 }
 
+TEST(HttpRequest, EndsWhereItsLengthOrItsChunksSay) {
+  HttpRequest request = get_of("/");
+  request.codings = 1;
+  for (const char* unclear : {"", "xchunked", "identity", "chunked, identity", "chunked, chunked", "gzip, chunked"}) {
+    request.coding = unclear;
+    expect_refused(request, 400, true);
+  }
+  request.coding = "Chunked";
+  EXPECT_FALSE(refusal(request, {}));
+  request.has_length = true;
+  expect_refused(request, 400, true);
+  request.has_length = false;
+  request.codings = 2;
+  expect_refused(request, 400, true);
+  request.codings = 1;
+  request.host_needed = false;
+  expect_refused(request, 400, true);
+}
+
 TEST(HttpRequest, ATargetThatIsNoPathIsRefusedAndTheConnectionGoesOn) {
   for (const char* target : {"", "?from=1", "*", "example.org:443"}) expect_refused(get_of(target), 400, false);
 }

@@ -317,6 +317,27 @@ TEST_F(HttpServerTest, ABodyThatAGetBringsAlongIsIgnored) {
   EXPECT_EQ(read_answer(client).body, "{\"hello\":\"2\"}");
 }
 
+TEST_F(HttpServerTest, ABodyWithoutACertainEndIsNotTakenForTheNextRequest) {
+  begin();
+  const std::string next = "GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  for (const char* fields :
+       {"Transfer-Encoding: xchunked\r\n", "Transfer-Encoding: identity\r\n",
+        "Transfer-Encoding: chunked, identity\r\n", "Transfer-Encoding: identity\r\nContent-Length: 0\r\n",
+        "Content-Length: 0\r\nTransfer-Encoding: chunked\r\n", "Transfer-Encoding: chunked\r\nContent-Length: 0\r\n",
+        "Transfer-Encoding: xchunked\r\nTransfer-Encoding: chunked\r\n"}) {
+    Client client = Client::tcp(port);
+    client.send("POST /hello HTTP/1.1\r\nHost: localhost\r\n" + std::string(fields) + "\r\n0\r\n\r\n" + next);
+    SCOPED_TRACE(fields);
+    expect_error(read_answer(client), 400);
+    EXPECT_EQ(client.all(), "") << "one answer, and the connection ends";
+  }
+  Client client = Client::tcp(port);
+  client.send("POST /hello HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n" +
+              next);
+  EXPECT_EQ(read_answer(client).status, 200);
+  EXPECT_EQ(read_answer(client).body, "{\"hello\":\"\"}");
+}
+
 TEST(HttpServer, AnAddressThatIsNoneIsToldApartFromOneThatIsTaken) {
   EventLoop loop;
   const auto handler = [](const HttpRequest&) { return HttpReply{}; };
