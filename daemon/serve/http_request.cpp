@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/serve/host_check.hpp"
+#include "daemon/serve/http_actions.hpp"
 
 namespace dwell {
 namespace {
@@ -28,7 +29,8 @@ std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector
                                            "\" is no name of this service: expected a numeric address, localhost or "
                                            "one of [server] names in the rig file")};
   if (request.method == HttpRequest::Method::other)
-    return HttpRefusal{method_refusal("GET, HEAD", "only GET and HEAD, and POST where something can be changed")};
+    return HttpRefusal{method_refusal(posted_verb(request.path()) ? "POST" : "GET, HEAD",
+                                      "only GET and HEAD, and POST where something can be changed")};
   if (request.target.empty() || request.target.front() != '/')
     return HttpRefusal{http_error(400, "the target is no path"), false};
   return std::nullopt;

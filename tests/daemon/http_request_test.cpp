@@ -34,6 +34,10 @@ TEST(HttpRequest, IsToReadOrToPost) {
   request.method = Method::other;
   expect_refused(request, 405, true);
   EXPECT_EQ(refusal(request, {})->reply.allowed, "GET, HEAD");
+  for (const char* changed : {"/api/v1/alarms/acknowledge", "/api/v1/start?label=x"}) {
+    request.target = changed;
+    EXPECT_EQ(refusal(request, {})->reply.allowed, "POST") << changed;
+  }
   for (const Method method : {Method::get, Method::head, Method::post}) {
     request.method = method;
     EXPECT_FALSE(refusal(request, {}));
