@@ -1,6 +1,9 @@
 #include "daemon/alarms/alarm_list.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -65,26 +68,46 @@ std::optional<AlarmChange> AlarmList::raise(const Trouble& trouble, const record
   return AlarmChange{before, alarm};
 }
 
+// Between two looks a trouble lasted if both found it; otherwise it faded.
+void AlarmList::weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns) {
+  const std::int64_t passed_ns = lasting_.empty() ? 0 : raw_ns - looked_ns_;
+  looked_ns_ = raw_ns;
+  std::set<std::string_view> present;
+  for (const Trouble& trouble : troubles) {
+    present.insert(trouble.name);
+    lasting_.emplace(trouble.name, Lasting{0, raw_ns, false});
+  }
+  for (auto at = lasting_.begin(); at != lasting_.end();) {
+    Lasting& lasting = at->second;
+    const bool was_present = std::exchange(lasting.present, present.count(at->first) > 0);
+    const std::int64_t change_ns = was_present && lasting.present ? passed_ns : -passed_ns / kFade;
+    lasting.lasted_ns = std::clamp(lasting.lasted_ns + change_ns, std::int64_t{0}, kLasts_ns);
+    if (lasting.present) lasting.seen_ns = raw_ns;
+    const bool forgotten = !lasting.present && lasting.lasted_ns == 0 && raw_ns - lasting.seen_ns >= kGone_ns;
+    at = forgotten ? lasting_.erase(at) : std::next(at);
+  }
+}
+
 std::vector<AlarmChange> AlarmList::follow(const std::vector<Trouble>& troubles, const record::ClockPair& now) {
   std::vector<AlarmChange> told;
-  std::map<std::string, std::int64_t> wrong;
+  std::set<std::string_view> known;
+  weigh(troubles, now.raw_ns);
   left_out_ = 0;
   for (const Trouble& trouble : troubles) {
-    const auto known = wrong_.find(trouble.name);
-    const std::int64_t since_ns = known == wrong_.end() ? now.raw_ns : known->second;
-    if (!wrong.emplace(trouble.name, since_ns).second) continue;  // two of one name: the first counts
+    if (!known.insert(trouble.name).second) continue;  // two of one name: the first counts
     const auto alarm = alarms_.find(trouble.name);
     if (alarm != alarms_.end() && is_active(alarm->second.state)) {
       alarm->second.text = trouble.text;
-    } else if (now.raw_ns - since_ns >= kLasts_ns) {
+    } else if (lasting_.at(trouble.name).lasted_ns >= kLasts_ns) {
       if (auto raised = raise(trouble, now)) told.push_back(std::move(*raised));
     }
   }
-  wrong_ = std::move(wrong);
   for (auto at = alarms_.begin(); at != alarms_.end();) {
     Alarm& alarm = at->second;
     const AlarmState before = alarm.state;
-    if (is_active(before) && wrong_.count(at->first) == 0) {
+    const auto lasting = lasting_.find(at->first);
+    const bool gone = lasting == lasting_.end() || now.raw_ns - lasting->second.seen_ns >= kGone_ns;
+    if (is_active(before) && gone) {
       change(alarm, AlarmInput::gone, now);
       if (alarm.count == 1 || alarm.state == AlarmState::normal) told.push_back({before, alarm});
     }

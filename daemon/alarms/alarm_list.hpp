@@ -7,8 +7,8 @@
 //                        v      │
 //                  returned, unacknowledged ──acknowledge──> normal
 //
-// What flaps is one alarm with a count. Pure: instants are given by the caller. What is wrong is not decided here but
-// by judge_health().
+// What comes and goes adds up (kLasts_ns, kFade, kGone_ns) and is one alarm with a count. Pure: instants are given by
+// the caller. What is wrong is not decided here but by judge_health().
 #pragma once
 
 #include <cstddef>
@@ -54,6 +54,12 @@ class AlarmList {
   // A trouble must last so long before it is an alarm. The channels of one device fail and come back within its timeout
   // of each other: shorter, a dead device would be an alarm for each of them as well. Longer: operators learn later.
   static constexpr std::int64_t kLasts_ns = 1'000'000'000;
+  // What has lasted is not forgotten at once: while the trouble is absent, it fades so many times slower than it grew.
+  // A trouble that comes and goes is thus an alarm where it is there for more than 1/(1 + kFade) of the time, here a
+  // fifth. Larger: the channels of a device that flaps, stale for a tenth of the time, would be alarms as well.
+  static constexpr std::int64_t kFade = 4;
+  // An alarm returns once its trouble was absent for so long. Shorter: one that flaps is told over and over.
+  static constexpr std::int64_t kGone_ns = kLasts_ns;
   // Alarms at a time; nobody reads more. Further ones are counted, and enter where there is room again.
   static constexpr std::size_t kMost = 200;
 
@@ -75,8 +81,17 @@ class AlarmList {
  private:
   std::optional<AlarmChange> raise(const Trouble& trouble, const record::ClockPair& now);
 
-  std::map<std::string, Alarm> alarms_;        // by name; none is normal
-  std::map<std::string, std::int64_t> wrong_;  // since when each trouble is there, ns of the raw clock
+  std::map<std::string, Alarm> alarms_;  // by name; none is normal
+  // How long a trouble has lasted, less what has faded since; at most kLasts_ns.
+  struct Lasting {
+    std::int64_t lasted_ns = 0;
+    std::int64_t seen_ns = 0;  // the last look that found it, raw clock
+    bool present = false;      // now
+  };
+  void weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns);
+
+  std::map<std::string, Lasting> lasting_;  // by name; what has faded wholly and is absent is not held
+  std::int64_t looked_ns_ = 0;              // the last look, raw clock
   std::size_t left_out_ = 0;
 };
 

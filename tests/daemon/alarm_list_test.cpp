@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "tests/durations.hpp"
 
@@ -81,9 +82,43 @@ TEST_F(AlarmListTest, WhatIsWrongIsAnAlarmOnceItHasLastedASecond) {
 
 TEST_F(AlarmListTest, WhatPassesWithinASecondIsNone) {
   for (int i = 0; i < 20; ++i) {
-    run({stale}, 9);
-    run({}, 1);
+    run({stale}, 10);
+    run({}, 40);
   }
+  EXPECT_EQ(all(), "");
+}
+
+TEST_F(AlarmListTest, WhatComesAndGoesIsAnAlarmWhereItIsThereForMoreThanAFifthOfTheTime) {
+  std::mt19937 random(20261123);
+  std::uniform_int_distribution<int> tenths(2, 9);
+  for (int round = 0; round < 200; ++round) {
+    const int there = tenths(random), absent = tenths(random);
+    list = {};
+    for (int i = 0; i < 60; ++i) {
+      run({stale}, there);
+      run({}, absent);
+    }
+    // Of the looks that found it, the first of each time adds nothing.
+    const bool adds_up = AlarmList::kFade * (there - 1) > absent + 1;
+    EXPECT_EQ(list.alarms().size(), adds_up ? 1u : 0u) << there << " there, " << absent << " absent";
+  }
+}
+
+TEST_F(AlarmListTest, ADeviceThatIsDeadThreeQuartersOfTheTimeIsOneAlarmToldOnce) {
+  const Trouble dead{"device:amplifier", "device amplifier does not deliver: timeout"};
+  for (int i = 0; i < 100; ++i) {
+    run({dead}, 9);
+    run({}, 3);
+  }
+  EXPECT_EQ(all(), "device:amplifier unacknowledged 1");
+  EXPECT_EQ(acknowledge("device:amplifier"), "");
+  for (int i = 0; i < 100; ++i) {
+    run({dead}, 9);
+    run({}, 3);
+  }
+  EXPECT_EQ(all(), "device:amplifier acknowledged 1") << "an alarm returns once its trouble was absent for a second";
+  EXPECT_EQ(told.size(), 1u);
+  run({}, 10);
   EXPECT_EQ(all(), "");
 }
 
@@ -154,7 +189,7 @@ TEST_F(AlarmListTest, TheListIsBoundedAndCountsWhatFoundNoRoom) {
   const std::string first = list.alarms()[0].name;
   EXPECT_EQ(acknowledge(first), "");
   many.erase(std::find_if(many.begin(), many.end(), [&](const Trouble& t) { return t.name == first; }));
-  run(many, 2);
+  run(many, 11);
   EXPECT_EQ(list.alarms().size(), AlarmList::kMost);
   EXPECT_EQ(list.left_out(), 6u);
 }
