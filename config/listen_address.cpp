@@ -1,10 +1,30 @@
 #include "config/listen_address.hpp"
 
 #include <arpa/inet.h>
+#include <netinet/in.h>
 
+#include <algorithm>
 #include <charconv>
 
 namespace dwell::config {
+namespace {
+
+// As IPv6; an IPv4 address as its mapped one. The host is one of split_address.
+in6_addr binary_of(const std::string& host) {
+  in6_addr binary{};
+  if (inet_pton(AF_INET6, host.c_str(), &binary) == 1) return binary;
+  const std::string mapped = "::ffff:" + (host == "localhost" ? "127.0.0.1" : host);
+  inet_pton(AF_INET6, mapped.c_str(), &binary);
+  return binary;
+}
+
+bool covers(const in6_addr& a, const in6_addr& b) {
+  const in6_addr all_v4 = binary_of("0.0.0.0");
+  return IN6_IS_ADDR_UNSPECIFIED(&a) || IN6_ARE_ADDR_EQUAL(&a, &b) ||
+         (IN6_ARE_ADDR_EQUAL(&a, &all_v4) && IN6_IS_ADDR_V4MAPPED(&b));
+}
+
+}  // namespace
 
 std::optional<ListenAddress> split_address(const std::string& text) {
   const std::size_t colon = text.rfind(':');
@@ -23,6 +43,19 @@ std::optional<ListenAddress> split_address(const std::string& text) {
   const auto [end, error] = std::from_chars(first, last, port);
   if (first == last || error != std::errc() || end != last) return std::nullopt;
   return ListenAddress{text, host, port};
+}
+
+bool is_for_many(const std::string& host) {
+  const in6_addr binary = binary_of(host);
+  if (!IN6_IS_ADDR_V4MAPPED(&binary)) return IN6_IS_ADDR_MULTICAST(&binary);
+  constexpr unsigned kMulticast = 0xE0;  // 224.0.0.0/4
+  const bool broadcast = std::all_of(binary.s6_addr + 12, binary.s6_addr + 16, [](auto byte) { return byte == 0xFF; });
+  return (binary.s6_addr[12] & 0xF0U) == kMulticast || broadcast;
+}
+
+bool collide(const ListenAddress& a, const ListenAddress& b) {
+  const in6_addr of_a = binary_of(a.host), of_b = binary_of(b.host);
+  return a.port != 0 && a.port == b.port && (covers(of_a, of_b) || covers(of_b, of_a));
 }
 
 }  // namespace dwell::config

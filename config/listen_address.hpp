@@ -16,4 +16,11 @@ struct ListenAddress {
 // "ADDRESS:PORT" with an IPv4 address, an IPv6 address in brackets or localhost; nothing: it is none.
 [[nodiscard]] std::optional<ListenAddress> split_address(const std::string& text);
 
+// Whether the host names many computers, multicast or broadcast: nobody can connect to it.
+[[nodiscard]] bool is_for_many(const std::string& host);
+
+// Whether only one of the two can be listened on: the same port, and a host that is or covers the other. "0.0.0.0"
+// covers all of IPv4 and "[::]" everything.
+[[nodiscard]] bool collide(const ListenAddress& a, const ListenAddress& b);
+
 }  // namespace dwell::config

@@ -23,6 +23,10 @@ void read_element(Section& section, Limit& limit, const Draft& draft) {
 std::optional<Bounds> read_bounds(Section& section, const char* key, const char* expected) {
   Bounds bounds;
   if (!section.interval(key, bounds.low, bounds.high, expected)) return std::nullopt;
+  // Every sound element violates such a limit: most likely a wrong sign.
+  if (bounds.high <= 0.0)
+    section.wrong(key, in_quotes(key) + " is [" + number_text(bounds.low) + ", " + number_text(bounds.high) +
+                           "], nowhere above 0: expected " + expected + ", high above 0");
   return bounds;
 }
 

@@ -17,7 +17,9 @@ bool is_host_name(const std::string& host) {
   });
   // Digits and dots alone mean an address, and then a broken one.
   const bool digits = host.find_first_not_of("0123456789.") == std::string::npos;
-  return !host.empty() && host.size() <= 253 && letters && !digits && host.front() != '-' && host.front() != '.';
+  const bool labels = host.find("..") == std::string::npos;
+  return !host.empty() && host.size() <= 253 && letters && !digits && labels && host.front() != '-' &&
+         host.front() != '.';
 }
 
 void read_names(Section& server, std::vector<std::string>& names) {
@@ -29,24 +31,36 @@ void read_names(Section& server, std::vector<std::string>& names) {
     if (name == nullptr || !is_host_name(name->get())) {
       server.wrong("names", "\"names\" holds " + shown(node) + ": expected " + kNames);
     } else {
-      names.push_back(name->get());
+      // "bench.local." is the same host (RFC 1034, 3.1); requests are compared without the dot.
+      const std::string& host = name->get();
+      names.push_back(host.substr(0, host.size() - (host.back() == '.' ? 1 : 0)));
     }
   }
 }
 
 }  // namespace
 
+std::optional<ListenAddress> read_listen(Section& section, const char* expected, Need need) {
+  std::string listen;
+  if (!section.text("listen", listen, expected, need)) return std::nullopt;
+  auto address = split_address(listen);
+  if (!address) {
+    section.wrong("listen", "\"listen\" is " + in_quotes(listen) + ": expected " + expected);
+  } else if (is_for_many(address->host)) {
+    section.wrong("listen", "\"listen\" is " + in_quotes(listen) +
+                                ", a multicast or broadcast address: expected an address of this computer");
+    return std::nullopt;
+  }
+  return address;
+}
+
 void read_server(Section& section, Draft& draft) {
   ServerSettings& server = draft.file.server;
-  std::string listen, token_file;
-  if (section.text("listen", listen, kListen)) {
-    if (auto address = split_address(listen)) {
-      server.listen = address->text;
-      server.host = address->host;
-      server.port = address->port;
-    } else {
-      section.wrong("listen", "\"listen\" is " + in_quotes(listen) + ": expected " + kListen);
-    }
+  std::string token_file;
+  if (const auto address = read_listen(section, kListen, Need::optional)) {
+    server.listen = address->text;
+    server.host = address->host;
+    server.port = address->port;
   }
   read_names(section, server.names);
   if (section.text("token_file", token_file, "the file that holds the token, a path"))

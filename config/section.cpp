@@ -162,6 +162,12 @@ bool Section::interval(std::string_view key, double& low, double& high, const ch
   };
   const double first = number(0);
   const double second = number(1);
+  if (both->size() == 2 && both->get(0)->is_number() && both->get(1)->is_number() &&
+      !(std::isfinite(first) && std::isfinite(second))) {
+    wrong(key, in_quotes(key) + " is [" + number_text(first) + ", " + number_text(second) +
+                   "]: expected two finite numbers, " + expected);
+    return false;
+  }
   if (both->size() != 2 || !std::isfinite(first) || !std::isfinite(second)) {
     wrong(key, in_quotes(key) + " is not two numbers: expected " + expected + decimal_comma_hint(*both));
     return false;

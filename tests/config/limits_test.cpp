@@ -46,8 +46,21 @@ TEST(RigFileLimits, AreTwoNumbersTheLowerFirst) {
   expect_wrong("[[limit]]\nelement = 1\nstiffness = @[8500, 7500]", "\"stiffness\" is [8500, 7500]" + expected);
   expect_wrong("[[limit]]\nelement = 1\nstiffness = @[1, 1]", "\"stiffness\" is [1, 1]" + expected);
   expect_wrong("[[limit]]\nelement = 1\nstiffness = @[1]", "\"stiffness\" is not two numbers" + expected);
-  expect_wrong("[[limit]]\nelement = 1\nstiffness = @[1, inf]", "\"stiffness\" is not two numbers" + expected);
+  expect_wrong("[[limit]]\nelement = 1\nstiffness = @[1, \"2\"]", "\"stiffness\" is not two numbers" + expected);
   expect_wrong("[[limit]]\nelement = 1\ndamping = @3", "\"damping\" is an integer" + of_damping);
+}
+
+TEST(RigFileLimits, AreFiniteAndReachAboveZero) {
+  const std::string form = "[low, high] in N/m (N*m/rad for rotation), low < high";
+  const std::string of_damping = "[low, high] in N*s/m (N*m*s/rad for rotation), low < high";
+  const auto wrong = [](const std::string& limit, const std::string& message) {
+    expect_wrong("[[limit]]\nelement = 1\n" + limit, message);
+  };
+  wrong("stiffness = @[7500, inf]", "\"stiffness\" is [7500, inf]: expected two finite numbers, " + form);
+  wrong("damping = @[-inf, 50]", "\"damping\" is [-inf, 50]: expected two finite numbers, " + of_damping);
+  wrong("stiffness = @[-9e3, -7e3]",
+        "\"stiffness\" is [-9000, -7000], nowhere above 0: expected " + form + ", high above 0");
+  wrong("damping = @[-1, 0]", "\"damping\" is [-1, 0], nowhere above 0: expected " + of_damping + ", high above 0");
 }
 
 TEST(RigFileLimits, SayWhatIsLimited) {

@@ -111,7 +111,10 @@ TEST(RigFileMistakes, OfTheSearchInterval) {
   expect_mistake("[3.9, 4.1]", "@[0.0, 4.1]", std::string("\"search\" is [0, 4.1]") + expected);
   expect_mistake("[3.9, 4.1]", "@[4.1, 4.3]",
                  std::string("\"search\" is [4.1, 4.3], without the frequency 4 in it") + expected);
-  for (const char* wrong : {"@[3.9]", "@[3.9, 4.1, 5.0]", "@[\"a\", 4.1]", "@[nan, 4.1]", "@[3.9, inf]"}) {
+  for (const std::string wrong : {"[nan, 4.1]", "[3.9, inf]"})
+    expect_mistake("[3.9, 4.1]", "@" + wrong,
+                   "\"search\" is " + wrong + ": expected two finite numbers, " + (expected + 11));
+  for (const char* wrong : {"@[3.9]", "@[3.9, 4.1, 5.0]", "@[\"a\", 4.1]"}) {
     expect_mistake("[3.9, 4.1]", wrong, std::string("\"search\" is not two numbers") + expected);
   }
   expect_mistake("[3.9, 4.1]", "@4.0", std::string("\"search\" is a number with a fraction") + expected);
@@ -215,13 +218,52 @@ TEST(RigFileMistakes, OfTheModbusServer) {
                  "[modbus_server] has no \"listen\": " + expected);
 }
 
+TEST(RigFileMistakes, OfAnAddressOfManyComputers) {
+  for (const std::string many : {"224.0.0.1:8380", "239.255.255.250:8380", "255.255.255.255:8380", "[ff02::1]:8380",
+                                 "[::ffff:224.0.0.1]:8380"}) {
+    const std::string message =
+        "\"listen\" is \"" + many + "\", a multicast or broadcast address: expected an address of this computer";
+    expect_mistake("\"[::1]:9000\"", "@\"" + many + "\"\nbehind_proxy = true", message);
+    expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\n[modbus_server]\nlisten = @\"" + many + "\"", message);
+  }
+}
+
+TEST(RigFileMistakes, OfTwoListenersOnOnePort) {
+  const auto both = [](const std::string& server, const std::string& modbus) {
+    return "\"" + server + "\"\n[modbus_server]\nlisten = " + modbus;
+  };
+  const std::pair<std::string, std::string> colliding[] = {
+      {"127.0.0.1:1502", "127.0.0.1:1502"}, {"0.0.0.0:1502", "127.0.0.1:1502"},
+      {"127.0.0.1:1502", "0.0.0.0:1502"},   {"localhost:1502", "127.0.0.1:1502"},
+      {"[::]:1502", "192.0.2.1:1502"},      {"[::1]:1502", "[::]:1502"},
+      {"[::1]:1502", "[0::1]:1502"},        {"[::ffff:127.0.0.1]:1502", "0.0.0.0:1502"}};
+  for (const auto& [server, modbus] : colliding)
+    expect_mistake(
+        "\"[::1]:9000\"", both(server, "@\"" + modbus + "\""),
+        "\"listen\" is \"" + modbus + "\", and [server] listens on \"" + server + "\": expected a port of its own");
+  const std::pair<std::string, std::string> apart[] = {{"127.0.0.1:8380", "127.0.0.1:1502"},
+                                                       {"127.0.0.1:1502", "127.0.0.2:1502"},
+                                                       {"0.0.0.0:1502", "[::1]:1502"},
+                                                       {"127.0.0.1:0", "127.0.0.1:0"}};
+  for (const auto& [server, modbus] : apart) expect_good("\"[::1]:9000\"", both(server, "\"" + modbus + "\""));
+}
+
 TEST(RigFileMistakes, OfTheNamesOfTheService) {
   const std::string expected = ": expected host names without a port, for instance [\"bench.local\"]";
   expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = @\"bench\"", "\"names\" is a string" + expected);
-  for (const std::string wrong : {"\"bench.local:8380\"", "\"\"", "\"127.0.0.1\"", "\"*\""})
+  for (const std::string wrong :
+       {"\"bench.local:8380\"", "\"\"", "\"127.0.0.1\"", "\"*\"", "\"a..b\"", "\"bench..\"", "\".\""})
     expect_mistake("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = @[\"bench\", " + wrong + "]",
                    "\"names\" holds " + wrong + expected);
   expect_good("\"[::1]:9000\"", "\"[::1]:9000\"\nnames = [\"bench\", \"bench.example.org\"]");
+}
+
+TEST(RigFile, ANameOfTheServiceIsTheSameWithTheDotOfTheRoot) {
+  std::string text(kGoodRig);
+  text.insert(text.find("[recording]"), "names = [\"bench.local.\"]\n");
+  const auto file = parse(text, "rig.toml", fake_schemas());
+  ASSERT_TRUE(file) << to_string("rig.toml", file.error());
+  EXPECT_EQ(file->server.names, std::vector<std::string>{"bench.local"});
 }
 
 TEST(RigFileMistakes, OfRecording) {
