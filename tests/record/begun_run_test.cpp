@@ -52,7 +52,7 @@ std::string record_and_crash(const std::string& directory, const std::string& le
       if (const auto ended = folder.end(the_end(), true); !ended) return ended.error();
     }
     folder.settle();
-    _exit(0);
+    vanish();
     return std::string();
   });
 }
@@ -156,7 +156,7 @@ TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
               RunFolder folder(folder_options(scratch.path()));
               if (const auto ready = folder.ready(); !ready) return ready.error();
               folder.settle();
-              _exit(0);
+              vanish();
               return std::string();
             }),
             "");

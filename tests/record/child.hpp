@@ -1,6 +1,7 @@
 // Does something in a child process, for what must not happen to this one.
 #pragma once
 
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -8,6 +9,13 @@
 #include <string>
 
 namespace dwell::record {
+
+// Ends the child as SIGKILL would, but with exit code 0: at once, whatever its threads are doing, and without a word of a
+// sanitizer, which takes _exit() for an orderly end.
+[[noreturn]] inline void vanish() {
+  syscall(SYS_exit_group, 0);
+  __builtin_unreachable();
+}
 
 // What `task` returned in the child; if the child crashed or exited with another code than 0, that is added.
 inline std::string in_child(const std::function<std::string()>& task) {
