@@ -10,8 +10,8 @@
 
 namespace dwell::record {
 
-// Ends the child as SIGKILL would, but with exit code 0: at once, whatever its threads are doing, and without a word of a
-// sanitizer, which takes _exit() for an orderly end.
+// Ends the child as SIGKILL would, but with exit code 0: at once, whatever its threads are doing, and without a word of
+// a sanitizer, which takes _exit() for an orderly end.
 [[noreturn]] inline void vanish() {
   syscall(SYS_exit_group, 0);
   __builtin_unreachable();
