@@ -44,7 +44,10 @@ class ChannelIntake {
   // Readings left out since construction.
   [[nodiscard]] std::uint64_t left() const noexcept { return left_.of_all_time() + motion_.foreign().of_all_time(); }
 
-  void next_period() noexcept { spikes_.next_period(); }
+  void next_period() noexcept {
+    spikes_.next_period();
+    if (judged_) pile_up_.next_period(noise());
+  }
   // Standard deviation of the residuals of the harmonic fit over the newest period, SI. With few readings a period the
   // gate's prediction errors contain the harmonics; these residuals do not.
   void see_residuals(double sigma) noexcept;

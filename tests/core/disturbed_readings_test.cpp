@@ -226,6 +226,23 @@ TEST_F(DisturbedReadings, WhatWasMeasuredWhileAChannelWasClippedStaysWithheldTho
     }
 }
 
+// As where the amplitude is not what changes, but the amplifier's range.
+TEST_F(DisturbedReadings, AChannelThatIsClippedFromSomeInstantOnIsNamedAndWithheld) {
+  for (const double end : {0.2, 0.5, 0.8, 0.95}) {
+    const std::string what = "cut off at " + std::to_string(end);
+    const double limit = end * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
+    const Dwell dwell = measured(
+        [&](Record& record, double t) {
+          if (record.channel == 1 && t > 20) record.value = std::clamp(record.value, -limit, limit);
+        },
+        36);  // eight seconds are two times 16 periods
+    expect_no_wrong_number(dwell, what);
+    EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
+    EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
+    EXPECT_EQ(conditions[1], "clipped") << what;
+  }
+}
+
 TEST_F(DisturbedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasured) {
   for (const double level : {0.5, 0.8, 0.9, 0.97})
     for (const bool both : {true, false})

@@ -34,6 +34,8 @@ void play(PileUp& pile_up, const NoisyMotion& motion, double periods, std::uint6
     pile_up.add(
         reading, before, [&] { return 4 / motion.readings_a_period; }, [&] { return seen(motion); });
     before = reading;
+    if (std::floor((i + 1) / motion.readings_a_period) > std::floor(i / motion.readings_a_period))
+      pile_up.next_period(seen(motion));
   }
 }
 
@@ -146,6 +148,35 @@ TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
   EXPECT_EQ(play_runs(few, 4, 0), 0);
   EXPECT_EQ(play_runs(enough, 5, 0), 25);
   EXPECT_EQ(play_runs(repeats, 5, 2), 0);
+}
+
+TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
+  for (const NoisyMotion& wide : {NoisyMotion{1e-3}, NoisyMotion{1e-4, 1e-3}, NoisyMotion{0.01, 1e-6}})
+    for (const double end : {0.2, 0.5, 0.8, 0.95}) {
+      // Sampled at 403 phases, rounding without noise leaves so few numbers beside that end that harmonics might do it.
+      if (end == 0.95 && wide.noise < wide.step) continue;
+      NoisyMotion narrow = wide;
+      narrow.end = end;
+      PileUp pile_up;
+      play(pile_up, wide, 1000.0, 1);
+      EXPECT_EQ(pile_up.above(seen(wide)), 0);
+      play(pile_up, narrow, 512.0, 2);  // two stretches, each of 16 times 16 periods
+      EXPECT_GT(pile_up.above(seen(narrow)), 0) << "cut off at " << end;
+      EXPECT_EQ(pile_up.upper_end(), end);
+      EXPECT_EQ(pile_up.below(seen(narrow)), 0);
+      // The loss is that of the half that is cut off, by its share of the readings, less what the first stretch missed.
+      const double part = std::acos(end) / M_PI, half = 0.5 * 2 / (3 * M_PI) * std::pow(M_PI * part, 3);
+      play(pile_up, narrow, 488.0, 3);
+      EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half);
+      EXPECT_GT(pile_up.loss(seen(narrow)), 0.5 * half);
+    }
+}
+
+// A day at 1 Hz: chance gets no more occasions, however long the hold.
+TEST(PileUp, OfALongHoldThatIsNotCutOffThereIsNone) {
+  std::uint64_t seed = 0;
+  for (const double noise : {0.0, 1e-3, 0.02})
+    for (const double step : {0.0, 1e-3, 0.01}) EXPECT_EQ(found({noise, step, INFINITY, 20.3}, 86'400, ++seed), 0);
 }
 
 TEST(PileUp, WhatWasCutOffStaysSoThoughTheRangeIsWidened) {
