@@ -1,5 +1,7 @@
 // What real devices do to readings: held, clipped, repeated, zero, rounded with a glitch. None gives a wrong number
 // without a word, none keeps the other channels from being measured, and a healthy channel is never blamed.
+#include "tests/core/disturbed_readings.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,64 +12,10 @@
 
 #include "core/dwell/pipeline.hpp"
 #include "core/model/forward.hpp"
-#include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 
 namespace dwell {
 namespace {
-
-constexpr std::uint16_t kCell = 3;  // the load cell of clamped_chain()
-
-// clamped_chain() driven at 4 Hz, polled at 500 Hz, noise 1e-3 of each amplitude.
-struct DisturbedReadings : testing::Test {
-  Chain chain = clamped_chain();
-  Rig rig = rig_of(chain, 4);
-  double rate_hz = 500.0;
-  std::mt19937_64 rng{4};
-  std::uniform_real_distribution<double> uniform{0, 1};
-
-  std::vector<double> sigma(double part = 1e-3) const {
-    const auto steady = steady_response(chain, 2 * M_PI * 4, 0.002);
-    std::vector<double> out;
-    for (const auto& y : steady.Y) out.push_back(part * std::abs(y));
-    out.push_back(part * std::abs(steady.F));
-    return out;
-  }
-  double force() const { return std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).F); }
-
-  Dwell measured(const std::function<void(Record&, double)>& alter, double until_s = 30, double noise = 1e-3) {
-    Bench bench(chain, rig, steady_drive(4), DrivenChain::Start::rest,
-                {.rate_hz = rate_hz, .sigma = noise > 0 ? sigma(noise) : std::vector<double>{}}, 7);
-    bench.alter = alter;
-    bench.run(until_s);
-    conditions.clear();
-    for (int c = 0; c < 4; ++c) conditions.emplace_back(to_string(bench.pipeline.channel(c).condition));
-    bench.finish();
-    return bench.dwells.empty() ? bench.pipeline.current() : bench.dwells.back();
-  }
-  std::vector<std::string> conditions;
-
-  // No coefficient is more than k u off.
-  void expect_no_wrong_number(const Dwell& dwell, const std::string& what, double k = 5) const {
-    for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
-      const ElementEstimate& element = dwell.elements[e];
-      if (!element.identifiable) continue;
-      EXPECT_LT(std::abs(element.stiffness.value - chain.stiffness[e]) / element.stiffness.u, k)
-          << what << ", c_" << e + 1;
-      EXPECT_LT(std::abs(element.damping.value - chain.damping[e]) / element.damping.u, k) << what << ", r_" << e + 1;
-    }
-  }
-  static bool says(const Dwell& dwell, const std::string& words) {
-    const auto in = [&](const std::string& line) { return line.find(words) != std::string::npos; };
-    return std::any_of(dwell.warnings.begin(), dwell.warnings.end(), in);
-  }
-  static std::string all(const Dwell& dwell) {
-    std::string out = dwell.settling_reason;
-    for (const std::string& line : dwell.warnings) out += "\n  " + line;
-    for (const ElementEstimate& element : dwell.elements) out += "\n  " + element.reason;
-    return out;
-  }
-};
 
 // The value that a refresh finds is that of its own instant, so the motion is evaluated there.
 struct HeldCell {
@@ -207,71 +155,6 @@ TEST_F(DisturbedReadings, ATableRefreshedTooSlowlyForItsHarmonicsIsTheReasonThat
   const Dwell dwell = measured([&](Record& record, double t) { station.read(record, t, amplitude[record.channel]); });
   EXPECT_NE(dwell.settling_reason.find("y0 has too few samples a period"), std::string::npos) << all(dwell);
   EXPECT_NE(dwell.settling_reason.find("refreshed every 81"), std::string::npos) << all(dwell);
-}
-
-// As where the operator follows the advice to choose a larger range.
-TEST_F(DisturbedReadings, WhatWasMeasuredWhileAChannelWasClippedStaysWithheldThoughTheClippingEnds) {
-  for (const double end : {0.2, 0.5, 0.8, 0.95})
-    for (const double until_s : {31.0, 35.0}) {
-      const std::string what = "cut off at " + std::to_string(end) + ", then 5 s and " + std::to_string(until_s - 30);
-      const double limit = end * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
-      const Dwell dwell = measured(
-          [&](Record& record, double t) {
-            if (record.channel == 1 && t < 30) record.value = std::clamp(record.value, -limit, limit);
-          },
-          until_s);
-      expect_no_wrong_number(dwell, what);
-      EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
-      EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
-    }
-}
-
-// As where the amplitude is not what changes, but the amplifier's range.
-TEST_F(DisturbedReadings, AChannelThatIsClippedFromSomeInstantOnIsNamedAndWithheld) {
-  for (const double end : {0.2, 0.5, 0.8, 0.95}) {
-    const std::string what = "cut off at " + std::to_string(end);
-    const double limit = end * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
-    const Dwell dwell = measured(
-        [&](Record& record, double t) {
-          if (record.channel == 1 && t > 20) record.value = std::clamp(record.value, -limit, limit);
-        },
-        36);  // eight seconds are two times 16 periods
-    expect_no_wrong_number(dwell, what);
-    EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
-    EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
-    EXPECT_EQ(conditions[1], "clipped") << what;
-  }
-}
-
-TEST_F(DisturbedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasured) {
-  for (const double level : {0.5, 0.8, 0.9, 0.97})
-    for (const bool both : {true, false})
-      for (const double noise : {1e-4, 1e-3, 1e-2}) {
-        const double limit = level * force();
-        const Dwell dwell = measured(
-            [&](Record& record, double) {
-              if (record.channel == kCell) record.value = std::clamp(record.value, both ? -limit : -1e9, limit);
-            },
-            30, noise);
-        const std::string what =
-            std::to_string(level) + (both ? " both, noise " : " above, noise ") + std::to_string(noise);
-        expect_no_wrong_number(dwell, what);
-        EXPECT_TRUE(says(dwell, "reaction: clipped")) << what << all(dwell);
-        EXPECT_EQ(conditions[kCell], "clipped") << what;
-      }
-}
-
-// A transducer that saturates smoothly has no pile-up; its third harmonic shows it.
-TEST_F(DisturbedReadings, ATransducerThatSaturatesSoftlyIsNamed) {
-  const std::vector<double> amplitude = sigma(1.0);
-  for (const std::uint16_t c : {std::uint16_t{1}, std::uint16_t{2}, kCell})
-    for (const double soft : {0.2, 0.5}) {
-      const double reach = amplitude[c] / soft;
-      const Dwell dwell = measured([&](Record& record, double) {
-        if (record.channel == c) record.value = reach * std::tanh(record.value / reach);
-      });
-      EXPECT_TRUE(says(dwell, rig.channels[c].name + " distorts")) << c << " " << soft << all(dwell);
-    }
 }
 
 TEST_F(DisturbedReadings, EndCodesOfIntegerTypesAreOverrange) {

@@ -1,0 +1,75 @@
+// A channel that is clipped, always or for a while, hard or softly, is named, and gives no wrong number without a word.
+#include "tests/core/disturbed_readings.hpp"
+
+namespace dwell {
+namespace {
+
+using ClippedReadings = DisturbedReadings;
+
+// As where the operator follows the advice to choose a larger range.
+TEST_F(ClippedReadings, WhatWasMeasuredWhileAChannelWasClippedStaysWithheldThoughTheClippingEnds) {
+  for (const double end : {0.2, 0.5, 0.8, 0.95})
+    for (const double until_s : {31.0, 35.0}) {
+      const std::string what = "cut off at " + std::to_string(end) + ", then 5 s and " + std::to_string(until_s - 30);
+      const double limit = end * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
+      const Dwell dwell = measured(
+          [&](Record& record, double t) {
+            if (record.channel == 1 && t < 30) record.value = std::clamp(record.value, -limit, limit);
+          },
+          until_s);
+      expect_no_wrong_number(dwell, what);
+      EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
+      EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
+    }
+}
+
+// As where the amplitude is not what changes, but the amplifier's range.
+TEST_F(ClippedReadings, AChannelThatIsClippedFromSomeInstantOnIsNamedAndWithheld) {
+  for (const double end : {0.2, 0.5, 0.8, 0.95}) {
+    const std::string what = "cut off at " + std::to_string(end);
+    const double limit = end * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
+    const Dwell dwell = measured(
+        [&](Record& record, double t) {
+          if (record.channel == 1 && t > 20) record.value = std::clamp(record.value, -limit, limit);
+        },
+        36);  // eight seconds are two times 16 periods
+    expect_no_wrong_number(dwell, what);
+    EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
+    EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
+    EXPECT_EQ(conditions[1], "clipped") << what;
+  }
+}
+
+TEST_F(ClippedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasured) {
+  for (const double level : {0.5, 0.8, 0.9, 0.97})
+    for (const bool both : {true, false})
+      for (const double noise : {1e-4, 1e-3, 1e-2}) {
+        const double limit = level * force();
+        const Dwell dwell = measured(
+            [&](Record& record, double) {
+              if (record.channel == kCell) record.value = std::clamp(record.value, both ? -limit : -1e9, limit);
+            },
+            30, noise);
+        const std::string what =
+            std::to_string(level) + (both ? " both, noise " : " above, noise ") + std::to_string(noise);
+        expect_no_wrong_number(dwell, what);
+        EXPECT_TRUE(says(dwell, "reaction: clipped")) << what << all(dwell);
+        EXPECT_EQ(conditions[kCell], "clipped") << what;
+      }
+}
+
+// A transducer that saturates smoothly has no pile-up; its third harmonic shows it.
+TEST_F(ClippedReadings, ATransducerThatSaturatesSoftlyIsNamed) {
+  const std::vector<double> amplitude = sigma(1.0);
+  for (const std::uint16_t c : {std::uint16_t{1}, std::uint16_t{2}, kCell})
+    for (const double soft : {0.2, 0.5}) {
+      const double reach = amplitude[c] / soft;
+      const Dwell dwell = measured([&](Record& record, double) {
+        if (record.channel == c) record.value = reach * std::tanh(record.value / reach);
+      });
+      EXPECT_TRUE(says(dwell, rig.channels[c].name + " distorts")) << c << " " << soft << all(dwell);
+    }
+}
+
+}  // namespace
+}  // namespace dwell
