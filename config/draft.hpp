@@ -46,7 +46,7 @@ void read_method(Section& root, Draft& draft);
 void read_limits(Section& root, Draft& draft);
 // [server], [modbus_server], [recording], [gpio].
 void read_service(Section& root, Draft& draft);
-// The key "listen" of [server] or [modbus_server]; nothing: it is not there, or a mistake.
+// The key "listen" of [server] or [modbus_server]. nullopt: not given, or wrong; the mistake is noted.
 [[nodiscard]] std::optional<ListenAddress> read_listen(Section& section, const char* expected, Need need);
 // The keys of [server].
 void read_server(Section& section, Draft& draft);

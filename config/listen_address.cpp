@@ -9,7 +9,7 @@
 namespace dwell::config {
 namespace {
 
-// As IPv6; an IPv4 address as its mapped one. The host is one of split_address.
+// The address of a ListenAddress as IPv6; IPv4 is mapped to ::ffff:a.b.c.d.
 in6_addr binary_of(const std::string& host) {
   in6_addr binary{};
   if (inet_pton(AF_INET6, host.c_str(), &binary) == 1) return binary;
@@ -45,12 +45,20 @@ std::optional<ListenAddress> split_address(const std::string& text) {
   return ListenAddress{text, host, port};
 }
 
-bool is_for_many(const std::string& host) {
+bool is_multicast_or_broadcast(const std::string& host) {
   const in6_addr binary = binary_of(host);
   if (!IN6_IS_ADDR_V4MAPPED(&binary)) return IN6_IS_ADDR_MULTICAST(&binary);
   constexpr unsigned kMulticast = 0xE0;  // 224.0.0.0/4
   const bool broadcast = std::all_of(binary.s6_addr + 12, binary.s6_addr + 16, [](auto byte) { return byte == 0xFF; });
   return (binary.s6_addr[12] & 0xF0U) == kMulticast || broadcast;
+}
+
+bool beyond_loopback(const std::string& host) {
+  in_addr v4{};
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) != 127;
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return !IN6_IS_ADDR_LOOPBACK(&v6);
+  return false;  // localhost
 }
 
 bool collide(const ListenAddress& a, const ListenAddress& b) {

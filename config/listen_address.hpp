@@ -1,4 +1,4 @@
-// An address to listen on, as the rig file has it. Pure, thread-safe.
+// An address to listen on, as the rig file gives it. Pure, thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,19 @@ struct ListenAddress {
   std::uint16_t port = 0;  // 0: any free one
 };
 
-// "ADDRESS:PORT" with an IPv4 address, an IPv6 address in brackets or localhost; nothing: it is none.
+// Parses "ADDRESS:PORT" with an IPv4 address, an IPv6 address in brackets or localhost. nullopt: another form.
 [[nodiscard]] std::optional<ListenAddress> split_address(const std::string& text);
 
-// Whether the host names many computers, multicast or broadcast: nobody can connect to it.
-[[nodiscard]] bool is_for_many(const std::string& host);
+// The functions below take the host of a ListenAddress.
 
-// Whether only one of the two can be listened on: the same port, and a host that is or covers the other. "0.0.0.0"
-// covers all of IPv4 and "[::]" everything.
+// Nobody can connect to such an address.
+[[nodiscard]] bool is_multicast_or_broadcast(const std::string& host);
+
+// Whether other computers can reach the address. ::ffff:127.0.0.1 counts as beyond.
+[[nodiscard]] bool beyond_loopback(const std::string& host);
+
+// Whether two servers cannot listen on both: the port is the same, and the hosts are the same or one covers the other.
+// "0.0.0.0" covers all of IPv4, "[::]" everything.
 [[nodiscard]] bool collide(const ListenAddress& a, const ListenAddress& b);
 
 }  // namespace dwell::config

@@ -5,7 +5,7 @@
 namespace dwell::config {
 namespace {
 
-// Which element: one of the chain that has no limits yet.
+// The element that the table limits: one of the chain, without limits so far.
 void read_element(Section& section, Limit& limit, const Draft& draft) {
   const Rig& rig = draft.file.rig;
   const bool counted = draft.masses_known && draft.boundary_known;
@@ -23,7 +23,7 @@ void read_element(Section& section, Limit& limit, const Draft& draft) {
 std::optional<Bounds> read_bounds(Section& section, const char* key, const char* expected) {
   Bounds bounds;
   if (!section.interval(key, bounds.low, bounds.high, expected)) return std::nullopt;
-  // Every sound element violates such a limit: most likely a wrong sign.
+  // A sound element lies above such an interval: most likely a sign is wrong.
   if (bounds.high <= 0.0)
     section.wrong(key, in_quotes(key) + " is [" + number_text(bounds.low) + ", " + number_text(bounds.high) +
                            "], nowhere above 0: expected " + expected + ", high above 0");

@@ -1,7 +1,6 @@
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "config/draft.hpp"
 
@@ -44,24 +43,17 @@ std::optional<ListenAddress> read_listen(Section& section, const char* expected,
   std::string listen;
   if (!section.text("listen", listen, expected, need)) return std::nullopt;
   auto address = split_address(listen);
-  if (!address) {
-    section.wrong("listen", "\"listen\" is " + in_quotes(listen) + ": expected " + expected);
-  } else if (is_for_many(address->host)) {
-    section.wrong("listen", "\"listen\" is " + in_quotes(listen) +
-                                ", a multicast or broadcast address: expected an address of this computer");
-    return std::nullopt;
-  }
-  return address;
+  if (address && !is_multicast_or_broadcast(address->host)) return address;
+  section.wrong("listen", "\"listen\" is " + in_quotes(listen) +
+                              (address ? ", a multicast or broadcast address: expected an address of this computer"
+                                       : std::string(": expected ") + expected));
+  return std::nullopt;
 }
 
 void read_server(Section& section, Draft& draft) {
   ServerSettings& server = draft.file.server;
   std::string token_file;
-  if (const auto address = read_listen(section, kListen, Need::optional)) {
-    server.listen = address->text;
-    server.host = address->host;
-    server.port = address->port;
-  }
+  if (auto address = read_listen(section, kListen, Need::optional)) server.listen = std::move(*address);
   read_names(section, server.names);
   if (section.text("token_file", token_file, "the file that holds the token, a path"))
     server.token_file = (std::filesystem::path(draft.file.directory) / token_file).string();
@@ -69,14 +61,6 @@ void read_server(Section& section, Draft& draft) {
   server.listen_at = section.where("listen");
   server.token_file_at = section.where("token_file");
   section.refuse_rest();
-}
-
-bool beyond_loopback(const std::string& host) {
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) != 127;
-  in6_addr v6{};
-  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return !IN6_IS_ADDR_LOOPBACK(&v6);
-  return false;  // localhost
 }
 
 }  // namespace dwell::config

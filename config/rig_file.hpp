@@ -22,26 +22,21 @@
 namespace dwell::config {
 
 struct ServerSettings {
-  std::string listen = "127.0.0.1:8380";
-  std::string host = "127.0.0.1";  // of `listen`; without the brackets of an IPv6 address
-  std::uint16_t port = 8380;       // 0: any free one
+  ListenAddress listen{"127.0.0.1:8380", "127.0.0.1", 8380};
   std::vector<std::string> names;  // by which clients may ask for it
-  std::string token_file;          // a relative one starts at the rig file's directory; empty: none
+  std::string token_file;          // absolute, or relative to the working directory; empty: none
   bool behind_proxy = false;       // a front proxy says who may read: whoever reaches the address is believed
-  // In the file, for mistakes that only the service can find: whoever replays an old run needs no token of today.
+  // Positions in the file. The service itself checks who may reach the address, and the token file: a replay of an old
+  // run must not need them. Its messages name these positions.
   Position listen_at, token_file_at;
 };
 
-// Where PLCs read. Modbus knows no rights.
+// The Modbus TCP server for PLCs. Modbus has no access rights.
 struct ModbusServerSettings {
-  ListenAddress address;
-  bool open_to_network = false;  // whoever reaches an address beyond loopback may read
+  ListenAddress listen;
+  bool open_to_network = false;  // an address beyond loopback is allowed: whoever reaches it may read
   Position listen_at;            // as in ServerSettings
 };
-
-// Whether other computers can reach the address of this `host`, which is numeric or "localhost". ::ffff:127.0.0.1
-// counts as beyond.
-[[nodiscard]] bool beyond_loopback(const std::string& host);
 
 // Anchors: every so often the newest head of each chain is copied to a place outside the record, so that an auditor
 // sees whether the end of a file was cut off later.

@@ -156,29 +156,21 @@ const toml::array* Section::array(std::string_view key, const char* expected, Ne
 bool Section::interval(std::string_view key, double& low, double& high, const char* expected) {
   const toml::array* both = array(key, expected);
   if (both == nullptr) return false;
-  const auto number = [both](std::size_t i) {
-    const toml::node* node = both->get(i);
-    return node != nullptr && node->is_number() ? node->value<double>().value_or(std::nan("")) : std::nan("");
-  };
-  const double first = number(0);
-  const double second = number(1);
-  if (both->size() == 2 && both->get(0)->is_number() && both->get(1)->is_number() &&
-      !(std::isfinite(first) && std::isfinite(second))) {
-    wrong(key, in_quotes(key) + " is [" + number_text(first) + ", " + number_text(second) +
-                   "]: expected two finite numbers, " + expected);
-    return false;
-  }
-  if (both->size() != 2 || !std::isfinite(first) || !std::isfinite(second)) {
+  if (both->size() != 2 || !both->get(0)->is_number() || !both->get(1)->is_number()) {
     wrong(key, in_quotes(key) + " is not two numbers: expected " + expected + decimal_comma_hint(*both));
     return false;
   }
-  if (first >= second) {
-    wrong(key, in_quotes(key) + " is [" + number_text(first) + ", " + number_text(second) + "]: expected " + expected);
-    return false;
+  const auto number = [both](std::size_t i) { return both->get(i)->value<double>().value_or(std::nan("")); };
+  const double first = number(0), second = number(1);
+  const bool finite = std::isfinite(first) && std::isfinite(second);
+  if (finite && first < second) {
+    low = first;
+    high = second;
+    return true;
   }
-  low = first;
-  high = second;
-  return true;
+  wrong(key, in_quotes(key) + " is [" + number_text(first) + ", " + number_text(second) + "]: expected " +
+                 (finite ? "" : "two finite numbers, ") + expected);
+  return false;
 }
 
 const toml::node* Section::value(std::string_view key) {

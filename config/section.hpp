@@ -57,7 +57,7 @@ class Section {
   // Null: not there or of another type; the mistake is noted.
   const toml::table* table(std::string_view key, const char* expected, Need need = Need::optional);
   const toml::array* array(std::string_view key, const char* expected, Need need = Need::optional);
-  // [low, high] with low < high.
+  // [low, high]: two finite numbers, low < high.
   bool interval(std::string_view key, double& low, double& high, const char* expected);
   // The value, whatever it is; null: not given.
   const toml::node* value(std::string_view key);

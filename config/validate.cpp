@@ -132,15 +132,14 @@ void check_sync(Draft& draft) {
                           "sync input there");
 }
 
-// Of two listeners on one port the second could not begin.
+// Two servers cannot listen on one port.
 void check_listeners(Draft& draft) {
   if (!draft.file.modbus_server) return;
   const ServerSettings& server = draft.file.server;
   const ModbusServerSettings& modbus = *draft.file.modbus_server;
-  if (!collide({server.listen, server.host, server.port}, modbus.address)) return;
-  draft.mistakes.add(modbus.listen_at, "\"listen\" is " + in_quotes(modbus.address.text) +
-                                           ", and [server] listens on " + in_quotes(server.listen) +
-                                           ": expected a port of its own");
+  if (!collide(server.listen, modbus.listen)) return;
+  draft.mistakes.add(modbus.listen_at, "\"listen\" is " + in_quotes(modbus.listen.text) + ", and [server] listens on " +
+                                           in_quotes(server.listen.text) + ": expected a port of its own");
 }
 
 }  // namespace

@@ -63,12 +63,12 @@ void check_rig_file(const config::RigFile& served, const config::SchemaSource& d
 
 HttpOptions http_options(const config::ServerSettings& server) {
   HttpOptions options;
-  options.host = server.host;
-  options.port = server.port;
+  options.host = server.listen.host;
+  options.port = server.listen.port;
   options.names = server.names;
   char own_name[HOST_NAME_MAX + 1] = {};
   if (gethostname(own_name, sizeof own_name - 1) == 0) options.names.emplace_back(own_name);
-  options.names.push_back(server.host);
+  options.names.push_back(server.listen.host);
   options.server = std::string("dwelld/") + kVersion;
   return options;
 }
@@ -251,7 +251,7 @@ struct Service::Impl {
     auto made = Http::make(loop, http_options(server), std::move(content));
     if (!made) return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, made.error().message});
     http = std::move(*made);
-    if (http->server().stats().awaits_address) warn_of_address("[server]", server.listen);
+    if (http->server().stats().awaits_address) warn_of_address("[server]", server.listen.text);
     return {};
   }
 
@@ -259,15 +259,15 @@ struct Service::Impl {
     const auto& server = session->file().modbus_server;
     if (!server) return {};
     ModbusOptions options;
-    options.host = server->address.host;
-    options.port = server->address.port;
+    options.host = server->listen.host;
+    options.port = server->listen.port;
     auto made = Plc::make(loop, options);
     if (!made)
       return tl::unexpected(Failure{made.error().bad_address ? 2 : 1, "[modbus_server] " + made.error().message});
     plc = std::move(*made);
     log.info("serving PLCs on " + options.host + " port " + std::to_string(plc->server().port()) +
              "; Modbus knows no rights: whoever reaches this address can read, and nobody can write");
-    if (plc->server().stats().awaits_address) warn_of_address("[modbus_server]", server->address.text);
+    if (plc->server().stats().awaits_address) warn_of_address("[modbus_server]", server->listen.text);
     return {};
   }
 
@@ -330,7 +330,7 @@ Service::~Service() = default;
 
 void Service::run() {
   Impl& self = *impl_;
-  self.log.info("serving rig \"" + self.session->file().rig.name + "\" on " + self.session->file().server.host +
+  self.log.info("serving rig \"" + self.session->file().rig.name + "\" on " + self.session->file().server.listen.host +
                 " port " + std::to_string(port()));
   self.notifier.ready();
   self.loop.run([&self](const char* failure) { self.log.error(std::string("event loop: ") + failure); });

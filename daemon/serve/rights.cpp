@@ -35,14 +35,14 @@ std::optional<std::string_view> bearer(std::string_view authorization) {
 }  // namespace
 
 config::Result<Access> read_access(const config::ServerSettings& server) {
-  const bool asked = !config::beyond_loopback(server.host) || server.behind_proxy;
+  const bool asked = !config::beyond_loopback(server.listen.host) || server.behind_proxy;
   Access access;
   access.open = asked;
-  access.cookie += "_" + std::to_string(server.port);
+  access.cookie += "_" + std::to_string(server.listen.port);
   if (server.token_file.empty()) {
     if (asked) return access;
     return tl::unexpected(
-        mistake(server.listen_at, "\"listen\" is " + config::in_quotes(server.listen) +
+        mistake(server.listen_at, "\"listen\" is " + config::in_quotes(server.listen.text) +
                                       ", which other computers reach, and nothing says who may read there: expected a "
                                       "token_file, or behind_proxy = true where a proxy asks who it is, or 127.0.0.1"));
   }
@@ -55,9 +55,9 @@ config::Result<Access> read_access(const config::ServerSettings& server) {
 }
 
 config::Result<void> check_modbus_access(const config::ModbusServerSettings& server) {
-  if (server.open_to_network || !config::beyond_loopback(server.address.host)) return {};
+  if (server.open_to_network || !config::beyond_loopback(server.listen.host)) return {};
   return tl::unexpected(
-      mistake(server.listen_at, "\"listen\" is " + config::in_quotes(server.address.text) +
+      mistake(server.listen_at, "\"listen\" is " + config::in_quotes(server.listen.text) +
                                     ", which other computers reach, and Modbus asks nobody who it is: expected "
                                     "open_to_network = true, where all who reach it may read, or 127.0.0.1"));
 }

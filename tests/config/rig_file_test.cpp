@@ -83,9 +83,9 @@ TEST(RigFile, GivesTheServiceWhatTheFileSays) {
   const RigFile file = good(kGoodRig);
   EXPECT_EQ(file.path, "/etc/dwell/rig.toml");
   EXPECT_EQ(file.directory, "/etc/dwell");
-  EXPECT_EQ(file.server.listen, "[::1]:9000");
-  EXPECT_EQ(file.server.host, "::1");
-  EXPECT_EQ(file.server.port, 9000);
+  EXPECT_EQ(file.server.listen.text, "[::1]:9000");
+  EXPECT_EQ(file.server.listen.host, "::1");
+  EXPECT_EQ(file.server.listen.port, 9000);
   EXPECT_TRUE(file.recording.on);
   EXPECT_EQ(file.recording.directory, "/etc/dwell/runs");
   EXPECT_EQ(file.recording.every_s, 1.0);
@@ -177,9 +177,9 @@ unit = "N"
   EXPECT_EQ(rig.update_s, 0.1);
   EXPECT_TRUE(rig.mass_u.empty());
   EXPECT_FALSE(rig.channels[0].scale_u_stated || rig.channels[0].delay_u_stated) << "a 0 that is written is another";
-  EXPECT_EQ(file.server.listen, "127.0.0.1:8380");
-  EXPECT_EQ(file.server.host, "127.0.0.1");
-  EXPECT_EQ(file.server.port, 8380);
+  EXPECT_EQ(file.server.listen.text, "127.0.0.1:8380");
+  EXPECT_EQ(file.server.listen.host, "127.0.0.1");
+  EXPECT_EQ(file.server.listen.port, 8380);
   EXPECT_FALSE(file.recording.on) << "without the table nothing is recorded";
   EXPECT_EQ(file.recording.directory, "/var/lib/dwell");
   EXPECT_FALSE(file.gpio.sync);

@@ -106,18 +106,17 @@ TEST(RigFileMistakes, OfTheExcitation) {
 }
 
 TEST(RigFileMistakes, OfTheSearchInterval) {
-  constexpr const char* expected = ": expected [low, high] in Hz, 0 < low < high, with \"frequency\" between them";
-  expect_mistake("[3.9, 4.1]", "@[4.1, 3.9]", std::string("\"search\" is [4.1, 3.9]") + expected);
-  expect_mistake("[3.9, 4.1]", "@[0.0, 4.1]", std::string("\"search\" is [0, 4.1]") + expected);
-  expect_mistake("[3.9, 4.1]", "@[4.1, 4.3]",
-                 std::string("\"search\" is [4.1, 4.3], without the frequency 4 in it") + expected);
+  const std::string form = "[low, high] in Hz, 0 < low < high, with \"frequency\" between them";
+  const std::string expected = ": expected " + form;
+  expect_mistake("[3.9, 4.1]", "@[4.1, 3.9]", "\"search\" is [4.1, 3.9]" + expected);
+  expect_mistake("[3.9, 4.1]", "@[0.0, 4.1]", "\"search\" is [0, 4.1]" + expected);
+  expect_mistake("[3.9, 4.1]", "@[4.1, 4.3]", "\"search\" is [4.1, 4.3], without the frequency 4 in it" + expected);
   for (const std::string wrong : {"[nan, 4.1]", "[3.9, inf]"})
-    expect_mistake("[3.9, 4.1]", "@" + wrong,
-                   "\"search\" is " + wrong + ": expected two finite numbers, " + (expected + 11));
+    expect_mistake("[3.9, 4.1]", "@" + wrong, "\"search\" is " + wrong + ": expected two finite numbers, " + form);
   for (const char* wrong : {"@[3.9]", "@[3.9, 4.1, 5.0]", "@[\"a\", 4.1]"}) {
-    expect_mistake("[3.9, 4.1]", wrong, std::string("\"search\" is not two numbers") + expected);
+    expect_mistake("[3.9, 4.1]", wrong, "\"search\" is not two numbers" + expected);
   }
-  expect_mistake("[3.9, 4.1]", "@4.0", std::string("\"search\" is a number with a fraction") + expected);
+  expect_mistake("[3.9, 4.1]", "@4.0", "\"search\" is a number with a fraction" + expected);
 }
 
 TEST(RigFileMistakes, OfSettlingAndEstimation) {
