@@ -29,6 +29,8 @@ class Measurement {
 
   // The next record of the ordered stream.
   void take(const Record& record);
+  // How many records have been taken.
+  [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }
   // The end of the run: what waits is done, the current dwell completes.
   void finish();
 
@@ -36,7 +38,7 @@ class Measurement {
   [[nodiscard]] const Pipeline& pipeline() const noexcept { return pipeline_.pipeline(); }
   // The dwell as it stands; while a long piece of work goes on, as it stood before. Allocates.
   [[nodiscard]] const Dwell& current();
-  // After how many records the dwell stood as current() returned it last.
+  // taken() as it was when current() last looked at the pipeline.
   [[nodiscard]] std::uint64_t current_at() const noexcept { return current_at_; }
   // The newest readings that count; null while a long piece of work goes on.
   [[nodiscard]] const SampleHistory* readings() const noexcept {

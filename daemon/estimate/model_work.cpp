@@ -9,17 +9,6 @@ namespace dwell {
 ModelWork::ModelWork(std::shared_ptr<LongWork> work)
     : work_(std::move(work)), transient_(work_->rig), verification_(work_->rig) {}
 
-void ModelWork::take(const Record& record) noexcept {
-  ++position_;
-  if (!concerns_pipeline(record.kind)) return;
-  if (origin_ns_ == INT64_MIN) origin_ns_ = record.t_ns;
-  transient_.take(record, record.t_ns - origin_ns_, position_);
-}
-
-void ModelWork::gather(const SampleHistory* readings) noexcept {
-  if (readings != nullptr && origin_ns_ != INT64_MIN) verification_.take(*readings, origin_ns_);
-}
-
 void ModelWork::turn(const Dwell& now, std::uint64_t position) {
   if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) {
     if (auto* const transient = std::get_if<TransientJob>(&*job)) {

@@ -21,13 +21,19 @@ class ModelWork {
  public:
   explicit ModelWork(std::shared_ptr<LongWork> work);
 
-  // A record of the stream, as the pipeline is given it, the first of the run among them. Real-time safe.
-  void take(const Record& record) noexcept;
-  // A dwell has ended with the record taken last.
-  void ended(const Dwell& dwell) { verification_.ended(dwell, position_); }
-  // Call a few times a second, with the readings that count; null: not available now.
-  void gather(const SampleHistory* readings) noexcept;
-  // Call a few times a second on the one object that may use the slot, with the current dwell, which stood so after the
+  // A record that concerns the pipeline: its instant on the run's axis, and its position in the stream of the run.
+  // Real-time safe.
+  void take(const Record& record, std::int64_t t_ns, std::uint64_t position) noexcept {
+    transient_.take(record, t_ns, position);
+  }
+  // A dwell has ended with the record `position`.
+  void ended(const Dwell& dwell, std::uint64_t position) { verification_.ended(dwell, position); }
+  // Call a few times a second, with the readings that count; null: not available now. origin_ns: t = 0 of the run on
+  // their clock. Real-time safe.
+  void gather(const SampleHistory* readings, std::int64_t origin_ns) noexcept {
+    if (readings != nullptr) verification_.take(*readings, origin_ns);
+  }
+  // Call a few times a second on the one object that may use the slot. now: the current dwell, as it stood after the
   // record `position`. Takes finished work back and hands the next job over, in a millisecond at most. Drops a job that
   // another object has handed over before.
   void turn(const Dwell& now, std::uint64_t position);
@@ -41,9 +47,7 @@ class ModelWork {
   TransientWatch transient_;
   VerificationWatch verification_;
   std::optional<record::ModelResult> news_;
-  std::uint64_t position_ = 0;          // of the record taken last
-  std::int64_t origin_ns_ = INT64_MIN;  // of the run's axis of time; INT64_MIN: nothing has come yet
-  bool out_ = false;                    // the job in the slot is this one's
+  bool out_ = false;  // the job in the slot is this one's
 };
 
 }  // namespace dwell

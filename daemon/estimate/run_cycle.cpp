@@ -186,7 +186,7 @@ void RunCycle::told(RunPipeline& by, RunEvent event) {
   if (&by != live_.front().get() || run_.held) return;
   if (event.kind == RunEvent::Kind::dwell_finished) {
     if (run_.on) tap_.ended(by, event.dwell);
-    if (by.model() != nullptr) by.model()->ended(*event.dwell);
+    if (by.model() != nullptr) by.model()->ended(*event.dwell, by.position());
   } else {
     event.before = std::exchange(told_, event.dwell->state);
     if (event.before == told_) return;
@@ -219,7 +219,8 @@ void RunCycle::show(Snapshot& to) {
   to.finished = past ? past_.finished : finished.list();
   to.forgotten = past ? past_.forgotten : finished.forgotten();
   for (const auto& pipeline : live_)
-    if (pipeline->model() != nullptr) pipeline->model()->gather(pipeline->measurement().readings());
+    if (pipeline->model() != nullptr)
+      pipeline->model()->gather(pipeline->measurement().readings(), pipeline->origin_ns());
   if (ModelWork* const model = past && past_.model ? past_.model.get() : shown.model()) {
     model->turn(to.dwell, shown.measurement().current_at());
     model->show(to.dwell, to);

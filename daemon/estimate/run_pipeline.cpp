@@ -11,18 +11,16 @@ RunPipeline::RunPipeline(const Rig& rig, KeptDwells kept, const std::shared_ptr<
       samples_before_(rig.channels.size()) {}
 
 void RunPipeline::born(std::int64_t t_ns, std::int64_t start_utc_ns, const std::vector<std::uint64_t>& given) noexcept {
-  born_ns_ = origin_ns_ = not_idle_ns_ = seen_ns_ = t_ns;
+  born_ns_ = not_idle_ns_ = seen_ns_ = t_ns;
   start_utc_ns_ = start_utc_ns;
   samples_before_ = given;  // of one size: no allocation
 }
 
 void RunPipeline::take(const Record& record) {
-  ++position_;
-  if (!begun_ && concerns_pipeline(record.kind)) {
-    begun_ = true;
-    origin_ns_ = record.t_ns;
+  if (concerns_pipeline(record.kind)) {
+    if (!origin_ns_) origin_ns_ = record.t_ns;
+    if (model_) model_->take(record, record.t_ns - *origin_ns_, position() + 1);
   }
-  if (model_) model_->take(record);
   measurement_.take(record);
   if (measurement_.state() != State::idle) not_idle_ns_ = record.t_ns;
   if (sees_drive()) seen_ns_ = record.t_ns;

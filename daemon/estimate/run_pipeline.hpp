@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/rig/rig.hpp"
@@ -34,10 +35,10 @@ class RunPipeline {
   void finish() { measurement_.finish(); }
 
   // Records taken: the position of the newest one.
-  [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
+  [[nodiscard]] std::uint64_t position() const noexcept { return measurement_.taken(); }
   [[nodiscard]] std::int64_t start_utc_ns() const noexcept { return start_utc_ns_; }
-  // t = 0 of its dwells, on the stream's clock; before the first record that concerns it, its birth.
-  [[nodiscard]] std::int64_t origin_ns() const noexcept { return origin_ns_; }
+  // t = 0 of its dwells, ns on the stream's clock: the first record that concerns it; before that, its birth.
+  [[nodiscard]] std::int64_t origin_ns() const noexcept { return origin_ns_.value_or(born_ns_); }
   // Samples of a channel that were in the stream before it was born.
   [[nodiscard]] std::uint64_t samples_before(std::size_t channel) const noexcept { return samples_before_[channel]; }
 
@@ -57,9 +58,8 @@ class RunPipeline {
   Measurement measurement_;
   std::unique_ptr<ModelWork> model_;
   std::vector<std::uint64_t> samples_before_;
-  std::uint64_t position_ = 0;
-  std::int64_t born_ns_ = 0, start_utc_ns_ = 0, origin_ns_ = 0;
-  bool begun_ = false;            // a record that concerns the pipeline has come
+  std::int64_t born_ns_ = 0, start_utc_ns_ = 0;
+  std::optional<std::int64_t> origin_ns_;
   std::int64_t not_idle_ns_ = 0;  // of the newest record after which it was not idle
   std::int64_t seen_ns_ = 0;      // of the newest record after which a dwell was on
 };

@@ -29,7 +29,7 @@ class RunTap {
     next_ns_ = std::max(next_ns_ + every_ns_, t_ns);
     sink_->result(run.position(), false, std::make_shared<const Dwell>(run.measurement().current()));
   }
-  // Something about the run's model was published after the record taken last.
+  // An estimate or a verification was published after the record taken last.
   void model(const RunPipeline& run, record::ModelResult result) {
     if (sink_ != nullptr) sink_->model(run.position(), std::move(result));
   }

@@ -68,7 +68,7 @@ struct Snapshot {
   std::uint64_t sequence = 0;     // 0: nothing published yet
   std::int64_t t_ns = 0;          // CLOCK_MONOTONIC_RAW
   std::int64_t start_utc_ns = 0;  // t = 0 of the dwells; 0: not yet
-  std::int64_t origin_ns = 0;     // the same on the stream's clock, exactly
+  std::int64_t origin_ns = 0;     // the same instant on the stream's clock, exactly
   RunView run;
   Dwell dwell;
   // Coefficients from the transient of `dwell`; null: none yet. Made by the worker, handed on unchanged: whoever holds
