@@ -7,8 +7,6 @@
 #include "core/base/instants.hpp"
 
 namespace dwell {
-namespace {}  // namespace
-
 std::int64_t PulseLine::nearest_ns(std::int64_t t_ns) const noexcept {
   const double T_s = kTwoPi / omega;
   return pulse_ns + std::llround(std::round(to_s(t_ns - pulse_ns) / T_s) * T_s * 1e9);

@@ -9,7 +9,7 @@
 
 namespace dwell {
 
-// An iteration on ω ends with a step below this part of its standard uncertainty.
+// An iteration on ω ends once its step is below this part of ω's standard uncertainty.
 inline constexpr double kNegligibleStep = 1e-2;
 
 struct Refined {

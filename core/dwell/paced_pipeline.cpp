@@ -50,7 +50,7 @@ std::uint8_t PacedPipeline::push(const Record& record) noexcept {
   return changes_;
 }
 
-// Taking in samples spends no work, so it makes no difference that they earn theirs afterwards.
+// push() earns work before it takes a record, this afterwards. The result is the same: taking in a sample spends none.
 std::size_t PacedPipeline::push_in_block(std::span<const Record> records) noexcept {
   if (count_ > 0) return 0;
   changes_ = kNothing;

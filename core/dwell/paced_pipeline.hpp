@@ -42,7 +42,7 @@ class PacedPipeline {
   // Hands in the next record of the stream. Takes this record, or up to two that wait, the oldest first; all up to an
   // urgent one. Stops at the first Change and returns it. Real-time safe unless a dwell ends.
   std::uint8_t push(const Record& record) noexcept;
-  // As Pipeline::push_in_block(); 0 while records wait.
+  // As Pipeline::push_in_block(). Returns 0 while records wait.
   std::size_t push_in_block(std::span<const Record> records) noexcept;
   // At the end of the run, until waiting() is 0: takes what waits, up to the first Change. Unlimited work.
   std::uint8_t flush() noexcept;

@@ -44,9 +44,9 @@ class Pipeline {
   // to two times, its transient is fitted anew, in `slices` if given: at least four passes over the samples held, (2H +
   // 3 + 4 modes)²/2 multiplications each. 0.1 s if four are enough, some seconds for sixteen full rings.
   std::uint8_t push(const Record& record) noexcept;
-  // Takes the samples and ticks that `records` begins with and that lie in the open block, as push() would one by one:
-  // none of them changes a state or ends a dwell. Returns how many; 0: push() must take the next one. A record costs
-  // less than in push(), since what is the same for all of a block is asked once.
+  // Takes the first records as push() would one by one, as long as they are samples or ticks within the open block:
+  // none of them changes a state or ends a dwell. Returns how many; 0: push() must take the next one. Cheaper than
+  // push(): the checks that are the same for a whole block are made once. Real-time safe.
   std::size_t push_in_block(std::span<const Record> records) noexcept;
 
   // Whether push() may do more than take in a sample.

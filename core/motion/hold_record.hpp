@@ -23,7 +23,7 @@ class HoldRecord {
   // capacity: readings, at least 1.
   explicit HoldRecord(std::size_t capacity) : ring_(capacity) {}
 
-  // false: there was no room, it was passed over.
+  // false: there is no room; the reading is passed over.
   bool push(const Reading& reading) noexcept {
     if (full()) {
       passed_over_ = true;

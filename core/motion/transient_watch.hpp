@@ -40,8 +40,8 @@ struct TransientEstimate {
   MotionEstimate estimate;
   double from_s = kNaN, until_s = kNaN;  // stamps of the first and the last reading given, on the run's axis
   std::size_t given = 0;                 // readings
-  // Position of the last of them in the stream of the run. They are the `given` newest samples up to there, those of
-  // auxiliary channels left out.
+  // Position of the last of them in the stream of the run. They are the newest `given` samples up to there, without
+  // those of auxiliary channels.
   std::uint64_t last = 0;
 };
 

@@ -38,7 +38,7 @@ constexpr double kMostSearched = 2e4;
 // Multiplications: to decide whether a sample is left out; of a line at a sample.
 constexpr double kOfChance = 5.0, kOfLine = 6.0;
 
-// The whole nanoseconds that are over after s ≥ 0 seconds.
+// s ≥ 0; rounds down, where to_ns() rounds to the nearest.
 std::int64_t whole_ns(double s) { return static_cast<std::int64_t>(kNsPerS * s); }
 
 // A number in [0, 1) without a pattern, by an integer hash. Leaving samples out at equal steps would fold frequencies.

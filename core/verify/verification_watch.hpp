@@ -27,12 +27,12 @@ namespace dwell {
 struct VerifiedDwell {
   Dwell dwell;  // as it stood, with the coefficients that were verified
   Verification verification;
-  // What it was made from, so that it can be made again. The dwell stood so after the record `position` of the run's
-  // stream; `ended`: it ended there.
+  // What it was computed from, so that it can be computed again. `dwell` stood so after the record `position` of the
+  // run's stream; `ended`: it ended with that record.
   std::uint64_t position = 0;
   bool ended = false;
-  // The evidence: `given` readings. The pipeline's readings that count are numbered from 1 on; `last` is the number of
-  // the newest of these, from_s … until_s their instants on the run's axis.
+  // The evidence: `given` readings of the pipeline's history, from from_s to until_s on the run's axis. `last` is the
+  // number of the newest one, counted from 1.
   std::uint64_t last = 0;
   std::size_t given = 0;
   double from_s = kNaN, until_s = kNaN;
