@@ -50,7 +50,7 @@ record::Result<void> may_write(const Target& target) {
   };
   // NAME.dwell, NAME.dwell-wal, ledger.dwell-ledger: even a new file of such a name would make a run look altered.
   if (std::filesystem::path(target.path).extension().string().rfind(record::kRunSuffix, 0) == 0)
-    return refused("has the name of a run file, or of what belongs to one");
+    return refused("has the name of a run file or of a file beside one: its extension begins with .dwell");
   struct stat status {};
   if (::lstat(target.path.c_str(), &status) != 0) return {};  // what else is wrong with it, opening tells
   if (S_ISDIR(status.st_mode)) return refused("is a directory");

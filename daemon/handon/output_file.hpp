@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "daemon/record/keys.hpp"
 #include "daemon/record/regular_file.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::handon {
 

@@ -22,6 +22,7 @@ namespace dwell::handon {
 [[nodiscard]] std::string report_channels(const Selection& selection, const RunStory& story);
 // What is missing in the stream, and what happened.
 [[nodiscard]] std::string report_losses(const Selection& selection, const RunStory& story);
+// Estimates from transients, and verifications, as published; empty: there are none.
 [[nodiscard]] std::string report_models(const RunStory& story);
 [[nodiscard]] std::string report_events(const RunStory& story);
 // Audit, hashes, signatures.

@@ -93,7 +93,7 @@ std::string coefficients(const DwellView& view) {
   return html;
 }
 
-// Of a violated one the row stands out; of one without a verdict it has the reason.
+// A violated limit stands out; one without a verdict shows the reason.
 std::string limits(const DwellView& view) {
   std::vector<std::vector<Markup>> rows;
   for (const JudgedLimit& limit : view.limits) {
@@ -112,9 +112,8 @@ std::string limits(const DwellView& view) {
   if (rows.empty()) return {};
   return html_heading(4, "Limits") +
          html_table({{"of"}, {"from the rig file"}, {"measured", true}, {"verdict"}}, rows) +
-         html_list({"Kept: value ± U95 lies wholly within the limits; violated: wholly outside; undecided: it reaches "
-                    "over an "
-                    "end (ISO 14253-1)."},
+         html_list({"Kept: value ± U95 lies wholly within the limits; violated: wholly outside; undecided: partly "
+                    "(ISO 14253-1)."},
                    "notes");
 }
 

@@ -142,7 +142,7 @@ std::string report_models(const RunStory& story) {
   for (const record::StoredModel& model : story.models)
     rows.push_back({model.utc, model.kind, stored_model_text(model.kind, model.from, model.result)});
   return html_heading(2, "Estimates and verifications") +
-         html_paragraph("Coefficients from the transient, and verifications, as they were published then.") +
+         html_paragraph("Coefficients from transients, and verifications, as they were published during the run.") +
          html_table({{"when"}, {"what"}, {"text"}}, rows) +
          (story.models_left_out == 0
               ? std::string()
