@@ -1,52 +1,11 @@
 #include "daemon/record/run_log.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
-#include "daemon/record/block.hpp"
-#include "tests/record/synthetic_stream.hpp"
+#include "tests/record/logged_runs.hpp"
 
 namespace dwell::record {
 namespace {
 
-struct MemoryRun {
-  RunHeader header;
-  std::vector<NewEntry> entries;
-  bool closed = false;
-};
-
-// A disk in memory. Where it is full it takes nothing but what the reserve is for.
-class MemoryStore final : public RunStore {
- public:
-  Result<void> ready() override { return verdict(); }
-  Result<void> begin(RunHeader& header, std::int64_t /*t_ns*/, std::span<const NewEntry> first) override {
-    if (auto can = verdict(); !can) return can;
-    header.run = static_cast<std::int64_t>(runs.size()) + 1;
-    runs.push_back({header, {first.begin(), first.end()}, false});
-    return {};
-  }
-  Result<void> write(std::span<const NewEntry> batch) override {
-    if (auto can = verdict(); !can) return can;
-    runs.back().entries.insert(runs.back().entries.end(), batch.begin(), batch.end());
-    ++commits;
-    return {};
-  }
-  Result<void> end(std::span<const NewEntry> last, bool /*another*/) override {
-    if (broken) return tl::unexpected(std::string("input/output error"));
-    runs.back().entries.insert(runs.back().entries.end(), last.begin(), last.end());
-    runs.back().closed = true;
-    return {};
-  }
-  Result<void> verdict() const {
-    if (full) return tl::unexpected(std::string("disk full"));
-    return {};
-  }
-
-  std::vector<MemoryRun> runs;
-  int commits = 0;
-  bool full = false, broken = false;
-};
+struct RunLogTest : LoggedRuns {};
 
 StoredEvent event_of(const std::string& text) {
   StoredEvent event;
@@ -54,61 +13,6 @@ StoredEvent event_of(const std::string& text) {
   event.text = text;
   return event;
 }
-
-struct RunLogTest : testing::Test {
-  RunLogTest()
-      : log(store, {[] { return RunHeader(); },
-                    [this](const Dwell&, const std::string& utc) { return "{\"t\":\"" + utc + "\"" + more + "}"; },
-                    [](const ModelResult&) {
-                      return StoredModel{"estimate", 0, {}, R"({"last":19})", R"({"motion":null})"};
-                    },
-                    [this](const Notice& notice) { notices.push_back(notice); },
-                    {{"y0", "y1"}, {"amplifier"}}}),
-        stream(2, 200.0, [this](const Record& record) {
-          log.set_clock({record.t_ns, kUtc_ns + record.t_ns});
-          handed.push_back(record);
-          log.record(record);
-        }) {}
-
-  static std::vector<Record> records_of(const MemoryRun& run) {
-    std::vector<Record> all, some;
-    for (const NewEntry& entry : run.entries) {
-      if (entry.kind != "stream") continue;
-      EXPECT_TRUE(decode_block(entry.body, some));
-      all.insert(all.end(), some.begin(), some.end());
-    }
-    return all;
-  }
-  static std::vector<StoredEvent> events_of(const MemoryRun& run) {
-    std::vector<StoredEvent> events;
-    for (const NewEntry& entry : run.entries)
-      if (entry.kind == "event") events.push_back(*parse_event(entry.body));
-    return events;
-  }
-  static RunEnd end_of(const MemoryRun& run) { return *parse_run_end(run.entries.back().body); }
-  // The stream as handed in, from the birth of the run's pipeline on, so many records.
-  void expect_stream(const MemoryRun& run, std::size_t from, std::size_t count) const {
-    const auto records = records_of(run);
-    ASSERT_EQ(records.size(), count);
-    for (std::size_t i = 0; i < count; ++i) {
-      ASSERT_EQ(records[i].t_ns, handed[from + i].t_ns) << i;
-      ASSERT_EQ(records[i].kind, handed[from + i].kind) << i;
-      ASSERT_EQ(records[i].value, handed[from + i].value) << i;
-    }
-  }
-  [[nodiscard]] bool told(const std::string& part) const {
-    return std::any_of(notices.begin(), notices.end(),
-                       [&](const Notice& n) { return n.text.find(part) != std::string::npos; });
-  }
-
-  static constexpr std::int64_t kUtc_ns = 1'790'000'000'000'000'000;
-  MemoryStore store;
-  std::string more;  // in each dwell's JSON
-  std::vector<Notice> notices;
-  std::vector<Record> handed;
-  RunLog log;
-  SyntheticStream stream;
-};
 
 TEST_F(RunLogTest, AResultThatNoReaderTakesIsAnEventInstead) {
   stream.armed();
@@ -253,97 +157,6 @@ TEST_F(RunLogTest, ARequestGivesTheRunItsLabelAndItsPersonAndStandsInItAtItsPosi
   EXPECT_EQ(events_of(run)[0].position, began);
   EXPECT_EQ(events_of(run)[1].text, "stop");
   EXPECT_EQ(end_of(run).why, "operator");
-}
-
-TEST_F(RunLogTest, AFullDiskEndsTheRunWithItsReasonAndTheNextRunSaysSo) {
-  stream.starts();
-  stream.play(5.0);
-  store.full = true;
-  const std::size_t before = handed.size();
-  stream.play(1.5);
-  ASSERT_TRUE(store.runs[0].closed) << "the reserve takes the last entries";
-  EXPECT_EQ(end_of(store.runs[0]).why, "disk full");
-  EXPECT_EQ(events_of(store.runs[0]).back().text, "recording stops: disk full");
-  EXPECT_GE(records_of(store.runs[0]).size(), before - 500) << "no more than the block that was being gathered is lost";
-  EXPECT_EQ(log.stopped(), "disk full");
-  EXPECT_TRUE(told("recording stops: disk full"));
-  stream.play(60.0);
-  EXPECT_EQ(log.kept_bytes(), 0u) << "the stream of a run that is not recorded is not kept";
-  store.full = false;
-  log.goes_on();
-  stream.ends(EndOfRun::by_operator);
-  stream.starts();
-  stream.play(2.0);
-  ASSERT_EQ(store.runs.size(), 2u);
-  EXPECT_EQ(log.stopped(), "");
-  EXPECT_EQ(store.runs[1].header.begun_by, "service");
-  EXPECT_EQ(events_of(store.runs[1])[0].text, "goes on after an interruption: run 1 ended: disk full");
-}
-
-TEST_F(RunLogTest, ADiskThatIsFullAsTheRunBeginsIsToldAndTheRunIsNotRecorded) {
-  store.full = true;
-  stream.armed();
-  stream.play(1.0);
-  stream.begins();
-  stream.play(5.0);
-  EXPECT_TRUE(store.runs.empty());
-  EXPECT_EQ(log.stopped(), "disk full");
-}
-
-TEST_F(RunLogTest, ADiskThatTakesNotEvenTheEndIsToldAsAnError) {
-  stream.starts();
-  stream.play(3.0);
-  store.full = store.broken = true;
-  stream.play(2.0);
-  EXPECT_FALSE(store.runs[0].closed);
-  EXPECT_TRUE(told("its file could not be closed: input/output error"));
-  EXPECT_EQ(log.stopped(), "disk full");
-}
-
-TEST_F(RunLogTest, WhereRecordsAreMissingTheRunEndsWithTheirCount) {
-  stream.starts();
-  stream.play(2.5);
-  log.gap(1234);
-  stream.play(10.0);
-  ASSERT_TRUE(store.runs[0].closed);
-  EXPECT_EQ(end_of(store.runs[0]).why, "recorder fell behind");
-  EXPECT_EQ(events_of(store.runs[0]).back().text, "recorder fell behind: 1234 records of the stream are lost");
-  EXPECT_EQ(store.runs.size(), 1u) << "not from the middle: its replay would be another";
-  EXPECT_NE(log.stopped(), "");
-}
-
-TEST_F(RunLogTest, ARunNeverReachesBackOverAGap) {
-  stream.armed();
-  stream.play(3.0);
-  log.gap(10);
-  stream.play(3.0);
-  stream.begins();
-  stream.play(2.0);
-  EXPECT_TRUE(store.runs.empty());
-  EXPECT_EQ(log.stopped(), "the time before the run is not in memory");
-}
-
-TEST_F(RunLogTest, AfterACrashTheFirstRunGoesOnByTheServiceIfItComesSoon) {
-  log.set_clock({stream.t_ns(), kUtc_ns});
-  log.interrupted("run 7 was cut off");
-  log.goes_on();
-  stream.armed();
-  stream.play(12.0);
-  stream.begins();
-  stream.play(1.2);
-  EXPECT_EQ(store.runs[0].header.begun_by, "service");
-  EXPECT_EQ(events_of(store.runs[0])[0].text, "goes on after an interruption: run 7 was cut off");
-}
-
-TEST_F(RunLogTest, AfterACrashARunThatComesMuchLaterIsTheDrives) {
-  log.set_clock({stream.t_ns(), kUtc_ns});
-  log.interrupted("run 7 was cut off");
-  log.goes_on();
-  stream.play(70.0);
-  stream.starts();
-  stream.play(1.2);
-  EXPECT_EQ(store.runs[0].header.begun_by, "drive");
-  EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
 }
 
 TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {

@@ -1,0 +1,100 @@
+// What ends a recording amid a run, and how the next run goes on: a full disk, missing records, a crash.
+#include "tests/record/logged_runs.hpp"
+
+namespace dwell::record {
+namespace {
+
+struct InterruptedRecording : LoggedRuns {};
+
+TEST_F(InterruptedRecording, AFullDiskEndsTheRunWithItsReasonAndTheNextRunSaysSo) {
+  stream.starts();
+  stream.play(5.0);
+  store.full = true;
+  const std::size_t before = handed.size();
+  stream.play(1.5);
+  ASSERT_TRUE(store.runs[0].closed) << "the reserve takes the last entries";
+  EXPECT_EQ(end_of(store.runs[0]).why, "disk full");
+  EXPECT_EQ(events_of(store.runs[0]).back().text, "recording stops: disk full");
+  EXPECT_GE(records_of(store.runs[0]).size(), before - 500) << "no more than the block that was being gathered is lost";
+  EXPECT_EQ(log.stopped(), "disk full");
+  EXPECT_TRUE(told("recording stops: disk full"));
+  stream.play(60.0);
+  EXPECT_EQ(log.kept_bytes(), 0u) << "the stream of a run that is not recorded is not kept";
+  store.full = false;
+  log.goes_on();
+  stream.ends(EndOfRun::by_operator);
+  stream.starts();
+  stream.play(2.0);
+  ASSERT_EQ(store.runs.size(), 2u);
+  EXPECT_EQ(log.stopped(), "");
+  EXPECT_EQ(store.runs[1].header.begun_by, "service");
+  EXPECT_EQ(events_of(store.runs[1])[0].text, "goes on after an interruption: run 1 ended: disk full");
+}
+
+TEST_F(InterruptedRecording, ADiskThatIsFullAsTheRunBeginsIsToldAndTheRunIsNotRecorded) {
+  store.full = true;
+  stream.armed();
+  stream.play(1.0);
+  stream.begins();
+  stream.play(5.0);
+  EXPECT_TRUE(store.runs.empty());
+  EXPECT_EQ(log.stopped(), "disk full");
+}
+
+TEST_F(InterruptedRecording, ADiskThatTakesNotEvenTheEndIsToldAsAnError) {
+  stream.starts();
+  stream.play(3.0);
+  store.full = store.broken = true;
+  stream.play(2.0);
+  EXPECT_FALSE(store.runs[0].closed);
+  EXPECT_TRUE(told("its file could not be closed: input/output error"));
+  EXPECT_EQ(log.stopped(), "disk full");
+}
+
+TEST_F(InterruptedRecording, WhereRecordsAreMissingTheRunEndsWithTheirCount) {
+  stream.starts();
+  stream.play(2.5);
+  log.gap(1234);
+  stream.play(10.0);
+  ASSERT_TRUE(store.runs[0].closed);
+  EXPECT_EQ(end_of(store.runs[0]).why, "recorder fell behind");
+  EXPECT_EQ(events_of(store.runs[0]).back().text, "recorder fell behind: 1234 records of the stream are lost");
+  EXPECT_EQ(store.runs.size(), 1u) << "not from the middle: its replay would be another";
+  EXPECT_NE(log.stopped(), "");
+}
+
+TEST_F(InterruptedRecording, ARunNeverReachesBackOverAGap) {
+  stream.armed();
+  stream.play(3.0);
+  log.gap(10);
+  stream.play(3.0);
+  stream.begins();
+  stream.play(2.0);
+  EXPECT_TRUE(store.runs.empty());
+  EXPECT_EQ(log.stopped(), "the time before the run is not in memory");
+}
+
+TEST_F(InterruptedRecording, AfterACrashTheFirstRunGoesOnByTheServiceIfItComesSoon) {
+  log.set_clock({stream.t_ns(), kUtc_ns});
+  log.interrupted("run 7 was cut off");
+  log.goes_on();
+  stream.armed();
+  stream.play(12.0);
+  stream.begins();
+  stream.play(1.2);
+  EXPECT_EQ(store.runs[0].header.begun_by, "service");
+  EXPECT_EQ(events_of(store.runs[0])[0].text, "goes on after an interruption: run 7 was cut off");
+}
+
+TEST_F(InterruptedRecording, AfterACrashARunThatComesMuchLaterIsTheDrives) {
+  log.set_clock({stream.t_ns(), kUtc_ns});
+  log.interrupted("run 7 was cut off");
+  log.goes_on();
+  stream.play(70.0);
+  stream.starts();
+  stream.play(1.2);
+  EXPECT_EQ(store.runs[0].header.begun_by, "drive");
+  EXPECT_EQ(events_of(store.runs[0]).size(), 1u);
+}
+}  // namespace
+}  // namespace dwell::record
