@@ -94,7 +94,7 @@ TEST(Unchecked, IsMostOfAllInASteadyMotion) {
   const Judged one = judged(rig, readings_of(rig, steady, 0.0, 3.0, 100.0, noise_of(rig, clamped_chain()), 1));
   ASSERT_EQ(one.course.reason, "");
   const std::vector<std::string> what = unchecked(one.rig, one.test);
-  ASSERT_EQ(what.size(), 1);
+  ASSERT_EQ(what.size(), 1u);
   EXPECT_NE(what[0].find("this motion tells only 2 of 10 combinations"), std::string::npos) << what[0];
 }
 
