@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/stream/record.hpp"
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 
@@ -17,7 +17,7 @@ namespace dwell::record {
 // block then has 35 MB, which ChainReader::kMaxBody allows. 64 channels at 10 kHz fill a block in 1.6 s.
 inline constexpr std::size_t kMaxBlockRecords = 1u << 20;
 
-inline constexpr std::size_t kPlanes = 33;  // of a block: as many as a record has bytes
+inline constexpr std::size_t kPlanes = 33;  // of a block: one for each byte of a record, one for the form of its value
 
 // records: at most kMaxBlockRecords. Takes about 0.03 µs and 66 bytes of memory for each. Throws std::bad_alloc.
 [[nodiscard]] std::string encode_block(std::span<const Record> records);

@@ -30,13 +30,13 @@ class ChainWriter {
   // A new file; fails where there is one. `origin` is the first line of its notes, for instance "dwell/run/<id>".
   [[nodiscard]] static Result<ChainWriter> create(const std::string& path, ChainSort sort, std::string origin,
                                                   const SigningKey& key);
-  // A file without entries, made in advance: that takes four waits for the disk, its first commit then one. It may be
-  // handed to another thread. Before the first append() it takes its name. Where this fails, it leaves no file behind.
+  // Makes a file without entries in advance, with four waits for the disk; its first commit then takes one. The writer
+  // may be handed to another thread. Call take_name() before the first append(). On failure no file is left behind.
   [[nodiscard]] static Result<ChainWriter> create_ahead(const std::string& path, ChainSort sort);
-  // The prepared file is also at `path` from now on, its log as well. Does not wait for the disk: a loss of power may
-  // leave it at the first name alone.
+  // Gives a file of create_ahead() and its log a second name, `path`. Does not wait for the disk: after a loss of power
+  // the file may have its first name alone.
   [[nodiscard]] Result<void> take_name(const std::string& path, std::string origin, const SigningKey& key);
-  // Waits until the name `kept` survives a loss of power, then removes the first one. Any thread.
+  // Waits until the name `kept` survives a loss of power, then removes the name `first`. Any thread.
   [[nodiscard]] static Result<void> drop_name(const std::string& first, const std::string& kept);
   // Opens an existing file to append to it. Follows its chain from the start; its last note must be by `key`.
   [[nodiscard]] static Result<ChainWriter> open(const std::string& path, ChainSort sort, std::string origin,
@@ -55,9 +55,9 @@ class ChainWriter {
   // Appends an entry; it counts once committed. Refuses a body that readers would refuse: of more than kMaxJson bytes,
   // of a "stream" more than ChainReader::kMaxBody.
   [[nodiscard]] Result<void> append(std::string_view kind, std::int64_t t_ns, std::string_view body);
-  // Writes into the log what the next commit would: that takes up to three waits for the disk, and leaves it one.
+  // Starts the log, with up to three waits for the disk. The next commit then takes one.
   [[nodiscard]] Result<void> begin_log();
-  // Signs the head. commit() does so for the last entry; for files where each entry is signed.
+  // Signs the head: for files where each entry is signed. commit() signs the last entry in any case.
   [[nodiscard]] Result<void> sign();
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for
   // the disk. Nothing appended: does nothing.

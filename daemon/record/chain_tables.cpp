@@ -19,7 +19,6 @@ std::string sort_of(ChainSort sort) { return sort == ChainSort::run ? "run file"
 }  // namespace
 
 Result<void> check_tables(sqlite3* database, ChainSort sort) {
-  const auto fails = [](std::string what) { return tl::unexpected<std::string>(std::move(what)); };
   const std::string id = first_text(database, "PRAGMA application_id");
   if (id != std::to_string(static_cast<std::uint32_t>(sort))) {
     if (id.empty()) return fails(sqlite_message(database));
@@ -69,7 +68,7 @@ void ChainRows::seek(std::int64_t seq, const std::string& kind) {
 }
 
 Result<std::optional<ChainReader::Row>> ChainRows::next() {
-  if (current_ == nullptr) return tl::unexpected<std::string>(sqlite_message(database_));
+  if (current_ == nullptr) return fails(sqlite_message(database_));
   const int code = sqlite3_step(current_);
   if (code == SQLITE_DONE) {
     sqlite3_reset(current_);
@@ -78,26 +77,26 @@ Result<std::optional<ChainReader::Row>> ChainRows::next() {
   }
   if (code == SQLITE_TOOBIG)
     return tl::unexpected("an entry holds more than " + std::to_string(ChainReader::kMaxBody) + " bytes");
-  if (code != SQLITE_ROW) return tl::unexpected<std::string>(sqlite_message(database_));
+  if (code != SQLITE_ROW) return fails(sqlite_message(database_));
 
   ChainReader::Row row;
   row.entry.seq = sqlite3_column_int64(current_, 0);
-  const auto fails = [&row](const std::string& what) {
+  const auto row_fails = [&row](const std::string& what) {
     return tl::unexpected("entry " + std::to_string(row.entry.seq) + ": " + what);
   };
   static constexpr int kTypes[] = {SQLITE_INTEGER, SQLITE_TEXT, SQLITE_INTEGER, SQLITE_BLOB, SQLITE_BLOB};
   for (int column = 0; column < 5; ++column)
     if (sqlite3_column_type(current_, column) != kTypes[column])
-      return fails("its row has values of other types than the table's");
+      return row_fails("its row has values of other types than the table's");
   row.entry.kind = column_bytes(current_, 1);
   row.entry.t_ns = sqlite3_column_int64(current_, 2);
   row.entry.body = column_bytes(current_, 3);
-  if (sqlite3_errcode(database_) == SQLITE_NOMEM) return fails("out of memory");
+  if (sqlite3_errcode(database_) == SQLITE_NOMEM) return row_fails("out of memory");
   if (row.entry.body.size() > static_cast<std::size_t>(ChainReader::kMaxBody))
-    return fails("more than " + std::to_string(ChainReader::kMaxBody) + " bytes");
+    return row_fails("more than " + std::to_string(ChainReader::kMaxBody) + " bytes");
   const std::string_view head = column_bytes(current_, 4);
   if (head.size() != row.head.size())
-    return fails("its head has " + std::to_string(head.size()) + " bytes, expected 32");
+    return row_fails("its head has " + std::to_string(head.size()) + " bytes, expected 32");
   std::copy(head.begin(), head.end(), row.head.begin());
   if (sqlite3_column_type(current_, 5) != SQLITE_NULL) row.note = column_bytes(current_, 5);
   return std::optional(std::move(row));

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 

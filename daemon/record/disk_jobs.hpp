@@ -1,4 +1,5 @@
-// Jobs that wait for the disk beside the thread that gives them, one after the other.
+// Does jobs that wait for the disk in the background, one after the other. Unlike JobThread it drops none: the
+// destructor waits for all of them.
 #pragma once
 
 #include <future>
@@ -7,19 +8,19 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 
-// Bound to one thread, which alone gives jobs and asks.
-class Beside {
+// Bound to one thread.
+class DiskJobs {
  public:
-  Beside() = default;
-  ~Beside() { settle(); }
-  Beside(const Beside&) = delete;
-  Beside& operator=(const Beside&) = delete;
+  DiskJobs() = default;
+  ~DiskJobs() { settle(); }
+  DiskJobs(const DiskJobs&) = delete;
+  DiskJobs& operator=(const DiskJobs&) = delete;
 
-  // job(): a Result<void>; must not throw. It runs when those before it are done.
+  // job() returns a Result<void> and must not throw. It runs on a thread of its own, after all jobs before it.
   template <class Job>
   void start(Job job) {
     last_ = std::async([this, last = last_, job = std::move(job)]() mutable {
@@ -30,13 +31,13 @@ class Beside {
               }
             }).share();
   }
-  // For other threads: ready when all jobs so far are done; not valid: there were none.
+  // Ready when all jobs so far are done; not valid: there were none. Any thread may wait for it.
   [[nodiscard]] std::shared_future<void> done() const { return last_; }
   // Waits until all jobs are done.
   void settle() const {
     if (last_.valid()) last_.wait();
   }
-  // Why jobs have failed since the last call.
+  // The reasons of the jobs that have failed since the last call.
   [[nodiscard]] std::vector<std::string> take_failures() {
     const std::lock_guard lock(mutex_);
     return std::exchange(failures_, {});

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 

@@ -139,12 +139,12 @@ Result<void> Ledger::run_begins(const RunHeader& header, const std::string& file
   return impl_->add("begins", ledger_begins(header, file, iso_utc(now_ns)), now_ns);
 }
 
-Result<void> Ledger::run_ends(const EndOfFile& ended) {
+Result<void> Ledger::run_ends(const Ending& ended) {
   const std::int64_t now_ns = utc_now_ns();
   return impl_->add("ends", ledger_ends(ended.run, {ended.head, ended.seq, ended.state, iso_utc(now_ns)}), now_ns);
 }
 
-Result<void> Ledger::run_follows(const EndOfFile& ended, const RunHeader& header, const std::string& file) {
+Result<void> Ledger::run_follows(const Ending& ended, const RunHeader& header, const std::string& file) {
   const std::int64_t now_ns = utc_now_ns();
   const std::string utc = iso_utc(now_ns);
   return impl_->add({{"ends", ledger_ends(ended.run, {ended.head, ended.seq, ended.state, utc})},

@@ -34,20 +34,20 @@ class Ledger {
 
   // Fails if `header` does not hold next_run() and newest_head(), or if another run has not ended.
   [[nodiscard]] Result<void> run_begins(const RunHeader& header, const std::string& file);
-  // Waits for the disk up to three times, so that the next entry waits once.
+  // Starts the log, with up to three waits for the disk. The next entry then takes one.
   [[nodiscard]] Result<void> begin_log();
-  // The end of a run's file. state: "closed", or "cut off" after a crash. Then `head` is that of its last committed
+  // How a run's file ends. state: "closed", or "cut off" after a crash. Then `head` is that of its last committed
   // entry; if nothing was committed, it is empty and seq 0.
-  struct EndOfFile {
+  struct Ending {
     std::int64_t run = 0;
     std::string head;
     std::int64_t seq = 0;
     std::string state;
   };
-  [[nodiscard]] Result<void> run_ends(const EndOfFile& ended);
-  // Both at once, in one wait for the disk: a run ends and the next one begins. `header` holds the head of the one that
+  [[nodiscard]] Result<void> run_ends(const Ending& ended);
+  // A run ends and the next one begins, entered with one wait for the disk. `header` holds the head of the run that
   // ends.
-  [[nodiscard]] Result<void> run_follows(const EndOfFile& ended, const RunHeader& header, const std::string& file);
+  [[nodiscard]] Result<void> run_follows(const Ending& ended, const RunHeader& header, const std::string& file);
   [[nodiscard]] Result<void> run_deleted(std::int64_t run, const std::string& head, const std::string& why);
   [[nodiscard]] Result<void> run_signed(std::int64_t run, const PersonalSignature& signature);
   // Adds a change of keys, signed by the old key. Afterwards this object takes nothing more: open the ledger with the

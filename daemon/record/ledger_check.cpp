@@ -19,7 +19,7 @@ namespace {
 // of keys is signed by the old key.
 Result<void> take(ChainAudit& chain, CheckedLedger& ledger, KnownHeads& known, const std::vector<Anchor>& anchors,
                   const ChainReader::Row& row) {
-  const std::string place = "entry " + std::to_string(row.entry.seq) + ": ";
+  const std::string place = entry_name(row.entry.seq) + ": ";
   const bool first = ledger.book.empty();
   if (Result<void> taken = ledger.book.take(row.entry); !taken) return tl::unexpected(place + taken.error());
   if (first) known.add(anchors, ledger.book.origin());

@@ -29,16 +29,16 @@ class PreparedRun {
     if (made_.valid()) made_.wait();
   }
   // The file of this run, at path_of(run). Waits if it is not there yet. If it could not be made, tries once more.
-  // Fails where something else stands at that name, which stays.
+  // Fails if another file stands at that name; that file stays.
   [[nodiscard]] Result<ChainWriter> take(std::int64_t run);
 
-  // Its first name. A number of its own for each run: SQLite, when it closes a file, removes the log beside the name
-  // by which it has opened the file.
+  // The first name of a run's file. Each run has its own: when SQLite closes a file, it removes the log at the name by
+  // which it opened the file.
   [[nodiscard]] std::string path_of(std::int64_t run) const;
   // The runs whose files a crash left at their first names.
   [[nodiscard]] std::vector<std::int64_t> left_over() const;
-  // Of the run that has begun in such a file; nothing: no run has taken it. Fails where the file cannot be read, which
-  // no crash brings about.
+  // The header of the run that has begun in such a file; nullopt: the file has no entry. Fails if the file cannot be
+  // read; no crash causes that.
   [[nodiscard]] Result<std::optional<RunHeader>> header_of(std::int64_t run) const;
   // Removes this name of a file and of its log. Only for a file that was made here, or that holds nothing.
   void remove(std::int64_t run) const noexcept;

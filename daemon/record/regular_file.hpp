@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 
@@ -33,7 +33,8 @@ class OpenFile {
 // The same for reading; none if there is no such file.
 [[nodiscard]] Result<OpenFile> open_regular_if_there(const std::string& path);
 
-// For a file that SQLite opens: it would wait. A link counts as the file that it leads to.
+// Fails with "PATH: reason" if there is no regular file. For files that SQLite opens: it would wait for a named pipe. A
+// link counts as the file that it leads to.
 [[nodiscard]] Result<void> expect_regular(const std::string& path);
 
 }  // namespace dwell::record

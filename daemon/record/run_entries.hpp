@@ -16,11 +16,11 @@ namespace dwell::record {
 // allocate. A writer must not exceed it: what it wrote could not be read back.
 inline constexpr std::size_t kMaxJson = 8 << 20;
 
-// Who did something: a user of the computer, by the peer credentials of the control socket.
-// Who gave an order: a user of the computer, or whoever showed the service's token.
+// Who gave an order: a user of the computer, by the peer credentials of the control socket; or whoever showed the
+// service's token.
 struct Person {
-  std::optional<std::uint32_t> uid;  // none: no user, the name says how the order came
-  std::string name;                  // empty: unknown to the system
+  std::optional<std::uint32_t> uid;  // none: no user of the computer; the name says how the order came
+  std::string name;                  // of a user, empty: unknown to the system
 };
 // "anna (uid 1000)", "uid 1000", or the name alone.
 [[nodiscard]] std::string who(const Person& person);
@@ -49,7 +49,7 @@ struct Origin {
 };
 // The origin of what this process records now. Reads the environment, which no thread may alter meanwhile.
 [[nodiscard]] Origin this_origin();
-// Whether the computer's clock is kept right by another one now, as the kernel sees it. Thread-safe.
+// Whether the kernel holds the computer's clock for synchronized now (adjtimex). Thread-safe.
 [[nodiscard]] bool clock_synchronized() noexcept;
 
 // The body of the `run` entry.
@@ -78,8 +78,8 @@ struct StoredResult {
   std::string dwell;
 };
 
-// What was computed beside the pipeline while a dwell was on, as published. Both JSON texts are objects; to_json() puts
-// them in as they are.
+// An estimate from the transient or a verification, as published. Both JSON texts are objects; to_json() puts them in
+// as they are.
 struct StoredModel {
   std::string kind;            // of the entry: "estimate" of coefficients from the transient, or "verification"
   std::uint64_t position = 0;  // records of the stream before it was published

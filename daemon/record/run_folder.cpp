@@ -11,9 +11,9 @@
 #include <memory>
 #include <utility>
 
-#include "daemon/record/beside.hpp"
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/directory_lock.hpp"
+#include "daemon/record/disk_jobs.hpp"
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/key_file.hpp"
@@ -131,14 +131,14 @@ struct RunFolder::Impl {
   std::optional<KeyAndLedger> signs;  // none: not open
   std::optional<CutOffRun> cut_off;
   PreparedRun prepared;
-  std::optional<Ledger::EndOfFile> ended;  // a run that the ledger is yet to be told of
+  std::optional<Ledger::Ending> ended;  // the end of the last run, not in the ledger yet
   // Of the run that is recorded.
   std::optional<ChainWriter> file;
   std::string name, origin;
   std::int64_t run = 0;
-  bool has_first_name = false, has_name = false;  // what stands at a name that was not taken is not ours
+  bool has_first_name = false, has_name = false;  // whether the run's file has them; else a file there is another's
   std::optional<Anchor> last_head;                // of the run before
-  Beside beside;
+  DiskJobs disk_jobs;
 
   // The file that was cut off is not altered.
   Result<void> tell_of_cut_off() {
@@ -168,7 +168,7 @@ struct RunFolder::Impl {
     return Anchor{{}, origin, file->committed(), file->committed_head()};
   }
 
-  // A run that a crash left at its first name, which alone was sure to survive. Its name, if it has entries.
+  // Gives its own name to a run that a crash left at its first one. Returns that name.
   Result<std::string> give_name(std::int64_t number, const RunHeader& header) {
     std::string full = signs->ledger.file_of(number);
     if (full.empty()) full = file_of_run(options.directory, number);
@@ -185,8 +185,8 @@ struct RunFolder::Impl {
     return full;
   }
 
-  // Runs that had hardly begun as a crash came. First all files get their names. Then the ledger is told of the run
-  // that it knows to go on, and then of a run that it has not heard of: that followed right after.
+  // Completes what a crash interrupted. First every file gets its name. Then the ledger gets the end of the run that it
+  // takes for running, and after it the run that followed at once and that it does not know.
   Result<void> tell_of_crash() {
     std::vector<std::pair<RunHeader, std::string>> unknown;
     for (const std::int64_t number : prepared.left_over()) {
@@ -199,7 +199,7 @@ struct RunFolder::Impl {
       }
       prepared.remove(number);
     }
-    // Beside what the ledger is told now: a run may begin at once.
+    // Made while the ledger is written, since a run may begin at once.
     if (unknown.empty()) prepared.make(signs->ledger.next_run());
     if (auto told = tell_of_cut_off(); !told) return told;
     for (const auto& [header, its_name] : unknown) {
@@ -218,7 +218,7 @@ struct RunFolder::Impl {
                           ", a run needs " + std::to_string(options.room_bytes / 1'000'000) + " MB to begin");
   }
 
-  // Tells the ledger of a run that has ended, if it is yet to be told.
+  // Enters the end of the last run into the ledger, if it is not there yet.
   Result<void> tell_of_end() {
     if (!ended) return {};
     auto told = signs->ledger.run_ends(*ended);
@@ -226,8 +226,8 @@ struct RunFolder::Impl {
     return told;
   }
 
-  // Enters the run that begins, and the end of the one before if that waits for it. Any thread, while no other uses the
-  // ledger.
+  // Enters the run that begins; with it the end of the one before, if that is not in the ledger yet. Any thread, while
+  // no other uses the ledger.
   Result<void> enter(const RunHeader& header) {
     return ended ? signs->ledger.run_follows(*ended, header, name) : signs->ledger.run_begins(header, name);
   }
@@ -318,9 +318,10 @@ Result<void> RunFolder::begin(RunHeader& header, std::int64_t t_ns, std::span<co
   const auto told = entered.get();
   if (told) self.ended.reset();
   if (told && begun) {
-    self.beside.start([first_name = self.prepared.path_of(self.run), kept = self.options.directory + "/" + self.name] {
-      return ChainWriter::drop_name(first_name, kept);
-    });
+    self.disk_jobs.start(
+        [first_name = self.prepared.path_of(self.run), kept = self.options.directory + "/" + self.name] {
+          return ChainWriter::drop_name(first_name, kept);
+        });
     return begun;
   }
   if (told) {
@@ -350,7 +351,7 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   self.last_head = self.head();
   self.ended = {self.run, hex(self.last_head->head), self.last_head->seq, written ? kClosed : kCutOff};
   if (written)
-    self.beside.start([file = std::make_unique<ChainWriter>(std::move(*self.file)), name = self.name] {
+    self.disk_jobs.start([file = std::make_unique<ChainWriter>(std::move(*self.file)), name = self.name] {
       return file->close().map_error([&](const std::string& why) { return name + " could not be closed: " + why; });
     });
   self.file.reset();
@@ -359,12 +360,12 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   return written ? told : written;
 }
 
-std::shared_future<void> RunFolder::closed() const { return impl_->beside.done(); }
+std::shared_future<void> RunFolder::closed() const { return impl_->disk_jobs.done(); }
 void RunFolder::settle() {
   impl_->prepared.wait();
-  impl_->beside.settle();
+  impl_->disk_jobs.settle();
 }
-std::vector<std::string> RunFolder::take_failures() { return impl_->beside.take_failures(); }
+std::vector<std::string> RunFolder::take_failures() { return impl_->disk_jobs.take_failures(); }
 
 std::optional<CutOffRun> RunFolder::take_cut_off() { return std::exchange(impl_->cut_off, std::nullopt); }
 const std::string& RunFolder::file() const noexcept { return impl_->name; }

@@ -48,15 +48,15 @@ class RunFolder final : public RunStore {
   [[nodiscard]] Result<void> ready() override;
   [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;
   [[nodiscard]] Result<void> write(std::span<const NewEntry> batch) override;
-  // The -wal is merged into the file beside the caller, whom this does not keep waiting.
+  // Merges the -wal into the file in the background: the caller does not wait for that.
   [[nodiscard]] Result<void> end(std::span<const NewEntry> last, bool another) override;
 
-  // Ready when the files of all runs that have ended are closed. Until then others should leave them alone. Not valid:
-  // none has ended.
+  // Ready when the files of all ended runs are closed. Until then others should leave them alone. Not valid: no run has
+  // ended.
   [[nodiscard]] std::shared_future<void> closed() const;
-  // Waits until they are, and for all else that goes on beside.
+  // Waits for all background work: files that are being closed, and the next file that is being made.
   void settle();
-  // What has failed beside since the last call, a sentence each.
+  // The failures of background work since the last call, one sentence each.
   [[nodiscard]] std::vector<std::string> take_failures();
 
   // The run that open() found cut off, once.

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "daemon/record/keys.hpp"
-
 namespace dwell::record {
 
 struct ListedRun {
@@ -29,9 +27,8 @@ struct ListedRun {
 
 using ListedRuns = std::vector<ListedRun>;  // oldest first
 
-// Reads the file `name` of the directory. A file that cannot be read, or whose results cannot, is listed as
-// "unreadable". Takes milliseconds;
-// longer for a file that was cut off, since its results are read.
+// Reads the file `name` of the directory. If the file or one of its results cannot be read, it is listed as
+// "unreadable". Takes milliseconds; longer for a file that was cut off, since its results are read.
 [[nodiscard]] ListedRun look_at_run(const std::string& directory, const std::string& name);
 
 // Lists all run files of the directory but `running`, one by one; asks `stop` between them.

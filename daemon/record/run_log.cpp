@@ -262,8 +262,8 @@ void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector
   batch.push_back({"event", t_ns, to_json(event)});
 }
 
-// The last dwell may end with the run. So the file is closed only with the next block. Its last block is written now,
-// unless another run begins at once: then with what closes it, which is a wait for the disk less.
+// The last dwell may end with the run. So the file is closed only with the next block. The last block of the run waits
+// for the next record: if another run begins with that, both are written together, with one wait for the disk.
 void RunLog::end(const Record& edge) {
   stopped_.clear();
   if (!run_ || !run_->ending.empty()) return cut();

@@ -41,7 +41,7 @@ struct RunLogOptions {
   std::function<RunHeader()> header;  // the members that do not depend on the run; called as a run begins
   // The JSON object of a dwell. The instant in UTC: the beginning of the run.
   std::function<std::string(const Dwell&, const std::string& start_utc)> dwell_json;
-  // All but position and instant.
+  // The entry of an estimate or a verification, without position and utc.
   std::function<StoredModel(const ModelResult&)> model_json;
   Tell tell;
   StreamNames names;
@@ -57,8 +57,8 @@ class RunLog {
   // If the wall clock moves this far against the raw clock between two turns, it was set. An NTP slew of at most 500
   // ppm takes 20 s for it.
   static constexpr std::int64_t kClockStep_ns = 10'000'000;
-  // The last block of an ended run waits at most so long for the next record. Longer: a loss of power costs more.
-  // Shorter: a run that begins at once after another costs one more wait for the disk.
+  // The last block of an ended run is written with the entries that close the run, but waits for them no longer than
+  // this. Longer: a loss of power costs more. Shorter: a run that follows at once takes one more wait for the disk.
   static constexpr std::int64_t kSilence_ns = 500'000'000;
   // A run that the drive begins this soon after an interruption counts as the continuation of the last one.
   static constexpr std::int64_t kGoesOn_ns = 60'000'000'000;
@@ -68,8 +68,8 @@ class RunLog {
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
-  // Both clocks at one instant; to be called regularly. If the wall clock was set since the last call, that is an
-  // event.
+  // Both clocks at one instant. Call it regularly: it stores an event if the wall clock was set, and writes the last
+  // block of an ended run after kSilence_ns without a record.
   void set_clock(const ClockPair& now);
   void record(const Record& record);
   void result(std::uint64_t position, bool final, const Dwell& dwell);
@@ -130,8 +130,8 @@ class RunLog {
   std::deque<Early> early_;
   StreamEvents told_by_stream_;
   std::vector<NewEntry> notes_;  // results and events since the last block
-  std::vector<NewEntry> last_;   // the last block of a run that has just ended; waits for the next record
-  std::int64_t last_ns_ = 0;     // since then, ns of the raw clock
+  std::vector<NewEntry> last_;   // the last block of a run that has just ended, not written yet
+  std::int64_t last_ns_ = 0;     // when that run ended, ns of the raw clock
   std::optional<RunProgress> run_;
   std::deque<Request> requests_;  // newest last
   std::string stopped_, interrupted_;

@@ -46,10 +46,10 @@ Result<PersonalSignature> append(ChainWriter& file, const EndedRun& run, const P
 }
 
 constexpr std::chrono::milliseconds kBetweenTries{50};
-// A run's end is written with the block after it, a second later. Three seconds are a disk that takes its time.
-// Doubled, whoever asks to sign a run that goes on waits longer for the answer.
+// Tries until the run's end is in the file: 3 s. It is written with the block after it, a second later, and the disk
+// may be slow. Doubled, a request to sign a run that still goes on is answered later.
 constexpr int kMostForEnd = 60;
-// Closing a run takes three waits for the disk. Ten seconds is a disk that stalls.
+// Tries until the service has closed the file: 10 s. Closing takes three waits for the disk; a longer one is a fault.
 constexpr int kMostTries = 200;
 
 Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {

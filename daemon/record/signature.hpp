@@ -13,8 +13,8 @@ namespace dwell::record {
 // control character, a newline for instance.
 [[nodiscard]] Result<std::string> signature_text(const std::string& run_id, const PersonalSignature& signature);
 
-// The service writes a run's end a second after it, and then still has the file open. Sleeps 50 ms; false: it has done
-// so for 10 s.
+// Waits for the service, which writes a run's end up to a second after the run, and closes the file after that. Sleeps
+// 50 ms and returns true; returns false after 10 s.
 [[nodiscard]] bool wait_for_service(int tries);
 
 // Each appends one signature to the closed run file `path` and returns it as written, for the ledger. The caller fills

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 

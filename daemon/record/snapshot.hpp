@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 struct sqlite3;
 

@@ -9,8 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/record/keys.hpp"
-
 namespace dwell::record {
 
 struct CloseDatabase {
@@ -38,7 +36,8 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 // Runs statements that yield nothing; false: failed.
 [[nodiscard]] bool execute(sqlite3* database, const char* sql);
 
-// Runs step(database); each time that somebody else has the file locked, asks `busy` whether to try again.
+// Runs step(database). While another process has the file locked, asks `busy` whether to try again; empty: gives up at
+// once. false: failed.
 [[nodiscard]] bool while_busy(sqlite3* database, const std::function<bool(int tries)>& busy, bool (*step)(sqlite3*));
 
 // The first column of the first row. Empty: failed, or there is none.

@@ -34,8 +34,8 @@ struct VerifiedDwell;
 
 namespace dwell::record {
 
-// Computed beside the pipeline, in a time of its own: coefficients from the transient, or a verification. Both say
-// which stretch of the stream they were computed from. Never null.
+// What the thread for long work computes: coefficients from the transient, or a verification. Both say which readings
+// they were computed from. Never null.
 using ModelResult = std::variant<std::shared_ptr<const TransientEstimate>, std::shared_ptr<const VerifiedDwell>>;
 
 // Called on the estimation thread alone.
@@ -49,7 +49,7 @@ class StreamSink {
   // and the next RunEdge::begins only finals come, of the run that has just ended and at the position of its end. Never
   // waits.
   virtual void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) = 0;
-  // Published after record `position` of the current run. When that is depends on the processor's time, so a replay
+  // Published after record `position` of the current run. That position depends on the processor's time, so a replay
   // does not compare it. Never waits.
   virtual void model(std::uint64_t position, ModelResult result) = 0;
 };

@@ -6,7 +6,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "daemon/record/keys.hpp"
+#include "daemon/record/result.hpp"
 
 namespace dwell::record {
 
