@@ -21,7 +21,7 @@ class MotionPredictor {
   };
   // The prediction for t_ns. before_ns: the instant of the reading before, good or not; omega: rad/s.
   [[nodiscard]] Prediction predict(std::int64_t t_ns, std::int64_t before_ns, double omega) noexcept;
-  // The steepest slope from point to point and up to a prediction for t_ns, per s, without its sign.
+  // The largest absolute slope, per s, between neighbouring points and from the newest one to the prediction for t_ns.
   [[nodiscard]] double slope(const Prediction& predicted, std::int64_t t_ns) const noexcept;
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
@@ -47,8 +47,8 @@ class MotionPredictor {
   // The points' weights in the prediction. Only their instants and ω determine them.
   struct Weights {
     double omega = 0.0;                          // 0: not computed yet
-    std::int64_t gap_ns = 0;                     // of points evenly spaced, up to the predicted instant; 0: of others
-    std::array<std::int64_t, kPoints> ago_ns{};  // of others: before the predicted instant
+    std::int64_t gap_ns = 0;                     // from point to point and to the predicted instant; 0: they differ
+    std::array<std::int64_t, kPoints> ago_ns{};  // if they differ: less the predicted instant
     std::array<double, kEven> of_point{};        // those beyond kPoints are unused
     double interval = 0.0, gain = 0.0;           // rad, mean distance of the points; 0: no prediction
   };

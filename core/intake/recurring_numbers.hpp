@@ -38,7 +38,7 @@ class RecurringNumbers {
     if (left < high_ && left > low_) same_inside_ += run - 1;
     high_ = std::max(high_, left);
     low_ = std::min(low_, left);
-    const bool recurring = remembered_.has(reading);  // `left` is another number
+    const bool recurring = remembered_.has(reading);  // `left` itself is another number
     remembered_.add(left);
     if (recurring) ++recurring_;
     back_ = recurring && turned && reading > low_ && reading < high_;
@@ -65,7 +65,8 @@ class RecurringNumbers {
  private:
   static constexpr std::int64_t kFewChanges = 4;  // largest number from turn to turn
 
-  RecentNumbers<kRemembered - 1> remembered_;  // those left before the newest one left
+  // The numbers left last. The newest one need not be among them when has() is asked: `reading` differs from it.
+  RecentNumbers<kRemembered - 1> remembered_;
   std::int64_t turns_ = 0, recurring_ = 0, returned_ = 0,
                same_inside_ = 0;  // inside: not at an extreme
   double low_ = INFINITY, high_ = -INFINITY;

@@ -73,8 +73,8 @@ std::vector<std::string> unchecked(const Rig& rig, const ScoreTest& test) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(W);
   const Index null = (solver.eigenvalues().array() < kNotTold).count();
   const auto all = static_cast<Index>(terms.size());
-  // A chain itself leaves the common mass, scale and delay. A steady motion leaves most others too: a list of a dozen
-  // says less than their number.
+  // Any motion leaves the common mass, scale and delay of a chain unknown: three combinations. A steady motion leaves
+  // most others unknown too; then their number says more than a list of a dozen.
   if (null > 3 && 2 * null > all)
     return {"most errors of masses, scales and delays: this motion tells only " + std::to_string(all - null) + " of " +
             std::to_string(all) + " combinations of them"};

@@ -6,15 +6,19 @@
 namespace dwell {
 namespace {
 
-// Why the element has no number to be judged; empty: it has.
-std::string obstacle(const Dwell& dwell, int k) {
-  if (!std::isfinite(dwell.settled_s)) return "not settled";
+// null: the dwell has no such element yet.
+const ElementEstimate* element_of(const Dwell& dwell, int k) {
   const auto element = std::find_if(dwell.elements.begin(), dwell.elements.end(),
                                     [k](const ElementEstimate& candidate) { return candidate.k == k; });
-  if (element == dwell.elements.end()) return "not settled";
+  return element == dwell.elements.end() ? nullptr : &*element;
+}
+
+// Why no number of this element is judged; empty: it is.
+std::string obstacle(const Dwell& dwell, const ElementEstimate* element) {
+  if (!std::isfinite(dwell.settled_s) || element == nullptr) return "not settled";
   if (!element->identifiable) return element->reason.empty() ? "not identifiable" : element->reason;
   for (const Doubt& doubt : dwell.doubts)
-    if (doubt.elements.empty() || std::count(doubt.elements.begin(), doubt.elements.end(), k) > 0)
+    if (doubt.elements.empty() || std::count(doubt.elements.begin(), doubt.elements.end(), element->k) > 0)
       return "the number must not be relied on: " + doubt.what;
   return {};
 }
@@ -51,16 +55,15 @@ LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) n
 std::vector<JudgedLimit> judge_limits(const Rig& rig, const Dwell& dwell) {
   std::vector<JudgedLimit> judged;
   for (const Limit& limit : rig.limits) {
-    const std::string why = obstacle(dwell, limit.element);
+    const ElementEstimate* const element = element_of(dwell, limit.element);
+    const std::string why = obstacle(dwell, element);
     const auto add = [&](const std::optional<Bounds>& bounds, CoefficientKind kind,
                          Coefficient ElementEstimate::*which) {
       if (!bounds) return;
       JudgedLimit& fresh = judged.emplace_back(JudgedLimit{limit.element, kind, *bounds, LimitVerdict::none, why});
       if (!why.empty()) return;
-      const auto element = std::find_if(dwell.elements.begin(), dwell.elements.end(),
-                                        [&](const ElementEstimate& e) { return e.k == limit.element; });
-      fresh.verdict = judge_limit(*bounds, (*element).*which);
-      if (fresh.verdict == LimitVerdict::none) fresh.reason = "the uncertainty is not known";
+      fresh.verdict = judge_limit(*bounds, element->*which);
+      if (fresh.verdict == LimitVerdict::none) fresh.reason = "the value or its uncertainty is not known";
     };
     add(limit.stiffness, CoefficientKind::stiffness, &ElementEstimate::stiffness);
     add(limit.damping, CoefficientKind::damping, &ElementEstimate::damping);

@@ -1,5 +1,5 @@
-// Whether coefficients lie within the limits of the rig file: decided with their uncertainty (ISO 14253-1), so that a
-// number is called good or bad only where its whole 95 % interval is.
+// Whether coefficients lie within the limits of the rig file. ISO 14253-1 decides by the uncertainty: a number is good
+// or bad only if its whole 95 % interval is.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 namespace dwell {
 
 enum class LimitVerdict : std::uint8_t {
-  none,       // there is no number that could be held against the limit
+  none,       // there is no number, or none that may be relied on
   kept,       // value ± U95 is wholly within
-  undecided,  // value ± U95 holds a limit
+  undecided,  // value ± U95 contains a limit
   violated,   // value ± U95 is wholly outside
 };
 [[nodiscard]] const char* to_string(LimitVerdict verdict) noexcept;  // "none", "kept", …
@@ -30,7 +30,7 @@ struct JudgedLimit {
   std::string reason;  // why there is no verdict; empty: there is one
 };
 
-// Of one number. A value or an uncertainty that is not finite: none.
+// The verdict on one number; none: its value or uncertainty is not finite.
 [[nodiscard]] LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) noexcept;
 
 // Every limit of the rig against the dwell's coefficients, in the order of the rig file, stiffness first. A coefficient
