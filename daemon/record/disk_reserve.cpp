@@ -6,16 +6,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 
 #include "daemon/record/regular_file.hpp"
 
 namespace dwell::record {
 namespace {
-
-std::string reason(int error) {
-  return error == ENOSPC || error == EDQUOT ? "disk full" : std::string(std::strerror(error));
-}
 
 // Whether the blocks are there: a sparse file reserves nothing.
 bool is_held(const std::string& path, std::int64_t bytes) {
@@ -28,18 +23,18 @@ bool is_held(const std::string& path, std::int64_t bytes) {
 Result<void> DiskReserve::hold() {
   if (is_held(path_, bytes_)) return {};
   const Result<OpenFile> file = open_regular(path_, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0600);
-  if (!file) return tl::unexpected(errno == ENOSPC || errno == EDQUOT ? path_ + ": disk full" : file.error());
+  if (!file) return tl::unexpected(file.error());
   const int error = posix_fallocate(file->get(), 0, bytes_);
   if (error == 0) return {};
   release();
-  return tl::unexpected(path_ + ": " + reason(error));
+  return tl::unexpected(path_ + ": " + system_text(error));
 }
 
 void DiskReserve::release() noexcept { unlink(path_.c_str()); }
 
 Result<std::int64_t> free_bytes(const std::string& path) {
   struct statvfs room {};
-  if (statvfs(path.c_str(), &room) != 0) return tl::unexpected(path + ": " + reason(errno));
+  if (statvfs(path.c_str(), &room) != 0) return tl::unexpected(path + ": " + system_text(errno));
   return static_cast<std::int64_t>(room.f_bavail) * static_cast<std::int64_t>(room.f_frsize);
 }
 

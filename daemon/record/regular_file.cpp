@@ -11,7 +11,7 @@ namespace dwell::record {
 namespace {
 
 tl::unexpected<std::string> failure(const std::string& path, int error) {
-  return tl::unexpected(path + ": " + std::strerror(error));
+  return tl::unexpected(path + ": " + system_text(error));
 }
 
 tl::unexpected<std::string> no_regular_file(const std::string& path) {
@@ -19,6 +19,10 @@ tl::unexpected<std::string> no_regular_file(const std::string& path) {
 }
 
 }  // namespace
+
+std::string system_text(int error) {
+  return error == ENOSPC || error == EDQUOT ? "disk full" : std::string(std::strerror(error));
+}
 
 OpenFile::OpenFile(OpenFile&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
 

@@ -27,6 +27,9 @@ class OpenFile {
   int number_ = -1;
 };
 
+// The system's text for an errno. A full disk or quota reads "disk full", as in the messages of sqlite_error().
+[[nodiscard]] std::string system_text(int error);
+
 // flags, mode: as of open(2). Never waits for another process. Truncates nothing but a regular file. Fails with
 // "PATH: reason". Any thread.
 [[nodiscard]] Result<OpenFile> open_regular(const std::string& path, int flags = O_RDONLY, mode_t mode = 0644);

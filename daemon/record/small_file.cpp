@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 
 #include "daemon/record/regular_file.hpp"
@@ -14,7 +13,7 @@ namespace dwell::record {
 namespace {
 
 tl::unexpected<std::string> failure(const std::string& path) {
-  return tl::unexpected(path + ": " + std::strerror(errno));
+  return tl::unexpected(path + ": " + system_text(errno));
 }
 
 bool write_all(int file, std::string_view bytes) {

@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+
 #include "daemon/record/audit.hpp"
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/run_list.hpp"
@@ -65,6 +67,12 @@ TEST_F(NamedPipe, InPlaceOfASmallFileAKeyOrTheReserveIsRefused) {
   EXPECT_EQ(append_line(path, "x").error(), refusal);
   EXPECT_EQ(SigningKey::load(path).error(), refusal);
   EXPECT_EQ(DiskReserve(path, 4096).hold().error(), refusal);
+}
+
+TEST(RegularFile, AFullDiskAndAFullQuotaReadAlike) {
+  EXPECT_EQ(system_text(ENOSPC), "disk full");
+  EXPECT_EQ(system_text(EDQUOT), "disk full");
+  EXPECT_EQ(system_text(EACCES), "Permission denied");
 }
 
 TEST(RegularFile, ALinkToAFileIsOpenedAndADirectoryIsNot) {
