@@ -126,7 +126,8 @@ export class TracePlot {
       let joined = false;
       let last = 0;
       for (let i = from; i < to; ++i) {
-        if (window.broken(channel, i)) joined = false;
+        const broken = window.broken(channel, i); // before its readings, among them or after them
+        joined &&= !broken;
         const low = window.low(channel, i);
         if (low !== low) continue; // no reading came: a slow channel's line goes on
         const x = start + i * perBin;
@@ -137,7 +138,7 @@ export class TracePlot {
         if (joined) c.lineTo(x, one);
         else c.moveTo(x, one === other ? one - 0.5 : one);
         if (one !== other || !joined) c.lineTo(x, other);
-        [last, joined] = [other, true];
+        [last, joined] = [other, !broken];
       }
       c.stroke();
     }

@@ -12,7 +12,7 @@ namespace dwell {
 struct TraceBin {
   float low = std::numeric_limits<float>::infinity();  // above `high`: no reading came
   float high = -std::numeric_limits<float>::infinity();
-  bool broken = false;  // readings are missing here, or are not shown: no line may be drawn across
+  bool broken = false;  // readings are missing here, or are not shown: no line may be drawn to it or from it
 
   [[nodiscard]] bool empty() const noexcept { return low > high; }
   void take(float reading) noexcept {
