@@ -97,8 +97,9 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
           std::string("GPIO ") + gpio::kFunctionNames[i] + ": " + words("does not work", lines[i].reason));
   const Dwell& dwell = snapshot.dwell;
   if (dwell.state == State::fault) add("dwell", words("the data do not suffice", dwell.settling_reason));
-  for (const JudgedLimit& limit : judge_limits(rig, dwell))
-    if (limit.verdict == LimitVerdict::violated)
+  const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
+  for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
+    if (!stale && limit.verdict == LimitVerdict::violated)
       add(std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),
           "limit violated: " + violation_text(limit, dwell, rig.motion));
   if (log.failing) add("log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
@@ -113,8 +114,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   health.status = !trouble.empty()        ? Health::Status::fault
                   : none_degrades(health) ? Health::Status::ok
                                           : Health::Status::degraded;
-  health.ready = trouble.empty() && dwell.state == State::measuring && trustworthy(dwell) &&
-                 interlock.level.value_or(true) && !is_overdue(rig, snapshot, now_ns);
+  health.ready =
+      !stale && dwell.state == State::measuring && trustworthy(dwell) && interlock.level.value_or(true);
   return health;
 }
 

@@ -23,6 +23,22 @@ std::string obstacle(const Dwell& dwell, const ElementEstimate* element) {
   return {};
 }
 
+// Why nothing is measured now; empty: a dwell is.
+std::string why_not_measured(State state) {
+  switch (state) {
+    case State::idle:
+    case State::settling:
+      return "not settled";
+    case State::measuring:
+      return {};
+    case State::complete:
+      return "the dwell has ended";
+    case State::fault:
+      return "the data do not suffice";
+  }
+  return "not settled";
+}
+
 }  // namespace
 
 const char* to_string(LimitVerdict verdict) noexcept {
@@ -67,6 +83,17 @@ std::vector<JudgedLimit> judge_limits(const Rig& rig, const Dwell& dwell) {
     };
     add(limit.stiffness, CoefficientKind::stiffness, &ElementEstimate::stiffness);
     add(limit.damping, CoefficientKind::damping, &ElementEstimate::damping);
+  }
+  return judged;
+}
+
+std::vector<JudgedLimit> judge_limits_now(const Rig& rig, const Dwell& current) {
+  std::vector<JudgedLimit> judged = judge_limits(rig, current);
+  const std::string why = why_not_measured(current.state);
+  for (JudgedLimit& limit : judged) {
+    if (why.empty() || limit.verdict == LimitVerdict::none) continue;
+    limit.verdict = LimitVerdict::none;
+    limit.reason = why;
   }
   return judged;
 }

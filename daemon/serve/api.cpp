@@ -219,15 +219,15 @@ HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
   return reply;
 }
 
-// One dwell by its index, finished or current.
+// One dwell by its index: as it ended, or else the current one. A dwell that has ended may still be the current one.
 HttpReply dwell_answer(const ServiceView& view, std::string_view index_text) {
   const auto index = integer_of(index_text);
   if (!index || *index < 1)
     return http_error(404, "expected /api/v1/dwells/INDEX, the index of a dwell: a number from 1");
-  if (view.snapshot.dwell.index == *index) return {200, dwell_text_json(view)};
   const FinishedDwells& all = finished(view);
   for (const auto& dwell : all)
     if (dwell->index == *index) return {200, to_json(*dwell, view.rig, view.run)};
+  if (view.snapshot.dwell.index == *index) return {200, dwell_text_json(view)};
   const std::string which = "dwell " + std::to_string(*index);
   if (!all.empty() && *index < all.front()->index.value_or(0))
     return http_error(404, which + " is no longer kept; the oldest that is has the index " +

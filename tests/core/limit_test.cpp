@@ -80,5 +80,25 @@ TEST_F(LimitTest, ANumberThatMustNotBeReliedOnIsNotJudged) {
   EXPECT_EQ(judge_limits(rig, dwell)[1].verdict, LimitVerdict::violated);
 }
 
+TEST_F(LimitTest, OfTheCurrentDwellThereIsAVerdictOnlyWhileItIsMeasured) {
+  dwell.state = State::measuring;
+  EXPECT_EQ(judge_limits_now(rig, dwell)[0].verdict, LimitVerdict::kept);
+  EXPECT_EQ(judge_limits_now(rig, dwell)[1].verdict, LimitVerdict::violated);
+  const auto expect_none_now = [this](State state, const std::string& reason) {
+    dwell.state = state;
+    for (const JudgedLimit& limit : judge_limits_now(rig, dwell)) {
+      EXPECT_EQ(limit.verdict, LimitVerdict::none) << to_string(state);
+      EXPECT_EQ(limit.reason, reason);
+    }
+    EXPECT_EQ(judge_limits(rig, dwell)[0].verdict, LimitVerdict::kept) << "a finished dwell keeps its verdicts";
+  };
+  expect_none_now(State::complete, "the dwell has ended");
+  expect_none_now(State::fault, "the data do not suffice");
+  expect_none_now(State::settling, "not settled");
+  dwell.doubts = {{{}, "the table moved"}};
+  for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
+    EXPECT_EQ(limit.reason, "the number must not be relied on: the table moved");
+}
+
 }  // namespace
 }  // namespace dwell

@@ -264,6 +264,23 @@ TEST_F(ApiTest, AStaleDwellHasAReasonNotToRelyOnItAndNoVerdicts) {
   expect_stale(get("/api/v1/dwell"), "stale: the estimation publishes nothing new");
 }
 
+// After `stop` with the drive on, the dwell that had ended still told "kept".
+TEST_F(ApiTest, ADwellThatHasEndedKeepsItsVerdictsAndTheCurrentOneHasThemWhileItIsMeasured) {
+  rig.limits = {{1, Bounds{23e3, 25e3}, std::nullopt}};
+  snapshot.dwell.index = 1;
+  snapshot.dwell.state = State::complete;
+  snapshot.dwell.settled_s = 3.0;
+  ElementEstimate& element = snapshot.dwell.elements.emplace_back();
+  element.k = 1;
+  element.identifiable = true;
+  element.stiffness = {24e3, 10.0, 1e3, 20.0, true};
+  snapshot.finished = std::make_shared<FinishedDwells>(1, std::make_shared<const Dwell>(snapshot.dwell));
+  EXPECT_EQ(get("/api/v1/dwell")["limits"][0]["verdict"], "none");
+  EXPECT_EQ(get("/api/v1/dwell")["limits"][0]["reason"], "the dwell has ended");
+  EXPECT_EQ(get("/api/v1/dwells")["dwells"][0]["limits"][0]["verdict"], "kept");
+  EXPECT_EQ(get("/api/v1/dwells/1")["limits"][0]["verdict"], "kept");
+}
+
 TEST_F(ApiTest, BeforeThereIsAVerificationItSaysWhy) {
   Json answer = get("/api/v1/verification");
   EXPECT_EQ(answer["verdict"], "not verified yet");

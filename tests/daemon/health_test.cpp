@@ -99,6 +99,22 @@ TEST_F(HealthTest, IsDegradedByAViolatedLimitAndNotByAnUndecidedOne) {
   EXPECT_TRUE(names().empty());
 }
 
+// After `stop` with the drive on, the alarm of the limit stayed while /metrics said that nothing was measured.
+TEST_F(HealthTest, KnowsOfAViolatedLimitOnlyWhileItIsMeasured) {
+  rig.limits = {{1, Bounds{7500.0, 8500.0}, std::nullopt}};
+  snapshot.dwell.elements[0].k = 1;
+  snapshot.dwell.elements[0].stiffness = {9000.0, 50.0, 100.0, 100.0, true};
+  EXPECT_EQ(names(), (std::vector<std::string>{"limit:stiffness:1"}));
+  snapshot.dwell.state = State::complete;
+  EXPECT_TRUE(names().empty());
+  snapshot.dwell.state = State::measuring;
+  now_ns = 2'600'000'000;
+  EXPECT_TRUE(names().empty()) << "the estimate is overdue";
+  now_ns = 100'000'000;
+  trouble = "thread estimate has not turned for 3.0 s";
+  EXPECT_EQ(names(), (std::vector<std::string>{"service"}));
+}
+
 TEST_F(HealthTest, StaysOkWhereOnlyTheComputersClockIsNotSynchronized) {
   synchronized = false;
   expect(Health::Status::ok, true, "");
