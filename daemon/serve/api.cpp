@@ -12,6 +12,7 @@
 #include "daemon/report/verification_json.hpp"
 #include "daemon/serve/alarms_json.hpp"
 #include "daemon/serve/channel_status.hpp"
+#include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/events_json.hpp"
 #include "daemon/serve/metrics.hpp"
 #include "daemon/serve/page_query.hpp"
@@ -45,6 +46,11 @@ const char* measured_by(const Channel& channel) {
   return "auxiliary";
 }
 
+// Samples per second; null: it does not deliver, or that is not known to be true now.
+Json rate_of(const ServiceView& view, const ChannelView& channel) {
+  return is_stale(view) ? Json(nullptr) : number(delivered_rate_hz(channel));
+}
+
 // As the rig file names it.
 Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
 
@@ -63,7 +69,7 @@ Json channels_json(const ServiceView& view) {
                     {"status", status_of(channel)},
                     {"reason", reason_of(channel)},
                     {"age_s", number(reading_age_s(channel, view.now_ns))},
-                    {"rate_hz", number(channel.rate_hz)},
+                    {"rate_hz", rate_of(view, channel)},
                     {"clock", channel.clock.kind == Clock::device ? "device" : "host"},
                     {"clock_rate_hz", number(channel.clock.rate_hz)},
                     {"jitter_s", number(channel.clock.jitter_s)},
@@ -261,7 +267,7 @@ std::string check_answer(const ServiceView& view) {
          {"device", device < 0 ? Json(nullptr) : Json(view.rig.devices[static_cast<std::size_t>(device)].name)},
          {"value", number(channel.value)},
          {"unit", view.rig.channels[i].unit},
-         {"rate_hz", number(channel.rate_hz)},
+         {"rate_hz", rate_of(view, channel)},
          // The instant is known to half the device's turnaround.
          {"latency_s", channel.heard_ns < 0 ? Json(nullptr) : number(2.0 * channel.half_width_s)},
          {"age_s", number(reading_age_s(channel, view.now_ns))},

@@ -20,4 +20,9 @@ namespace dwell {
   return age_s > 0.0 ? age_s : 0.0;
 }
 
+// Its samples per second, over the last second or so, Hz; NaN: it does not deliver.
+[[nodiscard]] inline double delivered_rate_hz(const ChannelView& channel) noexcept {
+  return channel.fault == Fault::none ? channel.rate_hz : kNaN;
+}
+
 }  // namespace dwell

@@ -20,8 +20,9 @@ void write_channel_states(const ServiceView& now, Exposition& out) {
             "1 beside the channel's status: ok, what is wrong with its readings, or why there are none.");
   for (std::size_t i = 0; i < now.snapshot.channels.size(); ++i)
     out.sample(1.0, {{"channel", now.rig.channels[i].name}, {"status", status_of(now.snapshot.channels[i])}});
-  out.gauge("dwell_channel_rate_hertz", "Samples per second of the channel, over the last second.");
-  each_channel(now, out, [](const ChannelView& c) { return c.rate_hz; });
+  out.gauge("dwell_channel_rate_hertz",
+            "Samples per second of the channel, over the last second. Absent: it does not deliver.");
+  each_channel(now, out, delivered_rate_hz);
   out.gauge("dwell_channel_jitter_seconds",
             "Standard deviation of the stamps from the clock recognized in them. Absent: none is.");
   each_channel(now, out, [](const ChannelView& c) { return c.clock.jitter_s; });

@@ -88,6 +88,26 @@ TEST_F(ApiTest, AChannelHasTheFieldsOfTheInterface) {
             channel["used"].get<int>() + channel["dropped"].get<int>() + channel["queued"].get<int>());
 }
 
+// "450 Hz" stood beside a reading that was 5.7 s old.
+TEST_F(ApiTest, AChannelHasARateOnlyWhileItIsKnownToDeliver) {
+  ChannelView& channel = snapshot.channels[0];
+  channel.fault = Fault::none;
+  channel.heard_ns = 1'900'000'000;
+  channel.rate_hz = 450.0;
+  const auto rates = [this](const ServiceView& now) {
+    const Json channels = Json::parse(http_answer(now, "/api/v1/channels", "").body);
+    const Json check = Json::parse(control_answer(now, R"({"verb":"check"})", nullptr));
+    return Json{channels["channels"][0]["rate_hz"], check["channels"][0]["rate_hz"]};
+  };
+  EXPECT_EQ(rates(view()), (Json{450.0, 450.0}));
+  EXPECT_EQ(rates(view("thread estimate has not turned for 3.0 s")), (Json{nullptr, nullptr}));
+  channel.fault = Fault::silent;
+  EXPECT_EQ(rates(view()), (Json{nullptr, nullptr}));
+  channel.fault = Fault::none;
+  snapshot.t_ns = -1'000'000'000;  // 3 s ago
+  EXPECT_EQ(rates(view()), (Json{nullptr, nullptr}));
+}
+
 // A channel that delivers the same reading for ever, or garbage, showed as "ok".
 TEST_F(ApiTest, AChannelsStatusIsTheConditionOfItsReadings) {
   ChannelView& channel = snapshot.channels[0];
