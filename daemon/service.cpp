@@ -106,7 +106,7 @@ struct Service::Impl {
     run.refresh();
     ServiceView now{session->file().rig, run.info(), run.latest()};
     now.now_ns = raw_now_ns();
-    now.now_utc_ns = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+    now.now_utc_ns = utc_now_ns();
     now.uptime_s = static_cast<double>(now.now_ns - started_ns) * 1e-9;
     if (http) now.http = http->server().stats();
     if (rights) now.wrong_tokens = rights->failures();

@@ -16,7 +16,7 @@ record::Person bearer_at(std::string_view address) {
 
 }  // namespace
 
-tl::expected<std::unique_ptr<Http>, HttpServer::Failure> Http::make(EventLoop& loop, const HttpOptions& options,
+tl::expected<std::unique_ptr<Http>, ListenFailure> Http::make(EventLoop& loop, const HttpOptions& options,
                                                                     HttpContent content) {
   std::unique_ptr<Http> made(new Http(std::move(content)));
   auto server = HttpServer::make(

@@ -31,7 +31,7 @@ struct HttpContent {
 class Http final : public Outlet {
  public:
   // Binds and listens.
-  static tl::expected<std::unique_ptr<Http>, HttpServer::Failure> make(EventLoop& loop, const HttpOptions& options,
+  static tl::expected<std::unique_ptr<Http>, ListenFailure> make(EventLoop& loop, const HttpOptions& options,
                                                                        HttpContent content);
 
   void show(const ServiceView& now) override;

@@ -1,28 +1,16 @@
 #include "daemon/run/run.hpp"
 
-#include <cstdio>
-#include <ctime>
 #include <utility>
 
 #include "daemon/acquire/hold_back.hpp"
 #include "daemon/clock.hpp"
+#include "daemon/record/utc_text.hpp"
 #include "daemon/version.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr std::int64_t kEstimateBound_ns = 2'000'000'000;
-
-std::string iso_utc(std::int64_t utc_ns) {
-  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  char day[40];
-  std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &parts);
-  char text[64];
-  std::snprintf(text, sizeof text, "%s.%06dZ", day, static_cast<int>(utc_ns / 1000 % 1'000'000));
-  return text;
-}
 
 EstimatorOptions options_for(const config::RigFile& file, gpio::Link* edges, std::shared_ptr<LongWork> work,
                              record::StreamSink* sink, TraceFeed* traces) {
@@ -57,7 +45,7 @@ void Run::end() {
 
 bool Run::refresh() {
   const bool newer = estimator_.refresh();
-  if (latest().start_utc_ns != start_utc_ns_) info_.start_utc = iso_utc(start_utc_ns_ = latest().start_utc_ns);
+  if (latest().start_utc_ns != start_utc_ns_) info_.start_utc = record::iso_utc(start_utc_ns_ = latest().start_utc_ns);
   return newer;
 }
 

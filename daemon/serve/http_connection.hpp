@@ -24,6 +24,7 @@
 #include "daemon/serve/http_request.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/serve/listener.hpp"
+#include "daemon/serve/next_part.hpp"
 
 namespace dwell {
 
@@ -114,11 +115,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   [[nodiscard]] std::string_view holder() const noexcept { return holder_; }
   // Whether the query of this stream names the event.
   [[nodiscard]] bool asks_for(std::string_view name) const noexcept {
-    for (std::string_view rest = stream_query_; !rest.empty();) {
-      const std::string_view term = rest.substr(0, rest.find('&'));
-      if (term == name) return true;
-      rest.remove_prefix(std::min(term.size() + 1, rest.size()));
-    }
+    for (std::string_view rest = stream_query_; !rest.empty();)
+      if (next_part(rest, '&') == name) return true;
     return false;
   }
   [[nodiscard]] bool served() const { return served_ && phase_ == Phase::asking; }

@@ -56,7 +56,7 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
-tl::expected<std::unique_ptr<HttpServer>, HttpServer::Failure> HttpServer::make(EventLoop& loop,
+tl::expected<std::unique_ptr<HttpServer>, ListenFailure> HttpServer::make(EventLoop& loop,
                                                                                 const HttpOptions& options,
                                                                                 Handler handler,
                                                                                 BeginStream begin_stream) {

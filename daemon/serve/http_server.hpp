@@ -79,11 +79,9 @@ class HttpServer {
   // Or why this client gets no stream. Asked for HEAD as well, which gets the head of the answer alone.
   using BeginStream = std::function<tl::expected<StreamBegin, HttpReply>(const HttpRequest& request)>;
 
-  using Failure = ListenFailure;
-
   // Binds and listens. An address that this computer does not have yet (a cable or a lease comes later than the
   // service) is bound all the same and is served once it is there.
-  static tl::expected<std::unique_ptr<HttpServer>, Failure> make(EventLoop& loop, const HttpOptions& options,
+  static tl::expected<std::unique_ptr<HttpServer>, ListenFailure> make(EventLoop& loop, const HttpOptions& options,
                                                                  Handler handler, BeginStream begin_stream);
   ~HttpServer();  // closes every connection
   HttpServer(const HttpServer&) = delete;

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <utility>
 
+#include "daemon/serve/next_part.hpp"
+
 namespace dwell {
 
 std::optional<int> integer_of(std::string_view text) {
@@ -17,11 +19,9 @@ std::optional<Page> page_of(std::string_view query, std::size_t most, bool may_b
   Page page{std::nullopt, most, false};
   bool counted = false;
   while (!query.empty()) {
-    const std::string_view term = query.substr(0, query.find('&'));
-    query.remove_prefix(std::min(term.size() + 1, query.size()));
-    const auto equals = std::min(term.find('='), term.size());
-    const std::string_view key = term.substr(0, equals);
-    const auto value = integer_of(term.substr(std::min(equals + 1, term.size())));
+    std::string_view term = next_part(query, '&');
+    const std::string_view key = next_part(term, '=');
+    const auto value = integer_of(term);
     if (!value) return std::nullopt;
     if (key == "from" && !page.from) {
       page.from = *value;

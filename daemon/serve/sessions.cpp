@@ -4,18 +4,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 #include <utility>
+
+#include "daemon/record/digest.hpp"
+#include "daemon/serve/next_part.hpp"
 
 namespace dwell {
 
 std::string Sessions::begin(std::int64_t now_ns) {
-  std::array<unsigned char, 32> random{};
+  record::Digest random{};
   if (getentropy(random.data(), random.size()) != 0) throw std::runtime_error("no random bytes are to be had");
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string value;
-  for (const unsigned char byte : random) (value += kDigits[byte >> 4U]) += kDigits[byte & 15U];
+  const std::string value = record::hex(random);
   if (open_.size() == kMost)
     end_at(std::min_element(open_.begin(), open_.end(),
                             [](const Session& a, const Session& b) { return a.used_ns < b.used_ns; }));
@@ -71,9 +71,7 @@ void Sessions::end_all() {
 
 std::string_view cookie_value(std::string_view field, std::string_view name) {
   while (!field.empty()) {
-    const std::size_t end = std::min(field.find(';'), field.size());
-    std::string_view one = field.substr(0, end);
-    field.remove_prefix(std::min(end + 1, field.size()));
+    std::string_view one = next_part(field, ';');
     while (!one.empty() && one.front() == ' ') one.remove_prefix(1);
     if (one.size() > name.size() && one.substr(0, name.size()) == name && one[name.size()] == '=')
       return one.substr(name.size() + 1);

@@ -83,7 +83,7 @@ HttpReply traces_answer(const ServiceView& view, std::string_view query) {
 
   HttpReply reply;
   std::string& text = reply.body;
-  const std::int64_t origin_utc_ns = view.now_utc_ns - (view.now_ns - traces.origin_ns());
+  const std::int64_t origin_utc_ns = record::utc_of({view.now_ns, view.now_utc_ns}, traces.origin_ns());
   text = "{\"origin_utc\":" + dump(record::iso_utc(origin_utc_ns)) + ",\"newest_s\":";
   append(text, traces.newest_s());
   text += ",\"step_s\":";

@@ -6,15 +6,10 @@
 #include <numeric>
 #include <optional>
 
+#include "daemon/serve/next_part.hpp"
+
 namespace dwell {
 namespace {
-
-// The part up to the separator, which is taken off with it.
-std::string_view next_part(std::string_view& rest, char separator) {
-  const std::string_view part = rest.substr(0, rest.find(separator));
-  rest.remove_prefix(std::min(part.size() + 1, rest.size()));
-  return part;
-}
 
 template <class Number>
 bool number_of(std::string_view text, Number& to) {
