@@ -298,7 +298,7 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   return http_error(404,
                     "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
                     "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/events, /api/v1/alarms, "
-                    "/api/v1/health and /api/v1/stream");
+                    "/api/v1/traces, /api/v1/health, /api/v1/rights, /api/v1/stream and /metrics");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate) {
