@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kReasonsTold = 5;  // further ones are counted: a line is to be read
 
-// What the estimation models or leaves out by itself (held, gated, a reading overrange now and then) is no trouble.
+// Readings that the estimation models or leaves out by itself (held, gated, overrange now and then) are no trouble.
 bool is_unusable(Condition condition) { return condition == Condition::clipped || condition == Condition::stuck; }
 
 std::string words(const char* what, const std::string& why) { return why.empty() || why == what ? what : why; }
@@ -26,8 +26,8 @@ const char* run_words(const RunView& run) {
   return "no run goes on: the next begins with the drive, or with \"dwellctl start\"";
 }
 
-// The device of this number does not deliver at all: told once, not for each of its channels. A single channel names
-// itself.
+// Whether none of the device's channels delivers, and it has several. The device is then told once in place of its
+// channels; a device's only channel is told by its own name.
 bool is_dead(const Rig& rig, const Snapshot& snapshot, int device) {
   if (device < 0 || static_cast<std::size_t>(device) >= snapshot.devices.size()) return false;
   return !snapshot.devices[static_cast<std::size_t>(device)].up &&
@@ -104,7 +104,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
           "limit violated: " + violation_text(limit, dwell, rig.motion));
   if (log.failing) add("log", "the log loses lines, " + std::to_string(log.dropped) + " so far: " + log.reason);
   for (const record::RecorderAlarm& alarm : recorder) add(alarm.name, "recording: " + alarm.text);
-  // Numbers are as good as before: the rate of the raw clock has an uncertainty of its own. Dates in records are not.
+  // Dates in records may be wrong. The numbers are not: they are computed on the raw clock, whose rate has an
+  // uncertainty of its own.
   if (!clock_synchronized)
     health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
 
@@ -114,8 +115,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   health.status = !trouble.empty()        ? Health::Status::fault
                   : none_degrades(health) ? Health::Status::ok
                                           : Health::Status::degraded;
-  health.ready =
-      !stale && dwell.state == State::measuring && trustworthy(dwell) && interlock.level.value_or(true);
+  health.ready = !stale && dwell.state == State::measuring && trustworthy(dwell) && interlock.level.value_or(true);
   return health;
 }
 

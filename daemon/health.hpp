@@ -16,13 +16,13 @@ namespace dwell {
 
 // One thing that is wrong.
 struct Trouble {
-  // Of the thing: stays the same while the words change. "channel:y1", "device:amplifier", "limit:stiffness:2", …
+  // Names the thing and stays the same while the text changes: "channel:y1", "device:amplifier", "limit:stiffness:2", …
   std::string name;
   std::string text;      // one line for people
-  bool degrades = true;  // false: operators are told, but the service and the rig are as well as without it
+  bool degrades = true;  // false: an alarm tells operators of it, and the status stays ok
 };
 
-// What the watchdog found: the service itself does not work.
+// Name of the trouble that the watchdog found: the service itself does not work.
 inline constexpr const char* kServiceTrouble = "service";
 
 struct Health {
@@ -32,28 +32,28 @@ struct Health {
   enum class Status : std::uint8_t { ok, degraded, fault };
   Status status = Status::ok;
   std::vector<Trouble> troubles;  // with ok, none that degrades
-  // A dwell is measured whose coefficients may be relied on; they are of now; the interlock is not open.
+  // A dwell is being measured, all its coefficients may be relied on, none is stale, and the interlock is not open.
   bool ready = false;
   std::string run{};  // whether a run goes on and is recorded: a fact, no fault
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
-// What is known has not been renewed for so long: it is stale. The page and dwellctl watch have the same bounds, for
-// the same reason: one late estimate is no alarm, two missing ones are. By the rig's `update` where that is slower.
+// An estimate older than kStale_s, or than kStaleUpdates times the rig's `update` if that is longer, is overdue: one
+// late estimate is none, two missing ones are. The page and dwellctl watch have the same bounds.
 inline constexpr double kStale_s = 2.5;
 inline constexpr double kStaleUpdates = 2.5;
-// Since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.
+// Time since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.
 [[nodiscard]] double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 [[nodiscard]] bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 
-// trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should.
-// clock_synchronized: of the computer. Pure.
+// trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should be.
+// clock_synchronized: the computer's clock is. Pure.
 [[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns,
                                   const gpio::Status& lines, const LogStats& log, const std::string& trouble,
                                   const std::vector<record::RecorderAlarm>& recorder = {},
                                   bool clock_synchronized = true);
 
-// Why it is not ok, in one line, the first few of many; empty with ok.
+// Why the status is not ok, in one line: the first few troubles, the others counted; empty with ok.
 [[nodiscard]] std::string reason_of(const Health& health);
 
 }  // namespace dwell

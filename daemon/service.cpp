@@ -170,7 +170,7 @@ struct Service::Impl {
     loop.stop();
   }
 
-  // The token may have changed. What cannot be used leaves the one before in force: nobody is let in by a slip.
+  // The token file may have changed. One that cannot be used leaves the old token in force: a slip lets nobody in.
   void renew_rights() {
     const config::RigFile& file = session->file();
     auto access = read_access(file.server);

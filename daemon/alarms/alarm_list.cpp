@@ -12,7 +12,7 @@ namespace {
 
 bool is_active(AlarmState state) { return state == AlarmState::unacknowledged || state == AlarmState::acknowledged; }
 
-// In the order in which operators read them.
+// The order in which operators read them.
 int rank(AlarmState state) { return state == AlarmState::unacknowledged ? 0 : state == AlarmState::returned ? 1 : 2; }
 
 void change(Alarm& alarm, AlarmInput input, const record::ClockPair& now) {
@@ -68,7 +68,7 @@ std::optional<AlarmChange> AlarmList::raise(const Trouble& trouble, const record
   return AlarmChange{before, alarm};
 }
 
-// Between two looks a trouble lasted if both found it; otherwise it faded.
+// A trouble that this call and the last one found has lasted for the time between them; any other has faded.
 void AlarmList::weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns) {
   const std::int64_t passed_ns = lasting_.empty() ? 0 : raw_ns - looked_ns_;
   looked_ns_ = raw_ns;

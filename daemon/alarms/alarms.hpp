@@ -21,7 +21,7 @@ class Alarms {
   // The log must outlive this.
   Alarms(Log& log, Store store) : log_(log), store_(std::move(store)) {}
 
-  // To be called whenever the health has been judged, and at least once a second.
+  // To be called with each judged health, at least once a second.
   void look(const Health& health, const record::ClockPair& now);
   // comment: empty: none. Fails with the reason why there is nothing to acknowledge.
   tl::expected<void, std::string> acknowledge(const std::string& name, const std::string& comment,

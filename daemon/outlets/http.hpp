@@ -21,10 +21,10 @@ namespace dwell {
 
 // What is served.
 struct HttpContent {
-  std::function<ServiceView()> now;  // how the service stands, asked for each answer
-  PageFiles page{};                  // whoever reaches the address may read it: it holds no data
-  Rights* rights = nullptr;          // null: everybody may read, nobody may change anything; else outlives the Http
-  // Does what a person asks for, or fails with the reason; empty: goes with no rights.
+  std::function<ServiceView()> now;  // how the service stands; called for each answer
+  PageFiles page{};                  // open to every client: it holds no data
+  Rights* rights = nullptr;          // null: everybody may read, nobody may change anything; else must outlive the Http
+  // Does what a person asks for, or fails with the reason; may be empty where rights is null.
   std::function<tl::expected<void, std::string>(const OperatorRequest&, const record::Person&)> operate{};
 };
 
@@ -32,14 +32,14 @@ class Http final : public Outlet {
  public:
   // Binds and listens.
   static tl::expected<std::unique_ptr<Http>, ListenFailure> make(EventLoop& loop, const HttpOptions& options,
-                                                                       HttpContent content);
+                                                                 HttpContent content);
 
   void show(const ServiceView& now) override;
   void tell(const RunEvent& /*event*/, const Rig& /*rig*/) override {}
 
-  // Who reads along must ask again whether it may.
+  // Ends every live stream: its client must ask again whether it may read.
   void end_streams() { server_->end_streams(); }
-  // What has come of the traces since the last call; every LiveTraces::kEvery.
+  // Sends the bins completed since the last call; to be called every LiveTraces::kEvery.
   void show_traces(const Traces& traces, std::size_t channels) { live_traces_.push(*server_, traces, channels); }
 
   [[nodiscard]] const HttpServer& server() const noexcept { return *server_; }

@@ -12,16 +12,16 @@ namespace dwell {
 // Bound to the event loop's thread.
 class LiveTraces {
  public:
-  // Between two pushes: 20 a second look continuous. Halved, twice the events for the same bins.
+  // Between two pushes: 20 a second look continuous. Halved: twice the events for the same bins. Doubled: it jerks.
   static constexpr std::chrono::milliseconds kEvery{50};
   static constexpr const char* kEvent = "traces";
 
-  // Tells the streams that asked for it of the bins that are complete since the last call. All are sent the same
-  // bytes; nothing is written where nobody asked.
+  // Sends the bins completed since the last call to the streams that asked for them: the same bytes to all. Encodes
+  // nothing where no stream asked.
   void push(HttpServer& server, const Traces& traces, std::size_t channels);
 
  private:
-  std::int64_t told_ = 0;  // bins up to this one
+  std::int64_t told_ = 0;  // number of the first bin that has not been sent
 };
 
 }  // namespace dwell

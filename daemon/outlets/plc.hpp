@@ -16,7 +16,7 @@ class Plc final : public Outlet {
   // Binds and listens. Until the first show() there are no registers.
   static tl::expected<std::unique_ptr<Plc>, ListenFailure> make(EventLoop& loop, const ModbusOptions& options);
 
-  // A new image: made once for all clients, so a client costs a copy of what it reads.
+  // Makes the image that every client reads until the next one. Serving a client only copies registers from it.
   void show(const ServiceView& now) override { image_ = RegisterImage(now, ++generation_); }
   void tell(const RunEvent& /*event*/, const Rig& /*rig*/) override {}
 

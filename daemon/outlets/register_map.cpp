@@ -12,14 +12,14 @@ namespace {
 
 using Source = RegisterSource;
 
-// Of an element whose numbers may be handed out; NaN: they may not.
+// A number of the element; NaN: it may not be given to a machine.
 template <Coefficient ElementEstimate::*which, double Coefficient::*part>
 double coefficient(const Source& s) {
   const ElementEstimate* const element = element_to_hand_out(s.now, s.k);
   return element == nullptr ? kNaN : element->*which.*part;
 }
 
-// Of the current dwell, while its state is known and is this one.
+// The number while the dwell is in this state, as far as is known now; else NaN.
 double while_in(State state, const Source& s, double number) {
   return s.now.snapshot.dwell.state == state && !is_stale(s.now) ? number : kNaN;
 }
@@ -153,7 +153,7 @@ void put(const Register& field, const Source& source, std::uint16_t* begin) {
   if (field.type == RegisterType::count) {
     bits = static_cast<std::uint32_t>(value);
   } else {
-    // No float32 holds more: no number, rather than one that a PLC takes for large but finite.
+    // A number that no float32 holds is no number: a PLC would take a rounded one for good.
     const bool fits = std::isfinite(value) && std::abs(value) <= double{std::numeric_limits<float>::max()};
     bits = std::bit_cast<std::uint32_t>(fits ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN());
   }

@@ -1,13 +1,14 @@
-// The registers that PLCs read: what each holds, stated once. The image is made from this description, and the table in
-// the manual page dwell-modbus(7) is, too.
+// The registers that PLCs read: what each holds, stated once. The image and the tables of the manual page
+// dwell-modbus(7) are made from this description.
 //
 //   page p begins at register 200 p and holds elements 10 p + 1 … 10 p + 10:
 //     0 … 23   the header, the same on every page but for the page's first element
 //    24 … 123  ten elements of ten registers each
 //   124        the generation again, as in register 0
 //
-// A page is 125 registers, the most that one Modbus answer holds, so one read takes all of it from one image. Whoever
-// reads in pieces compares the generations of the pieces. Between pages there is nothing, and no read spans two.
+// A page has 125 registers, the most that one Modbus answer holds. So one read takes a whole page from one image. A
+// client that reads in pieces compares the generations of the pieces. There are no registers between pages, and no read
+// spans two pages.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,7 @@ namespace dwell {
 
 inline constexpr std::size_t kPageStride = 200, kPageRegisters = 125, kHeaderRegisters = 24;
 inline constexpr std::size_t kElementsPerPage = 10, kElementRegisters = 10;
-// Raised when a register gets another meaning; a register that was 0 so far may be put to use without.
+// Raised when a register gets another meaning. A register that has always been 0 may get one without.
 inline constexpr std::uint16_t kMapVersion = 1;
 
 enum class RegisterType : std::uint8_t {
@@ -32,11 +33,11 @@ enum class RegisterType : std::uint8_t {
 [[nodiscard]] const char* to_string(RegisterType type) noexcept;  // "uint16", "uint32", "float32"
 [[nodiscard]] std::size_t size_of(RegisterType type) noexcept;    // in registers
 
-// What a register's value is made from.
+// From this the value of a register is made.
 struct RegisterSource {
   const ServiceView& now;
   std::uint16_t generation;
-  int k;  // the element, 1 …; in the header: the page's first. It may be beyond the rig's last
+  int k;  // the element, from 1; in the header: the page's first. May be beyond the rig's last element
 };
 
 struct Register {
@@ -45,7 +46,7 @@ struct Register {
   const char* name;
   const char* unit;  // empty: none
   const char* meaning;
-  // NaN, of a real: there is no number.
+  // NaN of a real register: there is no number.
   double (*value)(const RegisterSource& source);
 };
 
@@ -57,15 +58,15 @@ struct Register {
 class RegisterImage {
  public:
   RegisterImage() = default;
-  // Of the service as it stands. Pure; allocates.
+  // Of the service as it stands now. Pure; allocates.
   RegisterImage(const ServiceView& now, std::uint16_t generation);
 
   [[nodiscard]] std::size_t pages() const noexcept { return registers_.size() / kPageRegisters; }
-  // Registers first … first + count - 1; empty: they are not all of one page.
+  // Registers first … first + count - 1; empty: one of them does not exist, or they span two pages.
   [[nodiscard]] std::span<const std::uint16_t> read(std::uint16_t first, std::uint16_t count) const noexcept;
 
  private:
-  std::vector<std::uint16_t> registers_;  // page after page, without what lies between
+  std::vector<std::uint16_t> registers_;  // kPageRegisters of each page, page after page
 };
 
 }  // namespace dwell

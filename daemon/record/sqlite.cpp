@@ -45,7 +45,7 @@ bool while_busy(sqlite3* database, const std::function<bool(int tries)>& busy, b
       database,
       [](void* own, int tries) { return (*static_cast<std::function<bool(int tries)>*>(own))(tries) ? 1 : 0; }, &asked);
   const bool done = step(database);
-  // Sets no error: that of the step stays.
+  // This call leaves the database's error as the step left it, so the caller can still ask for that.
   sqlite3_busy_handler(database, nullptr, nullptr);
   return done;
 }

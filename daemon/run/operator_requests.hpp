@@ -31,8 +31,8 @@ class OperatorRequests {
   // Run and log must outlive this. recorder: null, or must outlive it too.
   OperatorRequests(Run& run, Log& log, record::RequestSink* recorder) : run_(run), log_(log), recorder_(recorder) {}
 
-  // Not for `acknowledge`, which Alarms takes. The request enters the stream within 10 ms. Fails with the reason why it
-  // cannot be done.
+  // The request enters the stream within 10 ms. Fails with the reason why it cannot be done. Not for `acknowledge`:
+  // that is Alarms::acknowledge().
   tl::expected<void, std::string> ask(const OperatorRequest& request, const record::Person& by);
 
  private:

@@ -35,7 +35,7 @@ class Run {
   [[nodiscard]] const Snapshot& latest() const noexcept { return estimator_.latest(); }
   // What happened next; false: nothing more so far.
   bool next_event(RunEvent& out) { return estimator_.next_event(out); }
-  // An operator's requests, with their numbers; false: too many at once.
+  // An operator's requests, with their numbers (0: none); false: too many at once.
   bool begin_run(std::uint16_t request) noexcept { return estimator_.begin_run(request); }
   bool end_run(std::uint16_t request) noexcept { return estimator_.end_run(request); }
   bool rearm(std::uint16_t request = 0) noexcept { return estimator_.rearm(request); }

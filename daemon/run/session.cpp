@@ -34,7 +34,7 @@ struct Session::Impl {
   std::unique_ptr<Outlet> lamps;
   TraceFeed trace_feed;  // from the run's thread to this one
   Traces traces;
-  std::uint64_t traces_lost = 0;  // records of them that are accounted for
+  std::uint64_t traces_lost = 0;  // records lost on the way that the traces know of
   std::optional<Run> run;
   std::optional<OperatorRequests> operators;
 };

@@ -42,7 +42,8 @@ class Session {
   [[nodiscard]] Run& run() noexcept;
   [[nodiscard]] OperatorRequests& operators() noexcept;
 
-  // The traces with what has come until now; to be called a few times a second, so that nothing is lost on the way.
+  // Takes the waiting records into the traces and returns these. To be called at least once a second: the queue holds
+  // 2 s of a large rig (TraceFeed::kRecords).
   [[nodiscard]] const Traces& traces();
 
   // How the rig's GPIO lines stand; none is configured where there is no [gpio].

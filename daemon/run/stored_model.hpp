@@ -7,7 +7,7 @@
 
 namespace dwell {
 
-// All but position and instant.
+// Kind, stretch and result; the recorder fills in position and instant.
 [[nodiscard]] record::StoredModel stored_model(const record::ModelResult& result, const Rig& rig);
 
 }  // namespace dwell

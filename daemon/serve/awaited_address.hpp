@@ -1,4 +1,4 @@
-// An address to listen on that this computer may not have yet: a cable or a lease comes later than the service.
+// An address to listen on that this computer may not have yet: a cable or a lease may come later than the service.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@ namespace dwell {
 // Bound to one thread.
 class AwaitedAddress {
  public:
-  // host: a numeric address or "localhost". awaited: it was not there when it was bound.
+  // host: a numeric address or "localhost". awaited: this computer did not have it when it was bound.
   AwaitedAddress(std::string host, bool awaited) : host_(std::move(host)), awaited_(awaited) {}
 
-  // Whether it has not been there yet: until then nobody can be served. Asks the kernel, in three system calls, until
-  // it has.
+  // True until this computer has had the address; nobody can be served before. Costs three system calls while it is
+  // true, none afterwards.
   [[nodiscard]] bool awaited() noexcept;
 
  private:

@@ -9,18 +9,18 @@ namespace dwell {
 [[nodiscard]] inline const char* status_of(const ChannelView& channel) noexcept {
   if (channel.fault != Fault::none) return to_string(channel.fault);
   if (channel.overrange) return to_string(Condition::overrange);
-  // What delivers has been heard, whatever the condition says yet.
+  // A channel that delivers has been heard; its condition may not have been judged yet.
   return to_string(channel.condition == Condition::unheard ? Condition::ok : channel.condition);
 }
 
-// Since its newest reading was taken in, s; NaN: never heard. now_ns: CLOCK_MONOTONIC_RAW.
+// Time since its newest reading was taken in, s; NaN: never heard. now_ns: CLOCK_MONOTONIC_RAW.
 [[nodiscard]] inline double reading_age_s(const ChannelView& channel, std::int64_t now_ns) noexcept {
   if (channel.heard_ns < 0) return kNaN;
   const double age_s = static_cast<double>(now_ns - channel.heard_ns) * 1e-9;
   return age_s > 0.0 ? age_s : 0.0;
 }
 
-// Its samples per second, over the last second or so, Hz; NaN: it does not deliver.
+// Samples per second over the last second or so, Hz; NaN: it does not deliver.
 [[nodiscard]] inline double delivered_rate_hz(const ChannelView& channel) noexcept {
   return channel.fault == Fault::none ? channel.rate_hz : kNaN;
 }

@@ -1,6 +1,6 @@
-// The events that wait for one reader of a live stream. Bounded: where its reader is slow, events are dropped, and the
-// newest of a name is what it needs. Some events yield to the others (the traces to the dwell): they wait behind them
-// and are dropped before them. Bound to one thread.
+// The events that wait for one reader of a live stream. Bounded: where the reader is slow, events are dropped; it needs
+// only the newest of each name. Some events yield to the others, as traces do to dwells: they wait behind these and are
+// dropped before them. Bound to one thread.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ class EventQueue {
   // most: events that wait, at least 1.
   explicit EventQueue(std::size_t most) : most_(most) {}
 
-  // False: there was no room, and one event was dropped: the oldest that yields, else the oldest; but never one that
-  // does not yield for one that does.
+  // False: there was no room, and one event was dropped: the oldest that yields, else the oldest. A yielding event that
+  // finds none of its own kind to replace is dropped itself.
   bool push(Event event, bool yields) {
     const bool room = first_.size() + yielding_.size() < most_;
     if (!room && yields && yielding_.empty()) return false;
@@ -26,7 +26,7 @@ class EventQueue {
     (yields ? yielding_ : first_).push_back(std::move(event));
     return room;
   }
-  // The one whose turn it is; null: none waits.
+  // Takes the next one out: the oldest that does not yield, else the oldest; null: none waits.
   Event take() {
     std::deque<Event>& from = first_.empty() ? yielding_ : first_;
     if (from.empty()) return nullptr;

@@ -7,8 +7,8 @@
 namespace dwell {
 namespace {
 
-// A JSON string escapes the quote, the backslash and the line end as a label's value does, and every other control
-// character in a way that a label's value has not: such a character is no part of a name and becomes a blank.
+// A label's value and a JSON string escape the quote, the backslash and the line end alike. Other control characters
+// have no escape in a label's value; they become blanks.
 std::string label_text(std::string_view value) {
   std::string clean(value);
   for (char& c : clean)

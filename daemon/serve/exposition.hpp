@@ -20,8 +20,8 @@ class Exposition {
   void gauge(std::string_view name, std::string_view help) { begin(name, "gauge", help); }
   void counter(std::string_view name, std::string_view help) { begin(name, "counter", help); }
 
-  // A sample of the family. One that is not finite is left out: no number is better than one that no rule can compare.
-  // Bytes of a label's value that are not UTF-8 become U+FFFD.
+  // A sample of the family. A value that is not finite is left out: every comparison with NaN is false, so an alert
+  // would stay silent. Bytes of a label's value that are not UTF-8 become U+FFFD.
   void sample(double value, const Labels& labels = {});
 
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
@@ -31,7 +31,7 @@ class Exposition {
 
   std::string text_;
   std::string name_;  // of the family
-  std::string head_;  // its help and its type; empty: they have been told
+  std::string head_;  // its help and its type; empty: already written
 };
 
 }  // namespace dwell

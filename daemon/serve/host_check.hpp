@@ -1,8 +1,8 @@
 // Whether a request's Host names this service: the defence against DNS rebinding, where a page of a foreign site has
 // its own name resolve to this computer and then reads what is served here with the visitor's browser.
 //
-// A browser always sends the name that the page was asked for. A numeric address is therefore never foreign; of names
-// only "localhost" and those given count.
+// A browser always sends the name under which the page was loaded. So a numeric address is never foreign; of names only
+// "localhost" and the given ones are ours.
 #pragma once
 
 #include <string>

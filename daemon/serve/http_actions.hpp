@@ -1,4 +1,4 @@
-// What can be changed over HTTP: a POST of one JSON object to the path of a verb. Pure; who may is told by Rights.
+// What can be changed over HTTP: a POST of one JSON object to the path of a verb. Pure. Rights decides who may.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace dwell {
 // body that a form could have sent.
 [[nodiscard]] std::optional<HttpReply> foreign_refusal(const HttpRequest& request);
 
-// {"done": true}; 400 where the body cannot be used, 409 where it cannot be done now.
+// Does it: {"done": true}; 400 where the body cannot be used, 409 where it cannot be done now.
 [[nodiscard]] HttpReply action_answer(std::string_view verb, const HttpRequest& request, const Operate& operate);
 
 }  // namespace dwell

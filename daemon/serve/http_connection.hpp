@@ -80,7 +80,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
-  // Awaits a request. The deadline is one for all of it, so a client that sends byte by byte gains nothing.
+  // Awaits a request. One deadline holds for the whole request, so a client that sends byte by byte gains nothing.
   void read() {
     phase_ = Phase::asking;
     silent_since_ = SteadyClock::now();
@@ -93,9 +93,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     });
   }
 
-  // yields: to the events that do not.
+  // yields: the event waits behind those that do not yield, and is dropped before them.
   void push(const Event& event, bool yields) {
-    if (writing_ && written_by_.expired()) return leave();  // its memory ended within Asio, perhaps halfway through
+    // Asio ran out of memory and dropped the write, perhaps with half an event sent.
+    if (writing_ && written_by_.expired()) return leave();
     if (!waiting_.push(event, yields)) ++server_->counts.events_dropped;
     if (!writing_) write_event();
   }
@@ -105,7 +106,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     stream_.close();
   }
 
-  // Since when it has had its chance to ask and has not; nullopt: it keeps its place.
+  // Since when it could have asked for something and has not; nullopt: it keeps its place.
   [[nodiscard]] std::optional<SteadyClock::time_point> silent_since() const {
     const bool kept = phase_ == Phase::answered || (phase_ == Phase::asking && served_ &&
                                                     SteadyClock::now() - silent_since_ < server_->options.kept_time);
@@ -125,7 +126,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   static constexpr const char* kEventStream = "text/event-stream";
   enum class Phase : std::uint8_t { asking, answered, leaving };
 
-  // Does it; a connection for which there is no memory is closed, rather than left with nothing under way.
+  // Does a step. Where memory runs out in it, the connection is closed: nothing would be under way any more.
   template <class Step>
   void or_close(Step step) {
     try {
@@ -147,7 +148,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (error == http::error::body_limit) return answer(http_error(413, "the body is too large"), false, false);
     if (error.category() == http::make_error_code(http::error::bad_method).category())
       return answer(http_error(400, "not a request: " + error.message()), false, false);
-    if (error) return;  // gone, or out of time: what it wanted is not known
+    if (error) return;  // gone, or out of time: nothing can be answered
     ++server_->counts.requests;
     const bool keep_alive = parser_->get().keep_alive();
     const HttpRequest request = asked();
@@ -165,7 +166,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     answer(std::move(reply), head, keep_alive);
   }
 
-  // What has been read; the views are of the parser's own bytes.
+  // The request that has been read; its views point into the parser's bytes.
   [[nodiscard]] HttpRequest asked() const {
     const auto& read = parser_->get();
     const auto field = [&read](http::field name) {
@@ -219,7 +220,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         share = std::shared_ptr<void>(nullptr, [server = server_, size](void*) { server->large_bytes -= size; });
       }
     }
-    // HTTP/1.1 in the status line even where 1.0 was asked, as RFC 9110 has it; the connection is as the client wants.
+    // The status line says HTTP/1.1 to a client of 1.0 too (RFC 9110, 2.5). The connection stays or ends as it asked.
     auto response = std::make_shared<http::response<http::string_body>>();
     response->result(static_cast<unsigned>(reply.status));
     set_fields(*response, reply);
@@ -235,8 +236,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                       });
   }
 
-  // Says that nothing more comes, then waits a little for what the client still sends: closing on unread bytes would
-  // reset the connection, and the answer might never be seen.
+  // Says that nothing more comes, then reads for up to a second what the client still sends. Closing with bytes unread
+  // would reset the connection, and the client might never see the answer.
   void shut() {
     phase_ = Phase::leaving;
     error_code ignored;
@@ -265,22 +266,22 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     set_fields(response, {200, {}, kEventStream});
     response.keep_alive(false);
     std::ostringstream head;
-    head.exceptions(std::ios::badbit);  // or what memory does not suffice for is left out
+    head.exceptions(std::ios::badbit);  // without it, a lack of memory would cut the head short in silence
     head << response.base() << "retry: 1000\n\n";
     stream_.expires_never();
     swallow_stream();
     push(std::make_shared<const std::string>(head.str() + begun->first_event), false);
   }
 
-  // The kernel takes no more than this ahead of what the network takes: what waits in its buffer, 4 MB and minutes of
-  // traces, would come before any newer event. Larger: a slow reader sees the dwell later; smaller: more turns for a
-  // large event.
+  // Bounds the bytes that the kernel has taken and not yet sent. An event that the kernel has taken can no longer be
+  // dropped or overtaken. Its own bound is 4 MB: minutes of traces in front of the newest dwell. Larger: a slow reader
+  // sees the dwell later. Smaller: more turns of the event loop for a large event.
   void bound_unsent() {
     constexpr int kUnsent = 32 * 1024;
     setsockopt(stream_.socket().native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
   }
 
-  // Nothing is expected from a stream's client; reading tells when it has gone.
+  // A stream's client has nothing to say; reading tells when it has gone.
   void swallow_stream() {
     stream_.async_read_some(asio::buffer(ignored_), [self = shared_from_this()](const error_code& error, std::size_t) {
       if (error) return self->leave();
@@ -294,7 +295,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!writing_) return;
     const auto token = std::make_shared<char>();
     written_by_ = token;
-    stream_.expires_after(server_->options.stream_write_time);  // the pending read keeps its own: never
+    stream_.expires_after(server_->options.stream_write_time);  // of the write; the pending read never expires
     asio::async_write(stream_, asio::buffer(*event),
                       [self = shared_from_this(), event, token](const error_code& error, std::size_t) {
                         if (error || !self->writing_) return self->leave();  // it may have left already
@@ -314,8 +315,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::optional<http::request_parser<http::string_body>> parser_;
   std::string stream_query_, holder_;  // of a stream
   EventQueue waiting_;
-  bool writing_ = false;            // an event is on its way …
-  std::weak_ptr<void> written_by_;  // … unless this has expired
+  bool writing_ = false;            // an event is being written …
+  std::weak_ptr<void> written_by_;  // … unless this has expired: then Asio has dropped the write
   std::array<char, 1024> ignored_{};
   std::string from_;  // its numeric address
   bool from_loopback_ = false;

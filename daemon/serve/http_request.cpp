@@ -8,8 +8,8 @@
 namespace dwell {
 namespace {
 
-// Whether the end of the body is certain (RFC 9112, 6.3): by its Content-Length, or by the chunks of HTTP/1.1. Where it
-// is not, a part of the body could be taken for the next request.
+// Whether the end of the body is certain (RFC 9112, 6.3): by its Content-Length, or by the chunks of HTTP/1.1. With an
+// uncertain end a part of the body could be taken for the next request.
 bool has_certain_end(const HttpRequest& request) {
   return request.codings == 0 ||
          (request.host_needed && request.codings == 1 && !request.has_length && same_name(request.coding, "chunked"));
@@ -43,7 +43,7 @@ HttpReply method_refusal(std::string allowed, std::string_view reason) {
 }
 
 HttpReply unless_known(HttpReply reply, const HttpRequest& request) {
-  // A tag holds no quotes but its own, so that to find it is to find it whole.
+  // A tag has quotes at its ends and nowhere else: a match within the field is a match of a whole tag.
   if (reply.tag.empty() || request.known.find(reply.tag) == std::string_view::npos) return reply;
   reply.status = 304;
   reply.body.clear();

@@ -12,7 +12,7 @@
 
 namespace dwell {
 
-// A request once it has been read; the views are of its own bytes.
+// A request that has been read. The views point into its bytes.
 struct HttpRequest {
   enum class Method : std::uint8_t { get, head, post, other };
   Method method = Method::get;
@@ -20,9 +20,9 @@ struct HttpRequest {
   std::size_t hosts = 1;    // Host fields
   std::string_view host;    // the first of them
   std::string_view target;
-  std::string_view known{};                                              // If-None-Match: tags of what the client has
+  std::string_view known{};  // If-None-Match: tags of answers that the client already holds; empty: none
   std::string_view authorization{}, content_type{}, cookie{}, origin{};  // the fields of these names; empty: none
-  // Transfer-Encoding: how many fields, and the value of the first. has_length: there is a Content-Length as well.
+  // Transfer-Encoding: the number of such fields and the value of the first. has_length: there is a Content-Length.
   std::size_t codings = 0;
   std::string_view coding{};
   bool has_length = false;
@@ -38,18 +38,18 @@ struct HttpRequest {
   }
 };
 
-// Why it is not answered; nothing: it may be. After a refusal of what it is or whom it asks, the connection ends.
+// Why a request is refused before its path is looked at.
 struct HttpRefusal {
   HttpReply reply;
-  bool ends = true;
+  bool ends = true;  // the connection ends with the refusal
 };
-// names: by which clients may ask, beside numeric addresses and "localhost".
+// nullopt: it may be answered. names: those of this service, beside numeric addresses and "localhost".
 [[nodiscard]] std::optional<HttpRefusal> refusal(const HttpRequest& request, const std::vector<std::string>& names);
 
-// 405, with the methods that the path knows.
+// 405. allowed: the methods that the path answers, "GET, HEAD".
 [[nodiscard]] HttpReply method_refusal(std::string allowed, std::string_view reason);
 
-// The reply, or 304 without a body where the client has these bytes.
+// The reply; 304 without a body where the client holds it already, by its tag.
 [[nodiscard]] HttpReply unless_known(HttpReply reply, const HttpRequest& request);
 
 }  // namespace dwell

@@ -17,8 +17,7 @@ std::string event_text(std::string_view name, std::string_view data) {
   return text;
 }
 
-// Closes the connection that has been silent longest, one that was never served before one that was; false: there is
-// none.
+// Closes the connection that has been silent longest; those that were never served go first. False: none may be closed.
 bool HttpServer::Impl::make_room() {
   HttpConnection* longest = nullptr;
   for (HttpConnection* connection : connections) {
@@ -44,7 +43,7 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
     return;
   }
   ++counts.refused;
-  // A word of explanation if it can be had for nothing.
+  // Says why, if the kernel takes it at once.
   const std::string body = http_error(503, "too many clients").body;
   const std::string text =
       "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nConnection: close\r\n"
@@ -56,16 +55,14 @@ void HttpServer::Impl::welcome(tcp::socket socket) {
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
-tl::expected<std::unique_ptr<HttpServer>, ListenFailure> HttpServer::make(EventLoop& loop,
-                                                                                const HttpOptions& options,
-                                                                                Handler handler,
-                                                                                BeginStream begin_stream) {
+tl::expected<std::unique_ptr<HttpServer>, ListenFailure> HttpServer::make(EventLoop& loop, const HttpOptions& options,
+                                                                          Handler handler, BeginStream begin_stream) {
   auto impl = std::make_shared<Impl>(loop, options, std::move(handler), std::move(begin_stream));
   const auto bound = bind_tcp(impl->listener.acceptor(), options.host, options.port);
   if (!bound) return tl::unexpected(bound.error());
   impl->address = {options.host, *bound};
   error_code error;
-  // Not the server itself: a listener that holds on to it would keep it for ever.
+  // A pointer that does not own the server: it owns the listener, and each would keep the other alive.
   impl->listener.begin([server = impl.get()](tcp::socket socket) { server->welcome(std::move(socket)); }, error);
   if (error) return tl::unexpected(cannot_listen(options.host, options.port, error));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));

@@ -59,12 +59,12 @@ void write_modbus(const ModbusStats& modbus, Exposition& out) {
   out.sample(count_value(modbus.answers));
   out.counter("dwell_modbus_exceptions_total", "Requests to the Modbus server that were answered with an exception.");
   out.sample(count_value(modbus.exceptions));
-  const std::pair<const char*, std::uint64_t> kCauses[] = {{"malformed", modbus.malformed},
-                                                           {"timed out", modbus.timed_out},
-                                                           {"displaced", modbus.displaced},
-                                                           {"refused", modbus.refused}};
+  const std::pair<const char*, std::uint64_t> causes[] = {{"malformed", modbus.malformed},
+                                                          {"timed out", modbus.timed_out},
+                                                          {"displaced", modbus.displaced},
+                                                          {"refused", modbus.refused}};
   out.counter("dwell_modbus_closed_connections_total", "Connections that the Modbus server closed, by the cause.");
-  for (const auto& [cause, count] : kCauses) out.sample(count_value(count), {{"cause", cause}});
+  for (const auto& [cause, count] : causes) out.sample(count_value(count), {{"cause", cause}});
 }
 
 }  // namespace

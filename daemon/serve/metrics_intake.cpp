@@ -12,7 +12,7 @@ void each_channel(const ServiceView& now, Exposition& out, Value value) {
     out.sample(value(now.snapshot.channels[i]), {{"channel", now.rig.channels[i].name}});
 }
 
-// What holds now. Stale it is left out: a state that stands still would look like one that holds.
+// States of channels and devices. Left out while stale: an old state would look like the current one.
 void write_channel_states(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_channel_up", "1: the channel delivers.");
   each_channel(now, out, [](const ChannelView& c) { return c.fault == Fault::none ? 1.0 : 0.0; });

@@ -30,7 +30,7 @@ std::span<std::uint8_t> ModbusConversation::room() noexcept {
 ModbusConversation::Turn ModbusConversation::received(std::size_t count, const ReadRegisters& read) {
   have_ += count;
   if (have_ < kHeader) return Turn::more;
-  // The unit id and a function at least; at most what a request may have.
+  // At least the unit id and a function; at most a whole request.
   const bool sound = word_at(request_.data() + 2) == 0 && length() >= 2 && length() <= kMostBytes - (kHeader - 1);
   if (!sound) return Turn::broken;
   if (have_ < kHeader - 1 + length()) return Turn::more;

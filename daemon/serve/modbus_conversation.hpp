@@ -1,9 +1,8 @@
-// One Modbus TCP client's requests and the answers to them, without a socket: bytes in, bytes out. Reading only:
-// functions 3 and 4, which read the same registers. The unit id is not looked at and comes back as it came.
+// The requests of one Modbus TCP client and the answers to them, without a socket: bytes in, bytes out. Functions 3 and
+// 4 read the same registers; every other function is refused. Any unit id is answered, and comes back in the answer.
 //
-// Bounded: it holds one request of at most 260 bytes and one answer of at most 259. It asks for no byte beyond the
-// request under way, so a client that sends ahead fills the kernel's buffer, and no other. Bound to one thread;
-// allocates nothing.
+// Bounded: one request of at most 260 bytes and one answer of at most 259. No byte beyond the request under way is
+// taken, so a client that sends ahead fills the kernel's buffer alone. Bound to one thread; allocates nothing.
 #pragma once
 
 #include <array>
@@ -14,8 +13,8 @@
 
 namespace dwell {
 
-// Registers first … first + count - 1, which stay until the next call; empty: not all of them exist, or not in one
-// read. count is 1 to 125.
+// Gives registers first … first + count - 1, valid until the next call; empty: some do not exist, or one read may not
+// hold them all. count: 1 to 125.
 using ReadRegisters = std::function<std::span<const std::uint16_t>(std::uint16_t first, std::uint16_t count)>;
 
 class ModbusConversation {
@@ -24,24 +23,25 @@ class ModbusConversation {
     more,     // the request goes on
     answer,   // answer() is the answer
     refused,  // answer() is an exception: it says what was wrong with the request
-    broken,   // this is not Modbus TCP: where the next request would begin cannot be known
+    broken,   // this is not Modbus TCP: nobody can know where the next request would begin
   };
 
-  // Where the next bytes go: as many as the request under way is known to lack. Never empty.
+  // Where the next bytes go. Its size: the bytes that the request under way is known to lack, at least 1.
   [[nodiscard]] std::span<std::uint8_t> room() noexcept;
-  // So many bytes have been put into room(), at least 1 and at most its size. After `broken` it must not be called.
+  // To be told that `count` bytes were put into room(), 1 to its size. Must not be called after `broken`.
   Turn received(std::size_t count, const ReadRegisters& read);
-  // Until the next call of received().
+  // Valid until the next call of received().
   [[nodiscard]] std::span<const std::uint8_t> answer() const noexcept { return {answer_.data(), answered_}; }
   // Whether a request has begun and has not ended.
   [[nodiscard]] bool under_way() const noexcept { return have_ > 0; }
 
  private:
-  // Transaction id, protocol id, length of what follows, unit id (Modbus Messaging on TCP/IP 1.0b, 3.1.3).
+  // Bytes of the header: transaction id (2), protocol id (2), length (2), unit id (1). The length counts the unit id
+  // and all bytes behind it (Modbus Messaging on TCP/IP 1.0b, 3.1.3).
   static constexpr std::size_t kHeader = 7;
   static constexpr std::size_t kMostBytes = 260;  // a request, its header included (4.1)
 
-  [[nodiscard]] std::size_t length() const noexcept;  // the header's: of the unit id and what follows
+  [[nodiscard]] std::size_t length() const noexcept;  // the header's, bytes
   Turn answer_request(const ReadRegisters& read);
   Turn refuse(std::uint8_t code);
 

@@ -65,8 +65,8 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
   [[nodiscard]] Clock::time_point silent_since() const noexcept { return silent_since_; }
 
  private:
-  // It is closed unless limit() or rest() is called within this time. Where the time was over by then, the timer's
-  // handler is queued already, and Asio does not take it back: so it looks whether it is still meant.
+  // Closes the connection unless limit() or rest() is called within this time. Asio cannot take back a handler that is
+  // queued already, so the handler compares its number with the newest wait's.
   void limit(std::chrono::milliseconds time) {
     timer_.expires_after(time);
     timer_.async_wait([weak = weak_from_this(), number = ++waits_](const boost::system::error_code& error) {
@@ -87,7 +87,7 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
   }
 
   void received(std::size_t count) {
-    // One limit for all of a request, so a client that sends byte by byte gains nothing.
+    // One limit holds for the whole request, so a client that sends byte by byte gains nothing.
     if (!conversation_.under_way()) limit(server_->options.request_time);
     switch (conversation_.received(count, server_->read)) {
       case ModbusConversation::Turn::more:
@@ -118,7 +118,7 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
 
   void rest() {
     timer_.expires_after(server_->options.pause);
-    ++waits_;  // what limited the answer is over
+    ++waits_;  // the limit of the answer no longer counts
     timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
       if (!error && self->socket_.is_open()) self->begin();
     });
@@ -127,9 +127,9 @@ class ModbusClient : public std::enable_shared_from_this<ModbusClient> {
   const std::shared_ptr<ModbusServer::Impl> server_;
   boost::asio::ip::tcp::socket socket_;
   boost::asio::steady_timer timer_;
-  std::uint64_t waits_ = 0;  // of the timer, so far
+  std::uint64_t waits_ = 0;  // number of the timer's newest wait
   ModbusConversation conversation_;
-  bool asked_ = false;  // a whole request
+  bool asked_ = false;  // a whole request has come
   Clock::time_point silent_since_ = Clock::now();
 };
 
@@ -145,8 +145,7 @@ void ModbusServer::Impl::welcome(boost::asio::ip::tcp::socket socket) {
   std::make_shared<ModbusClient>(shared_from_this(), std::move(socket))->begin();
 }
 
-// Closes the connection that has been silent longest, one that never asked before one that did; false: all must be
-// kept.
+// Closes the connection that has been silent longest; those that never asked go first. False: all must be kept.
 bool ModbusServer::Impl::make_room() {
   ModbusClient* longest = nullptr;
   const auto now = ModbusClient::Clock::now();
@@ -170,7 +169,7 @@ tl::expected<std::unique_ptr<ModbusServer>, ListenFailure> ModbusServer::make(Ev
   if (!bound) return tl::unexpected(bound.error());
   impl->address = {options.host, *bound};
   boost::system::error_code error;
-  // Not the server itself: a listener that holds on to it would keep it for ever.
+  // A pointer that does not own the server: it owns the listener, and each would keep the other alive.
   impl->listener.begin(
       [server = impl.get()](boost::asio::ip::tcp::socket socket) { server->welcome(std::move(socket)); }, error);
   if (error) return tl::unexpected(cannot_listen(options.host, options.port, error));

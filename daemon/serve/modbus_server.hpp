@@ -1,8 +1,8 @@
 // A Modbus TCP server for PLCs, on the event loop. It moves bytes; ModbusConversation understands them, a handler has
-// the registers. Everything a client can make it spend is bounded: clients, bytes, the time for a request and for
-// taking an answer, answers per second. Where there are as many clients as there may be, a new one takes the place of
-// the one that has been silent longest: of those that never asked for anything first, then of those that have not asked
-// for `kept_time`. Bound to the event loop's thread.
+// the registers. What a client can cost is bounded: clients, bytes, the time for a request and for taking an answer,
+// answers per second. Where all places are taken, a new client takes that of the client that has been silent longest:
+// first of those that never asked for anything, then of those that have not asked for `kept_time`. Bound to the event
+// loop's thread.
 #pragma once
 
 #include <chrono>
@@ -21,17 +21,19 @@ class EventLoop;
 struct ModbusOptions {
   std::string host = "127.0.0.1";  // a numeric address, or "localhost"
   std::uint16_t port = 0;          // 0: the kernel chooses
-  // Connections at once: a PLC, an operator panel, a historian, each with a spare. More of them cost descriptors, of
-  // which libmodbus leaves the service 1024 in all.
+  // Connections at once: a PLC, an operator panel and a historian, each with a spare, and room for more. Each costs a
+  // descriptor; because of libmodbus the service has 1024 of these.
   std::size_t clients = 16;
-  std::chrono::milliseconds request_time{2'000};  // from its first byte until it is here, and for taking the answer
-  // Without a request. A PLC that polls more seldom connects anew each time.
+  // For a request, from its first byte to its last; the same again for taking the answer.
+  std::chrono::milliseconds request_time{2'000};
+  // A connection without a request is closed after so long. A PLC that polls more seldom connects anew each time.
   std::chrono::milliseconds idle_time{300'000};
-  // A client that was answered keeps its place for so long at least. Shorter: those who poll slowly lose their places
-  // where somebody opens many connections; longer: so long such a somebody can keep others out.
+  // A client that was answered keeps its place for so long. Shorter: where somebody opens many connections, PLCs that
+  // poll slowly lose their places. Longer: for so long, clients that ask once can keep others out.
   std::chrono::milliseconds kept_time{10'000};
-  // From one answer to the client's next request being read: 500 answers a second. Shorter: more of the event loop's
-  // time for whoever asks without end. Longer: 64 masses, 7 requests, take longer than an estimate stays the newest.
+  // Between an answer and the client's next request: 500 answers a second at most. Shorter: a client that asks without
+  // end takes more of the event loop's time. Longer: a rig of 64 masses takes 7 requests, and these must be over before
+  // the next image.
   std::chrono::milliseconds pause{2};
 };
 
@@ -39,16 +41,17 @@ struct ModbusStats {
   std::uint64_t clients = 0;     // now
   std::uint64_t answers = 0;     // requests that were answered with registers
   std::uint64_t exceptions = 0;  // requests that were answered with an exception
-  std::uint64_t malformed = 0;   // connections closed because what came was no Modbus TCP
-  std::uint64_t timed_out = 0;   // connections closed because half a request came, an answer was not taken, or nothing
-  std::uint64_t refused = 0;     // connections, because there were too many
-  std::uint64_t displaced = 0;   // silent connections that made room for new ones
-  bool awaits_address = false;   // the address is not there yet: nobody can be served
+  std::uint64_t malformed = 0;   // connections closed because their bytes were not Modbus TCP
+  // Connections closed because no request came, only a part of one came, or an answer was not taken.
+  std::uint64_t timed_out = 0;
+  std::uint64_t refused = 0;    // connections, because there were too many
+  std::uint64_t displaced = 0;  // silent connections that made room for new ones
+  bool awaits_address = false;  // this computer does not have the address yet: nobody can be served
 };
 
 class ModbusServer {
  public:
-  // Binds and listens; an address that is not there yet is served once it is.
+  // Binds and listens. An address that this computer does not have yet is served once it has it.
   static tl::expected<std::unique_ptr<ModbusServer>, ListenFailure> make(EventLoop& loop, const ModbusOptions& options,
                                                                          ReadRegisters read);
   ~ModbusServer();  // closes every connection

@@ -11,11 +11,11 @@ namespace {
 
 using Verb = OperatorRequest::Verb;
 
-// Longer texts belong into a document beside the run.
+// Longer texts belong in a document beside the run.
 constexpr std::size_t kLabelBytes = 200, kCommentBytes = 4000;
-// A name of the rig file behind what it is: of a channel at most 64 bytes, of a device 4096.
+// "channel:" or "device:" and a name of the rig file: a channel's has at most 64 bytes, a device's 4096.
 constexpr std::size_t kAlarmBytes = 4200;
-// Brackets of a request: none of ours nests, so this is only to keep the parser's recursion short.
+// Brackets in a request. Ours do not nest; this bounds the parser's recursion.
 constexpr std::ptrdiff_t kMostBrackets = 64;
 
 std::optional<Verb> verb_of(std::string_view name) {
@@ -59,8 +59,8 @@ tl::expected<void, NotDone> perform(std::string_view name, const Json& request, 
   const auto verb = verb_of(name);
   if (!verb) return unusable("unknown verb \"" + std::string(name) + "\"");
   const auto label = text_of(request, "label", kLabelBytes), comment = text_of(request, "comment", kCommentBytes);
-  if (!label) return tl::unexpected(label.error());
   const auto alarm = text_of(request, "alarm", kAlarmBytes);
+  if (!label) return tl::unexpected(label.error());
   if (!comment) return tl::unexpected(comment.error());
   if (!alarm) return tl::unexpected(alarm.error());
   if (*verb == Verb::start && label->empty()) return unusable("no label: expected \"label\": \"what is measured\"");

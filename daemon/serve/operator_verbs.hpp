@@ -22,8 +22,8 @@ struct NotDone {
   std::string reason;
 };
 
-// The request's JSON object; fails with what is wrong. Bounded: the parser recurses, and a line may hold 64 KiB of
-// brackets.
+// The request's JSON object; fails with what is wrong. Refuses deep nesting, since the parser recurses and a line may
+// hold 64 KiB of brackets.
 [[nodiscard]] tl::expected<Json, std::string> parse_request(std::string_view text);
 
 [[nodiscard]] bool is_operator_verb(std::string_view verb);

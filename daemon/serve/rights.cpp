@@ -10,22 +10,21 @@ namespace dwell {
 namespace {
 
 constexpr const char* kHow =
-    "send it as \"Authorization: Bearer TOKEN\", or log in on the page; it stands in the file that the rig file names "
-    "as "
-    "[server] token_file";
+    "send it as \"Authorization: Bearer TOKEN\", or log in on the page; it stands in the file that [server] token_file "
+    "of the rig file names";
 constexpr const char* kNoToken =
     "nothing can be changed over HTTP, for the rig file names no [server] token_file; dwellctl on this computer can";
 
 constexpr const char* kDone = R"({"done":true})";
-// No script reads it, and no request that another site's page brings about carries it. Not "Secure": the service speaks
-// plain HTTP, on which a browser would then withhold it.
+// No script reads the cookie, and no request from another site's page carries it. Not "Secure": browsers send such a
+// cookie over TLS only, and the service speaks plain HTTP.
 constexpr const char* kCookieRules = "; Path=/; HttpOnly; SameSite=Strict";
 
 config::Mistakes mistake(const config::Position& at, std::string message) {
   return {{at.line, at.column, std::move(message)}};
 }
 
-// What stands behind "Bearer "; nullopt: the field is not there or of another scheme.
+// The text behind "Bearer "; nullopt: the field is missing or of another scheme.
 std::optional<std::string_view> bearer(std::string_view authorization) {
   constexpr std::string_view kScheme = "Bearer ";
   if (!same_name(authorization.substr(0, kScheme.size()), kScheme)) return std::nullopt;

@@ -1,7 +1,7 @@
 // Who may read and who may change something over HTTP.
 //
-// Reading is open to whoever listens on loopback or comes over it, and to everybody behind a front proxy. All others
-// need the token to read. Changing something always needs the token.
+// Everybody may read where the service listens on loopback or stands behind a front proxy. Elsewhere, clients that come
+// over loopback may read; all others need the token. Changing something always needs the token.
 #pragma once
 
 #include <cstdint>
@@ -24,16 +24,17 @@ namespace dwell {
 struct Access {
   bool open = true;            // everybody may read
   std::optional<Token> token;  // none: nothing can be changed over HTTP
-  // Of a browser's session. Cookies know no ports: two services of one computer would end each other's sessions.
+  // Name of the cookie of a browser's session. The port belongs to it: browsers do not tell cookies of one host's ports
+  // apart, so two services of one computer would end each other's sessions.
   std::string cookie = "dwell";
 };
 
-// Reads the token file. Fails where that cannot be used, and where the network could read without anybody asking who it
-// is: at the key of the rig file that has to change. Not a part of config::load: an old run's rig file is still to be
-// replayed where its token is not.
+// Reads the token file. Fails where the file cannot be used, or where other computers could read and nothing asks who
+// they are; the mistake stands at the key of the rig file that has to change. Not a part of config::load, since an old
+// run's rig file must still load where its token is not.
 [[nodiscard]] config::Result<Access> read_access(const config::ServerSettings& server);
 
-// The same of the address for PLCs, which nobody is asked at: the network reads there only where the rig file says so.
+// The same for the Modbus server, which knows no token: other computers may read only where the rig file says so.
 [[nodiscard]] config::Result<void> check_modbus_access(const config::ModbusServerSettings& server);
 
 // Bound to one thread, in dwelld the event loop's.
@@ -41,31 +42,31 @@ class Rights {
  public:
   using Clock = std::function<std::int64_t()>;  // ns, never steps back
 
-  // log: gets a line for wrong tokens, one for many; must outlive this.
+  // log: gets a line for wrong tokens, one for a burst of them; must outlive this.
   Rights(Access access, Log& log, Clock clock = raw_now_ns)
       : access_(std::move(access)), log_(log), clock_(std::move(clock)) {}
 
-  // Another token counts from now on, and every session ends. False: it is the same, and they go on.
+  // Takes the new rights. True: they differ, and every session has ended. False: nothing has changed.
   bool renew(Access access);
 
-  // Why the client may not; nothing: it may.
+  // The refusal with its reason; nullopt: the client may.
   [[nodiscard]] std::optional<HttpReply> reading_refused(const HttpRequest& request);
   [[nodiscard]] std::optional<HttpReply> changing_refused(const HttpRequest& request);
-  // A browser's session begins with {"token": …} as the body, and ends. Both are changing requests in all else.
+  // Begin a browser's session, by the body {"token": …}, and end it. The caller has checked foreign_refusal() before.
   [[nodiscard]] HttpReply login(const HttpRequest& request);
   [[nodiscard]] HttpReply logout(const HttpRequest& request);
-  // The session that the client's reading rests on; empty: none.
+  // The client's session, by its cookie; empty: none. Counts as a use of it.
   [[nodiscard]] std::string session_of(const HttpRequest& request);
-  // The sessions that have ended since the last call, as session_of told them: logged out, overdue, or made room.
+  // The sessions that have ended since the last call, as session_of() named them.
   [[nodiscard]] std::vector<std::string> take_ended_sessions() { return sessions_.take_ended(clock_()); }
-  // {"read": …, "change": …, "token": …}: what this client may, and whether a token would help.
+  // {"read": …, "change": …, "token": …}: what this client may do, and whether there is a token.
   [[nodiscard]] HttpReply told(const HttpRequest& request);
 
   // Wrong tokens so far.
   [[nodiscard]] std::uint64_t failures() const noexcept { return failures_; }
 
  private:
-  // Shows the token, or a session that was begun with it.
+  // The client shows the token, or the cookie of a session that was begun with it.
   [[nodiscard]] bool known(const HttpRequest& request);
   [[nodiscard]] bool may_read(const HttpRequest& request);
   void failed(const HttpRequest& request);

@@ -1,5 +1,5 @@
-// The browsers that have shown the token: each has a random value in a cookie, since a live stream (EventSource) sends
-// no header of its own. In memory alone: a restart ends them all.
+// The browsers that have shown the token. Each has a random value in a cookie, since a live stream (EventSource) can
+// send no header of its own. Kept in memory alone: a restart ends all sessions.
 #pragma once
 
 #include <cstddef>
@@ -10,26 +10,27 @@
 
 namespace dwell {
 
-// Bound to one thread. The caller brings the instants, which never step back.
+// Bound to one thread. The caller gives the instants, which never step back.
 class Sessions {
  public:
-  // Browsers at a time, of a rig's operators and wall displays; one more ends the session that was used least recently.
-  // More would only let a script that logs in for each request pile them up.
+  // Sessions at a time: the browsers of a rig's operators and its wall displays. One more ends the session that was
+  // used least recently. Larger: a script that logs in for each request piles up more. Smaller: operators log each
+  // other out.
   static constexpr std::size_t kMost = 32;
-  // A session ends when unused for so long, 12 h: a shift. Shorter, and operators log in at their work; longer, and a
-  // browser left behind stays in.
+  // A session that is not used for so long ends: 12 h, a shift. Shorter: operators must log in amid their work. Longer:
+  // a browser left behind may act for longer.
   static constexpr std::int64_t kUnused_ns = std::int64_t{12} * 3600 * 1'000'000'000;
-  // A page that is open uses its session each second. So it ends so long after its beginning all the same, 7 days.
-  // Shorter, and wall displays ask for the token more often; longer, and so long a page that was left open may act.
+  // An open page uses its session each second. So a session also ends so long after it began: 7 days. Shorter: wall
+  // displays ask for the token more often. Longer: a page left open may act for longer.
   static constexpr std::int64_t kLongest_ns = std::int64_t{7} * 24 * 3600 * 1'000'000'000;
 
   // Begins one and returns its value, 64 hexadecimal digits. Throws where the kernel has no random bytes.
   std::string begin(std::int64_t now_ns);
-  // Whether it goes on; if so, it has been used.
+  // Whether the session goes on. If it does, this is a use of it.
   bool use(std::string_view value, std::int64_t now_ns);
   void end(std::string_view value);
   void end_all();
-  // Ends those whose time is over. The values of all that have ended, in whatever way, since the last call.
+  // Ends the sessions whose time is over. Returns the values of all that have ended, in any way, since the last call.
   [[nodiscard]] std::vector<std::string> take_ended(std::int64_t now_ns);
 
   [[nodiscard]] std::size_t count() const noexcept { return open_.size(); }
@@ -47,7 +48,7 @@ class Sessions {
   std::vector<std::string> ended_;  // values
 };
 
-// The value of a cookie in a request's Cookie field; empty: it is not there. Pure.
+// The value of the named cookie in a request's Cookie field; empty: it is not there. Pure.
 [[nodiscard]] std::string_view cookie_value(std::string_view field, std::string_view name);
 
 }  // namespace dwell

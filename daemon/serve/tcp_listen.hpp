@@ -18,9 +18,9 @@ namespace dwell {
   return {false, "cannot listen on " + host + ":" + std::to_string(port) + ": " + error.message()};
 }
 
-// host: a numeric address or "localhost"; port 0: the kernel chooses. Returns true if the address is not there yet (a
-// cable or a lease comes later than the service): the kernel's leave to bind it all the same was needed (ip(7),
-// IP_FREEBIND), and clients are served once it is there; AwaitedAddress says when.
+// host: a numeric address or "localhost"; port 0: the kernel chooses. Returns true if this computer does not have the
+// address yet. Then the socket is bound all the same (IP_FREEBIND, ip(7)) and clients are served once it has it;
+// AwaitedAddress says when.
 [[nodiscard]] inline tl::expected<bool, ListenFailure> bind_tcp(boost::asio::ip::tcp::acceptor& acceptor,
                                                                 const std::string& host, std::uint16_t port) {
   using boost::asio::ip::tcp;

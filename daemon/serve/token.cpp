@@ -13,7 +13,7 @@
 namespace dwell {
 namespace {
 
-// Of a file that is read at all: far more than a token, so that what is too long is told by its length.
+// The largest file that is read. Far more than a token, so that a token that is too long is told as one.
 constexpr std::size_t kMostBytes = 4096;
 
 std::string octal(mode_t mode) {

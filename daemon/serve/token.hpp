@@ -1,4 +1,4 @@
-// The token: a secret of the installation. Who knows it may change something over HTTP.
+// The token: a secret of the installation. Whoever knows it may read and change something over HTTP.
 #pragma once
 
 #include <cstddef>
@@ -8,21 +8,21 @@
 
 namespace dwell {
 
-// Only its SHA-256 is kept, so no dump of the process's memory hands it out. Thread-safe.
+// Only its SHA-256 is kept, so a dump of the process's memory does not reveal it. Thread-safe.
 class Token {
  public:
-  // 128 bits even where the characters are hexadecimal digits (openssl rand -hex 16). Guessed 10 000 times a second,
-  // more than this server answers, a year reaches 2^38 of 2^128. The protection is this length: wrong tokens are
-  // counted and logged, but nobody is locked out, since whoever can lock out a guesser can lock out the operators.
+  // 128 bits where the characters are random hexadecimal digits (openssl rand -hex 16). 10 000 guesses a second for a
+  // year are 2^38 of 2^128. The length is the protection: wrong tokens are counted and logged, but nobody is locked
+  // out. A lock-out would let any client keep the operators out.
   static constexpr std::size_t kFewest = 32;
   // Longer ones protect no better. The header of a request holds 8 KiB.
   static constexpr std::size_t kMost = 256;
 
-  // Fails with what was found and what is expected, in one line.
+  // Of the file at `path`, one line. Fails with what was found and what is expected, in one line.
   static tl::expected<Token, std::string> read(const std::string& path);
   explicit Token(std::string_view text);
 
-  // In a time that does not depend on where they differ.
+  // Compares in a time that does not depend on where the texts differ.
   [[nodiscard]] bool is(std::string_view text) const;
   friend bool operator==(const Token& a, const Token& b) { return a.sha256_ == b.sha256_; }
 

@@ -71,15 +71,15 @@ HttpReply traces_answer(const ServiceView& view, std::string_view query) {
   if (asked->less_steady && !(less = newest_steady_part(view)))
     return http_error(409, "no dwell of this run has settled: there is no steady part yet to be taken out");
   const bool back = asked->from_s < 0.0;
-  const double to_s_ = asked->to_s <= 0.0 && back ? traces.newest_s() + asked->to_s : asked->to_s;
+  const double until_s = asked->to_s <= 0.0 && back ? traces.newest_s() + asked->to_s : asked->to_s;
   const double from_s = back ? traces.newest_s() + asked->from_s : asked->from_s;
-  if (to_s_ < from_s) return http_error(400, "to is before from");
+  if (until_s < from_s) return http_error(400, "to is before from");
   const auto in_all = kMostTracePointsInAll / static_cast<std::int64_t>(asked->channels.size());
   const std::int64_t points =
       std::min({asked->points > 0 ? asked->points : kTracePoints, kMostTracePoints, std::max<std::int64_t>(in_all, 1)});
   const Traces::Stretch stretch =
-      less ? traces.stretch_of_readings(std::max(from_s, to_s_ - kLongestLess_s), to_s_, points)
-           : traces.stretch(from_s, to_s_, points);
+      less ? traces.stretch_of_readings(std::max(from_s, until_s - kLongestLess_s), until_s, points)
+           : traces.stretch(from_s, until_s, points);
 
   HttpReply reply;
   std::string& text = reply.body;
@@ -112,7 +112,9 @@ HttpReply traces_answer(const ServiceView& view, std::string_view query) {
 std::string traces_event(const Traces& traces, std::int64_t first, std::size_t channels) {
   const std::int64_t from = std::max(first, traces.oldest()),
                      count = std::max<std::int64_t>(traces.complete() - from, 0);
-  std::string text = "{\"step_s\":0.02,\"first\":";
+  std::string text = "{\"step_s\":";
+  append(text, to_s(Traces::kBin_ns));
+  text += ",\"first\":";
   append(text, from);
   text += ",\"bins\":";
   append(text, count);

@@ -12,7 +12,8 @@
 namespace dwell {
 
 struct TracesQuery {
-  double from_s = -10.0, to_s = 0.0;  // as asked; from_s < 0 and to_s <= 0: before the newest record
+  // As asked: s since the origin. A negative from_s, and then a to_s of 0 or below, count back from the newest record.
+  double from_s = -10.0, to_s = 0.0;
   std::int64_t points = 0;            // 0: not asked for
   std::vector<std::size_t> channels;  // indices into Rig::channels, as asked for; never empty
   bool less_steady = false;

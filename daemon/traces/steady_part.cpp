@@ -17,7 +17,7 @@ std::optional<SteadyPart> SteadyPart::of(const Dwell& dwell, const Rig& rig, std
   part.ref_ns_ = instant(dwell.t_ref_s);
   part.from_ns_ = instant(dwell.start_s);
   part.fitted_from_ns_ = instant(dwell.settled_s);
-  // The current dwell goes on: what comes after its last datum still is of it.
+  // A dwell that goes on holds beyond its newest datum.
   part.to_ns_ = dwell.state == State::complete ? instant(dwell.end_s) : std::numeric_limits<std::int64_t>::max();
   part.waves_.assign(rig.channels.size(), {kNaN, kNaN, kNaN});
   for (std::size_t i = 0; i < part.waves_.size() && i < dwell.phasors.size(); ++i) {

@@ -15,16 +15,15 @@ namespace dwell {
 
 class SteadyPart {
  public:
-  // dwell: a dwell that has settled, or nothing is returned. origin_ns: t = 0 of its axis, on the stream's clock.
+  // nullopt: the dwell has not settled. origin_ns: t = 0 of the dwell's axis, on the stream's clock.
   [[nodiscard]] static std::optional<SteadyPart> of(const Dwell& dwell, const Rig& rig, std::int64_t origin_ns);
 
-  // At an instant of the stream's clock, in the channel's own unit; NaN: its phasor is not valid. Holds from from_ns()
-  // to to_ns() alone.
+  // At an instant of the stream's clock, from_ns() to to_ns(), in the channel's own unit; NaN: its phasor is not valid.
   [[nodiscard]] double at(std::size_t channel, std::int64_t t_ns) const noexcept;
   [[nodiscard]] std::int64_t from_ns() const noexcept { return from_ns_; }
   [[nodiscard]] std::int64_t to_ns() const noexcept { return to_ns_; }
   [[nodiscard]] int dwell() const noexcept { return dwell_; }
-  // Where the data begin that it was fitted to: when the dwell had settled.
+  // Where the data begin to which it was fitted: when the dwell had settled.
   [[nodiscard]] std::int64_t fitted_from_ns() const noexcept { return fitted_from_ns_; }
 
  private:

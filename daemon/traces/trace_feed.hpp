@@ -1,5 +1,5 @@
-// Carries what traces are drawn from, from the estimation thread to the event loop. Bounded; neither side ever waits
-// for the other.
+// Carries the records that traces are drawn from, from the estimation thread to the event loop. Bounded; neither side
+// ever waits for the other.
 #pragma once
 
 #include <atomic>
@@ -12,8 +12,8 @@ namespace dwell {
 
 class TraceFeed {
  public:
-  // 4 MB: 2 s of 64 channels at 1 kHz, the longest the event loop should ever be busy. Halved, a long answer of the
-  // server costs such a rig a piece of its traces.
+  // 4 MB: 2 s of 64 channels at 1 kHz. The event loop should never be busy for longer. Halved: a long answer of the
+  // server leaves a gap in the traces of such a rig. Doubled: 4 MB more for every rig.
   static constexpr std::size_t kRecords = 131'072;
 
   TraceFeed() : waiting_(kRecords) {}
@@ -24,7 +24,7 @@ class TraceFeed {
     if (!waiting_.push(record)) lost_.fetch_add(1, std::memory_order_relaxed);
   }
 
-  // The event loop: hands over what waits, in order.
+  // The event loop: hands over the records that waited when it was called, in order.
   template <class Take>
   void drain(Take take) {
     waiting_.consume_all(take);

@@ -1,4 +1,5 @@
-// The newest readings of one channel, each with its instant: what the finest bins are made of. A ring of fixed length.
+// The newest readings of one channel, each with its instant: bins finer than 20 ms are made of them. A ring of fixed
+// length.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@ class TraceReadings {
   // capacity: readings kept, at least 1.
   explicit TraceReadings(std::size_t capacity)
       : capacity_(capacity),
-        t_ns_(std::make_unique_for_overwrite<std::int64_t[]>(capacity)),  // memory that is not used costs nothing
+        t_ns_(std::make_unique_for_overwrite<std::int64_t[]>(capacity)),  // untouched pages take no memory
         value_(std::make_unique_for_overwrite<float[]>(capacity)) {}
 
   // In the order of their instants. value: in the channel's unit; NaN: a reading is missing here.
@@ -27,7 +28,7 @@ class TraceReadings {
     t_ns_[place] = t_ns;
     value_[place] = value;
   }
-  // The instant from which on nothing has been overwritten.
+  // All readings from this instant on are still there.
   [[nodiscard]] std::int64_t oldest_ns() const noexcept {
     return taken_ <= capacity_ ? std::numeric_limits<std::int64_t>::min() : t_ns_[taken_ % capacity_];
   }

@@ -12,7 +12,7 @@ std::size_t readings_each(std::size_t channels) {
   return std::min(TraceReadings::kMost, room);
 }
 
-// The number as it is kept; NaN: a float32 does not hold it.
+// The number as it is stored; NaN: no float32 holds it.
 float kept(double value) noexcept {
   const bool fits = std::abs(value) <= double{std::numeric_limits<float>::max()};
   return fits ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN();
@@ -118,7 +118,7 @@ std::vector<TraceBin> Traces::bins_of_readings(const Stretch& stretch, std::size
   std::vector<TraceBin> bins(static_cast<std::size_t>(stretch.count));
   const std::int64_t from_ns = origin_ns_ + stretch.first * stretch.step_ns,
                      to_ns = from_ns + stretch.count * stretch.step_ns;
-  // The first bin may have begun before the oldest reading that is kept.
+  // The first bin is broken where it begins before the oldest reading that is kept.
   bins.front().broken = traces_[channel].readings.oldest_ns() > from_ns;
   traces_[channel].readings.between(from_ns, to_ns, [&](std::int64_t t_ns, float reading) {
     TraceBin& bin = bins[static_cast<std::size_t>((t_ns - from_ns) / stretch.step_ns)];
@@ -139,7 +139,7 @@ std::vector<TraceBin> Traces::read(const Stretch& stretch, std::size_t channel) 
   std::vector<TraceBin> bins(static_cast<std::size_t>(stretch.count));
   const std::int64_t from = std::max(stretch.first * ratio, bins_[level].oldest()),
                      to = std::min((stretch.first + stretch.count) * ratio - 1, bins_[level].newest());
-  bins.front().broken = from > stretch.first * ratio;  // some of what it is made of is no longer kept
+  bins.front().broken = from > stretch.first * ratio;  // the ring no longer keeps all of its parts
   for (std::int64_t number = from; number <= to; ++number)
     bins[static_cast<std::size_t>(number / ratio - stretch.first)].merge(bins_[level].at(channel, number));
   return bins;

@@ -8,9 +8,9 @@
 // Kept are 10.9 min in bins of 20 ms, 44 min of 80 ms, 2.9 h of 320 ms, and as many readings as 32 MB hold: 10 min of 4
 // channels at 1 kHz, 43 s of 64 channels. Memory in all: 1.2 MB for each channel, and 32 MB at most.
 //
-// A bin holds its least and its greatest reading. A reading that is missing or not shown (lost, no longer kept, out of
-// range, not a number that a float32 holds, stuck; the channel does not deliver) breaks the trace: the bin says so. An
-// instant is in seconds since the first record, the origin.
+// A bin holds its least and its greatest reading, and whether the trace is broken there: a reading is missing or not
+// shown (lost, no longer kept, out of range, not a number that a float32 holds, stuck; the channel does not deliver).
+// Instants in seconds count from the first record, the origin.
 #pragma once
 
 #include <array>
@@ -38,23 +38,23 @@ class Traces {
 
   // The next record of the stream, as merged.
   void take(const Record& record) noexcept;
-  // Records in front of the next one were lost: every channel's trace breaks.
+  // To be told that records before the next one were lost: every channel's trace breaks.
   void lost() noexcept;
-  // Whether the readings of a channel are not shown from now on, for they do not show the motion: stuck.
+  // on: the channel is stuck, so its readings are not shown from now on. off: they are shown again.
   void withhold(std::size_t channel, bool on) noexcept;
 
-  // Nothing has come yet: there is no origin.
+  // No record has come yet: there is no origin.
   [[nodiscard]] bool none() const noexcept { return bins_[0].newest() < 0; }
   [[nodiscard]] std::int64_t origin_ns() const noexcept { return origin_ns_; }
   [[nodiscard]] double seconds(std::int64_t t_ns) const noexcept {
     return static_cast<double>(t_ns - origin_ns_) * 1e-9;
   }
   [[nodiscard]] double newest_s() const noexcept { return seconds(newest_ns_); }
-  // Of the bins of 20 ms: how many are complete, since the origin.
+  // How many bins of 20 ms are complete since the origin: the number of the bin that is being filled.
   [[nodiscard]] std::int64_t complete() const noexcept { return none() ? 0 : bins_[0].newest(); }
-  // The oldest of them that is kept.
+  // Number of the oldest bin of 20 ms that is kept.
   [[nodiscard]] std::int64_t oldest() const noexcept { return bins_[0].oldest(); }
-  // One of them that is kept.
+  // The bin of 20 ms of this number, oldest() to complete().
   [[nodiscard]] const TraceBin& bin(std::size_t channel, std::int64_t number) const noexcept {
     return bins_[0].at(channel, number);
   }
@@ -65,14 +65,15 @@ class Traces {
     std::int64_t first = 0;
     std::int64_t count = 0;
   };
-  // The finest stretch from from_s to to_s that is kept and has at most `points` bins (at least 1). What is kept in no
-  // width is cut off. The newest bin may not be complete. Not for none().
+  // From from_s to to_s in the finest width that is kept from from_s on and makes at most `points` bins (at least 1).
+  // Where no width reaches back to from_s, the stretch begins later. Its newest bin may not be complete. Must not be
+  // called while none().
   [[nodiscard]] Stretch stretch(double from_s, double to_s, std::int64_t points) const noexcept;
-  // The same for read_less(), which needs the readings of every channel.
+  // The same for read_less(): no further back than the readings of every channel are kept.
   [[nodiscard]] Stretch stretch_of_readings(double from_s, double to_s, std::int64_t points) const noexcept;
   // The bins of a channel. O(bins + readings in the stretch).
   [[nodiscard]] std::vector<TraceBin> read(const Stretch& stretch, std::size_t channel) const;
-  // The same of the readings less a steady part; a break where that does not hold.
+  // The same of the readings less the steady part; broken where the steady part does not hold.
   [[nodiscard]] std::vector<TraceBin> read_less(const Stretch& stretch, std::size_t channel,
                                                 const SteadyPart& less) const;
 
@@ -88,9 +89,9 @@ class Traces {
   void advance(std::int64_t t_ns) noexcept;
   void break_trace(std::size_t channel, std::int64_t t_ns) noexcept;
   [[nodiscard]] std::int64_t readings_from_ns() const noexcept;
-  // Which of the kept widths bins of this one are made from.
+  // Index of the kept width from which bins of step_ns are made.
   [[nodiscard]] static std::size_t level_of(std::int64_t step_ns) noexcept;
-  [[nodiscard]] std::int64_t instant(double t_s) const noexcept;  // cut to what has come
+  [[nodiscard]] std::int64_t instant(double t_s) const noexcept;  // clamped to origin … newest record
   [[nodiscard]] Stretch cut(std::int64_t from_ns, std::int64_t to_ns, std::int64_t step_ns) const noexcept;
   template <class Shown>
   [[nodiscard]] std::vector<TraceBin> bins_of_readings(const Stretch& stretch, std::size_t channel, Shown shown) const;
