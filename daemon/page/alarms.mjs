@@ -1,7 +1,7 @@
-// What the page says of alarms: in which order the service tells them is the order here. Pure.
+// What the page says of alarms, in the order in which the service lists them. Pure.
 import { ageText, instantText } from './number.mjs';
 
-// Grey once somebody knows of it. Each state has a shape of its own before the word.
+// Grey once somebody has acknowledged it. The style sheet puts a shape of its own before the word of each tone.
 const STATES = {
   unacknowledged: { tone: 'alarm', word: 'unacknowledged' },
   'returned-unacknowledged': { tone: 'care', word: 'returned, unacknowledged' },
@@ -10,7 +10,7 @@ const STATES = {
 
 const times = (n) => (n > 1 ? `, raised ${n} times` : '');
 
-// [{ name, tone, word, text, when, waits }], those that wait for somebody first. list: the service's; null: not known.
+// [{ name, tone, word, text, when, waits: nobody has acknowledged it }]. list: the service's; null: not known.
 export function alarmRows(list, nowMs) {
   return (list?.alarms ?? []).map((a) => {
     const { tone, word } = STATES[a.state] ?? { tone: 'alarm', word: a.state };
@@ -32,8 +32,3 @@ export function waitingText(list) {
   if (n === 0) return null;
   return `${n} ${n > 1 ? 'alarms' : 'alarm'} not acknowledged${list.alarms.length > 0 ? `: ${list.alarms[0].text}${n > 1 ? ' …' : ''}` : ''}`;
 }
-
-// That something was done is said for so long: what is in the list says it from then on. Why it was not stays until the
-// next attempt.
-const NOTE_S = 10;
-export const noteText = (note, now) => (note && (note.failed || now - note.at_s < NOTE_S) ? note.text : '');

@@ -1,39 +1,28 @@
 // The alarms on the page, and their acknowledgement by whoever has the right.
-import { alarmRows, noteText, waitingText } from './alarms.mjs';
+import { alarmRows, waitingText } from './alarms.mjs';
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
 import { ageText } from './number.mjs';
+import { give, noteText, whileDisabled } from './order.mjs';
 
 const $ = (id) => document.getElementById(id);
 
-const ANSWER_MS = 5000;
-
-const underWay = new Set(); // names of alarms whose acknowledgement is
-let note = null; // { text, failed, at_s }: what became of the newest one; null: nothing to say
+const underWay = new Set(); // names of the alarms that are being acknowledged
+let note = null; // on the newest acknowledgement, as noteText takes it
 let now_s = 0;
 
-// Answers why it was not done; empty: it was.
-async function acknowledge(name) {
-  try {
-    const answer = await fetch('/api/v1/alarms/acknowledge', { method: 'POST', headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify({ alarm: name }), signal: AbortSignal.timeout(ANSWER_MS) });
-    if (answer.ok) return '';
-    return (await answer.json()).error;
-  } catch {
-    return 'no answer of the service';
-  }
+function noteOf(name, why) {
+  const text = why === '' ? `${name} is acknowledged.` : why === null
+    ? `${name}: no answer, so whether it is acknowledged is not known; the list above will tell.` : `${name} was not acknowledged: ${why}`;
+  return { text, failed: why !== '', at_s: now_s };
 }
 
 function makeRow({ name }, changed) {
   const button = h('button', { type: 'button', 'aria-label': `Acknowledge ${name}` }, 'Acknowledge');
   button.addEventListener('click', async () => {
     underWay.add(name);
-    button.disabled = true;
-    const why = await acknowledge(name);
+    const why = await whileDisabled([button], () => give('/api/v1/alarms/acknowledge', { alarm: name }));
     underWay.delete(name);
-    button.disabled = false;
-    // A button that is disabled loses the focus.
-    if (document.activeElement === document.body) button.focus({ preventScroll: true });
-    note = { text: why ? `${name} was not acknowledged: ${why}` : `${name} is acknowledged.`, failed: why !== '', at_s: now_s };
+    note = noteOf(name, why);
     changed();
   });
   return h('li', {}, h('div', {}, h('strong', { class: 'word' }), ' ', h('span', { class: 'text' }), h('span', { class: 'small when' })), button);

@@ -3,16 +3,22 @@
 
 const SVG = 'http://www.w3.org/2000/svg';
 
+// Controls, among them those of the writing direction (UAX #9): with them a name from outside could show its letters, and
+// the text beside it, in another order. As in core/base/printable.hpp.
+const CONTROLS = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g;
+export const readable = (text) => String(text ?? '').replace(CONTROLS, '\ufffd');
+
 function fill(node, attributes, children) {
   for (const [name, value] of Object.entries(attributes ?? {})) node.setAttribute(name, value);
-  node.append(...children.filter((child) => child !== null));
+  node.append(...children.filter((child) => child !== null).map((child) => (typeof child === 'string' ? readable(child) : child)));
   return node;
 }
 
 export const h = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
 export const s = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
 
-export function setText(node, text) {
+export function setText(node, given) {
+  const text = readable(given);
   const only = node.childNodes.length === 1 && node.firstChild.nodeType === Node.TEXT_NODE ? node.firstChild : null;
   if (only) {
     if (only.data !== text) only.data = text;

@@ -1,5 +1,5 @@
 // The first line: state in word, shape and colour, and what an operator asks next.
-import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, readable, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, instantText } from './number.mjs';
 import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from './wording.mjs';
 
@@ -57,7 +57,7 @@ export function showHead(view) {
   const list = troubles(view);
   const rig = view.health?.rig ?? 'Dwell';
   setText($('rig'), rig);
-  document.title = `${state.word} · ${rig}`;
+  document.title = readable(`${state.word} · ${rig}`);
   setAttributes($('state'), { 'data-tone': state.tone, 'data-kind': state.kind });
   showShape(state.doubted ? 'fault' : state.kind);
   setText($('word'), state.word);

@@ -1,18 +1,18 @@
 // Acting on the rig from the page: logging in with the token, starting and stopping runs, re-arming the dwell. It is
 // there only where the service takes orders over HTTP, or asks for the token before anything may be read.
-import { noteText } from './alarms.mjs';
 import { setText, show } from './dom.mjs';
+import { give, noteText, whileDisabled } from './order.mjs';
 
 const ASK_MS = 10_000; // a session that has ended is noticed so soon
-const ANSWER_MS = 5000; // then an order is given up
+const ANSWER_MS = 5000; // then the question for the rights is given up
 
 const $ = (id) => document.getElementById(id);
 const kiosk = new URLSearchParams(location.search).has('kiosk');
 
 // What this browser may; until the service has said it, nothing is offered.
 let rights = { read: true, change: false, token: false };
-let busy = false;
-let said = null; // { text, failed, at_s }: what became of the newest order; null: nothing to say
+let busy = false; // an order is under way: one at a time
+let said = null; // on the newest order, as noteText takes it
 let now_s = 0;
 
 let newest = 0; // question; the answer to an older one may be of before a login
@@ -35,33 +35,18 @@ function say(text, failed = false) {
   setText($('operate-said'), text);
 }
 
-// Of all orders one at a time. A button that is disabled loses the focus, and gets it back.
-let pressed = null;
-function setBusy(on) {
-  busy = on;
-  if (on) pressed = document.activeElement;
-  for (const button of $('operate').querySelectorAll('button')) button.disabled = on;
-  if (!on && document.activeElement === document.body) pressed?.focus({ preventScroll: true });
-}
-
 // Gives the order and says what became of it. True: it is done.
 async function order(path, body, done) {
   if (busy) return false;
-  setBusy(true);
+  busy = true;
   say('');
-  try {
-    const answer = await fetch(path, { method: 'POST', signal: AbortSignal.timeout(ANSWER_MS),
-      headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
-    if (answer.ok) say(done);
-    else say(`Not done: ${(await answer.json()).error}`, true);
-    return answer.ok;
-  } catch {
-    say('No answer: whether it was done is not known. See the state above and the events.', true);
-    return false;
-  } finally {
-    setBusy(false);
-    await ask();
-  }
+  const why = await whileDisabled([...$('operate').querySelectorAll('button')], () => give(path, body));
+  busy = false;
+  if (why === '') say(done);
+  else if (why === null) say('No answer: whether it was done is not known. See the state above and the events.', true);
+  else say(`Not done: ${why}`, true);
+  await ask();
+  return why === '';
 }
 
 function onSubmit(id, act) {

@@ -1,4 +1,5 @@
 // Draws traces on a canvas: one lane a channel, each with a scale of its own; time and cursors below.
+import { readable } from './dom.mjs';
 import { ageText, plainText } from './number.mjs';
 
 const LEFT = 8; // px, room before the first bin
@@ -148,7 +149,7 @@ export class TracePlot {
 
   #label(name, scale, top) {
     const c = this.#context;
-    const text = `${name}${scale}`;
+    const text = readable(`${name}${scale}`);
     c.textAlign = 'left';
     c.fillStyle = this.#style.sheet;
     c.fillRect(0, top + 1, c.measureText(text).width + 10, LABEL + 3);

@@ -3,6 +3,7 @@
 import { h, setAttributes, setText, show } from './dom.mjs';
 import { OLD_S } from './freshness.mjs';
 import { ageText, isNumber, NO_NUMBER, plainText } from './number.mjs';
+import { whileDisabled } from './order.mjs';
 import { lastText, TracePlot } from './trace_plot.mjs';
 import { agesOf, csvName, csvOf, TraceWindow } from './trace_window.mjs';
 
@@ -36,7 +37,7 @@ export class TracesView {
   #live = true;
   #newest_s = 0;
   #origin_ms = NaN; // UTC at 0 s of the axis
-  #asked = null; // what the window under way is for; null: none is
+  #asking = false; // a question is under way
   #askedWidth = 0; // of the plot, px
   #again = false; // the view has changed meanwhile
   #retry = null; // the timer for the question that failed
@@ -216,11 +217,11 @@ export class TracesView {
   // What is in view, from the service: one question at a time.
   async #ask() {
     if ($('traces').hidden) return;
-    if (this.#asked) {
+    if (this.#asking) {
       this.#again = true;
       return;
     }
-    this.#asked = this.#view;
+    this.#asking = true;
     this.#askedWidth = this.#plot.width;
     this.#lessAt = performance.now();
     try {
@@ -239,7 +240,7 @@ export class TracesView {
         this.#ask();
       }, AGAIN_MS);
     } finally {
-      this.#asked = null;
+      this.#asking = false;
       this.#redraw();
       if (this.#again) {
         this.#again = false;
@@ -281,8 +282,9 @@ export class TracesView {
 
   async #save() {
     if (this.#live) this.#pause();
-    const button = $('trace-save');
-    button.disabled = true;
+    await whileDisabled([$('trace-save')], () => this.#download());
+  }
+  async #download() {
     try {
       const answer = await this.#fetch(4000);
       if (!answer) return;
@@ -292,9 +294,6 @@ export class TracesView {
       this.#say('');
     } catch (error) {
       this.#say(`Not saved. ${whyText(error).replace('; asking again', '')}`);
-    } finally {
-      button.disabled = false;
-      if (document.activeElement === document.body) button.focus({ preventScroll: true });
     }
   }
 

@@ -76,7 +76,8 @@ const std::vector<std::string_view>& PageFiles::names() {
       "wall_view.mjs",
       "mode_shape.mjs",
       "mode_shape_view.mjs",
-      "operate_view.mjs",  // orders to the service
+      "operate_view.mjs",
+      "order.mjs",  // orders to the service
   };
   return kNames;
 }

@@ -14,6 +14,14 @@ const CHROMIUM = process.env.DWELL_CHROMIUM ?? '/usr/bin/chromium';
 // For something to come that must come; what is slow on a loaded machine is late, not wrong.
 export const PATIENCE_MS = 20_000;
 
+export const TOKEN = '0123456789abcdef0123456789abcdef';
+
+// Resolves once the condition, a function that may be asynchronous, holds.
+export async function until(condition, patience_ms = PATIENCE_MS) {
+  for (const deadline = Date.now() + patience_ms; !(await condition()); await new Promise((done) => setTimeout(done, 100)))
+    if (Date.now() > deadline) throw new Error(`never: ${condition}`);
+}
+
 const running = new Set();
 process.on('exit', () => running.forEach((child) => child.kill('SIGKILL')));
 

@@ -2,9 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
-import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
-
-const TOKEN = '0123456789abcdef0123456789abcdef';
+import { Bench, openBrowser, PATIENCE_MS, SIZES, TOKEN, until } from './bench.js';
 
 let browser;
 let bench;
@@ -53,11 +51,9 @@ test('a page that was opened as the service began keeps all that is in view', as
   await page.goto(bench.url);
   await page.waitForSelector('#traces:not([hidden])');
   await page.locator('#trace-plot').scrollIntoViewIfNeeded();
-  for (const deadline = Date.now() + 2 * PATIENCE_MS; (await bench.get('/api/v1/traces?points=1')).newest_s < 14; await new Promise((done) => setTimeout(done, 200)))
-    assert.ok(Date.now() < deadline, 'the stream goes on');
+  await until(async () => (await bench.get('/api/v1/traces?points=1')).newest_s >= 14, 2 * PATIENCE_MS);
   await page.locator('#trace-plot').scrollIntoViewIfNeeded();
-  for (const deadline = Date.now() + PATIENCE_MS; await lanePixels(page, 1, 5, '--ink', 0.1, 0.3) === 0; await new Promise((done) => setTimeout(done, 200)))
-    assert.ok(Date.now() < deadline, 'the older part of the view is there');
+  await until(async () => await lanePixels(page, 1, 5, '--ink', 0.1, 0.3) > 0); // the older part of the view
   await page.close();
 });
 

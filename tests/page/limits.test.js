@@ -1,10 +1,11 @@
 // Verdicts on limits, and alarms in words.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { alarmRows, noteText, waitingText } from '../../daemon/page/alarms.mjs';
+import { alarmRows, waitingText } from '../../daemon/page/alarms.mjs';
 import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
 import { Freshness } from '../../daemon/page/freshness.mjs';
 import { limitOf } from '../../daemon/page/limits.mjs';
+import { noteText } from '../../daemon/page/order.mjs';
 import { dwellOf } from './sample.js';
 
 const limited = (verdict, reason = null) => dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict, reason }] });

@@ -1,17 +1,11 @@
-// The page at a phone's, a desk's and a wall's size: nothing is cut off, everything can be reached by keyboard, axe-core
-// finds nothing against WCAG 2.2 AA. DWELL_PICTURES=FOLDER keeps a picture of each.
+// The page at a phone's, a desk's and a wall's size: what accessible.js checks holds, and everything can be reached by
+// keyboard.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
-import { readFile } from 'node:fs/promises';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
-
-const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
-const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
-
-const TOKEN = '0123456789abcdef0123456789abcdef';
+import { check } from './accessible.js';
+import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES, TOKEN } from './bench.js';
 
 function recordingWithToken(text, folder) {
   writeFileSync(join(folder, 'token'), TOKEN, { mode: 0o600 });
@@ -33,21 +27,10 @@ after(async () => {
 });
 
 async function open(size, query = '', at = bench) {
-  const page = await browser.newPage({ viewport: SIZES[size], bypassCSP: true }); // axe-core is put in as a script
+  const page = await browser.newPage({ viewport: SIZES[size], bypassCSP: true });
   page.setDefaultTimeout(PATIENCE_MS);
   await page.goto(`${at.url}/${query}`);
   return page;
-}
-
-async function check(page, name) {
-  if (process.env.DWELL_PICTURES)
-    await page.screenshot({ path: join(process.env.DWELL_PICTURES, `${name}.png`), fullPage: !name.includes('wall') });
-  await page.evaluate(await readFile(AXE, 'utf8'));
-  const { violations } = await page.evaluate((rules) => window.axe.run(document, { runOnly: rules }), RULES);
-  const found = violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join(', ')}`);
-  assert.deepEqual(found, [], name);
-  const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-  assert.ok(wide <= 0, `${name}: ${wide} px are cut off at the right`);
 }
 
 test('a model fault: the first line says not to rely on the numbers, and each of them as well', async () => {

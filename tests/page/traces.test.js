@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
-import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
+import { Bench, openBrowser, PATIENCE_MS, SIZES, until } from './bench.js';
 
 let browser;
 let bench;
@@ -32,10 +32,6 @@ const picture = () => page.evaluate(() => {
   for (let i = 0; i < pixels.length; i += 4) sum = (sum * 31 + pixels[i]) % 1e9;
   return sum;
 });
-async function until(condition) {
-  for (const deadline = Date.now() + PATIENCE_MS; !(await condition()); await new Promise((done) => setTimeout(done, 100)))
-    if (Date.now() > deadline) throw new Error(`never: ${condition}`);
-}
 // The CSV that the page saves, as rows of text.
 async function saved() {
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#trace-save')]);
