@@ -6,18 +6,16 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/printable.hpp"
+
 namespace dwell::config {
 namespace {
 
 // Cuts at a boundary between UTF-8 characters.
 std::string shortened(std::string_view text, std::size_t most) {
-  std::string out;
   std::size_t end = std::min(text.size(), most);
   while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0u) == 0x80u) --end;
-  for (const char c : text.substr(0, end)) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += byte < 0x20 || byte == 0x7F ? '?' : c;
-  }
+  std::string out = dwell::printable(text.substr(0, end));
   if (end < text.size()) out += "...";
   return out;
 }

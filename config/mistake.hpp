@@ -50,7 +50,7 @@ class MistakeList {
   std::size_t left_out_ = 0;
 };
 
-// Text of the file made fit for a message: in quotes, shortened to about 60 bytes, control characters replaced.
+// Text of the file made fit for a message: in quotes, shortened to about 60 bytes, controls replaced.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 // The same without the quotes, for messages of others, shortened to about 300 bytes.
 [[nodiscard]] std::string one_line(std::string_view text);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "config/rig_file.hpp"
+#include "core/base/printable.hpp"
 #include "daemon/acquire/plugin.hpp"
 #include "daemon/gpio/kernel_lines.hpp"
 #include "daemon/gpio/panel.hpp"
@@ -57,11 +58,11 @@ void prepare_signals() {
 
 void print_summary(const RigFile& file) {
   std::printf("%s: rig \"%s\", %d masses, %d elements, %zu channels, %zu devices\n", file.path.c_str(),
-              file.rig.name.c_str(), file.rig.mass_count(), file.rig.element_count(), file.rig.channels.size(),
-              file.devices.size());
+              dwell::printable(file.rig.name).c_str(), file.rig.mass_count(), file.rig.element_count(),
+              file.rig.channels.size(), file.devices.size());
   for (const dwell::config::DeviceSettings& device : file.devices)
     for (const std::string& note : {dwell::config::rate_note(file, device), dwell::config::line_note(device)})
-      if (!note.empty()) std::printf("%s: %s\n", file.path.c_str(), note.c_str());
+      if (!note.empty()) std::printf("%s: %s\n", file.path.c_str(), dwell::printable(note).c_str());
 }
 
 // What only the service needs, beside a rig file without mistakes.

@@ -1,26 +1,13 @@
 #include "daemon/ctl/alarm_table.hpp"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/ctl/json_member.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
 namespace dwell::ctl {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string string_in(const Json& object, const char* name) {
-  const auto it = object.is_object() ? object.find(name) : object.end();
-  return it != object.end() && it->is_string() ? it->get<std::string>() : "";
-}
-
-std::size_t number_in(const Json& object, const char* name) {
-  const auto it = object.is_object() ? object.find(name) : object.end();
-  const bool counts = it != object.end() && it->is_number_integer() && *it >= 0;
-  return counts ? it->get<std::size_t>() : 0;
-}
 
 // "2026-11-23T12:03:17.250000Z" to the second, as people write it.
 std::string time_text(const std::string& iso) {
@@ -41,12 +28,12 @@ std::optional<AlarmsList> alarms_from_json(const Json& value) {
   const auto found = value.is_object() ? value.find("alarms") : value.end();
   if (found == value.end() || !found->is_array()) return std::nullopt;
   AlarmsList list;
-  list.unacknowledged = number_in(value, "unacknowledged");
-  list.left_out = number_in(value, "left_out");
+  list.unacknowledged = count_member(value, "unacknowledged");
+  list.left_out = count_member(value, "left_out");
   for (const Json& item : *found)
-    list.alarms.push_back({string_in(item, "name"), string_in(item, "text"), string_in(item, "state"),
-                           string_in(item, "since"), string_in(item, "acknowledged_by"),
-                           std::to_string(number_in(item, "count"))});
+    list.alarms.push_back({text_member(item, "name"), text_member(item, "text"), text_member(item, "state"),
+                           text_member(item, "since"), text_member(item, "acknowledged_by"),
+                           count_member(item, "count")});
   return list;
 }
 
@@ -57,7 +44,7 @@ std::string alarms_table(const AlarmsList& list) {
     names.push_back(alarm.name);
     states.push_back(alarm.state);
     since.push_back(time_text(alarm.since));
-    counts.push_back(alarm.count);
+    counts.push_back(alarm.count > 0 ? std::to_string(alarm.count) : kNoNumber);
     by.push_back(alarm.by.empty() ? kNoNumber : alarm.by);
     texts.push_back(alarm.text);
   }
@@ -81,7 +68,7 @@ Section alarms_section(const AlarmsList& list, std::size_t columns) {
   };
   for (const ListedAlarm& alarm : list.alarms) {
     std::string text = alarm.state + ": " + alarm.name;
-    if (alarm.count != "1") text += ", " + alarm.count + " times";
+    if (alarm.count > 1) text += ", " + std::to_string(alarm.count) + " times";
     text += ", since " + time_text(alarm.since) + " UTC: " + alarm.text;
     if (!alarm.by.empty()) text += " (" + alarm.by + ")";
     add(text, waits(alarm) ? Style::alarm : Style::plain);

@@ -13,25 +13,28 @@
 
 namespace dwell::ctl {
 
+// Words as the service sends them; what it did not send is empty.
 struct ListedAlarm {
-  std::string name, text, state, since, by;
-  std::string count;  // times raised
+  std::string name, text, state;
+  std::string since;      // ISO 8601, UTC
+  std::string by;         // who acknowledged it
+  std::size_t count = 0;  // times raised; 0: not told
 };
 struct AlarmsList {
   std::size_t unacknowledged = 0;
-  std::size_t left_out = 0;
-  std::vector<ListedAlarm> alarms;  // in the service's order: those that wait for somebody first
+  std::size_t left_out = 0;         // found no room in the service's list
+  std::vector<ListedAlarm> alarms;  // in the service's order: those that nobody has acknowledged first
 };
 
 // The name of the section.
 inline constexpr std::string_view kAlarms = "alarms";
 
-// nullopt: it is no list of alarms.
+// value: the interface's object of alarms. nullopt: it is no list of alarms.
 [[nodiscard]] std::optional<AlarmsList> alarms_from_json(const nlohmann::ordered_json& value);
 
 // One line per alarm, the state in words; or that there is none.
 [[nodiscard]] std::string alarms_table(const AlarmsList& list);
-// The same for the screen of watch: those that wait for somebody stand out. No alarms: empty.
+// The same for the screen of watch, where those that nobody has acknowledged stand out. No alarms: empty.
 [[nodiscard]] Section alarms_section(const AlarmsList& list, std::size_t columns);
 
 }  // namespace dwell::ctl

@@ -34,8 +34,8 @@ const char* name_of(AuditState state) {
 
 std::string verdict(const record::Audit& audit) {
   if (audit.state == AuditState::tampered) return "tampered: " + audit.where;
-  std::string text = "intact";
   if (audit.head.empty()) return "open, without any entry";
+  std::string text = "intact";
   if (audit.state == AuditState::open) {
     text = "open until " + (audit.until_s ? seconds_text(*audit.until_s, 3) : std::string(kNoNumber));
     if (!audit.until_utc.empty()) text += " (" + audit.until_utc + ")";

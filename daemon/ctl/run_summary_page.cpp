@@ -182,8 +182,9 @@ Section model_section(const RunSummary& run, std::size_t columns) {
   section.head.push_back({"estimates and verifications", Style::title});
   const std::size_t left_out = run.models.size() - std::min(run.models.size(), kMostEvents);
   if (left_out > 0)
-    section.body.push_back(
-        {"  the newest of " + std::to_string(run.models.size()) + ", which --json shows", Style::plain});
+    section.body.push_back({"  the newest " + std::to_string(kMostEvents) + " of " + std::to_string(run.models.size()) +
+                                "; --json shows all",
+                            Style::plain});
   for (std::size_t i = left_out; i < run.models.size(); ++i) {
     const record::StoredModel& model = run.models[i];
     const std::string line = "  " + printable(instant(model.utc, run.header)) + "  " + pad_right(model.kind, 12) + "  ";

@@ -9,6 +9,7 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/fetch.hpp"
+#include "daemon/ctl/json_member.hpp"
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/ctl/run_summary.hpp"
@@ -32,21 +33,6 @@ Json row_of(const record::ListedRun& run) {
           {"dwells", run.dwells},   {"kept", run.kept}};
 }
 
-std::string row_text(const Json& row, const char* name) {
-  const auto it = row.is_object() ? row.find(name) : row.end();
-  return it != row.end() && it->is_string() ? it->get<std::string>() : "";
-}
-
-double row_number(const Json& row, const char* name) {
-  const auto it = row.is_object() ? row.find(name) : row.end();
-  return it != row.end() && it->is_number() ? it->get<double>() : kNaN;
-}
-
-std::string row_count(const Json& row, const char* name) {
-  const auto it = row.is_object() ? row.find(name) : row.end();
-  return it != row.end() && it->is_number_integer() ? it->dump() : kNoNumber;
-}
-
 // "2026-07-01 10:12:20", whole seconds: a row must fit beside others.
 std::string instant(const std::string& utc) {
   const auto ns = record::parse_utc(utc);
@@ -65,15 +51,15 @@ std::string length(const std::string& begun, const std::string& ended) {
 std::string runs_table(const Json& list) {
   std::vector<std::string> numbers, starts, lengths, states, dwells, sizes, labels, files;
   for (const Json& row : list) {
-    numbers.push_back(row_count(row, "run"));
-    starts.push_back(instant(row_text(row, "begun")));
-    lengths.push_back(length(row_text(row, "begun"), row_text(row, "ended")));
-    states.push_back(row_text(row, "state"));
-    dwells.push_back(row_count(row, "dwells"));
-    const double bytes = row_number(row, "bytes");
+    numbers.push_back(integer_text(row, "run"));
+    starts.push_back(instant(text_member(row, "begun")));
+    lengths.push_back(length(text_member(row, "begun"), text_member(row, "ended")));
+    states.push_back(text_member(row, "state"));
+    dwells.push_back(integer_text(row, "dwells"));
+    const double bytes = number_member(row, "bytes");
     sizes.push_back(std::isfinite(bytes) ? bytes_text(bytes) : kNoNumber);
-    labels.push_back(row_text(row, "label"));
-    files.push_back(row_text(row, "file"));
+    labels.push_back(text_member(row, "label"));
+    files.push_back(text_member(row, "file"));
   }
   Table table;
   table.add("run", std::move(numbers), Align::right);

@@ -3,32 +3,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "core/result/condition.hpp"
+#include "daemon/ctl/json_member.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
 namespace dwell::ctl {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-double number_of(const Json& object, const char* name) {
-  const auto it = object.is_object() ? object.find(name) : object.end();
-  return it != object.end() && it->is_number() ? it->get<double>() : kNaN;
-}
-
-std::string text_of(const Json& object, const char* name) {
-  const auto it = object.is_object() ? object.find(name) : object.end();
-  return it != object.end() && it->is_string() ? it->get<std::string>() : "";
-}
-
-std::string count_of(const Json& object, const char* name) {
-  const auto it = object.is_object() ? object.find(name) : object.end();
-  return it != object.end() && it->is_number_integer() ? it->dump() : kNoNumber;
-}
 
 std::string fixed(double value, int decimals, const char* unit) {
   if (!std::isfinite(value) || std::fabs(value) >= 1e15) return kNoNumber;
@@ -39,9 +22,9 @@ std::string fixed(double value, int decimals, const char* unit) {
 
 // Whose clock, and its rate where it is known.
 std::string clock_text(const Json& channel) {
-  const std::string kind = text_of(channel, "clock");
+  const std::string kind = text_member(channel, "clock");
   if (kind.empty()) return kNoNumber;
-  const double rate_hz = number_of(channel, "clock_rate_hz");
+  const double rate_hz = number_member(channel, "clock_rate_hz");
   return std::isfinite(rate_hz) ? kind + " " + fixed(rate_hz, 3, "Hz") : kind;
 }
 
@@ -68,14 +51,14 @@ std::string channels_table(const Json& list) {
   std::vector<std::string> names, states, reasons, ages, rates, clocks, jitters, drifts;
   for (const Json& channel : list) {
     clocks.push_back(clock_text(channel));
-    jitters.push_back(fixed(1e3 * number_of(channel, "jitter_s"), 3, "ms"));
-    drifts.push_back(fixed(number_of(channel, "drift_ppm"), 1, "ppm"));
-    names.push_back(text_of(channel, "name"));
-    values.push_back(reading(number_of(channel, "value"), text_of(channel, "unit")));
-    rates.push_back(fixed(number_of(channel, "rate_hz"), 1, "Hz"));
-    ages.push_back(fixed(number_of(channel, "age_s"), 3, "s"));
-    states.push_back(text_of(channel, "status"));
-    reasons.push_back(text_of(channel, "reason"));
+    jitters.push_back(fixed(1e3 * number_member(channel, "jitter_s"), 3, "ms"));
+    drifts.push_back(fixed(number_member(channel, "drift_ppm"), 1, "ppm"));
+    names.push_back(text_member(channel, "name"));
+    values.push_back(reading(number_member(channel, "value"), text_member(channel, "unit")));
+    rates.push_back(fixed(number_member(channel, "rate_hz"), 1, "Hz"));
+    ages.push_back(fixed(number_member(channel, "age_s"), 3, "s"));
+    states.push_back(text_member(channel, "status"));
+    reasons.push_back(text_member(channel, "reason"));
   }
   Table table;
   table.add("channel", std::move(names));
@@ -88,7 +71,7 @@ std::string channels_table(const Json& list) {
   table.add("drift", std::move(drifts), Align::right);
   for (const char* name : {"lost", "received", "used", "dropped", "queued", "gaps"}) {
     std::vector<std::string> counts;
-    for (const Json& channel : list) counts.push_back(count_of(channel, name));
+    for (const Json& channel : list) counts.push_back(integer_text(channel, name));
     table.add(name, std::move(counts), Align::right);
   }
   table.add("", std::move(reasons));
@@ -100,8 +83,8 @@ std::string gpio_text(const Json& health) {
   const auto gpio = health.is_object() ? health.find("gpio") : health.end();
   if (gpio == health.end() || !gpio->is_object()) return text;
   for (const auto& [name, line] : gpio->items()) {
-    const double level = number_of(line, "level");
-    if (const std::string reason = text_of(line, "reason"); !reason.empty()) {
+    const double level = number_member(line, "level");
+    if (const std::string reason = text_member(line, "reason"); !reason.empty()) {
       text += "gpio       " + printable(name) + " does not work: " + printable(reason) + "\n";
     } else if (name == "interlock" && std::isfinite(level)) {
       text += level == 0.0 ? "interlock  open: the shaker may not run\n" : "interlock  closed\n";
@@ -222,13 +205,13 @@ std::vector<Probed> probed_from_json(const Json& list) {
   std::vector<Probed> channels;
   for (const Json& channel : list) {
     Probed probed;
-    probed.name = text_of(channel, "name");
-    probed.device = text_of(channel, "device");
-    probed.value = number_of(channel, "value");
-    probed.unit = text_of(channel, "unit");
-    probed.rate_hz = number_of(channel, "rate_hz");
-    probed.latency_s = number_of(channel, "latency_s");
-    probed.status = status_with_reason(text_of(channel, "status"), text_of(channel, "reason"));
+    probed.name = text_member(channel, "name");
+    probed.device = text_member(channel, "device");
+    probed.value = number_member(channel, "value");
+    probed.unit = text_member(channel, "unit");
+    probed.rate_hz = number_member(channel, "rate_hz");
+    probed.latency_s = number_member(channel, "latency_s");
+    probed.status = status_with_reason(text_member(channel, "status"), text_member(channel, "reason"));
     channels.push_back(std::move(probed));
   }
   return channels;

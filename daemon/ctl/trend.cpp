@@ -10,8 +10,8 @@
 namespace dwell::ctl {
 namespace {
 
-// The least that a line shows: blocks of 3 s.
-constexpr double kLeast_s = 60.0;
+// The shortest line, s: a point in each block.
+constexpr double kLeast_s = Trend::kEvery_s * static_cast<double>(Trend::kBlocks);
 
 bool has_coefficients(const Dwell& dwell) { return std::isfinite(dwell.settled_s) && !dwell.elements.empty(); }
 
@@ -89,9 +89,7 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
       return line_of(in_blocks(which, i, now_s - reach_s, now_s), newest);
     };
     const Line c = line(&Point::stiffness, element.stiffness), r = line(&Point::damping, element.damping);
-    const std::string number = std::to_string(element.k);
-    const std::string name = std::string(7 - std::min<std::size_t>(number.size(), 7), ' ') + number + "  ";
-    const std::string left = name + c.blocks + "  " + c.reach;
+    const std::string left = pad_left(std::to_string(element.k), 7) + "  " + c.blocks + "  " + c.reach;
     if (wide) {
       section.body.push_back({pad_right(left, 43) + r.blocks + "  " + r.reach, Style::plain});
     } else {
@@ -102,7 +100,7 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
   if (section.body.empty()) return section;
   std::vector<std::string> title =
       wrapped("trend of the last " + age_text(reach_s) +
-                  "; middle: the newest value, top and bottom: ± what stands beside, at least twice its U95",
+                  "; middle: newest value, whole height: ± the percentage beside, at least twice U95",
               columns);
   for (std::string& text : title) section.head.push_back({std::move(text), Style::hint});
   section.head.push_back(

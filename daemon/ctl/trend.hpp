@@ -1,11 +1,11 @@
 // How each coefficient has moved since watch began, an hour at most, drawn as a line of block characters:
 //
-//   trend of the last 12 min; middle: the newest value, top and bottom: ± what stands beside, at least twice its U95
+//   trend of the last 12 min; middle: newest value, whole height: ± the percentage beside, at least twice U95
 //   element  stiffness                       damping
 //         1  ▄▄▄▄▅▅▄▄▄▄▅▄▄▄▄▄▄▄▄▄  ± 0.20 %  ▃▃▃▄▄▄▄▄▅▅▅▄▄▄▄▄▄▄▄▄  ± 2.6 %
 //
-// That ± is twice the U95 of the newest value, or more where a value was further away. Where it is not more, the four
-// middle heights of eight are the newest ± U95. A blank: no coefficient was given then.
+// The percentage is twice the U95 of the newest value; then the four middle heights of eight are the newest ± U95. It
+// is more where an older value was further away. A blank: no coefficient was given then.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once
@@ -23,17 +23,17 @@ inline constexpr std::string_view kTrend = "trend";
 
 class Trend {
  public:
-  static constexpr double kSpan_s = 3600.0;
-  // A line has 20 blocks. Every 3 s, a minute fills them; 1200 points make an hour.
-  static constexpr double kEvery_s = 3.0;
+  static constexpr double kSpan_s = 3600.0;  // older points are dropped
+  // Blocks of a line: two lines of 20 with their percentages fit beside each other in 80 columns.
   static constexpr std::size_t kBlocks = 20;
+  // Between two points that are kept: the shortest line, of a minute, has one in each block; an hour has 1200.
+  static constexpr double kEvery_s = 3.0;
 
   // The dwell as it stands; one whose coefficients are not given leaves a blank. now_s: never less than before.
   void take(const DwellView& view, double now_s);
 
-  // A line for each element that has coefficients in `view`; empty: there is none, or nothing has been seen before.
-  // A table cell holds 20 blocks, so a line is 76 columns wide; where fewer are to be had, damping stands on a line of
-  // its own.
+  // A line for each element that has coefficients in `view`; below 80 columns damping stands on a line of its own.
+  // Empty: there is none, or nothing has been seen before.
   [[nodiscard]] Section section(const DwellView& view, double now_s, std::size_t columns) const;
 
  private:

@@ -197,7 +197,10 @@ class Watch {
     limits.time = kAsk;
     const auto channels = http_get(url_, "/api/v1/channels", limits);
     const auto alarms = channels ? http_get(url_, "/api/v1/alarms", limits) : channels;
-    if (alarms) state_.alarms = alarms_from_json(Json::parse(alarms->body, nullptr, false)).value_or(AlarmsList{});
+    // An answer that is no list, a refusal for instance, leaves the one before, which grows old.
+    if (alarms)
+      if (auto list = alarms_from_json(Json::parse(alarms->body, nullptr, false)))
+        state_.take(std::move(*list), now_s());
     const auto health = channels ? http_get(url_, "/api/v1/health", limits) : channels;
     // Who does not answer is asked less often, since keys wait for the answer.
     ask_at_ = in(health ? kAsk : 10 * kAsk);
@@ -205,7 +208,7 @@ class Watch {
     const Json list = Json::parse(channels->body, nullptr, false);
     if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
     const Json value = Json::parse(health->body, nullptr, false);
-    state_.gpio = gpio_text(value);
+    state_.take_gpio(gpio_text(value), now_s());
     if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
       state_.name = value["rig"].get<std::string>();
     }
@@ -288,7 +291,8 @@ class Watch {
     if (!state_.trouble.empty()) {
       status += " · " + printable(state_.trouble);
     } else if (state_.dwell() && !fresh) {
-      status += " · no new data";
+      status +=
+          state_.silence(now_s()) == Silence::estimation ? " · the estimation publishes nothing new" : " · no new data";
     } else if (back_) {
       status += " · connected again";
     }

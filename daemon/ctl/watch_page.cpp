@@ -27,7 +27,7 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
   options.truth = truth;
   if (state.old(now_s)) options.age = age_text(state.age_s(now_s));
   // An old list tells nothing of now.
-  if (!state.dwell() || state.channels_age_s(now_s) > 2.0 * WatchState::kOld_s) return options;
+  if (!state.dwell() || state.channels_age_s(now_s) > WatchState::kListOld_s) return options;
   for (const ChannelLabel& label : state.dwell()->channels) {
     ChannelNote& note = options.channels.emplace_back();
     const auto channel = state.channel(label.name, now_s);
@@ -36,6 +36,19 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
     if (channel->age_s > WatchState::kOld_s) note.age = age_text(channel->age_s);
   }
   return options;
+}
+
+// Why the numbers are old.
+std::string why_old(const WatchState& state, double now_s) {
+  switch (state.silence(now_s)) {
+    case Silence::service:
+      return "the service has said nothing for " + age_text(state.silent_s(now_s));
+    case Silence::estimation:
+      return "the service answers, but its estimation publishes nothing new";
+    case Silence::data:
+      return "the service answers, but no new data come";
+  }
+  return {};
 }
 
 // What an operator must know before reading any number. where: of the list of alarms, ", page 2" or nothing.
@@ -47,27 +60,20 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
   }
   if (!state.trouble.empty()) add(lines, "NO CONNECTION: " + state.trouble, columns, Style::alarm);
   if (state.dwell() && state.old(now_s)) {
-    const std::string age = age_text(state.age_s(now_s));
-    const bool silent = state.silent(now_s);
-    std::string text = "OLD NUMBERS, from " + age + " ago: ";
-    if (controls.paused_s)
-      text += "paused";
-    else if (silent)
-      text += "the service has said nothing for " + age_text(state.silent_s(now_s));
-    else
-      text += "the service answers, but no new data come";
-    add(lines, text, columns, Style::alarm);
+    const std::string why = controls.paused_s ? "paused" : why_old(state, now_s);
+    add(lines, "OLD NUMBERS, from " + age_text(state.age_s(now_s)) + " ago: " + why, columns, Style::alarm);
   }
-  std::string gpio = state.gpio;
+  const auto heard = [](bool old) { return old ? std::string("when last heard: ") : std::string(); };
+  std::string gpio = state.gpio();
   for (auto end = gpio.find('\n'); end != std::string::npos; end = gpio.find('\n')) {
     const bool well = gpio.compare(0, end, "interlock  closed") == 0;
-    add(lines, gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
+    add(lines, heard(state.gpio_old(now_s)) + gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
-  if (const std::size_t count = state.alarms.unacknowledged; count > 0)
+  if (const std::size_t count = state.alarms().unacknowledged; count > 0)
     add(lines,
-        (state.trouble.empty() ? "" : "when last heard: ") + std::to_string(count) +
-            (count > 1 ? " alarms" : " alarm") + " not acknowledged" + where,
+        heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
+            " not acknowledged" + where,
         columns, Style::alarm);
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
@@ -176,11 +182,13 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
     // Behind the coefficients, which stand behind the doubts.
     if (Section trend = state.trend().section(*state.dwell(), now_s, columns); !trend.body.empty()) {
+      if (state.old(now_s))
+        for (TextLine& line : trend.body) line.style = Style::old;
       const std::size_t before = sections[0].name == kDoubts ? 2 : 1;
       sections.insert(sections.begin() + static_cast<std::ptrdiff_t>(before), std::move(trend));
     }
   }
-  if (Section list = alarms_section(state.alarms, columns); !list.body.empty()) sections.push_back(std::move(list));
+  if (Section list = alarms_section(state.alarms(), columns); !list.body.empty()) sections.push_back(std::move(list));
 
   // The header tells the pages of doubts and warnings, and its height decides on which pages they are: the second time
   // round its height is known.
@@ -246,7 +254,8 @@ std::string last_words(const WatchState& state, const Truth* truth, double now_s
   for (TextLine& line : alarms(state, {}, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
   head.body.push_back({(state.old(now_s) ? "last seen: " : "") + headline(*state.dwell()), Style::plain});
   sections.insert(sections.begin(), std::move(head));
-  if (Section list = alarms_section(state.alarms, kUnlimited); !list.body.empty()) sections.push_back(std::move(list));
+  if (Section list = alarms_section(state.alarms(), kUnlimited); !list.body.empty())
+    sections.push_back(std::move(list));
   return plain_text(sections);
 }
 

@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "daemon/ctl/json_member.hpp"
 
 namespace dwell::ctl {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string member_text(const Json& object, const char* name) {
-  const auto it = object.is_object() ? object.find(name) : object.end();
-  return it != object.end() && it->is_string() ? it->get<std::string>() : "";
-}
 
 // Whether there are data that ought to move on: while idle, or where the drive is not seen, there are none.
 bool has_data(const Dwell& dwell) {
@@ -32,13 +26,12 @@ std::vector<ChannelState> channel_states(const Json& list) {
   if (!list.is_array()) return channels;
   for (const Json& item : list) {
     ChannelState channel;
-    channel.name = member_text(item, "name");
-    channel.status = member_text(item, "status");
+    channel.name = text_member(item, "name");
+    channel.status = text_member(item, "status");
     if (channel.status == "ok") channel.status.clear();
-    const std::string reason = member_text(item, "reason");
+    const std::string reason = text_member(item, "reason");
     if (!reason.empty() && reason != channel.status) channel.status += (channel.status.empty() ? "" : ": ") + reason;
-    const auto age = item.is_object() ? item.find("age_s") : item.end();
-    if (age != item.end() && age->is_number()) channel.age_s = age->get<double>();
+    channel.age_s = number_member(item, "age_s");
     channels.push_back(std::move(channel));
   }
   return channels;
@@ -46,18 +39,30 @@ std::vector<ChannelState> channel_states(const Json& list) {
 
 void WatchState::take(DwellView dwell, double now_s) {
   if (!dwell_ || !has_data(dwell.dwell) || moved(dwell_->dwell, dwell.dwell)) {
+    // The service may have told the same for minutes before watch began.
+    const double published_s = dwell.age && std::isfinite(dwell.age->s) ? now_s - dwell.age->s : now_s;
     std::rotate(turn_s_, turn_s_ + 2, turn_s_ + 3);
-    turn_s_[0] = std::isfinite(moved_s_) ? now_s - moved_s_ : 0.0;
-    moved_s_ = now_s;
+    turn_s_[0] = std::isfinite(moved_s_) ? published_s - moved_s_ : 0.0;
+    moved_s_ = published_s;
   }
-  heard_s_ = now_s;
+  heard_s_ = told_s_ = now_s;
   trend_.take(dwell, now_s);
   dwell_ = std::move(dwell);
 }
 
 void WatchState::take(std::vector<ChannelState> channels, double now_s) {
   channels_ = std::move(channels);
-  channels_s_ = now_s;
+  heard_s_ = channels_s_ = now_s;
+}
+
+void WatchState::take(AlarmsList alarms, double now_s) {
+  alarms_ = std::move(alarms);
+  heard_s_ = alarms_s_ = now_s;
+}
+
+void WatchState::take_gpio(std::string lines, double now_s) {
+  gpio_ = std::move(lines);
+  heard_s_ = gpio_s_ = now_s;
 }
 
 // One outage among three renewals must not pass as usual: the shortest counts.
@@ -66,6 +71,13 @@ double WatchState::old_after_s() const {
 }
 
 double WatchState::age_s(double now_s) const { return now_s - moved_s_; }
+
+bool WatchState::old(double now_s) const { return !trouble.empty() || stale() || age_s(now_s) > old_after_s(); }
+
+Silence WatchState::silence(double now_s) const {
+  if (!trouble.empty() || silent(now_s)) return Silence::service;
+  return stale() || now_s - told_s_ > old_after_s() ? Silence::estimation : Silence::data;
+}
 
 std::optional<ChannelState> WatchState::channel(const std::string& asked, double now_s) const {
   const auto found =

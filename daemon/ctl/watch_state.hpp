@@ -4,6 +4,7 @@
 // Bound to one thread, not real-time.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -26,6 +27,12 @@ struct ChannelState {
 };
 [[nodiscard]] std::vector<ChannelState> channel_states(const nlohmann::ordered_json& list);
 
+enum class Silence : std::uint8_t {
+  service,     // it says nothing at all
+  estimation,  // the service answers, but its estimation publishes nothing
+  data,        // the estimation publishes, but always the same data
+};
+
 class WatchState {
  public:
   // Numbers that are older than this are shown as old, if they are usually renewed more often, s. The service tells the
@@ -34,18 +41,27 @@ class WatchState {
   static constexpr double kOld_s = 2.5;
   // … else where this many of the usual times between renewals have passed.
   static constexpr double kUsualTimes = 2.5;
+  // Lists older than this are shown as old, s. They are asked for once a second, and after a question without an answer
+  // 10 s later: at least one had none.
+  static constexpr double kListOld_s = 2.0 * kOld_s;
 
-  // A dwell that the service told.
+  // A dwell that the stream told; its age, where it has one, counts from what the service says.
   void take(DwellView dwell, double now_s);
+  // Answers to what is asked beside the stream.
   void take(std::vector<ChannelState> channels, double now_s);
+  void take(AlarmsList alarms, double now_s);
+  // What is to be known of the GPIO lines, as lines that end with a newline each.
+  void take_gpio(std::string lines, double now_s);
 
-  // Since the dwell's data last moved on; while there are none: since anything was heard.
+  // Since the dwell's data last moved on; while there are none: since it was published.
   [[nodiscard]] double age_s(double now_s) const;
-  // Since the service last said anything of the dwell.
+  // Since the service last said anything, by the stream or by an answer.
   [[nodiscard]] double silent_s(double now_s) const { return now_s - heard_s_; }
-  // Whether the numbers are no longer renewed: not for long, or not at all since the connection is gone.
-  [[nodiscard]] bool old(double now_s) const { return !trouble.empty() || age_s(now_s) > old_after_s(); }
+  // Whether the numbers are no longer renewed: by the service's word, for long, or since the connection is gone.
+  [[nodiscard]] bool old(double now_s) const;
   [[nodiscard]] bool silent(double now_s) const { return silent_s(now_s) > old_after_s(); }
+  // Who is silent where the numbers are old.
+  [[nodiscard]] Silence silence(double now_s) const;
   [[nodiscard]] double old_after_s() const;
 
   [[nodiscard]] const std::optional<DwellView>& dwell() const noexcept { return dwell_; }
@@ -54,22 +70,35 @@ class WatchState {
   // Since the channels' list was made; infinite: never.
   [[nodiscard]] double channels_age_s(double now_s) const { return now_s - channels_s_; }
 
+  [[nodiscard]] const AlarmsList& alarms() const noexcept { return alarms_; }
+  [[nodiscard]] bool alarms_old(double now_s) const { return list_old(alarms_s_, now_s); }
+  [[nodiscard]] const std::string& gpio() const noexcept { return gpio_; }
+  [[nodiscard]] bool gpio_old(double now_s) const { return list_old(gpio_s_, now_s); }
+
   // Of the dwells that were taken.
   [[nodiscard]] const Trend& trend() const noexcept { return trend_; }
 
   std::string name;     // of the rig, or the service's address
   std::string trouble;  // what is wrong with the connection; empty: nothing
-  std::string gpio;     // what is to be known of the GPIO lines, as lines
-  AlarmsList alarms;
 
  private:
+  [[nodiscard]] bool list_old(double heard_s, double now_s) const {
+    return !trouble.empty() || now_s - heard_s > kListOld_s;
+  }
+  [[nodiscard]] bool stale() const { return dwell_ && dwell_->age && dwell_->age->stale; }
+
   std::optional<DwellView> dwell_;
-  double heard_s_ = kNever;
+  double heard_s_ = kNever;  // anything
+  double told_s_ = kNever;   // a dwell
   double moved_s_ = kNever;
   double turn_s_[3] = {0.0, 0.0, 0.0};  // times between the last renewals, newest first
   Trend trend_;
   std::vector<ChannelState> channels_;
   double channels_s_ = kNever;
+  AlarmsList alarms_;
+  double alarms_s_ = kNever;
+  std::string gpio_;
+  double gpio_s_ = kNever;
 };
 
 }  // namespace dwell::ctl

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/printable.hpp"
+
 namespace dwell::handon {
 namespace {
 
@@ -22,10 +24,8 @@ std::size_t character(std::string_view text) {
   }
   constexpr unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool control = code < 0xA0 || code == 0xFFFE || code == 0xFFFF;
-  // With overrides of the writing direction a label could rearrange the text beside it.
-  const bool direction = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
   const bool valid = code >= least[length] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
-  return valid && !control && !direction ? length : 0;
+  return valid && !control && !turns_text(code) ? length : 0;
 }
 
 std::string open_tag(std::string_view tag, std::string_view css_class) {

@@ -1,4 +1,5 @@
-// A line and its fields as the one string that spdlog carries: message, then \x1f KEY=value for each field.
+// A line and its fields as the one string that spdlog carries: message, then \x1f KEY=value for each field. Controls in
+// message and values become blanks.
 #pragma once
 
 #include <initializer_list>

@@ -38,10 +38,10 @@ struct ModelVerdict {
   double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
 };
 
-// Of a live dwell, when it was told.
+// How old a live dwell was when the service told it.
 struct LiveAge {
-  double s = kNaN;     // since the estimation published it; not finite: it has published nothing
-  bool stale = false;  // by the service's judgement: nothing of the dwell is known to be true now
+  double s = kNaN;     // since the estimation published it, s; not finite: it has published nothing
+  bool stale = false;  // the service's judgement: nothing of the dwell is known to be true now
 };
 
 struct DwellView {
@@ -52,7 +52,7 @@ struct DwellView {
   // Of a live dwell: its coefficients from the transient, whose `reason` says why there are none; null: nothing is
   // known of it.
   std::shared_ptr<const MotionView> transient = nullptr;
-  std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell that has settled
+  std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell that has settled and is not stale
   std::vector<JudgedLimit> limits = {};              // the rig's, by this dwell's coefficients
   std::optional<LiveAge> age = std::nullopt;         // of a live dwell
 };

@@ -13,8 +13,7 @@
 namespace dwell {
 namespace {
 
-// Significant digits of a bound: at least as many as a person writes into a rig file; at most what a double carries.
-constexpr int kLeastDigits = 4, kMostDigits = 15;
+constexpr int kLeastDigits = 4;      // of a bound, significant: "7.500 to 8.500 kN/m" lines up
 constexpr std::size_t kIndent = 11;  // as the lines on settling
 
 void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
@@ -22,12 +21,12 @@ void add(Section& section, const std::string& text, const TextOptions& options, 
     section.body.push_back({std::move(line), options.age.empty() ? style : Style::old});
 }
 
-// With as many digits as it takes for the text to be the bound: a rounded one would look kept, or violated, where it is
-// not.
+// With as many digits as it takes for the text to be the bound, and no more than kMaxDigits: a rounded bound would look
+// kept, or violated, where it is not.
 NumberText bound_text(double bound, std::string_view unit) {
   int digits = kLeastDigits;
   std::array<char, 32> text{};
-  for (; digits < kMostDigits; ++digits) {
+  for (; digits < kMaxDigits; ++digits) {
     std::snprintf(text.data(), text.size(), "%.*e", digits - 1, bound);
     if (std::strtod(text.data(), nullptr) == bound) break;
   }

@@ -18,8 +18,6 @@ struct Decimal {
   [[nodiscard]] int order() const { return quantum + static_cast<int>(digits.size()) - 1; }
 };
 
-constexpr int kMaxDigits = 15;  // what a double carries
-
 // `count` significant digits of |v| > 0 (1 … 18), as printf rounds them: exactly, on the binary value.
 Decimal significant(double v, int count) {
   std::array<char, 40> text{};
@@ -215,24 +213,6 @@ std::string pad_left(std::string_view text, std::size_t columns) {
 std::string pad_right(std::string_view text, std::size_t columns) {
   const std::size_t own = width(text);
   return std::string(text).append(columns > own ? columns - own : 0, ' ');
-}
-
-std::string printable(std::string_view text) {
-  std::string clean;
-  clean.reserve(text.size());
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    const bool c1 = c == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
-    if (c < 0x20 || c == 0x7F) {
-      clean += '?';
-    } else if (c1) {
-      clean += '?';
-      ++i;
-    } else {
-      clean += text[i];
-    }
-  }
-  return clean;
 }
 
 }  // namespace dwell

@@ -10,11 +10,15 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/printable.hpp"
+
 namespace dwell {
 
 inline constexpr double kNormal95 = 1.959964;  // half width of the 95 % interval of a normal distribution, in u
 
 inline constexpr const char* kNoNumber = "—";
+
+inline constexpr int kMaxDigits = 15;  // significant decimal digits that a double carries
 
 // The parts of "24.010 ± 0.027 kN/m", apart so that a column can be aligned.
 struct NumberText {
@@ -46,8 +50,5 @@ struct NumberText {
 [[nodiscard]] std::size_t width(std::string_view utf8) noexcept;
 [[nodiscard]] std::string pad_left(std::string_view text, std::size_t columns);
 [[nodiscard]] std::string pad_right(std::string_view text, std::size_t columns);
-
-// Text from outside (names, reasons) without control characters: a terminal must not obey it.
-[[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace dwell

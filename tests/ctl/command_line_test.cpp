@@ -10,6 +10,7 @@
 #include "daemon/report/verification_json.hpp"
 #include "tests/ctl/program.hpp"
 #include "tests/ctl/sample_dwell.hpp"
+#include "tests/ctl/sample_text.hpp"
 #include "tests/ctl/scripted_server.hpp"
 #include "tests/ctl/small_rig.hpp"
 #include "tests/ctl/temporary.hpp"
@@ -19,18 +20,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using test::contents;
-using test::dwell_event;
 using test::http_reply;
 using test::kRig;
 using test::Outcome;
-using test::Program;
 using test::recording;
 using test::Reply;
 using test::run;
+using test::sample_text;
 using test::ScriptedServer;
-
-std::string sample_text() { return to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()); }
-std::string settling_text() { return to_json(test::settling_dwell(), test::sample_rig(), test::sample_run()); }
+using test::settling_text;
+using test::stale_text;
 
 TEST(CommandLine, WrongUsageIsExitCode2) {
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{},
@@ -140,14 +139,6 @@ TEST(CommandLine, StatusIsNoWhileItsNumbersMustNotBeReliedOn) {
   EXPECT_NE(outcome.out.find("do not rely on element 1: y1 and y2 look swapped"), std::string::npos) << outcome.out;
 }
 
-std::string stale_text() {
-  Dwell dwell = test::sample_dwell();
-  dwell.doubts = {{{}, "stale: the service itself does not work: thread estimate has not turned for 5.6 s"}};
-  DwellView view = make_view(dwell, test::sample_rig(), test::sample_run());
-  view.age = LiveAge{5.7, true};
-  return to_json(view);
-}
-
 // The estimation hangs, the rest of the service answers: it said "measuring", with exit code 0.
 TEST(CommandLine, StatusOfAStaleDwellIsNoAndSaysHowOldItIsAndWhy) {
   const std::string broken = R"({"status":"fault","reason":"thread estimate has not turned for 5.6 s","gpio":{}})";
@@ -161,14 +152,6 @@ TEST(CommandLine, StatusOfAStaleDwellIsNoAndSaysHowOldItIsAndWhy) {
   const Outcome json = run({"status", "--json", "--url", server.url()});
   EXPECT_EQ(json.code, 1);
   EXPECT_EQ(Json::parse(json.out)["estimate_age_s"], 5.7);
-}
-
-TEST(CommandLine, WatchUntilThereAreEnoughDataTakesNoStaleOnesForThem) {
-  ScriptedServer server({Reply{test::stream_header() + dwell_event(stale_text()), true}});
-  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20"});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("stale, from 5.7 s ago"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("thread estimate has not turned"), std::string::npos) << outcome.err;
 }
 
 TEST(CommandLine, RearmAsksTheServiceAndSaysWhatCameOfIt) {
@@ -240,78 +223,6 @@ TEST(CommandLine, ChannelsAndDwellsAreTablesOrJson) {
   EXPECT_NE(table.out.find("the last 1 of 7\n"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"dwells", "--json", "--url", server.url()}).out), Json::parse(dwells));
   EXPECT_EQ(run({"dwells", "--url", server.url()}).out, "no dwell has been completed\n");
-}
-
-TEST(CommandLine, WatchAppendsWhereThereIsNoTerminalAndComesBackAfterARestart) {
-  ScriptedServer server({Reply{test::stream_header() + dwell_event(settling_text())},
-                         Reply{test::stream_header() + dwell_event(sample_text()), true}});
-  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20", "--limit", "60"});
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("about 3.2 s left"), std::string::npos);
-  EXPECT_NE(outcome.out.find("the service closed the stream"), std::string::npos);
-  EXPECT_NE(outcome.out.find("connected again"), std::string::npos);
-  EXPECT_NE(outcome.out.find("24.6 s of data"), std::string::npos);
-  EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << "no terminal, no control sequences";
-}
-
-TEST(CommandLine, WatchAppendsEachEstimateFromTheTransientOnce) {
-  DwellView next = test::settling_view();
-  auto longer = std::make_shared<MotionView>(*next.transient);
-  longer->estimate.end_s += 1.6;
-  next.transient = longer;
-  DwellView none = next;
-  auto refused = std::make_shared<MotionView>();
-  refused->estimate.reason = "too few readings: 30";
-  none.transient = refused;
-  const std::string first = dwell_event(to_json(test::settling_view())), second = dwell_event(to_json(next)),
-                    third = dwell_event(to_json(none));
-  ScriptedServer server({Reply{
-      test::stream_header() + first + first + second + second + third + third + dwell_event(sample_text()), true}});
-  const Outcome outcome = run({"watch", "--url", server.url(), "--interval", "3600", "--until", "20"});
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
-  const auto times = [&outcome](const std::string& text) {
-    int count = 0;
-    for (auto at = outcome.out.find(text); at != std::string::npos; at = outcome.out.find(text, at + 1)) ++count;
-    return count;
-  };
-  EXPECT_EQ(times("from the transient, 40.0 to 43.2 s"), 1) << outcome.out;
-  EXPECT_EQ(times("from the transient, 40.0 to 44.8 s"), 1);
-  EXPECT_EQ(times("from the transient: no coefficients"), 1);
-}
-
-TEST(CommandLine, WatchEndsWithCtrlC) {
-  ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text()), true}});
-  Program watch({"watch", "--url", server.url()});
-  for (int i = 0; i < 3000 && watch.out().find("24.6 s of data") == std::string::npos; ++i) ::usleep(10'000);
-  watch.interrupt();
-  const Outcome outcome = watch.wait();
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("24.6 s of data"), std::string::npos);
-}
-
-TEST(CommandLine, WatchAsJsonIsOneObjectPerLine) {
-  ScriptedServer server(
-      {Reply{test::stream_header() + dwell_event(settling_text()) + dwell_event(sample_text()), true}});
-  const Outcome outcome = run({"watch", "--json", "--url", server.url(), "--until", "20"});
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, settling_text() + "\n" + sample_text() + "\n");
-}
-
-TEST(CommandLine, WatchJudgesByTheTruth) {
-  const test::TemporaryFolder folder;
-  const std::string truth = folder.file("truth", R"({"stiffness":[24000,1,1],"damping":[60,1,1]})");
-  ScriptedServer server({Reply{test::stream_header() + dwell_event(sample_text()), true}});
-  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20", "--truth", truth});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.out.find("+0.7 u"), std::string::npos);
-  EXPECT_NE(outcome.err.find("element 2 is not identifiable"), std::string::npos);
-}
-
-TEST(CommandLine, WatchGivesUpAtItsLimit) {
-  ScriptedServer server({Reply{test::stream_header() + dwell_event(settling_text()), true}});
-  const Outcome outcome = run({"watch", "--url", server.url(), "--until", "20", "--limit", "0.3"});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("not enough data within the time allowed"), std::string::npos);
 }
 
 TEST(CommandLine, CheckAsksTheServiceAndIsNoIfAChannelIsSilent) {

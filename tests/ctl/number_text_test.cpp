@@ -115,6 +115,18 @@ TEST(NumberText, WritesUnitsAsPeopleDo) {
   EXPECT_EQ(seconds_text(kNaN, 2), "—");
 }
 
+TEST(AgeText, IsAsPeopleSayIt) {
+  EXPECT_EQ(age_text(0.04), "0.0 s");
+  EXPECT_EQ(age_text(9.9), "9.9 s");
+  EXPECT_EQ(age_text(9.96), "9 s");
+  EXPECT_EQ(age_text(778.9), "778 s");
+  EXPECT_EQ(age_text(1260.0), "21 min");
+  EXPECT_EQ(age_text(18000.0), "5 h");
+  EXPECT_EQ(age_text(3.5 * 86400.0), "3 d");
+  EXPECT_EQ(age_text(kNaN), "—");
+  EXPECT_EQ(age_text(-1.0), "0.0 s");
+}
+
 TEST(Table, LinesUpUnderUtf8AndLeavesNoTrailingBlanks) {
   Table table;
   table.add("name", {"µ", "long·name", "x"});
@@ -126,6 +138,22 @@ TEST(Table, LinesUpUnderUtf8AndLeavesNoTrailingBlanks) {
             "long·name      —\n"
             "x                 end\n");
   EXPECT_EQ(Table{}.text(), "");
+}
+
+// With U+202E "gpj.exe" is read as "exe.jpg". U+009B begins a command as ESC [ does.
+TEST(Printable, LeavesNoControlOfTheTerminalAndNoneOfTheWritingDirection) {
+  const char* const controls[] = {"\u0001", "\u001B", "\u007F", "\u0080", "\u009B", "\u009F",
+                                  "\u061C", "\u200E", "\u200F", "\u202A", "\u202B", "\u202C",
+                                  "\u202D", "\u202E", "\u2066", "\u2067", "\u2068", "\u2069"};
+  for (const char* const control : controls) EXPECT_EQ(printable(std::string("a") + control + "b"), "a?b") << control;
+}
+
+TEST(Printable, LeavesTextInAnyLanguageAndBytesThatAreNoUtf8AsTheyAre) {
+  const std::string beside =
+      "\u00A0\u00B5 · ± \u061B\u061D \u200D\u2010 \u2027\u202F \u2065\u206A שלום 日本 \U0001F600";
+  EXPECT_EQ(printable(beside), beside);
+  for (const std::string broken : {"\xC2", "\xC2z", "\xE2\x80", "\xE2\x80z", "\x9B", "\xFF"})
+    EXPECT_EQ(printable(broken), broken);
 }
 
 TEST(Table, DoesNotLetANameCommandTheTerminal) {

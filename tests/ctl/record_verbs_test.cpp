@@ -1,7 +1,5 @@
-// The verbs that look at run files and sign them, as their users see them.
+// The verbs that look at run files, as their users see them.
 #include <gtest/gtest.h>
-#include <sqlite3.h>
-#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -14,6 +12,7 @@
 #include "daemon/report/number_text.hpp"
 #include "tests/api_schema.hpp"
 #include "tests/ctl/program.hpp"
+#include "tests/ctl/recorded_runs.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/scripted_server.hpp"
 #include "tests/ctl/temporary.hpp"
@@ -22,32 +21,11 @@
 namespace dwell {
 namespace {
 
-using record::sample_key;
 using record::SampleRun;
+using test::holds;
 using test::Outcome;
 
-bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-struct RecordVerbs : testing::Test {
-  SampleRun make(const std::string& name) const {
-    return record::sample_run_file(folder.path(name), key,
-                                   to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()));
-  }
-  std::string written(const std::string& name) const {
-    const SampleRun run = make(name);
-    write(run, key);
-    return run.path;
-  }
-  void alter(const std::string& path, const std::string& sql) const {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
-    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-    sqlite3_close(database);
-  }
-
-  const test::TemporaryFolder folder;
-  const record::SigningKey key = sample_key("bench2");
-};
+using RecordVerbs = test::RecordedRuns;
 
 TEST_F(RecordVerbs, AuditSaysIntactAndWhetherTheKeyIsTheOneAskedFor) {
   const std::string run = written("run.dwell");
@@ -299,105 +277,6 @@ TEST_F(RecordVerbs, RunsAsksTheService) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "no run has been recorded\n");
   EXPECT_TRUE(holds(server.requests().at(0), "GET /api/v1/runs ")) << server.requests().at(0);
-}
-
-TEST_F(RecordVerbs, APersonSignsWithAKeyOfTheirOwn) {
-  const std::string run = written("run.dwell");
-  const std::string own = folder.path("config/key");
-  const Outcome made = test::run({"keygen", "--key", own, "--name", "anna@desk"});
-  ASSERT_EQ(made.code, 0) << made.err;
-  const std::string vkey = test::contents(own + ".pub");
-  EXPECT_TRUE(holds(made.out, vkey)) << made.out;
-  struct stat is {};
-  ASSERT_EQ(stat(own.c_str(), &is), 0);
-  EXPECT_EQ(is.st_mode & 0777u, 0600u);
-  EXPECT_EQ(test::run({"keygen", "--key", own}).code, 2);  // never replaces one
-
-  const Outcome outcome = test::run(
-      {"sign", run, "--meaning", "reviewed", "--name", "Anna Weber", "--reason", "for the certificate", "--key", own});
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_TRUE(holds(outcome.out, "Anna Weber: reviewed")) << outcome.out;
-  EXPECT_TRUE(holds(outcome.out, "with the key anna@desk ")) << outcome.out;
-
-  const Outcome audit = test::run({"audit", run, "--key", key.public_key().vkey()});
-  EXPECT_EQ(audit.code, 0) << audit.out;
-  EXPECT_TRUE(holds(audit.out, ": intact\n  signed: ")) << audit.out;
-  EXPECT_TRUE(holds(audit.out, "Anna Weber")) << audit.out;
-  const Outcome show = test::run({"show", run});
-  EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber: reviewed (for the")) << show.out;
-  EXPECT_TRUE(holds(show.out, "certificate")) << show.out;
-}
-
-TEST_F(RecordVerbs, WordsThatAreNotUtf8AreRefusedAndTheFileStaysAsItWas) {
-  const std::string run = written("run.dwell"), own = folder.path("key"),
-                    bad =
-                        "gepr\xfc"
-                        "ft";
-  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
-  const std::string before = test::contents(run);
-  for (const char* option : {"--meaning", "--name", "--reason"}) {
-    std::vector<std::string> asked = {"sign", run, "--key", own, option, bad};
-    if (option != std::string("--meaning")) asked.insert(asked.end(), {"--meaning", "reviewed"});
-    const Outcome outcome = test::run(asked);
-    EXPECT_EQ(outcome.code, 2) << option;
-    EXPECT_TRUE(holds(outcome.err, option) && holds(outcome.err, "byte 5 is 0xFC, expected text in UTF-8"))
-        << outcome.err;
-  }
-  EXPECT_EQ(test::contents(run), before);
-  for (const std::vector<std::string>& asked :
-       {std::vector<std::string>{"start", "--label", bad},
-        {"start", "--label", "a", "--comment", bad},
-        {"stop", "--comment", bad},
-        {"rearm", "--comment", bad},
-        {"replay", run, "--rig", "r.toml", "-o", "c.dwell", "--comment", bad}}) {
-    const Outcome outcome = test::run(asked);
-    EXPECT_EQ(outcome.code, 2) << asked.front();
-    EXPECT_TRUE(holds(outcome.err, "byte 5 is 0xFC")) << outcome.err;
-  }
-}
-
-TEST_F(RecordVerbs, WhatHasNotEndedIsNotSigned) {
-  SampleRun run = make("open.dwell");
-  run.closed = false;
-  write(run, key);
-  const std::string own = folder.path("key");
-  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
-  const std::string before = test::contents(run.path);
-  const Outcome outcome = test::run({"sign", run.path, "--meaning", "reviewed", "--name", "A", "--key", own});
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_TRUE(holds(outcome.err, "ended")) << outcome.err;
-  EXPECT_EQ(test::contents(run.path), before);
-}
-
-TEST_F(RecordVerbs, SigningThroughAServiceThatIsNotThereSaysWhatElseCanBeDone) {
-  const std::string run = written("run.dwell");
-  const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--control", folder.path("none")});
-  EXPECT_EQ(outcome.code, 3);
-  EXPECT_TRUE(holds(outcome.err, "--key FILE")) << outcome.err;
-}
-
-TEST_F(RecordVerbs, SignThroughTheServiceSendsThePathInFullAndTellsWhoVouches) {
-  const std::string control = folder.path("control");
-  test::ScriptedServer server(
-      {{R"({"run":17,"signature":{"name":"Anna Weber","meaning":"reviewed","utc":"2026-07-02T08:00:00Z","seq":9,"head":")" +
-        std::string(64, 'a') +
-        R"(","person":{"uid":1000,"name":"anna"}}})"
-        "\n"},
-       {"{\"error\":\"/var/lib/dwell/run.dwell: the run has not ended\"}\n"}},
-      control);
-  const std::vector<std::string> command{"sign", "run.dwell", "--meaning", "reviewed", "--control", control};
-  const Outcome outcome = test::run(command);
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out,
-            "run.dwell: signed: Anna Weber: reviewed, 2026-07-02T08:00:00Z, countersigned by the service for anna (uid "
-            "1000)\n");
-  const auto request = nlohmann::json::parse(server.requests().at(0));
-  EXPECT_EQ(request["verb"], "sign");
-  EXPECT_EQ(request["file"], std::filesystem::absolute("run.dwell").string());
-  EXPECT_EQ(request["meaning"], "reviewed");
-  const Outcome refused = test::run(command);
-  EXPECT_EQ(refused.code, 1);
-  EXPECT_TRUE(holds(refused.err, "has not ended")) << refused.err;
 }
 
 TEST(RunSummary, TellsSizesAndDurationsAsPeopleDo) {

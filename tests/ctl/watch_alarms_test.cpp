@@ -86,7 +86,7 @@ TEST(AlarmsTable, AnythingButAListIsNone) {
 TEST(WatchAlarms, ThoseThatNobodyKnowsOfAreCountedOnTopWithThePageOfTheList) {
   WatchState state = limited_dwell();
   EXPECT_FALSE(line_with(alarm_pages(state, {24, 80}), "not acknowledged"));
-  state.alarms = listed();
+  state.take(listed(), 100.0);
   const std::vector<Page> pages = alarm_pages(state, {24, 80});
   for (const Page& page : pages) {
     const auto line = line_with(page, "2 alarms not acknowledged, page ");
@@ -99,7 +99,7 @@ TEST(WatchAlarms, ThoseThatNobodyKnowsOfAreCountedOnTopWithThePageOfTheList) {
 
 TEST(WatchAlarms, OnlyThoseThatWaitAreLoud) {
   WatchState state = limited_dwell();
-  state.alarms = listed();
+  state.take(listed(), 100.0);
   const std::vector<Page> pages = alarm_pages(state, {24, 80});
   EXPECT_EQ(line_with(pages, "unacknowledged: channel:y1").value().style, Style::alarm);
   EXPECT_EQ(line_with(pages, "returned-unacknowledged: clock").value().style, Style::alarm);
@@ -110,7 +110,7 @@ TEST(WatchAlarms, OnlyThoseThatWaitAreLoud) {
 
 TEST(WatchAlarms, NothingIsLostAtAnySizeAndLimitsStandBeforeAlarms) {
   WatchState state = limited_dwell();
-  state.alarms = listed();
+  state.take(listed(), 100.0);
   for (const Size size : {Size{24, 80}, Size{50, 160}, Size{16, 60}}) {
     std::string all;
     for (const Page& page : alarm_pages(state, size)) {
@@ -133,7 +133,7 @@ TEST(WatchAlarms, NothingIsLostAtAnySizeAndLimitsStandBeforeAlarms) {
 
 TEST(WatchAlarms, AListFromBeforeTheConnectionWasLostSaysSo) {
   WatchState state = limited_dwell();
-  state.alarms = listed();
+  state.take(listed(), 100.0);
   state.trouble = "trying again";
   EXPECT_TRUE(line_with(alarm_pages(state, {24, 80}), "when last heard: 2 alarms not acknowledged"));
 }

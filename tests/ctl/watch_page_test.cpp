@@ -8,60 +8,12 @@
 
 #include "daemon/report/number_text.hpp"
 #include "tests/ctl/sample_dwell.hpp"
+#include "tests/ctl/watched.hpp"
 
 namespace dwell::ctl {
 namespace {
 
-// A chain of n elements that is measured, with n displacements and a load cell.
-DwellView chain(int n) {
-  Rig rig;
-  rig.masses.assign(static_cast<std::size_t>(n - 1), 1.0);
-  Dwell d = test::sample_dwell();
-  d.phasors.assign(static_cast<std::size_t>(n) + 1, d.phasors.front());
-  d.elements.assign(static_cast<std::size_t>(n), d.elements.front());
-  d.warnings.clear();
-  for (int k = 1; k <= n; ++k) {
-    d.elements[static_cast<std::size_t>(k - 1)].k = k;
-    d.elements[static_cast<std::size_t>(k - 1)].stiffness.value += k;
-    Channel y;
-    y.name = "y" + std::to_string(k - 1);
-    rig.channels.push_back(y);
-  }
-  Channel force;
-  force.name = "reaction";
-  force.measures = Quantity::force;
-  rig.channels.push_back(force);
-  return make_view(d, rig, test::sample_run());
-}
-
-WatchState watched(DwellView view) {
-  WatchState state;
-  state.name = "bench 2";
-  state.take(std::move(view), 100.0);
-  return state;
-}
-
-std::string text_of(const Page& page) {
-  std::string text;
-  for (const TextLine& line : page.lines) text += line.text + "\n";
-  return text;
-}
-
-Page at(const WatchState& state, const Controls& controls, Size size, double now_s = 100.1) {
-  return draw(state, controls, nullptr, size, now_s, "14:03:22");
-}
-
-std::vector<Page> all_pages(const WatchState& state, Size size, double now_s = 100.1) {
-  std::vector<Page> pages;
-  Controls controls;
-  do {
-    pages.push_back(at(state, controls, size, now_s));
-    EXPECT_EQ(pages.back().page, controls.page);
-  } while (++controls.page < pages.back().pages);
-  return pages;
-}
-
-constexpr Size kUsual{24, 80};
+using test::all_pages, test::at, test::chain, test::kUsual, test::text_of, test::watched;
 
 TEST(WatchPage, AUsualRigStandsOnOneScreenOf80By24) {
   EXPECT_EQ(text_of(at(watched(chain(4)), {}, kUsual)),
@@ -300,112 +252,6 @@ TEST(WatchPage, ALegendThatDoesNotFitDoesNotTakeTheCoefficientsAlong) {
   EXPECT_NE(text_of(pages[1]).find("± is the half width"), std::string::npos) << text_of(pages[1]);
 }
 
-// 778 s after the service died, "measuring" stood above numbers at full strength.
-TEST(WatchPage, NumbersOfAServiceThatHasGoneAreGreyAndMarkedWithTheirAge) {
-  WatchState state = watched(chain(4));
-  state.trouble = "trying again, http://bench2:8380: Connection refused";
-  const Page page = at(state, {}, kUsual, 878.0);
-  EXPECT_EQ(text_of(page), R"(bench 2                                                     age 778 s · 14:03:22
-last seen: dwell 1 · measuring, 24.6 s of data
-NO CONNECTION: trying again, http://bench2:8380: Connection refused
-OLD NUMBERS, from 778 s ago: the service has said nothing for 778 s
-
-element    age  stiffness            damping             most of u²(c)
-      1  778 s  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-      2  778 s  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-      3  778 s  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-      4  778 s  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
-± is the half width of the 95 % interval, if the rig is as its file says
-
-settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
-reason     0.2 % of the transient is left, 0.5 % allowed
-transient  decayed in 5.90 s; 5.70 s expected from the coefficients
-frequency  4.000300 ± 0.000039 Hz
-
-channel     age  amplitude             phase to y0        mean          harmonic
-y0        778 s  5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
-y1        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
-y2        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
-y3        778 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
-reaction  778 s  5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
-space pause  n b page 1 of 2  q quit
-)");
-  for (const TextLine& line : page.lines) {
-    const bool number = line.text.find("± 0") != std::string::npos || line.text.find("measuring") != std::string::npos;
-    if (number) {
-      EXPECT_EQ(line.style, Style::old) << line.text;
-    }
-  }
-  EXPECT_EQ(page.lines[2].style, Style::alarm);
-}
-
-TEST(WatchPage, OnlyTheStaleChannelIsGrey) {
-  WatchState state = watched(chain(4));
-  ChannelState y1;
-  y1.name = "y1";
-  y1.status = "timeout: no answer within 0.1 s";
-  y1.age_s = 12.0;
-  state.take({y1}, 100.0);
-  const Page page = at(state, {}, {40, 120});
-  EXPECT_EQ(
-      text_of(page),
-      R"(bench 2                                                                                             age 0.1 s · 14:03:22
-dwell 1 · measuring, 24.6 s of data
-
-element  stiffness            damping             most of u²(c)     most of u²(r)
-      1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
-      2  24.012 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
-      3  24.013 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
-      4  24.014 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
-± is the half width of the 95 % interval, if the rig is as its file says
-
-settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
-reason     0.2 % of the transient is left, 0.5 % allowed
-transient  decayed in 5.90 s; 5.70 s expected from the coefficients
-frequency  4.000300 ± 0.000039 Hz
-
-channel    age  amplitude             phase to y0        mean          harmonic
-y0              5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
-y1        12 s  5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
-y2              5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
-y3              5.00000 ± 0.00020 mm  0.0000 ± 0.0032 °  1.20000 mm  0.2 % (2f)
-reaction        5.00000 ± 0.00020 mN  0.0000 ± 0.0032 °  1.20000 mN  0.2 % (2f)
-y1: now timeout: no answer within 0.1 s
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-space pause  q quit
-)");
-  for (const TextLine& line : page.lines)
-    EXPECT_EQ(line.style == Style::old, line.text.substr(0, 3) == "y1 ") << line.text;
-}
-
-TEST(WatchPage, PausedNumbersGrowOldAndTheScreenSaysThatItIsPaused) {
-  Controls controls;
-  controls.paused_s = 100.1;
-  const Page soon = at(watched(chain(1)), controls, kUsual, 101.1);
-  EXPECT_EQ(soon.lines[2].text, "PAUSED for 1.0 s; space goes on");
-  EXPECT_EQ(soon.lines[5].style, Style::plain);
-  const Page later = at(watched(chain(1)), controls, kUsual, 120.1);
-  EXPECT_EQ(later.lines[3].text, "OLD NUMBERS, from 20 s ago: paused");
-  EXPECT_EQ(later.lines[6].style, Style::old);
-  EXPECT_EQ(later.lines.back().text, "space go on  q quit");
-}
-
 TEST(WatchPage, AQuestionTakesThePlaceOfTheKeys) {
   Controls controls;
   controls.may_rearm = true;
@@ -443,18 +289,6 @@ TEST(WatchPage, NamesFromOutsideCannotSteerTheTerminal) {
   state.trouble = "refused\x1b]0;x";
   EXPECT_EQ(text_of(at(state, {}, kUsual)).find('\x1b'), std::string::npos);
   EXPECT_EQ(last_words(state, nullptr, 100.1).find('\x1b'), std::string::npos);
-}
-
-TEST(AgeText, IsAsPeopleSayIt) {
-  EXPECT_EQ(age_text(0.04), "0.0 s");
-  EXPECT_EQ(age_text(9.9), "9.9 s");
-  EXPECT_EQ(age_text(9.96), "9 s");
-  EXPECT_EQ(age_text(778.9), "778 s");
-  EXPECT_EQ(age_text(1260.0), "21 min");
-  EXPECT_EQ(age_text(18000.0), "5 h");
-  EXPECT_EQ(age_text(3.5 * 86400.0), "3 d");
-  EXPECT_EQ(age_text(kNaN), "—");
-  EXPECT_EQ(age_text(-1.0), "0.0 s");
 }
 
 // What comes of the transient stands on the first page, in looks of its own, and is old when all else is.

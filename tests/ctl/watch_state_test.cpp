@@ -34,6 +34,35 @@ TEST(WatchState, NumbersAreOldWhileTheServiceRepeatsThem) {
   EXPECT_DOUBLE_EQ(state.age_s(105.0), 5.0);
 }
 
+// The service told the same for minutes before watch began.
+TEST(WatchState, AStaleDwellIsOldAtOnceWithTheAgeThatTheServiceStates) {
+  WatchState state;
+  DwellView stale = view_until(31.0);
+  stale.age = LiveAge{678.0, true};
+  state.take(stale, 100.0);
+  EXPECT_TRUE(state.old(100.0));
+  EXPECT_DOUBLE_EQ(state.age_s(101.0), 679.0);
+  EXPECT_EQ(state.silence(101.0), Silence::estimation);
+  DwellView fresh = view_until(700.0);
+  fresh.age = LiveAge{0.0, false};
+  state.take(fresh, 102.0);
+  EXPECT_FALSE(state.old(102.0));
+  EXPECT_DOUBLE_EQ(state.age_s(102.0), 0.0);
+}
+
+// Of a service so old that it does not say how old its dwell is.
+TEST(WatchState, SaysWhoIsSilent) {
+  WatchState state;
+  state.take(view_until(31.0), 100.0);
+  state.take(std::vector<ChannelState>(), 103.0);
+  EXPECT_TRUE(state.old(103.0));
+  EXPECT_EQ(state.silence(103.0), Silence::estimation);
+  EXPECT_EQ(state.silence(105.6), Silence::service);
+  state.take(view_until(31.0), 106.0);
+  EXPECT_EQ(state.silence(106.0), Silence::data);
+  EXPECT_TRUE(state.old(106.0));
+}
+
 TEST(WatchState, WithoutAConnectionNumbersAreOldAtOnce) {
   WatchState state;
   state.take(view_until(31.0), 100.0);

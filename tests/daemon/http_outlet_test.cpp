@@ -63,6 +63,31 @@ TEST_F(HttpOutletTest, PushesEachSnapshotOnceAndANewcomerIsGivenAll) {
   thread.reset();
 }
 
+// While the estimation hung, the stream was silent, as if the service were gone.
+TEST_F(HttpOutletTest, TellsAgainOfADwellThatHasGoneStale) {
+  show(1);
+  test::Client client = test::Client::tcp(http->server().port());
+  client.send("GET /api/v1/stream HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  client.until("\"stale\":false");
+  client.until("\n\n");
+  const auto look = [this](double after_s) {
+    thread->on_loop([&] {
+      ServiceView now = view();
+      now.now_ns += static_cast<std::int64_t>(after_s * 1e9);
+      http->show(now);
+      return 0;
+    });
+  };
+  show(2);
+  client.until("\n\n");
+  look(2.4);  // one late estimate is no news
+  look(3.0);
+  EXPECT_NE(client.until("\n\n").find(R"("estimate_age_s":3.0,"stale":true)"), std::string::npos);
+  look(4.0);
+  EXPECT_NE(client.until("\n\n").find(R"("estimate_age_s":4.0)"), std::string::npos);
+  thread.reset();
+}
+
 TEST_F(HttpOutletTest, ReadingAndChangingHaveTheirMethods) {
   const auto head_of = [this](const std::string& line) {
     test::Client client = test::Client::tcp(http->server().port());

@@ -135,5 +135,10 @@ TEST(LogPayload, CarriesFieldsBehindTheMessage) {
                                  "DWELL_DEVICE=d "));
 }
 
+TEST(LogPayload, CarriesNoControlOfTheTerminalNorOfTheWritingDirection) {
+  EXPECT_EQ(make_payload("a\u009Bb\u202Ec", {{"DWELL_DEVICE", "d\u2066"}}), std::string("a b c\x1f"
+                                                                                        "DWELL_DEVICE=d "));
+}
+
 }  // namespace
 }  // namespace dwell
