@@ -46,8 +46,8 @@ struct ServiceView {
 };
 
 // The current dwell with what stands beside it: its coefficients from the transient, what is known of its model, its
-// age. Its limits have a verdict only while it is measured. Where it is stale, a doubt that names every element says why:
-// then neither limits nor model have a verdict.
+// age. Its limits have a verdict only while it is measured. Where it is stale, a doubt that names every element says
+// why: then neither limits nor model have a verdict.
 [[nodiscard]] DwellView live_dwell(const ServiceView& now);
 
 }  // namespace dwell

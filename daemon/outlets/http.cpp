@@ -18,7 +18,7 @@ record::Person bearer_at(std::string_view address) {
 }  // namespace
 
 tl::expected<std::unique_ptr<Http>, ListenFailure> Http::make(EventLoop& loop, const HttpOptions& options,
-                                                                    HttpContent content) {
+                                                              HttpContent content) {
   std::unique_ptr<Http> made(new Http(std::move(content)));
   auto server = HttpServer::make(
       loop, options, [http = made.get()](const HttpRequest& request) { return http->answer(request); },

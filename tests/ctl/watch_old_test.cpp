@@ -135,7 +135,9 @@ TEST(WatchOld, ADwellThatTheServiceCallsStaleIsOldAtOnceWithItsTrueAge) {
   EXPECT_EQ(page.lines[1].text.substr(0, 11), "last seen: ");
   EXPECT_EQ(page.lines[2].text, "OLD NUMBERS, from 679 s ago: the service answers, but its estimation publishes");
   for (const TextLine& line : page.lines)
-    if (line.text.find("± 0") != std::string::npos) EXPECT_EQ(line.style, Style::old) << line.text;
+    if (line.text.find("± 0") != std::string::npos) {
+      EXPECT_EQ(line.style, Style::old) << line.text;
+    }
 }
 
 TEST(WatchOld, TheTrendOfOldNumbersIsOld) {
@@ -168,8 +170,8 @@ TEST(WatchOld, InterlockAndAlarmsThatAreNotAnsweredAnyLongerAreOfWhenTheyWereHea
     const Page page = at(state, {}, kUsual, now_s);
     return page.lines[2].text + "; " + page.lines[3].text;
   };
-  EXPECT_EQ(shown(104.9), "interlock  closed; 1 alarm not acknowledged");
-  EXPECT_EQ(shown(105.1), "when last heard: interlock  closed; when last heard: 1 alarm not acknowledged");
+  EXPECT_EQ(shown(104.9), "interlock  closed; 1 alarm not acknowledged, page 1");
+  EXPECT_EQ(shown(105.1), "when last heard: interlock  closed; when last heard: 1 alarm not acknowledged, page 1");
 }
 
 TEST(WatchOld, WithoutAConnectionTheServiceIsTheOneThatIsSilent) {
