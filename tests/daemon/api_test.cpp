@@ -94,7 +94,7 @@ TEST_F(ApiTest, AChannelHasARateOnlyWhileItIsKnownToDeliver) {
   channel.fault = Fault::none;
   channel.heard_ns = 1'900'000'000;
   channel.rate_hz = 450.0;
-  const auto rates = [this](const ServiceView& now) {
+  const auto rates = [](const ServiceView& now) {
     const Json channels = Json::parse(http_answer(now, "/api/v1/channels", "").body);
     const Json check = Json::parse(control_answer(now, R"({"verb":"check"})", nullptr));
     return Json{channels["channels"][0]["rate_hz"], check["channels"][0]["rate_hz"]};
