@@ -42,7 +42,9 @@ class ChannelIntake {
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
 
   // Readings left out since construction.
-  [[nodiscard]] std::uint64_t left() const noexcept { return left_.of_all_time() + motion_.foreign().of_all_time(); }
+  [[nodiscard]] std::uint64_t left() const noexcept {
+    return left_.of_all_time() + motion_.foreign().of_all_time() + motion_.uncertain();
+  }
 
   void next_period() noexcept {
     spikes_.next_period();

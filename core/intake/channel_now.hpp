@@ -16,9 +16,10 @@ struct ChannelNow {
   Fault fault = Fault::silent;  // none: it delivers
   bool overrange = false;       // the newest reading is beyond its range
   Condition condition = Condition::unheard;
-  std::uint64_t used = 0;      // samples used
-  std::uint64_t rejected = 0;  // samples not used: not finite, overrange, spikes, not after the one before
-  std::uint64_t gaps = 0;      // how often samples were lost
+  std::uint64_t used = 0;  // samples used
+  // Samples not used: not finite, overrange, spikes, not after the one before, or with too uncertain an instant.
+  std::uint64_t rejected = 0;
+  std::uint64_t gaps = 0;  // how often samples were lost
 };
 
 }  // namespace dwell

@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::size_t kEven = 3;            // readings in a row that go on evenly are another motion
 constexpr int kFewest = 40;                 // readings before the gate judges: the median is then known to 20 %
+constexpr double kStepNoise = 0.29;         // standard deviation of rounding, steps: 1 / √12
 constexpr double kMedianOfNormal = 0.6745;  // of |x|, in standard deviations
 constexpr double kFar = 12.0;               // medians; at half of it (4 σ) a good reading fails once in 16 000
 constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // in medians, the least k; see the header
@@ -14,7 +15,9 @@ constexpr double kRounding = 4.0;                    // steps: rounding alone gi
 constexpr double kTiedRounding = 2.5;
 constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are as uncertain
 constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
-constexpr double kJumped = 6.0;   // after a jump the median is at least its error over this
+// Noise σ that half width times slope may reach: a rectangle of half width √(3 · 2) σ has the variance 2 σ².
+constexpr double kUncertain = 2.449;
+constexpr double kJumped = 6.0;  // after a jump the median is at least its error over this
 
 // A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
 constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
@@ -30,7 +33,8 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   const bool tied = recent_.has(reading.value) || (foreign_.cluster() && reading.value == foreign_.value());
   if (recent_.newest() != reading.value) recent_.add(reading.value);
   if (median_half_ns_ == 0.0) median_half_ns_ = reading.half_ns;
-  median_half_ns_ *= kTowards[reading.half_ns > median_half_ns_ ? 1 : 0];
+  const double learn = seen_ <= kFewest ? 5 * kLearn : kLearn;
+  median_half_ns_ *= reading.half_ns > median_half_ns_ ? 1 + learn : 1 - learn;
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;
   if (!(predicted.gain > 0) || !std::isfinite(step)) {
     if (predictor_.full()) predictor_.restart();  // a pause, or too few readings a period: begin anew
@@ -50,16 +54,17 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   const double far = predicted.gain * kFar * median_ + kRounding * step;
   const double limit = tied ? predicted.gain * tied_medians(step) * median_ + kTiedRounding * step : far;
   // The instant's half width only raises a limit. Few readings need it, and it costs a division.
-  const auto late = [&] {
-    return predictor_.slope(predicted, reading.t_ns) * 1e-9 *
-           (static_cast<double>(reading.half_ns) + kRefresh * reading.refresh_half_ns);
-  };
+  const auto moves = [&](double half_ns) { return predictor_.slope(predicted, reading.t_ns) * 1e-9 * half_ns; };
+  const auto late = [&] { return moves(reading.half_ns + kRefresh * reading.refresh_half_ns); };
   if (error <= limit || error <= limit + late()) {
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
     median_ *= kTowards[relative > median_ ? 1 : 0];
     follow(reading);
-    return Says::take;
+    if (!held_up(reading) || moves(reading.half_ns) <= kUncertain * std::max(noise(), kStepNoise * step))
+      return Says::take;
+    ++uncertain_;
+    return Says::uncertain;
   }
   if (tied) {
     foreign_.add(reading.value, reading.value != foreign_.value());

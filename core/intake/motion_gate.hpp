@@ -13,7 +13,8 @@
 //
 // To each limit is added what rounding can contribute at most, and the half width of the reading's instant times the
 // steepest slope. An answer that was held up, with a half width beyond 1.5 medians, is judged but predicts nothing: it
-// would make the readings after it look foreign.
+// would make the readings after it look foreign. Nor does it count where its instant adds twice the variance of the
+// noise or more: the fits give all readings the same weight, and it deserves less than a third.
 //
 // A reading out of the motion waits. If the next one fits again, those that wait are foreign. Three in a row that go on
 // evenly, or any four, are another motion (a knock, friction that turns round): they are given back and count.
@@ -42,6 +43,7 @@ class MotionGate {
   enum class Says : std::uint8_t {
     take,
     leave,      // foreign
+    uncertain,  // of the motion, but its instant is too uncertain to count
     wait,       // not decided
     give_back,  // take the waiting() readings, the oldest first, then this one
   };
@@ -57,6 +59,8 @@ class MotionGate {
   [[nodiscard]] double noise() const noexcept;
 
   [[nodiscard]] const ForeignReadings& foreign() const noexcept { return foreign_; }
+  // Readings since construction that did not count because of their instants.
+  [[nodiscard]] std::uint64_t uncertain() const noexcept { return uncertain_; }
   void restart() noexcept { foreign_.restart(); }
 
  private:
@@ -64,9 +68,12 @@ class MotionGate {
   static constexpr double kHeldUp = 1.5;   // medians of the half widths
   static constexpr std::size_t kMost = 4;  // readings out of the motion that make another motion
 
+  [[nodiscard]] bool held_up(const Reading& reading) const noexcept {
+    return reading.half_ns > kHeldUp * median_half_ns_;
+  }
   // A good reading, for the predictions that follow.
   void follow(const Reading& reading) noexcept {
-    if (reading.half_ns <= kHeldUp * median_half_ns_) predictor_.add(reading.t_ns, reading.value);
+    if (!held_up(reading)) predictor_.add(reading.t_ns, reading.value);
   }
   [[nodiscard]] bool even(const Reading& newest, double limit) const noexcept;
   // The limit k for a reading that equals one of the last, in medians.
@@ -81,6 +88,7 @@ class MotionGate {
   int seen_ = 0;
   bool active_ = false;
   std::int64_t last_ns_ = INT64_MIN;  // of the newest reading, taken or not
+  std::uint64_t uncertain_ = 0;
   ForeignReadings foreign_;
 };
 

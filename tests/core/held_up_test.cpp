@@ -1,0 +1,59 @@
+// Answers that were held up, as by a busy computer: their instants are uncertain, and they do not count.
+#include <gtest/gtest.h>
+
+#include "tests/core/disturbed_readings.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::int64_t kQuick_ns = 200'000;  // half width of the instant of an answer that was not held up
+
+// One scan in `one_in` is sampled when asked for and answered up to 9.6 ms later; the stamp is the middle. All channels
+// of a scan share its instant, and so its delay.
+std::function<void(Record&, double)> held_up_scans(std::uint64_t one_in) {
+  return [one_in](Record& record, double) {
+    std::mt19937_64 scan(static_cast<std::uint64_t>(record.t_ns));
+    record.t_half_ns = kQuick_ns;
+    if (scan() % one_in != 0) return;
+    const auto half_ns = static_cast<std::int64_t>(2'000'000 + scan() % 2'800'000);
+    record.t_ns += half_ns;
+    record.t_half_ns = static_cast<std::uint32_t>(half_ns);
+  };
+}
+
+struct HeldUpAnswers : DisturbedReadings {
+  HeldUpAnswers() { rate_hz = 200.0; }
+};
+
+TEST_F(HeldUpAnswers, WidenNoUncertainty) {
+  const Dwell quick = measured(held_up_scans(UINT64_MAX)), slow = measured(held_up_scans(20));
+  expect_no_wrong_number(slow, all(slow), 3);
+  ASSERT_EQ(slow.elements.size(), quick.elements.size());
+  for (std::size_t e = 0; e < slow.elements.size(); ++e) {
+    ASSERT_TRUE(slow.elements[e].identifiable) << all(slow);
+    EXPECT_LT(slow.elements[e].stiffness.u, 1.2 * quick.elements[e].stiffness.u) << e + 1;
+    EXPECT_LT(slow.elements[e].damping.u, 1.2 * quick.elements[e].damping.u) << e + 1;
+  }
+  EXPECT_TRUE(slow.doubts.empty()) << all(slow);
+  EXPECT_EQ(conditions, (std::vector<std::string>{"ok", "ok", "ok", "ok"}));
+}
+
+TEST_F(HeldUpAnswers, HideNoWrongMass) {
+  chain = {Boundary::clamped, {12.0, 8.0, 5.0}, {24000.0, 8000.0, 6000.0, 8000.0}, {20.0, 15.0, 10.0, 13.0}};
+  rig = rig_of(chain, 4);
+  rig.masses[1] *= 1.1;
+  const Dwell dwell = measured(held_up_scans(20));
+  ASSERT_EQ(dwell.doubts.size(), 1u) << all(dwell);
+  EXPECT_NE(dwell.doubts[0].what.find("possible causes: mass 2 stated 9"), std::string::npos) << dwell.doubts[0].what;
+}
+
+// Where noise is far larger than what the delays move, leaving readings out would only cost: all but the few count.
+TEST_F(HeldUpAnswers, CountWhereNoiseHidesTheirDelay) {
+  const Dwell quick = measured(held_up_scans(UINT64_MAX), 30, 0.5), slow = measured(held_up_scans(3), 30, 0.5);
+  ASSERT_EQ(slow.phasors.size(), quick.phasors.size());
+  for (std::size_t c = 1; c < quick.phasors.size(); ++c)
+    EXPECT_GT(slow.phasors[c].samples / (slow.end_s - slow.settled_s), 190.0) << c;
+}
+
+}  // namespace
+}  // namespace dwell
