@@ -17,6 +17,9 @@ constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are a
 constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
 // Noise σ that half width times slope may reach: a rectangle of half width √(3 · 2) σ has the variance 2 σ².
 constexpr double kUncertain = 2.449;
+// Medians of the half widths. Of delays that are distributed exponentially 3 % are beyond; answers that a busy computer
+// held up were 15 … 50 medians late.
+constexpr double kByFar = 5.0;
 constexpr double kJumped = 6.0;  // after a jump the median is at least its error over this
 
 // A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
@@ -36,12 +39,17 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   const double learn = seen_ <= kFewest ? 5 * kLearn : kLearn;
   median_half_ns_ *= reading.half_ns > median_half_ns_ ? 1 + learn : 1 - learn;
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;
+  const auto counts = [&](bool certain) {
+    uncertain_ += certain ? 0 : 1;
+    return certain ? Says::take : Says::uncertain;
+  };
+  const bool in_time = reading.half_ns <= kByFar * median_half_ns_;  // for as long as the noise is not known
   if (!(predicted.gain > 0) || !std::isfinite(step)) {
     if (predictor_.full()) predictor_.restart();  // a pause, or too few readings a period: begin anew
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
     follow(reading);
-    return Says::take;
+    return counts(in_time);
   }
   const double error = std::abs(reading.value - predicted.value), relative = error / predicted.gain;
   if (seen_ <= kFewest) {
@@ -49,7 +57,7 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     median_ =
         seen_ <= 8 ? std::max(median_, relative) : median_ * (relative > median_ ? 1 + 5 * kLearn : 1 - 5 * kLearn);
     follow(reading);
-    return Says::take;
+    return counts(in_time);
   }
   const double far = predicted.gain * kFar * median_ + kRounding * step;
   const double limit = tied ? predicted.gain * tied_medians(step) * median_ + kTiedRounding * step : far;
@@ -61,10 +69,7 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     waits_ = 0;
     median_ *= kTowards[relative > median_ ? 1 : 0];
     follow(reading);
-    if (!held_up(reading) || moves(reading.half_ns) <= kUncertain * std::max(noise(), kStepNoise * step))
-      return Says::take;
-    ++uncertain_;
-    return Says::uncertain;
+    return counts(!held_up(reading) || moves(reading.half_ns) <= kUncertain * std::max(noise(), kStepNoise * step));
   }
   if (tied) {
     foreign_.add(reading.value, reading.value != foreign_.value());
