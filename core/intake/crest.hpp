@@ -48,7 +48,8 @@ class Crest {
     double unlikely_runs;  // of long runs at the topmost number
   };
   static constexpr Proof kProof{13.8, 6.9};  // 10⁻⁶, 10⁻³
-  static constexpr Proof kNone{0.0, 0.0};    // more than what an uncut crest can have is enough
+  // For an end that is known already: one reading more than an uncut crest can have suffices.
+  static constexpr Proof kNone{0.0, 0.0};
 
   // The next reading, the one before it, and a function that returns the mean difference of consecutive readings.
   template <class Difference>

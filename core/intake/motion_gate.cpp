@@ -36,6 +36,7 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   const bool tied = recent_.has(reading.value) || (foreign_.cluster() && reading.value == foreign_.value());
   if (recent_.newest() != reading.value) recent_.add(reading.value);
   if (median_half_ns_ == 0.0) median_half_ns_ = reading.half_ns;
+  // The first reading may be a late one: at first the median moves five times as fast.
   const double learn = seen_ <= kFewest ? 5 * kLearn : kLearn;
   median_half_ns_ *= reading.half_ns > median_half_ns_ ? 1 + learn : 1 - learn;
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;

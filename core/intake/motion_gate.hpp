@@ -15,7 +15,7 @@
 // steepest slope. An answer that was held up, with a half width beyond 1.5 medians, is judged but predicts nothing: it
 // would make the readings after it look foreign. Nor does it count where its instant adds twice the variance of the
 // noise or more: the fits give all readings the same weight, and it deserves less than a third. Before the noise is
-// known, as before the drive is recognized, an answer does not count from 5 medians on.
+// known, as before the drive is recognized, an answer beyond 5 medians does not count.
 //
 // A reading out of the motion waits. If the next one fits again, those that wait are foreign. Three in a row that go on
 // evenly, or any four, are another motion (a knock, friction that turns round): they are given back and count.

@@ -19,7 +19,7 @@ double coefficient(const Source& s) {
   return element == nullptr ? kNaN : element->*which.*part;
 }
 
-// The number while the dwell is in this state, as far as is known now; else NaN.
+// `number` if the dwell is in this state and not stale; else NaN.
 double while_in(State state, const Source& s, double number) {
   return s.now.snapshot.dwell.state == state && !is_stale(s.now) ? number : kNaN;
 }

@@ -1,13 +1,12 @@
 // The HTTP server: HTTP/1.1, one listening address, on the event loop; Server-Sent Events for live push.
 //
-// It knows nothing of what it serves: a handler answers paths, broadcast() pushes events. What a client can cost is
-// bounded: clients, streams among them, header and body, the time for a request, the events that wait for a slow
-// reader. Of these the ones that must be asked for are dropped first, then the oldest; all that are dropped are
-// counted.
+// A handler answers paths, broadcast() pushes events; the server does not know what they mean. Limits bound the number
+// of clients and of streams, header and body, the time for a request, and the events that wait for a slow reader.
+// Waiting events beyond the limit are dropped and counted: first those that a client must ask for, then the oldest.
 //
-// Where all places are taken, a new client takes that of the client that has been silent longest: first of those that
-// never asked for anything, then of those whose last answer is older than `kept_time`. A client that is being answered
-// or reads a stream keeps its place. Bound to the event loop's thread.
+// When all places are taken, a new client replaces the one that has been silent longest. Clients that never asked for
+// anything go first, then those whose last answer is older than `kept_time`. A client that is being answered or reads a
+// stream keeps its place. Bound to the event loop's thread.
 #pragma once
 
 #include <chrono>

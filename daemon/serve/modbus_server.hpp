@@ -1,8 +1,8 @@
 // A Modbus TCP server for PLCs, on the event loop. It moves bytes; ModbusConversation understands them, a handler has
-// the registers. What a client can cost is bounded: clients, bytes, the time for a request and for taking an answer,
-// answers per second. Where all places are taken, a new client takes that of the client that has been silent longest:
-// first of those that never asked for anything, then of those that have not asked for `kept_time`. Bound to the event
-// loop's thread.
+// the registers. Limits bound the number of clients, the bytes of a request, the time for a request and for taking an
+// answer, and the answers per second. When all places are taken, a new client replaces the one that has been silent
+// longest. Clients that never asked for anything go first, then those that have not asked for `kept_time`. Bound to the
+// event loop's thread.
 #pragma once
 
 #include <chrono>

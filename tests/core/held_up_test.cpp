@@ -1,4 +1,4 @@
-// Answers that were held up, as by a busy computer: their instants are uncertain, and they do not count.
+// A busy computer holds up answers. Their instants are uncertain, so they do not count.
 #include <gtest/gtest.h>
 
 #include "tests/core/disturbed_readings.hpp"
@@ -25,6 +25,7 @@ struct HeldUpAnswers : DisturbedReadings {
   HeldUpAnswers() { rate_hz = 200.0; }
 };
 
+// A twentieth fewer readings widen u by 3 %; the rest of the 20 % is how u scatters from one noise to another.
 TEST_F(HeldUpAnswers, WidenNoUncertainty) {
   const Dwell quick = measured(held_up_scans(UINT64_MAX)), slow = measured(held_up_scans(20));
   expect_no_wrong_number(slow, all(slow), 3);
@@ -47,12 +48,13 @@ TEST_F(HeldUpAnswers, HideNoWrongMass) {
   EXPECT_NE(dwell.doubts[0].what.find("possible causes: mass 2 stated 9"), std::string::npos) << dwell.doubts[0].what;
 }
 
-// Where noise is far larger than what the delays move, leaving readings out would only cost: all but the few count.
+// The noise is far larger than what the delays move. Of 200 scans a second 67 are held up; if all of those were left
+// out, 133 would count. The gate takes the steepest slope from noisy readings, so a few still are.
 TEST_F(HeldUpAnswers, CountWhereNoiseHidesTheirDelay) {
-  const Dwell quick = measured(held_up_scans(UINT64_MAX), 30, 0.5), slow = measured(held_up_scans(3), 30, 0.5);
-  ASSERT_EQ(slow.phasors.size(), quick.phasors.size());
-  for (std::size_t c = 1; c < quick.phasors.size(); ++c)
-    EXPECT_GT(slow.phasors[c].samples / (slow.end_s - slow.settled_s), 190.0) << c;
+  const Dwell dwell = measured(held_up_scans(3), 30, 0.5);
+  ASSERT_EQ(dwell.phasors.size(), 4u);
+  for (std::size_t c = 1; c < dwell.phasors.size(); ++c)
+    EXPECT_GT(dwell.phasors[c].samples / (dwell.end_s - dwell.settled_s), 190.0) << c;
 }
 
 }  // namespace

@@ -164,7 +164,8 @@ TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
       EXPECT_GT(pile_up.above(seen(narrow)), 0) << "cut off at " << end;
       EXPECT_EQ(pile_up.upper_end(), end);
       EXPECT_EQ(pile_up.below(seen(narrow)), 0);
-      // The loss is that of the half that is cut off, by its share of the readings, less what the first stretch missed.
+      // Half of all readings were cut off, so the fundamental loses half of what it would lose if all were. What the
+      // first stretch after the change missed is not in it.
       const double part = std::acos(end) / M_PI, half = 0.5 * 2 / (3 * M_PI) * std::pow(M_PI * part, 3);
       play(pile_up, narrow, 488.0, 3);
       EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half);

@@ -30,6 +30,17 @@ struct ApiTest : testing::Test {
     snapshot.devices[0].faults[2] = 7;
     snapshot.dwell.phasors.resize(1);
   }
+  // A dwell with one element, whose stiffness keeps its limit.
+  void keep_a_limit(State state) {
+    rig.limits = {{1, Bounds{23e3, 25e3}, std::nullopt}};
+    snapshot.dwell.index = 1;
+    snapshot.dwell.state = state;
+    snapshot.dwell.settled_s = 3.0;
+    ElementEstimate& element = snapshot.dwell.elements.emplace_back();
+    element.k = 1;
+    element.identifiable = true;
+    element.stiffness = {24e3, 10.0, 1e3, 20.0, true};
+  }
   [[nodiscard]] ServiceView view(const std::string& trouble = {}) const {
     ServiceView now{rig, run, snapshot};
     now.now_ns = 2'000'000'000;
@@ -254,14 +265,7 @@ TEST_F(ApiTest, TheCurrentDwellTellsHowOldItIs) {
 
 // The estimation hangs: the service went on telling "kept" and "adequate", without a doubt.
 TEST_F(ApiTest, AStaleDwellHasAReasonNotToRelyOnItAndNoVerdicts) {
-  rig.limits = {{1, Bounds{23e3, 25e3}, std::nullopt}};
-  snapshot.dwell.index = 1;
-  snapshot.dwell.state = State::measuring;
-  snapshot.dwell.settled_s = 3.0;
-  ElementEstimate& element = snapshot.dwell.elements.emplace_back();
-  element.k = 1;
-  element.identifiable = true;
-  element.stiffness = {24e3, 10.0, 1e3, 20.0, true};
+  keep_a_limit(State::measuring);
   auto verified = std::make_shared<VerifiedDwell>();
   verified->dwell.index = 1;
   verified->verification.verdict = Verdict::adequate;
@@ -286,14 +290,7 @@ TEST_F(ApiTest, AStaleDwellHasAReasonNotToRelyOnItAndNoVerdicts) {
 
 // After `stop` with the drive on, the dwell that had ended still told "kept".
 TEST_F(ApiTest, ADwellThatHasEndedKeepsItsVerdictsAndTheCurrentOneHasThemWhileItIsMeasured) {
-  rig.limits = {{1, Bounds{23e3, 25e3}, std::nullopt}};
-  snapshot.dwell.index = 1;
-  snapshot.dwell.state = State::complete;
-  snapshot.dwell.settled_s = 3.0;
-  ElementEstimate& element = snapshot.dwell.elements.emplace_back();
-  element.k = 1;
-  element.identifiable = true;
-  element.stiffness = {24e3, 10.0, 1e3, 20.0, true};
+  keep_a_limit(State::complete);
   snapshot.finished = std::make_shared<FinishedDwells>(1, std::make_shared<const Dwell>(snapshot.dwell));
   EXPECT_EQ(get("/api/v1/dwell")["limits"][0]["verdict"], "none");
   EXPECT_EQ(get("/api/v1/dwell")["limits"][0]["reason"], "the dwell has ended");

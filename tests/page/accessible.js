@@ -8,7 +8,8 @@ import { join } from 'node:path';
 const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
 const RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
 
-// page: opened with bypassCSP, since axe-core is put in as a script. A wall display is pictured as far as its screen goes.
+// page: opened with bypassCSP, because axe-core is injected as a script. The picture of a wall display shows its screen alone,
+// any other the whole page.
 export async function check(page, name) {
   if (process.env.DWELL_PICTURES)
     await page.screenshot({ path: join(process.env.DWELL_PICTURES, `${name}.png`), fullPage: !name.includes('wall') });
