@@ -144,6 +144,11 @@ double ChannelIntake::left_out() const noexcept {
   return all == 0 ? 0.0 : static_cast<double>(bad) / static_cast<double>(all);
 }
 
+double ChannelIntake::late() const noexcept {
+  const std::uint64_t all = times_.count();
+  return all == 0 ? 0.0 : static_cast<double>(motion_.uncertain_in_hold()) / static_cast<double>(all);
+}
+
 Condition ChannelIntake::condition() const noexcept {
   if (!times_.heard()) return Condition::unheard;
   if (clipped()) return Condition::clipped;

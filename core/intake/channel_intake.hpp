@@ -82,6 +82,8 @@ class ChannelIntake {
   [[nodiscard]] std::string clustered_reason() const;
   // Part of this hold's readings that were left out as foreign, as spikes or beyond the range.
   [[nodiscard]] double left_out() const noexcept;
+  // Part of this hold's readings that were answered too late to count.
+  [[nodiscard]] double late() const noexcept;
 
   // Whether the readings left out show a fault of the device: far spikes, numbers beyond the range, or more of them
   // than the gate leaves out of good readings.

@@ -89,6 +89,9 @@ std::vector<std::string> LiveChannel::warnings(double tolerance) const {
   if (intake_.clustered()) out.push_back(intake_.clustered_reason());
   if (std::string reason = intake_.left_out_reason(); !reason.empty()) out.push_back(std::move(reason));
   if (intake_.repeat_bias() > 0) out.push_back(intake_.repeat_reason());
+  if (intake_.late() > kMostLeftOut)
+    out.push_back(percent(intake_.late()) +
+                  " of its readings do not count: they were answered too late; the computer or the gateway is busy");
   if (intake_.clipping_bias() > kBiasShows * tolerance)
     out.push_back(intake_.clipped_reason() + "; choose a larger range, or a smaller amplitude, then re-arm");
   return out;

@@ -15,12 +15,14 @@ constexpr double kRounding = 4.0;                    // steps: rounding alone gi
 constexpr double kTiedRounding = 2.5;
 constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are as uncertain
 constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
-// Noise σ that half width times slope may reach: a rectangle of half width √(3 · 2) σ has the variance 2 σ².
+// Largest half width times slope with which a held-up answer still counts, in standard deviations of the noise: √6. An
+// error evenly distributed over ± √6 σ has the variance 2 σ². Smaller: answers that would help are left out.
 constexpr double kUncertain = 2.449;
-// Medians of the half widths. Of delays that are distributed exponentially 3 % are beyond; answers that a busy computer
-// held up were 15 … 50 medians late.
+// Medians of the half widths. Exponentially distributed delays exceed it in 3 % (2⁻⁵).
 constexpr double kByFar = 5.0;
-constexpr double kJumped = 6.0;  // after a jump the median is at least its error over this
+constexpr double kRare = 0.1;               // part of the readings: to leave out fewer widens u by at most 5 %
+constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
+constexpr double kJumped = 6.0;             // after a jump the median is at least its error over this
 
 // A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
 constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
@@ -42,15 +44,17 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;
   const auto counts = [&](bool certain) {
     uncertain_ += certain ? 0 : 1;
+    uncertain_in_hold_ += certain ? 0 : 1;
     return certain ? Says::take : Says::uncertain;
   };
-  const bool in_time = reading.half_ns <= kByFar * median_half_ns_;  // for as long as the noise is not known
+  const bool by_far = reading.half_ns > kByFar * median_half_ns_;
+  by_far_ += kLearnRare * ((by_far ? 1.0 : 0.0) - by_far_);
   if (!(predicted.gain > 0) || !std::isfinite(step)) {
     if (predictor_.full()) predictor_.restart();  // a pause, or too few readings a period: begin anew
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);
     waits_ = 0;
     follow(reading);
-    return counts(in_time);
+    return counts(!by_far);
   }
   const double error = std::abs(reading.value - predicted.value), relative = error / predicted.gain;
   if (seen_ <= kFewest) {
@@ -58,7 +62,7 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     median_ =
         seen_ <= 8 ? std::max(median_, relative) : median_ * (relative > median_ ? 1 + 5 * kLearn : 1 - 5 * kLearn);
     follow(reading);
-    return counts(in_time);
+    return counts(!by_far);
   }
   const double far = predicted.gain * kFar * median_ + kRounding * step;
   const double limit = tied ? predicted.gain * tied_medians(step) * median_ + kTiedRounding * step : far;
@@ -70,7 +74,9 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
     waits_ = 0;
     median_ *= kTowards[relative > median_ ? 1 : 0];
     follow(reading);
-    return counts(!held_up(reading) || moves(reading.half_ns) <= kUncertain * std::max(noise(), kStepNoise * step));
+    const bool rare = by_far && by_far_ < kRare;
+    return counts(!held_up(reading) ||
+                  (!rare && moves(reading.half_ns) <= kUncertain * std::max(noise(), kStepNoise * step)));
   }
   if (tied) {
     foreign_.add(reading.value, reading.value != foreign_.value());

@@ -12,10 +12,12 @@
 //                    such that p exp(-(0.67 k)²/2) is 10^-8.
 //
 // To each limit is added what rounding can contribute at most, and the half width of the reading's instant times the
-// steepest slope. An answer that was held up, with a half width beyond 1.5 medians, is judged but predicts nothing: it
-// would make the readings after it look foreign. Nor does it count where its instant adds twice the variance of the
-// noise or more: the fits give all readings the same weight, and it deserves less than a third. Before the noise is
-// known, as before the drive is recognized, an answer beyond 5 medians does not count.
+// steepest slope. An answer that was held up, with a half width beyond 1.5 medians, is judged but predicts nothing:
+// it would make the readings after it look foreign. Nor does it count if its instant adds twice the variance of the
+// noise or more. The fits give every reading the same weight, and this one deserves a third at most. While the noise
+// is not known (before the drive is recognized, or with too few readings a period), an answer does not count beyond
+// 5 medians. The start of the motion looks like noise for some hundred readings; so an answer beyond 5 medians never
+// counts where fewer than one in ten are so late.
 //
 // A reading out of the motion waits. If the next one fits again, those that wait are foreign. Three in a row that go on
 // evenly, or any four, are another motion (a knock, friction that turns round): they are given back and count.
@@ -60,9 +62,13 @@ class MotionGate {
   [[nodiscard]] double noise() const noexcept;
 
   [[nodiscard]] const ForeignReadings& foreign() const noexcept { return foreign_; }
-  // Readings since construction that did not count because of their instants.
+  // Readings that did not count because of their instants: since construction, since restart().
   [[nodiscard]] std::uint64_t uncertain() const noexcept { return uncertain_; }
-  void restart() noexcept { foreign_.restart(); }
+  [[nodiscard]] std::uint64_t uncertain_in_hold() const noexcept { return uncertain_in_hold_; }
+  void restart() noexcept {
+    foreign_.restart();
+    uncertain_in_hold_ = 0;
+  }
 
  private:
   using Recent = RecentNumbers<8>;
@@ -86,10 +92,11 @@ class MotionGate {
   std::array<Reading, kMost - 1> waiting_{};
   std::size_t waits_ = 0, given_back_ = 0;
   double median_ = 0.0, median_half_ns_ = 0.0;  // running: of |e| / a; of the half widths
+  double by_far_ = 0.0;                         // running: part of the answers beyond 5 medians
   int seen_ = 0;
   bool active_ = false;
   std::int64_t last_ns_ = INT64_MIN;  // of the newest reading, taken or not
-  std::uint64_t uncertain_ = 0;
+  std::uint64_t uncertain_ = 0, uncertain_in_hold_ = 0;
   ForeignReadings foreign_;
 };
 
