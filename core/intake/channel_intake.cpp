@@ -170,8 +170,8 @@ std::string ChannelIntake::clipped_reason() const {
             percent(static_cast<double>(clipped) / static_cast<double>(pile_up_.seen())) +
             " of its readings are exactly " + numbers_.text(at);
   };
-  end(clipped_above(), pile_up_.upper_end());
-  end(clipped_below(), pile_up_.lower_end());
+  end(clipped_above(), pile_up_.upper_end(noise()));
+  end(clipped_below(), pile_up_.lower_end(noise()));
   return text;
 }
 

@@ -1,14 +1,16 @@
 // Finds out whether a channel is clipped: then its readings pile up at an extreme (crest.hpp).
 //
-// Twice: over the hold, where weak evidence adds up, and over the newest stretch of it. A crest that is cut off from
-// some instant on is lower than those before, and shows in the latter alone. A stretch is judged every 16 periods until
-// it is long enough. At the w-th time -ln(w⁻² · 6/π²) more proof is asked for, so that all of them together bring a
-// false alarm no oftener than one.
+// A channel is judged twice: over the whole hold, where weak evidence adds up, and over its newest stretch. If clipping
+// begins amid a hold, the crests before are higher, so only the stretch shows it. A stretch is judged every 16 periods
+// and ends with a finding, or at 10 000 readings. The w-th judgement needs ln(w² π²/6) more proof: all of them together
+// have the false-alarm rate of one.
 //
-// Readings once cut off stay so until the restart, though later ones go beyond that end: a larger range makes what was
-// read before no better.
+// Readings once cut off count as cut off until the restart. A larger range afterwards does not repair them.
 //
-// An end once found is remembered: readings that pile up there later need no proof against chance.
+// An end once found is remembered. Later, over a hold, readings that pile up there need no proof against chance; over a
+// stretch they need less.
+//
+// A channel at rest flickers between two or three numbers. It has no crest, so nothing is judged.
 #pragma once
 
 #include <array>
@@ -30,8 +32,7 @@ class PileUp {
   void add(double reading, double before, Difference&& difference, NoiseNow&& noise) noexcept {
     for (End* end : {&upper_, &lower_}) {
       const double sign = end == &upper_ ? 1.0 : -1.0;
-      if (sign * reading > end->of_hold.top())
-        end->pass(end->now(noise(), stuck_elsewhere()), end->of_hold.top(), seen_);
+      if (sign * reading > end->of_hold.top()) end->pass(now(*end, noise()), end->of_hold.top(), seen_);
       end->of_hold.add(sign * reading, sign * before, difference);
       end->of_stretch.add(sign * reading, sign * before, difference);
     }
@@ -41,56 +42,54 @@ class PileUp {
   // The newest reading makes a run of identical ones longer than a crest explains. Called once per run.
   void stuck() noexcept {
     ++stuck_;
-    upper_.of_hold.stuck();
-    lower_.of_hold.stuck();
+    ++stuck_lately_;
+    for (End* end : {&upper_, &lower_}) {
+      end->of_hold.stuck();
+      end->of_stretch.stuck();
+    }
   }
   // A period of the drive is over.
   void next_period(const Noise& noise) noexcept {
     if (++periods_ % kPeriods != 0) return;
     const double w = static_cast<double>(periods_ / kPeriods);
     const double more = std::log(w * w * std::numbers::pi * std::numbers::pi / 6);
+    const std::int64_t elsewhere = stuck_lately_ - upper_.of_stretch.runs_at_top() - lower_.of_stretch.runs_at_top();
     bool found = false;
     for (End* end : {&upper_, &lower_}) {
       // Where the hold's own end is reached, the hold's count has these readings.
       const double top = end->of_stretch.top();
-      const std::int64_t cut_off =
-          top < end->of_hold.top() ? end->of_stretch.cut_off(noise, 0, end->proof_of_stretch(more)) : 0;
+      const std::int64_t cut_off = top < end->of_hold.top() && moves(noise)
+                                       ? end->of_stretch.cut_off(noise, elsewhere, end->proof_of_stretch(more))
+                                       : 0;
       end->pass(cut_off, top, seen_lately_);
       found |= cut_off > 0;
     }
     if (!found && seen_lately_ < kStretch) return;
     upper_.of_stretch = lower_.of_stretch = {};
-    seen_lately_ = 0;
+    seen_lately_ = stuck_lately_ = 0;
   }
 
   // How many readings since the restart are cut off at the upper and at the lower end; 0: none.
-  [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept {
-    return upper_.passed + upper_.now(noise, stuck_elsewhere());
-  }
-  [[nodiscard]] std::int64_t below(const Noise& noise) const noexcept {
-    return lower_.passed + lower_.now(noise, stuck_elsewhere());
-  }
+  [[nodiscard]] std::int64_t above(const Noise& noise) const noexcept { return upper_.passed + now(upper_, noise); }
+  [[nodiscard]] std::int64_t below(const Noise& noise) const noexcept { return lower_.passed + now(lower_, noise); }
   [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
-  // Loss of the fundamental's amplitude, relative; 0: none. If the part p of all readings is cut off at one end, the
-  // fundamental loses (2/3π)(πp)³: the first term of the series of a clipped sine. Stretches that were cut off
-  // differently have their parts in the mean.
+  // Loss of the fundamental's amplitude, relative; 0: none. If the part p of all readings is cut off at one end, a sine
+  // loses (θ - sin θ cos θ)/π, θ = πp. Stretches that were cut off differently have their parts in the mean.
   [[nodiscard]] double loss(const Noise& noise) const noexcept {
     double lost = 0.0;
-    for (const End* end : {&upper_, &lower_}) lost += end->lost + lost_of(end->now(noise, stuck_elsewhere()), seen_);
+    for (const End* end : {&upper_, &lower_}) lost += end->lost + lost_of(now(*end, noise), seen_);
     return seen_ > 0 ? lost / static_cast<double>(seen_) : 0.0;
   }
-  // Where readings are cut off, in the device's numbers; where none is, the largest and the smallest.
-  [[nodiscard]] double upper_end() const noexcept { return upper_.at(); }
-  [[nodiscard]] double lower_end() const noexcept { return -lower_.at(); }
+  // The newest end at which readings were cut off, in the device's numbers; where none was, the largest and the
+  // smallest.
+  [[nodiscard]] double upper_end(const Noise& noise) const noexcept { return upper_.at(now(upper_, noise)); }
+  [[nodiscard]] double lower_end(const Noise& noise) const noexcept { return -lower_.at(now(lower_, noise)); }
   // A new hold: counts begin anew, ends found so far are remembered.
   void restart(const Noise& noise) noexcept {
-    const bool found[] = {above(noise) > 0, below(noise) > 0};
-    for (End* end : {&upper_, &lower_}) {
-      End next;
-      next.known = found[end == &upper_ ? 0 : 1] ? end->at() : end->known;
-      *end = next;
-    }
-    seen_ = seen_lately_ = stuck_ = periods_ = 0;
+    const std::int64_t upper = now(upper_, noise), lower = now(lower_, noise);
+    upper_ = upper_.of_next_hold(upper);
+    lower_ = lower_.of_next_hold(lower);
+    seen_ = seen_lately_ = stuck_ = stuck_lately_ = periods_ = 0;
   }
 
  private:
@@ -100,7 +99,12 @@ class PileUp {
   // the commonest number below, and 1024 (x ln(x/p) + (1-x) ln((1-x)/(1-p))) = 39 with p = 10/11. After a day at 4 Hz
   // 34 is asked for.
   static constexpr std::int64_t kStretch = 10'000;
-  static constexpr double kAtFoundEnd = 6.9;  // -ln 10⁻³
+  // -ln 10⁻³: the end is known, so only chance within this stretch is to be excluded. Smaller: two readings at an old
+  // end withhold a sound hold. Larger: an end that comes back shows later.
+  static constexpr double kAtFoundEnd = 6.9;
+  // Steps of rounding between the lowest and the highest reading of a motion. An end cut off by less than five steps is
+  // not found anyway.
+  static constexpr double kMoves = 10.0;
   struct End {
     Crest of_hold, of_stretch;
     double known = INFINITY;  // the end of the transducer's range, found before
@@ -125,20 +129,36 @@ class PileUp {
       passed_at = at;
       lost += lost_of(readings, seen);
     }
-    [[nodiscard]] double at() const noexcept { return passed > 0 ? passed_at : of_hold.top(); }
+    // The newest end at which readings were cut off, `now_cut_off` of them at the hold's largest.
+    [[nodiscard]] double at(std::int64_t now_cut_off) const noexcept {
+      return passed > 0 && now_cut_off == 0 ? passed_at : of_hold.top();
+    }
+    [[nodiscard]] End of_next_hold(std::int64_t now_cut_off) const noexcept {
+      End next;
+      next.known = passed + now_cut_off > 0 ? at(now_cut_off) : known;
+      return next;
+    }
   };
+  [[nodiscard]] bool moves(const Noise& noise) const noexcept {
+    return upper_.of_hold.top() + lower_.of_hold.top() >= kMoves * noise.step;
+  }
+  [[nodiscard]] std::int64_t now(const End& end, const Noise& noise) const noexcept {
+    return moves(noise) ? end.now(noise, stuck_elsewhere()) : 0;
+  }
   [[nodiscard]] static double lost_of(std::int64_t cut_off, std::int64_t seen) noexcept {
     if (cut_off == 0) return 0.0;
     const auto all = static_cast<double>(seen);
-    return all * 2 / (3 * std::numbers::pi) * std::pow(std::numbers::pi * static_cast<double>(cut_off) / all, 3);
+    const double theta = std::numbers::pi * static_cast<double>(cut_off) / all;
+    return all * (theta - std::sin(theta) * std::cos(theta)) / std::numbers::pi;
   }
   [[nodiscard]] std::int64_t stuck_elsewhere() const noexcept {
     return stuck_ - upper_.of_hold.runs_at_top() - lower_.of_hold.runs_at_top();
   }
 
   End upper_, lower_;
-  std::int64_t seen_ = 0, seen_lately_ = 0;  // readings: of the hold, of the stretch
-  std::int64_t stuck_ = 0, periods_ = 0;     // of the hold
+  std::int64_t seen_ = 0, seen_lately_ = 0;    // readings: of the hold, of the stretch
+  std::int64_t stuck_ = 0, stuck_lately_ = 0;  // long runs: of the hold, of the stretch
+  std::int64_t periods_ = 0;                   // of the hold
 };
 
 }  // namespace dwell

@@ -197,7 +197,7 @@ class Watch {
     limits.time = kAsk;
     const auto channels = http_get(url_, "/api/v1/channels", limits);
     const auto alarms = channels ? http_get(url_, "/api/v1/alarms", limits) : channels;
-    // An answer that is no list, a refusal for instance, leaves the one before, which grows old.
+    // A refusal leaves what was known before, which grows old.
     if (alarms)
       if (auto list = alarms_from_json(Json::parse(alarms->body, nullptr, false)))
         state_.take(std::move(*list), now_s());
@@ -208,7 +208,7 @@ class Watch {
     const Json list = Json::parse(channels->body, nullptr, false);
     if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
     const Json value = Json::parse(health->body, nullptr, false);
-    state_.take_gpio(gpio_text(value), now_s());
+    if (value.is_object() && value.contains("gpio")) state_.take_gpio(gpio_text(value), now_s());
     if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
       state_.name = value["rig"].get<std::string>();
     }

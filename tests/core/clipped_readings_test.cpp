@@ -32,7 +32,7 @@ TEST_F(ClippedReadings, AChannelThatIsClippedFromSomeInstantOnIsNamedAndWithheld
         [&](Record& record, double t) {
           if (record.channel == 1 && t > 20) record.value = std::clamp(record.value, -limit, limit);
         },
-        36);  // eight seconds are two times 16 periods
+        36);  // the stretch that holds the change may end first; then 16 periods, 4 s, are enough
     expect_no_wrong_number(dwell, what);
     EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
     EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);

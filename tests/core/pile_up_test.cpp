@@ -118,7 +118,7 @@ TEST(PileUp, RepeatsOfALargestReadingAreNone) {
     PileUp pile_up;
     const NoisyMotion motion{0.02};
     play(pile_up, motion, 8.0, seed);
-    const double largest = pile_up.upper_end();
+    const double largest = pile_up.upper_end(seen(motion));
     for (int i = 0; i < 2; ++i)
       pile_up.add(
           largest, largest, [] { return 0.1; }, [&] { return seen(motion); });
@@ -129,17 +129,17 @@ TEST(PileUp, RepeatsOfALargestReadingAreNone) {
 // At 20 readings a period each number comes once a period, the one of the crest five times: a flattened crest might do
 // so. A run of five that no crest explains tells.
 TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
-  const auto play_runs = [](PileUp& pile_up, int periods, int every_other) {
+  const auto play_runs = [](PileUp& pile_up, int periods, int every_other, double end = 0.8) {
     double before = 0.0;
     for (int i = 0; i < 20 * periods; ++i) {
-      const double reading = std::min(1e-3 * std::nearbyint(1e3 * std::sin(M_PI * i / 10)), 0.8);
+      const double reading = std::min(1e-3 * std::nearbyint(1e3 * std::sin(M_PI * i / 10)), end);
       pile_up.add(
           reading, before, [] { return 0.2; },
           [] {
             return PileUp::Noise{3e-4, 1e-3};
           });
       before = reading;
-      if (i % 20 == 7) pile_up.stuck();                                                  // the last reading at the end
+      if (i % 20 == 7 && end < 1) pile_up.stuck();                                       // the last reading at the end
       if (every_other > 0 && i % 20 == 1 && i / 20 % every_other == 0) pile_up.stuck();  // a repeated answer
     }
     return pile_up.above({3e-4, 1e-3});
@@ -148,13 +148,57 @@ TEST(PileUp, LongRunsAtTheExtremeAloneAreACrestCutOff) {
   EXPECT_EQ(play_runs(few, 4, 0), 0);
   EXPECT_EQ(play_runs(enough, 5, 0), 25);
   EXPECT_EQ(play_runs(repeats, 5, 2), 0);
+
+  // The same where the crests before were not cut off.
+  PileUp later;
+  const auto judge = [&later] {
+    for (int period = 0; period < 16; ++period) later.next_period({3e-4, 1e-3});
+  };
+  EXPECT_EQ(play_runs(later, 600, 0, 2.0), 0);
+  judge();
+  play_runs(later, 16, 0);
+  judge();
+  EXPECT_GT(later.above({3e-4, 1e-3}), 0);
+  EXPECT_EQ(later.upper_end({3e-4, 1e-3}), 0.8);
+}
+
+// A converter's last digit: 98 % of the readings are one number.
+TEST(PileUp, OfAChannelAtRestThereIsNone) {
+  for (const double noise : {0.15, 0.3, 1.0})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      std::mt19937_64 random(seed);
+      std::normal_distribution<double> normal;
+      const PileUp::Noise known{std::hypot(noise, 1 / std::sqrt(12.0)), 1.0};
+      PileUp pile_up;
+      double before = 0.0;
+      for (int i = 0; i < 20'000; ++i) {
+        const double reading = std::nearbyint(0.2 + noise * normal(random));
+        pile_up.add(
+            reading, before, [] { return 0.1; }, [&] { return known; });
+        before = reading;
+        if (i % 100 == 0) pile_up.next_period(known);
+      }
+      EXPECT_EQ(pile_up.above(known), 0) << noise;
+      EXPECT_EQ(pile_up.below(known), 0) << noise;
+    }
+}
+
+// Relative loss of the fundamental of a sine cut off at one end, by its Fourier coefficient.
+double lost_fundamental(double end) {
+  double sum = 0.0;
+  constexpr int kPhases = 100'000;
+  for (int i = 0; i < kPhases; ++i) {
+    const double sine = std::sin(2 * M_PI * i / kPhases);
+    sum += 2.0 / kPhases * (sine - std::min(sine, end)) * sine;
+  }
+  return sum;
 }
 
 TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
-  for (const NoisyMotion& wide : {NoisyMotion{1e-3}, NoisyMotion{1e-4, 1e-3}, NoisyMotion{0.01, 1e-6}})
+  // With 40.3 readings a period there are 403 phases. Rounding without noise leaves few numbers beside an end of 0.95
+  // then, as harmonics might, and it is not found; with 40.37 it is.
+  for (const NoisyMotion& wide : {NoisyMotion{1e-3}, NoisyMotion{1e-4, 1e-3, INFINITY, 40.37}, NoisyMotion{0.01, 1e-6}})
     for (const double end : {0.2, 0.5, 0.8, 0.95}) {
-      // Sampled at 403 phases, rounding without noise leaves so few numbers beside that end that harmonics might do it.
-      if (end == 0.95 && wide.noise < wide.step) continue;
       NoisyMotion narrow = wide;
       narrow.end = end;
       PileUp pile_up;
@@ -162,14 +206,14 @@ TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
       EXPECT_EQ(pile_up.above(seen(wide)), 0);
       play(pile_up, narrow, 512.0, 2);  // two stretches, each of 16 times 16 periods
       EXPECT_GT(pile_up.above(seen(narrow)), 0) << "cut off at " << end;
-      EXPECT_EQ(pile_up.upper_end(), end);
+      EXPECT_EQ(pile_up.upper_end(seen(narrow)), end);
       EXPECT_EQ(pile_up.below(seen(narrow)), 0);
       // Half of all readings were cut off, so the fundamental loses half of what it would lose if all were. What the
       // first stretch after the change missed is not in it.
-      const double part = std::acos(end) / M_PI, half = 0.5 * 2 / (3 * M_PI) * std::pow(M_PI * part, 3);
+      const double half = 0.5 * lost_fundamental(end);
       play(pile_up, narrow, 488.0, 3);
-      EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half);
-      EXPECT_GT(pile_up.loss(seen(narrow)), 0.5 * half);
+      EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half) << end;  // noise puts 5 % more readings at the end
+      EXPECT_GT(pile_up.loss(seen(narrow)), 0.7 * half) << end;   // at most 280 of the 1000 periods are missing
     }
 }
 
@@ -193,12 +237,21 @@ TEST(PileUp, WhatWasCutOffStaysSoThoughTheRangeIsWidened) {
     EXPECT_NEAR(pile_up.loss(seen(wide)), 0.5 * loss, 0.03 * loss) << "the mean of both halves";
     play(pile_up, wide, 70.0, 2);
     EXPECT_EQ(pile_up.above(seen(wide)), cut_off);
-    EXPECT_EQ(pile_up.upper_end(), 0.8);
+    EXPECT_EQ(pile_up.upper_end(seen(wide)), 0.8);
     EXPECT_EQ(pile_up.below(seen(wide)), 0);
     pile_up.restart(seen(wide));
     play(pile_up, wide, 100.0, 3);
     EXPECT_EQ(pile_up.above(seen(wide)), 0);
   }
+}
+
+TEST(PileUp, TheNewestEndIsTold) {
+  const NoisyMotion narrow{1e-3, 0.0, 0.5}, wider{1e-3, 0.0, 0.8};
+  PileUp pile_up;
+  play(pile_up, narrow, 100.0, 1);
+  EXPECT_EQ(pile_up.upper_end(seen(narrow)), 0.5);
+  play(pile_up, wider, 100.0, 2);
+  EXPECT_EQ(pile_up.upper_end(seen(wider)), 0.8);
 }
 
 TEST(PileUp, AnEndOnceFoundNeedsNoProofLater) {
