@@ -4,7 +4,7 @@ held_up_to() { dwellctl audit "$1" --json | jq -r '.files[0].until_utc'; }
 fill_the_disk() {  # nothing may be left, not for the file system's own use either
   fallocate -l $(($(df --output=avail -B1 $folder | tail -n 1) - 1000000)) $folder/filler
   local again
-  for again in 1 2 3 4 5; do  # the recorder may free a block between two attempts
+  for again in $(seq 50); do  # the recorder may free a block between two attempts
     cat /dev/zero >>$folder/filler 2>/dev/null
     [ "$(df --output=avail $folder | tail -n 1)" -ne 0 ] || return 0
   done
