@@ -3,8 +3,10 @@
 #pragma once
 
 #include <future>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -20,16 +22,23 @@ class DiskJobs {
   DiskJobs(const DiskJobs&) = delete;
   DiskJobs& operator=(const DiskJobs&) = delete;
 
-  // job() returns a Result<void> and must not throw. It runs on a thread of its own, after all jobs before it.
+  // job() returns a Result<void> and must not throw; take_failures() has the reason of one that failed. It runs on a
+  // thread of its own, after all jobs before it. If the system gives no thread, it is done before start() returns.
   template <class Job>
   void start(Job job) {
-    last_ = std::async([this, last = last_, job = std::move(job)]() mutable {
-              if (const auto before = std::exchange(last, {}); before.valid()) before.wait();
-              if (const Result<void> done = job(); !done) {
-                const std::lock_guard lock(mutex_);
-                failures_.push_back(done.error());
-              }
-            }).share();
+    // Copied, so that the job is still here if no thread can be begun: std::async loses what is moved into it.
+    auto work = [this, last = last_, job = std::make_shared<Job>(std::move(job))]() mutable {
+      if (const auto before = std::exchange(last, {}); before.valid()) before.wait();
+      if (const Result<void> done = (*job)(); !done) {
+        const std::lock_guard lock(mutex_);
+        failures_.push_back(done.error());
+      }
+    };
+    try {
+      last_ = std::async(std::launch::async, work).share();
+    } catch (const std::system_error&) {
+      work();
+    }
   }
   // Ready when all jobs so far are done; not valid: there were none. Any thread may wait for it.
   [[nodiscard]] std::shared_future<void> done() const { return last_; }

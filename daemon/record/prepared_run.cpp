@@ -32,7 +32,9 @@ void PreparedRun::make(std::int64_t run) {
   if (run_ == run) return;
   discard();
   run_ = run;
-  made_ = std::async([path = path_of(run)] { return ChainWriter::create_ahead(path, ChainSort::run); });
+  // Copied: if no thread can be begun, whoever waits makes the file, and std::async loses what is moved into it.
+  const auto create = [path = path_of(run)] { return ChainWriter::create_ahead(path, ChainSort::run); };
+  made_ = std::async(create);
 }
 
 Result<ChainWriter> PreparedRun::take(std::int64_t run) {

@@ -1,16 +1,23 @@
 // The small parts of the recording directory: names, reserve, retention, anchors, the thread beside.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/stat.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <future>
+#include <memory>
+#include <system_error>
+#include <thread>
 
 #include "daemon/record/anchor_delivery.hpp"
+#include "daemon/record/disk_jobs.hpp"
 #include "daemon/record/disk_reserve.hpp"
 #include "daemon/record/file_name.hpp"
 #include "daemon/record/job_thread.hpp"
+#include "daemon/record/prepared_run.hpp"
 #include "daemon/record/retention.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "tests/record/scratch.hpp"
@@ -47,6 +54,52 @@ TEST(UtcText, IsReadBack) {
   EXPECT_EQ(iso_utc(-1'000), "1969-12-31T23:59:59.999999Z");
   for (const char* wrong : {"", "2026-11-23", "2026-11-23T03:12:17", "2026-11-23T03:12:17.25", "2026-11-23T03:12:17Zx"})
     EXPECT_FALSE(parse_utc(wrong)) << wrong;
+}
+
+// While it lives the system gives no thread: none has room for its stack.
+class NoThreads {
+ public:
+  NoThreads() {
+    pthread_getattr_default_np(&usual_);
+    pthread_attr_t vast;
+    pthread_attr_init(&vast);
+    pthread_attr_setstacksize(&vast, std::size_t{1} << 60U);
+    pthread_setattr_default_np(&vast);
+    pthread_attr_destroy(&vast);
+  }
+  NoThreads(const NoThreads&) = delete;
+  NoThreads& operator=(const NoThreads&) = delete;
+  ~NoThreads() {
+    pthread_setattr_default_np(&usual_);
+    pthread_attr_destroy(&usual_);
+  }
+
+ private:
+  pthread_attr_t usual_{};
+};
+
+TEST(DiskJobs, AJobKeepsItsFileAndIsDoneIfTheSystemGivesNoThread) {
+  DiskJobs jobs;
+  int seen = 0;
+  {
+    const NoThreads scarce;
+    EXPECT_THROW(std::thread([] {}).join(), std::system_error) << "the shortage itself";
+    jobs.start([file = std::make_unique<int>(7), &seen]() -> Result<void> {
+      seen = file ? *file : -1;
+      return tl::unexpected(std::string("disk full"));
+    });
+    EXPECT_EQ(jobs.take_failures(), std::vector<std::string>{"disk full"}) << "done before start() returns";
+  }
+  EXPECT_EQ(seen, 7);
+}
+
+TEST(PreparedRun, IsMadeAtItsPathIfTheSystemGivesNoThread) {
+  const Scratch scratch;
+  PreparedRun prepared(scratch.path(""));
+  const NoThreads scarce;
+  prepared.make(3);
+  prepared.wait();
+  EXPECT_TRUE(std::filesystem::exists(prepared.path_of(3))) << prepared.path_of(3);
 }
 
 TEST(DiskReserve, HoldsBlocksAndGivesThemFree) {
