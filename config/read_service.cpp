@@ -77,7 +77,7 @@ void read_command(Section& anchor, std::vector<std::string>& command) {
   if (given == nullptr) return;
   for (const toml::node& node : *given) {
     const auto* word = node.as_string();
-    if (word == nullptr || !printable(word->get()))
+    if (word == nullptr || !is_one_line(word->get()))
       return anchor.wrong("command", "\"command\" holds " + shown(node) + ": expected " + kCommand);
     command.push_back(word->get());
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "config/decimal_comma.hpp"
+#include "core/base/printable.hpp"
 
 namespace dwell::config {
 
@@ -50,16 +51,10 @@ std::string shown(const toml::node& node) {
   return type_name(node);
 }
 
-bool printable(std::string_view text) {
-  if (text.empty() || text.size() > 4096) return false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x20 || byte == 0x7F) return false;
-    // U+0080 … U+009F, and the line and paragraph separators U+2028 and U+2029.
-    if (byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0) return false;
-    if (text.substr(i, 3) == "\xE2\x80\xA8" || text.substr(i, 3) == "\xE2\x80\xA9") return false;
-  }
-  return true;
+bool is_one_line(std::string_view text) {
+  constexpr std::string_view kLineSeparator = "\u2028", kParagraphSeparator = "\u2029";
+  return !text.empty() && text.size() <= 4096 && !has_control(text) && text.find(kLineSeparator) == text.npos &&
+         text.find(kParagraphSeparator) == text.npos;
 }
 
 bool Section::real(std::string_view key, double& target, const RealRule& rule, Need need) {
@@ -124,7 +119,7 @@ bool Section::text(std::string_view key, std::string& target, const char* expect
     wrong_type(*node, key, expected);
     return false;
   }
-  if (!printable(given->get())) {
+  if (!is_one_line(given->get())) {
     const char* fault = given->get().empty() ? " is empty" : " holds control characters or is too long";
     wrong(key, in_quotes(key) + fault + ": expected " + expected);
     return false;

@@ -35,8 +35,8 @@ struct RealRule {
 [[nodiscard]] const char* type_name(const toml::node& node);  // "a string", "an array", …
 // The value as the file has it, for messages: a number, a quoted string, or else its type.
 [[nodiscard]] std::string shown(const toml::node& node);
-// Text for names and paths: not empty, without control characters, and no longer than 4096 bytes.
-[[nodiscard]] bool printable(std::string_view text);
+// Text for names and paths: not empty, no control, no line or paragraph separator, and no longer than 4096 bytes.
+[[nodiscard]] bool is_one_line(std::string_view text);
 
 class Section {
  public:
@@ -48,7 +48,7 @@ class Section {
   bool integer(std::string_view key, std::int64_t& target, std::int64_t low, std::int64_t high, const char* expected,
                Need need = Need::optional);
   bool boolean(std::string_view key, bool& target);
-  // Printable text.
+  // One line of text, see is_one_line().
   bool text(std::string_view key, std::string& target, const char* expected, Need need = Need::optional);
   // One of a few words.
   template <class E>

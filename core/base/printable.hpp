@@ -32,6 +32,12 @@ namespace dwell {
   return 0;
 }
 
+[[nodiscard]] constexpr bool has_control(std::string_view text) noexcept {
+  for (; !text.empty(); text.remove_prefix(1))
+    if (control_bytes(text) > 0) return true;
+  return false;
+}
+
 // The text with `instead` for each control.
 [[nodiscard]] inline std::string printable(std::string_view text, char instead = '?') {
   std::string clean;

@@ -1,9 +1,10 @@
 #include "daemon/acquire/device_link.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <string_view>
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "daemon/clock.hpp"
 
 namespace dwell {
@@ -113,9 +114,12 @@ void DeviceLink::state(std::int32_t channel, dwell_fault fault, const char* reas
   event.channel = channel < 0 ? -1 : channel;
   event.fault = known_fault(fault);
   if (reason != nullptr) {
-    const std::size_t length = std::min(std::strlen(reason), StateEvent::kReasonSize - 1);
-    std::transform(reason, reason + length, event.reason.begin(),
-                   [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c; });
+    std::string_view rest(reason);
+    for (std::size_t i = 0; i + 1 < StateEvent::kReasonSize && !rest.empty(); ++i) {
+      const std::size_t control = control_bytes(rest);
+      event.reason[i] = control > 0 ? ' ' : rest.front();
+      rest.remove_prefix(std::max(control, std::size_t{1}));
+    }
   }
   if (!any_waiting_ && events_.push(event)) return;
   for (std::size_t i = 0; i < channels_.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "daemon/record/utf8.hpp"
 
 namespace dwell {
@@ -35,8 +36,7 @@ tl::expected<std::string, NotDone> text_of(const Json& request, const char* key,
   const auto given = request.find(key);
   if (given == request.end()) return {};
   const auto* text = given->get_ptr<const std::string*>();
-  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  if (text == nullptr || text->size() > most || std::any_of(text->begin(), text->end(), control))
+  if (text == nullptr || text->size() > most || has_control(*text))
     return unusable("\"" + std::string(key) + "\" cannot be taken: expected text of at most " + std::to_string(most) +
                     " bytes without control characters");
   return *text;

@@ -17,6 +17,7 @@ TEST(ChannelMistakes, OfNames) {
   expect_mistake("\"y0\"", "@\"\"", "\"name\" is empty" + expected);
   expect_mistake("\"y0\"", "@\"a\\tb\"", "\"name\" holds control characters or is too long" + expected);
   expect_mistake("\"y0\"", "@\"a\\u0085b\"", "\"name\" holds control characters or is too long" + expected);
+  expect_mistake("\"y0\"", "@\"a\\u202Eb\"", "\"name\" holds control characters or is too long" + expected);
   expect_mistake("\"y0\"", "@\"a\\u2028b\"", "\"name\" holds control characters or is too long" + expected);
   expect_mistake("\"y0\"", "@\"" + std::string(65, 'y') + "\"",
                  "\"name\" is \"" + std::string(60, 'y') + "...\"" + expected);

@@ -89,7 +89,8 @@ TEST(HttpActions, ABodyThatCannotBeUsedAsksForNothing) {
   const std::string deep(1000, '['), label(201, 'x');
   for (const std::string& body :
        {std::string(), std::string("{"), std::string("[]"), std::string("{}"), deep, "{\"label\":\"" + label + "\"}",
-        std::string(R"({"label":3})"), std::string(R"({"label":"a\nb"})"), std::string("{\"label\":\"\xff\"}")})
+        std::string(R"({"label":3})"), std::string(R"({"label":"a\nb"})"), std::string("{\"label\":\"a\u202Eb\"}"),
+        std::string("{\"label\":\"\xff\"}")})
     EXPECT_EQ(action_answer("start", post(body), never).status, 400) << body;
 }
 
