@@ -7,7 +7,7 @@ export async function give(path, body) {
   try {
     const answer = await fetch(path, { method: 'POST', signal: AbortSignal.timeout(ANSWER_MS),
       headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
-    return answer.ok ? '' : (await answer.json()).error;
+    return answer.ok ? '' : (await answer.json()).error ?? `status ${answer.status}`;
   } catch {
     return null;
   }

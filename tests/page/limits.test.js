@@ -5,7 +5,7 @@ import { alarmRows, waitingText } from '../../daemon/page/alarms.mjs';
 import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
 import { Freshness } from '../../daemon/page/freshness.mjs';
 import { limitOf } from '../../daemon/page/limits.mjs';
-import { noteText } from '../../daemon/page/order.mjs';
+import { give, noteText } from '../../daemon/page/order.mjs';
 import { dwellOf } from './sample.js';
 
 const limited = (verdict, reason = null) => dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict, reason }] });
@@ -58,6 +58,18 @@ test('an alarm that has returned says when it was over', () => {
 test('an alarm of another day has its date', () => {
   const [row] = alarmRows({ unacknowledged: 1, alarms: [alarm('unacknowledged', { since: '2026-11-20T07:00:00Z' })] }, NOW);
   assert.match(row.when, /^since 20\/11\/2026, \d\d:\d\d:00 \(3 d\)$/);
+});
+
+test('why an order was not done is always told: a refusal without words is told by its status', async (t) => {
+  const answers = (status, body) => t.mock.method(globalThis, 'fetch', async () => new Response(body, { status }));
+  answers(403, '{"error": "no right to change"}');
+  assert.equal(await give('/api/v1/stop', {}), 'no right to change');
+  answers(502, '{}');
+  assert.equal(await give('/api/v1/stop', {}), 'status 502');
+  answers(502, '<html>');
+  assert.equal(await give('/api/v1/stop', {}), null, 'not the service: whether it was done is not known');
+  answers(200, '{}');
+  assert.equal(await give('/api/v1/stop', {}), '');
 });
 
 test('that it was done is said for 10 s, why it was not until the next attempt', () => {
