@@ -25,8 +25,7 @@ DwellView live_dwell(const ServiceView& now) {
   const bool stale = is_stale(now);
   Dwell dwell = snapshot.dwell;
   if (stale) dwell.doubts.insert(dwell.doubts.begin(), Doubt{{}, stale_reason(now)});
-  DwellView view = make_view(dwell, now.rig, now.run);
-  view.limits = judge_limits_now(now.rig, dwell);
+  DwellView view = make_view(dwell, now.rig, now.run, judge_limits_now(now.rig, dwell));
   view.age = LiveAge{estimate_age_s(snapshot, now.now_ns), stale};
   if (const auto& transient = snapshot.transient) {
     auto beside = std::make_shared<MotionView>(make_view(transient->estimate, snapshot.transient_e_n, now.rig));

@@ -41,6 +41,16 @@ const char* to_string(EndedBy ended_by) noexcept {
   return "unknown";
 }
 
+const ElementEstimate* element_of(const Dwell& dwell, int k) noexcept {
+  const auto found =
+      std::find_if(dwell.elements.begin(), dwell.elements.end(), [k](const ElementEstimate& e) { return e.k == k; });
+  return found == dwell.elements.end() ? nullptr : &*found;
+}
+
+bool concerns(const Doubt& doubt, int k) noexcept {
+  return doubt.elements.empty() || std::find(doubt.elements.begin(), doubt.elements.end(), k) != doubt.elements.end();
+}
+
 bool trustworthy(const Dwell& dwell) noexcept {
   return std::isfinite(dwell.settled_s) && dwell.doubts.empty() && !dwell.elements.empty() &&
          std::all_of(dwell.elements.begin(), dwell.elements.end(),

@@ -99,6 +99,12 @@ struct Dwell {
   std::vector<std::string> unstated;  // uncertainties that the rig file leaves out and no ± covers: "scale of y1"
 };
 
+// Estimate of the element k; null: the dwell has none yet. Points into the dwell. Thread-safe, no allocation.
+[[nodiscard]] const ElementEstimate* element_of(const Dwell& dwell, int k) noexcept;
+
+// Whether the doubt concerns the element k. Thread-safe, no allocation.
+[[nodiscard]] bool concerns(const Doubt& doubt, int k) noexcept;
+
 // Whether a dwell's coefficients may be relied on: settled, every element identifiable, no doubts. The lamp `ready`,
 // exit codes and texts all use this function. Thread-safe.
 [[nodiscard]] bool trustworthy(const Dwell& dwell) noexcept;

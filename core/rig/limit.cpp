@@ -1,41 +1,24 @@
 #include "core/rig/limit.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace dwell {
 namespace {
-
-// null: the dwell has no such element yet.
-const ElementEstimate* element_of(const Dwell& dwell, int k) {
-  const auto element = std::find_if(dwell.elements.begin(), dwell.elements.end(),
-                                    [k](const ElementEstimate& candidate) { return candidate.k == k; });
-  return element == dwell.elements.end() ? nullptr : &*element;
-}
 
 // Why no number of this element is judged; empty: it is.
 std::string obstacle(const Dwell& dwell, const ElementEstimate* element) {
   if (!std::isfinite(dwell.settled_s) || element == nullptr) return "not settled";
   if (!element->identifiable) return element->reason.empty() ? "not identifiable" : element->reason;
   for (const Doubt& doubt : dwell.doubts)
-    if (doubt.elements.empty() || std::count(doubt.elements.begin(), doubt.elements.end(), element->k) > 0)
-      return "the number must not be relied on: " + doubt.what;
+    if (concerns(doubt, element->k)) return "the number must not be relied on: " + doubt.what;
   return {};
 }
 
 // Why nothing is measured now; empty: a dwell is.
 std::string why_not_measured(State state) {
-  switch (state) {
-    case State::idle:
-    case State::settling:
-      return "not settled";
-    case State::measuring:
-      return {};
-    case State::complete:
-      return "the dwell has ended";
-    case State::fault:
-      return "the data do not suffice";
-  }
+  if (state == State::measuring) return {};
+  if (state == State::complete) return "the dwell has ended";
+  if (state == State::fault) return "the data do not suffice";
   return "not settled";
 }
 

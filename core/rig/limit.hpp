@@ -37,8 +37,8 @@ struct JudgedLimit {
 // that must not be relied on has no verdict. Thread-safe; allocates.
 [[nodiscard]] std::vector<JudgedLimit> judge_limits(const Rig& rig, const Dwell& dwell);
 
-// The same for what is measured now: a current dwell that is not being measured has no verdicts. Thread-safe;
-// allocates.
+// The same for the current dwell. Unless it is being measured, no limit has a verdict; the reason is the dwell's state,
+// or what judge_limits() says already. Whether the dwell is stale is the caller's to judge. Thread-safe; allocates.
 [[nodiscard]] std::vector<JudgedLimit> judge_limits_now(const Rig& rig, const Dwell& current);
 
 }  // namespace dwell

@@ -56,9 +56,7 @@ std::string largest_harmonic(const ChannelPhasor& p) {
 bool insignificant(const Coefficient& c) { return !c.significant && std::isfinite(c.value); }
 
 bool doubted(const Dwell& dwell, int k) {
-  return std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [k](const Doubt& doubt) {
-    return doubt.elements.empty() || std::count(doubt.elements.begin(), doubt.elements.end(), k) > 0;
-  });
+  return std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [k](const Doubt& doubt) { return concerns(doubt, k); });
 }
 
 std::vector<std::string> coefficient_cells(const Dwell& dwell, Coefficient ElementEstimate::*which, const char* unit) {

@@ -1,5 +1,7 @@
 #include "daemon/report/dwell_view.hpp"
 
+#include <utility>
+
 namespace dwell {
 
 std::vector<ChannelLabel> channel_labels(const Rig& rig) {
@@ -12,8 +14,12 @@ std::vector<ChannelLabel> channel_labels(const Rig& rig) {
   return labels;
 }
 
+DwellView make_view(const Dwell& dwell, const Rig& rig, const RunInfo& run, std::vector<JudgedLimit> limits) {
+  return {rig.motion, channel_labels(rig), run, dwell, nullptr, std::nullopt, std::move(limits), std::nullopt};
+}
+
 DwellView make_view(const Dwell& dwell, const Rig& rig, const RunInfo& run) {
-  return {rig.motion, channel_labels(rig), run, dwell, nullptr, std::nullopt, judge_limits(rig, dwell), std::nullopt};
+  return make_view(dwell, rig, run, judge_limits(rig, dwell));
 }
 
 }  // namespace dwell

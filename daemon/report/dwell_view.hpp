@@ -64,6 +64,9 @@ using config::stiffness_unit;
 // Labels of all channels of a rig, in its order.
 [[nodiscard]] std::vector<ChannelLabel> channel_labels(const Rig& rig);
 
+// limits: the rig's, judged. Without: by judge_limits(). Thread-safe; allocates.
+[[nodiscard]] DwellView make_view(const Dwell& dwell, const Rig& rig, const RunInfo& run,
+                                  std::vector<JudgedLimit> limits);
 [[nodiscard]] DwellView make_view(const Dwell& dwell, const Rig& rig, const RunInfo& run);
 
 }  // namespace dwell

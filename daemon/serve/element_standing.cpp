@@ -3,21 +3,6 @@
 #include <algorithm>
 
 namespace dwell {
-namespace {
-
-const ElementEstimate* element_of(const Dwell& dwell, int k) noexcept {
-  const auto found =
-      std::find_if(dwell.elements.begin(), dwell.elements.end(), [k](const ElementEstimate& e) { return e.k == k; });
-  return found == dwell.elements.end() ? nullptr : &*found;
-}
-
-bool is_doubted(const Dwell& dwell, int k) noexcept {
-  return std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [k](const Doubt& doubt) {
-    return doubt.elements.empty() || std::find(doubt.elements.begin(), doubt.elements.end(), k) != doubt.elements.end();
-  });
-}
-
-}  // namespace
 
 const char* to_string(Standing standing) noexcept {
   switch (standing) {
@@ -45,7 +30,9 @@ Standing standing_of(const ServiceView& now, int k) noexcept {
   if (dwell.state != State::measuring || dwell.elements.empty()) return Standing::not_settled;
   const ElementEstimate* const element = element_of(dwell, k);
   if (element == nullptr || !element->identifiable) return Standing::not_identifiable;
-  return is_doubted(dwell, k) ? Standing::doubtful : Standing::valid;
+  const bool doubted =
+      std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [k](const Doubt& doubt) { return concerns(doubt, k); });
+  return doubted ? Standing::doubtful : Standing::valid;
 }
 
 const ElementEstimate* element_to_hand_out(const ServiceView& now, int k) noexcept {
