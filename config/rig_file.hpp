@@ -26,8 +26,8 @@ struct ServerSettings {
   std::vector<std::string> names;  // by which clients may ask for it
   std::string token_file;          // absolute, or relative to the working directory; empty: none
   bool behind_proxy = false;       // a front proxy says who may read: whoever reaches the address is believed
-  // Positions in the file. The service itself checks who may reach the address, and the token file: a replay of an old
-  // run must not need them. Its messages name these positions.
+  // Positions in the file, for messages of the service. The service checks address and token file itself, since an old
+  // run must be replayed without them.
   Position listen_at, token_file_at;
 };
 

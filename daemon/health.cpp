@@ -26,8 +26,8 @@ const char* run_words(const RunView& run) {
   return "no run goes on: the next begins with the drive, or with \"dwellctl start\"";
 }
 
-// Whether none of the device's channels delivers, and it has several. The device is then told once in place of its
-// channels; a device's only channel is told by its own name.
+// Whether the device has several channels and none of them delivers. Then the device is told, not its channels. A
+// device's only channel is told by its own name.
 bool is_dead(const Rig& rig, const Snapshot& snapshot, int device) {
   if (device < 0 || static_cast<std::size_t>(device) >= snapshot.devices.size()) return false;
   return !snapshot.devices[static_cast<std::size_t>(device)].up &&

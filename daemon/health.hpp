@@ -38,8 +38,9 @@ struct Health {
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
-// An estimate older than kStale_s, or than kStaleUpdates times the rig's `update` if that is longer, is overdue: one
-// late estimate is none, two missing ones are. The page and dwellctl watch have the same bounds.
+// An estimate is overdue if it is older than kStale_s, or than kStaleUpdates times the rig's `update` if that is
+// longer. So one late estimate does not count, but two missing ones do. The page and dwellctl watch have the same
+// bounds.
 inline constexpr double kStale_s = 2.5;
 inline constexpr double kStaleUpdates = 2.5;
 // Time since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.

@@ -68,7 +68,7 @@ std::optional<AlarmChange> AlarmList::raise(const Trouble& trouble, const record
   return AlarmChange{before, alarm};
 }
 
-// A trouble that this call and the last one found has lasted for the time between them; any other has faded.
+// A trouble found by this call and by the last one has lasted for the time between them. Any other has faded.
 void AlarmList::weigh(const std::vector<Trouble>& troubles, std::int64_t raw_ns) {
   const std::int64_t passed_ns = lasting_.empty() ? 0 : raw_ns - looked_ns_;
   looked_ns_ = raw_ns;

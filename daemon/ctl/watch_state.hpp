@@ -45,6 +45,8 @@ class WatchState {
   // 10 s later: at least one had none.
   static constexpr double kListOld_s = 2.0 * kOld_s;
 
+  // now_s of every call: s, on one clock that never steps back.
+
   // A dwell that the stream told; its age, where it has one, counts from what the service says.
   void take(DwellView dwell, double now_s);
   // Answers to what is asked beside the stream.
@@ -53,21 +55,22 @@ class WatchState {
   // What is to be known of the GPIO lines, as lines that end with a newline each.
   void take_gpio(std::string lines, double now_s);
 
-  // Since the dwell's data last moved on; while there are none: since it was published.
+  // Since the dwell's data last moved on, s; while there are none: since it was published. Infinite: no dwell yet.
   [[nodiscard]] double age_s(double now_s) const;
-  // Since the service last said anything, by the stream or by an answer.
+  // Since the service last said anything, by the stream or by an answer, s. Infinite: it never has.
   [[nodiscard]] double silent_s(double now_s) const { return now_s - heard_s_; }
   // Whether the numbers are no longer renewed: by the service's word, for long, or since the connection is gone.
   [[nodiscard]] bool old(double now_s) const;
   [[nodiscard]] bool silent(double now_s) const { return silent_s(now_s) > old_after_s(); }
   // Who is silent where the numbers are old.
   [[nodiscard]] Silence silence(double now_s) const;
+  // Age from which numbers are old, s.
   [[nodiscard]] double old_after_s() const;
 
   [[nodiscard]] const std::optional<DwellView>& dwell() const noexcept { return dwell_; }
   // How the channel of this name stands, its age as of now; nothing: not known, or known no longer.
   [[nodiscard]] std::optional<ChannelState> channel(const std::string& asked, double now_s) const;
-  // Since the channels' list was made; infinite: never.
+  // Since the channels' list was made, s; infinite: never.
   [[nodiscard]] double channels_age_s(double now_s) const { return now_s - channels_s_; }
 
   [[nodiscard]] const AlarmsList& alarms() const noexcept { return alarms_; }

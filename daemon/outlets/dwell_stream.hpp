@@ -27,8 +27,7 @@ class DwellStream {
   DwellStream(const DwellStream&) = delete;
   DwellStream& operator=(const DwellStream&) = delete;
 
-  // The next event, which tells of `view`; t_ns: when that was published; of one that is told
-  // again: now.
+  // The next event, which tells of `view`. t_ns: when the view was published; if it is told again, now.
   [[nodiscard]] Event next(const DwellView& view, std::int64_t t_ns);
   // Somebody joins who has been given the whole object from elsewhere, perhaps a newer one: the next event is whole.
   void joined() noexcept;

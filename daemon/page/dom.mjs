@@ -3,8 +3,8 @@
 
 const SVG = 'http://www.w3.org/2000/svg';
 
-// Controls, among them those of the writing direction (UAX #9): with them a name from outside could show its letters, and
-// the text beside it, in another order. As in core/base/printable.hpp.
+// The controls of core/base/printable.hpp without tab and newline. Each becomes U+FFFD. With those of the writing
+// direction (UAX #9) a name from outside could show its letters, and the text beside it, in another order.
 const CONTROLS = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g;
 export const readable = (text) => String(text ?? '').replace(CONTROLS, '\ufffd');
 

@@ -27,11 +27,12 @@ class OpenFile {
   int number_ = -1;
 };
 
-// The system's text for an errno. A full disk or quota reads "disk full", as in the messages of sqlite_error().
+// The system's text for an errno. A full disk or quota reads "disk full", as in the messages of sqlite_error(). This
+// and the functions below: any thread; allocate.
 [[nodiscard]] std::string system_text(int error);
 
 // flags, mode: as of open(2). Never waits for another process. Truncates nothing but a regular file. Fails with
-// "PATH: reason". Any thread.
+// "PATH: reason".
 [[nodiscard]] Result<OpenFile> open_regular(const std::string& path, int flags = O_RDONLY, mode_t mode = 0644);
 // The same for reading; none if there is no such file.
 [[nodiscard]] Result<OpenFile> open_regular_if_there(const std::string& path);

@@ -136,8 +136,9 @@ struct RunFolder::Impl {
   std::optional<ChainWriter> file;
   std::string name, origin;
   std::int64_t run = 0;
-  bool has_first_name = false, has_name = false;  // whether the run's file has them; else a file there is another's
-  std::optional<Anchor> last_head;                // of the run before
+  // Which of its two names the run's file has. A file at a name that it does not have belongs to somebody else.
+  bool has_first_name = false, has_name = false;
+  std::optional<Anchor> last_head;  // of the run before
   DiskJobs disk_jobs;
 
   // The file that was cut off is not altered.
@@ -185,8 +186,8 @@ struct RunFolder::Impl {
     return full;
   }
 
-  // Completes what a crash interrupted. First every file gets its name. Then the ledger gets the end of the run that it
-  // takes for running, and after it the run that followed at once and that it does not know.
+  // Completes what a crash interrupted. First every file gets its name. Then the ledger gets the end of the run that
+  // was going on. Last it gets the run that had just followed and has no entry yet, with its end.
   Result<void> tell_of_crash() {
     std::vector<std::pair<RunHeader, std::string>> unknown;
     for (const std::int64_t number : prepared.left_over()) {

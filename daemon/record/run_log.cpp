@@ -262,8 +262,8 @@ void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector
   batch.push_back({"event", t_ns, to_json(event)});
 }
 
-// The last dwell may end with the run. So the file is closed only with the next block. The last block of the run waits
-// for the next record: if another run begins with that, both are written together, with one wait for the disk.
+// The last dwell may end with the run, so the file is closed with the next block. The run's last block waits for the
+// next record. If that begins another run, both are written with one wait for the disk.
 void RunLog::end(const Record& edge) {
   stopped_.clear();
   if (!run_ || !run_->ending.empty()) return cut();

@@ -31,8 +31,8 @@ class RunStore {
   // Writes a batch. It survives a loss of power once this returns.
   [[nodiscard]] virtual Result<void> write(std::span<const NewEntry> batch) = 0;
   // Writes the last entries, with the room that was reserved for them, and ends the run. If this fails, the run's file
-  // stays cut off. In either case there is no run afterwards. another: begin() follows at once, and may do what
-  // need not be done here.
+  // stays cut off. In either case there is no run afterwards. another: begin() follows at once; what end() need not do
+  // itself may be left to it.
   [[nodiscard]] virtual Result<void> end(std::span<const NewEntry> last, bool another) = 0;
 };
 

@@ -32,8 +32,8 @@ struct ModbusOptions {
   // poll slowly lose their places. Longer: for so long, clients that ask once can keep others out.
   std::chrono::milliseconds kept_time{10'000};
   // Between an answer and the client's next request: 500 answers a second at most. Shorter: a client that asks without
-  // end takes more of the event loop's time. Longer: a rig of 64 masses takes 7 requests, and these must be over before
-  // the next image.
+  // end takes more of the event loop's time. Longer: a rig of 64 masses is read in 7 requests, which should all
+  // fall between two images.
   std::chrono::milliseconds pause{2};
 };
 

@@ -52,7 +52,7 @@ class Rights {
   // The refusal with its reason; nullopt: the client may.
   [[nodiscard]] std::optional<HttpReply> reading_refused(const HttpRequest& request);
   [[nodiscard]] std::optional<HttpReply> changing_refused(const HttpRequest& request);
-  // Begin a browser's session, by the body {"token": …}, and end it. The caller has checked foreign_refusal() before.
+  // login() begins a browser's session; its body is {"token": …}. logout() ends it. Call foreign_refusal() first.
   [[nodiscard]] HttpReply login(const HttpRequest& request);
   [[nodiscard]] HttpReply logout(const HttpRequest& request);
   // The client's session, by its cookie; empty: none. Counts as a use of it.

@@ -23,7 +23,7 @@ class SteadyPart {
   [[nodiscard]] std::int64_t from_ns() const noexcept { return from_ns_; }
   [[nodiscard]] std::int64_t to_ns() const noexcept { return to_ns_; }
   [[nodiscard]] int dwell() const noexcept { return dwell_; }
-  // Where the data begin to which it was fitted: when the dwell had settled.
+  // Instant from which on readings were used for the fit: when the dwell had settled.
   [[nodiscard]] std::int64_t fitted_from_ns() const noexcept { return fitted_from_ns_; }
 
  private:
