@@ -1,12 +1,15 @@
 # What befalls a service that records: it is killed amid a run, and its disk fills up. Measuring goes on.
 . guest/record.sh
 held_up_to() { dwellctl audit "$1" --json | jq -r '.files[0].until_utc'; }
-fill_the_disk() {  # nothing may be left, not for the file system's own use either
+fill_the_disk() {  # until an attempt adds nothing; a few blocks may be left that the file system keeps for itself
   fallocate -l $(($(df --output=avail -B1 $folder | tail -n 1) - 1000000)) $folder/filler
-  local again
+  local again size before=-1
   for again in $(seq 50); do  # the recorder may free a block between two attempts
     cat /dev/zero >>$folder/filler 2>/dev/null
-    [ "$(df --output=avail $folder | tail -n 1)" -ne 0 ] || return 0
+    sync -f $folder/filler
+    size=$(stat -c %s $folder/filler)
+    [ "$size" -ne "$before" ] || return 0
+    before=$size
   done
   df $folder
   return 1
