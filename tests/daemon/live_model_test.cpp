@@ -15,6 +15,7 @@
 #include "tests/core/bench_rig.hpp"
 #include "tests/daemon/collecting_sink.hpp"
 #include "tests/durations.hpp"
+#include "tests/under_sanitizer.hpp"
 
 namespace dwell {
 namespace {
@@ -109,7 +110,7 @@ TEST(LiveModel, HasCoefficientsInSecondsWhereTheVerdictTakesMinutes) {
   EXPECT_LT(std::abs(element.damping.value - live.chain.damping[0]), 4 * element.damping.u);
   EXPECT_LE(early->until_s, 5.5) << "on the run's axis, the table moved from 0.5 s on";
 
-  live.run(60.0);
+  live.run(draws(60, 25));
   EXPECT_FALSE(std::isfinite(live.latest().dwell.settled_s)) << "the harmonic verdict is still awaited";
   const ElementEstimate& late = live.latest().transient->estimate.elements.front();
   EXPECT_LT(late.stiffness.U95, 0.3 * element.stiffness.U95) << "it narrows meanwhile";

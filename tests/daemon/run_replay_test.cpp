@@ -9,6 +9,7 @@
 #include "daemon/estimate/measurement.hpp"
 #include "tests/daemon/dwell_bits.hpp"
 #include "tests/daemon/simulated_session.hpp"
+#include "tests/under_sanitizer.hpp"
 
 namespace dwell {
 namespace {
@@ -111,8 +112,9 @@ void happen(SimulatedSession& session, std::mt19937_64& random) {
 }
 
 TEST(RunReplay, ItsRecordsGiveItsResultsAgainWhateverHappens) {
+  constexpr unsigned kSessions = draws(40, 8);
   Covered covered;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kSessions; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const int masses = 1 + static_cast<int>(random() % 3);
@@ -122,12 +124,12 @@ TEST(RunReplay, ItsRecordsGiveItsResultsAgainWhateverHappens) {
     replay_all(session, covered);
     ASSERT_FALSE(HasFatalFailure());
   }
-  EXPECT_GT(covered.runs, 80u);
-  EXPECT_GT(covered.results, 1000u);
-  EXPECT_GT(covered.finals, 100u);
-  EXPECT_GT(covered.with_elements, 300u);
-  EXPECT_GT(covered.by_operator, 20u);
-  EXPECT_GT(covered.reaching_back, 10u);
+  EXPECT_GT(covered.runs, 2 * kSessions);
+  EXPECT_GT(covered.results, 25 * kSessions);
+  EXPECT_GT(covered.finals, 5 * kSessions / 2);
+  EXPECT_GT(covered.with_elements, 15 * kSessions / 2);
+  EXPECT_GT(covered.by_operator, kSessions / 2);
+  EXPECT_GT(covered.reaching_back, kSessions / 4);
 }
 
 // A rig so large that its fits take many pushes: results wait for the work, and a stop ends it at once.
