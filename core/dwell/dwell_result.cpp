@@ -186,12 +186,12 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
     results.push_back(result_of(c, up_to_now));
     if (out_of_search()) results.back().withheld = "the drive is outside the search range";
   }
-  if (settled) look_within(from, to, results);
+  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
+                              (from < blocks().count() ? blocks().block(from).begin_ns : now_ns));
+  if (settled) look_within(from, to, seconds, results);
   for (ChannelResult& result : results)
     for (int h = 1; h <= harmonics(); ++h)
       result.fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));
-  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
-                              (from < blocks().count() ? blocks().block(from).begin_ns : now_ns));
   double u = refined.u;
   if (settled) {
     look_at_settling(results);

@@ -47,7 +47,12 @@ Complex since_fitted(const HarmonicFit& table, const ModalFit& modal, int channe
 
 }  // namespace
 
-void Pipeline::Impl::look_within(int from, int to, std::vector<ChannelResult>& results) const {
+// E|ΔX_1|² by the drift of the instants of a slowly refreshed register: known to ± h, they turn the phasor by ωh/√3.
+double Pipeline::Impl::turned_by_refresh(int c, const HarmonicFit& fit) const {
+  return std::norm(omega() * live[c].intake().widest_refresh_half_s() * fit.X[0]) / 3;
+}
+
+void Pipeline::Impl::look_within(int from, int to, double seconds, std::vector<ChannelResult>& results) const {
   std::vector<const HarmonicFit*> fits;
   for (const ChannelResult& result : results) fits.push_back(&result.fit);
   auto stretches = data.stretches(from, to, fits);
@@ -55,11 +60,21 @@ void Pipeline::Impl::look_within(int from, int to, std::vector<ChannelResult>& r
   for (int c = 0; c < live.count(); ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
     result.stretches = std::move(stretches[static_cast<std::size_t>(c)]);
-    result.scatter = scatter_of(result.stretches);
     result.slope = data.slope(c, result.fit);
+    // Such errors of the instants are not those of the drive: they count as noise of each stretch, and at either end.
+    if (const double turned = turned_by_refresh(c, result.fit); turned > 0) {
+      for (PhasorStretch& stretch : result.stretches) stretch.add_variance(turned);
+      if (result.slope.variance > 0) result.slope.variance += 2 * turned / (seconds * seconds);
+    }
+    result.scatter = scatter_of(result.stretches);
     for (PhasorStretch& stretch : result.stretches) stretch.off *= turn;
     result.slope.value *= turn;
   }
+}
+
+// E|ΔX_1|² of the table's phasor and, where instants are uncertain, of the one while the rig settled.
+double Pipeline::Impl::variance_since_fitted(const HarmonicFit& table) const {
+  return table.covariance.trace() + 2 * turned_by_refresh(drive_channel(), table);
 }
 
 // Did the drive change since the rig settled? Then the modal fit may have taken the masses' answer to that change for a
@@ -69,7 +84,7 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel())].fit;
   if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel())) return;
   const Complex change = since_fitted(table, modes.fit(), drive_channel(), data.totals().t_ref_ns());
-  if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * table.covariance.trace())) return;
+  if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * variance_since_fitted(table))) return;
   for (int c = 0; c < live.count(); ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
     if (!result.fit.usable || shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
@@ -119,7 +134,7 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     // Long after the transient was fitted an error of its frequency turns the phasor: the drive has not changed.
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
     const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel(), data.totals().t_ref_ns());
-    if (std::norm(change * results[table].fit.X[0]) > told * results[table].fit.covariance.trace())
+    if (std::norm(change * results[table].fit.X[0]) > told * variance_since_fitted(results[table].fit))
       dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
                                percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
                                " rad; the uncertainties allow for it (\"drive's change while settling\")");

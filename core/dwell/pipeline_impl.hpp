@@ -206,7 +206,9 @@ struct Pipeline::Impl {
   void warn_of_hum(double seconds, Dwell& dwell) const;
   [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
   // dwell_steadiness.cpp: changes within blocks [from, to), whose sums `totals` holds.
-  void look_within(int from, int to, std::vector<ChannelResult>& results) const;
+  void look_within(int from, int to, double seconds, std::vector<ChannelResult>& results) const;
+  [[nodiscard]] double turned_by_refresh(int c, const HarmonicFit& fit) const;
+  [[nodiscard]] double variance_since_fitted(const HarmonicFit& table) const;
   void look_at_settling(std::vector<ChannelResult>& results) const;
   void warn_of_change(const std::vector<ChannelResult>& results, double seconds, Dwell& dwell) const;
   [[nodiscard]] double frequency_widens(const ChannelResult& table) const;

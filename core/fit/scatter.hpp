@@ -22,6 +22,12 @@ struct PhasorStretch {
   std::complex<double> off;  // its X_1 minus that of the whole, SI of the reading
   double variance = 0.0;     // E|off|² for white residuals
   double chi_squared = 0.0;  // off as χ² of two degrees of freedom
+
+  // more: E|error|² of another error of this stretch, SI of the reading squared, equal in both components.
+  void add_variance(double more) noexcept {
+    if (variance > 0) chi_squared *= variance / (variance + more);
+    variance += more;
+  }
 };
 
 struct Scatter {

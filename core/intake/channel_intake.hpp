@@ -70,6 +70,8 @@ class ChannelIntake {
   // For a held register: mean half width of the refreshes' instants in this hold, s; 0: it is not held. The device
   // refreshes such a register more slowly than it is read, and each new value is used once.
   [[nodiscard]] double refresh_half_s() const noexcept { return held() ? stamps_.half_s() : 0.0; }
+  // The largest of these half widths: so much the instants may drift in this hold, either way.
+  [[nodiscard]] double widest_refresh_half_s() const noexcept { return held() ? stamps_.widest_s() : 0.0; }
   [[nodiscard]] bool held() const noexcept { return held_.held(); }
   // The register began or ceased to be held after this hold began: its data are of both kinds.
   [[nodiscard]] bool holding_changed() const noexcept { return held_.held() != held_at_begin_; }

@@ -32,17 +32,19 @@ class RefreshStamps {
   // The newest value counts. half_ns: half width of its refresh; below 0: the register is not held.
   void take(double half_ns) noexcept {
     if (dated_) clock_ = if_taken_;
-    if (half_ns >= 0) half_ns_ += half_ns, refreshes_ += 1;
+    if (half_ns >= 0) half_ns_ += half_ns, refreshes_ += 1, widest_ns_ = std::max(widest_ns_, half_ns);
   }
   // Mean half width of the instants since the restart, s; 0: there are none.
   [[nodiscard]] double half_s() const noexcept { return refreshes_ > 0 ? 1e-9 * half_ns_ / refreshes_ : 0.0; }
-  void restart() noexcept { half_ns_ = refreshes_ = 0.0; }
+  // The largest of them, s: the first, as a rule, when only two readings bound the refresh. 0: there are none.
+  [[nodiscard]] double widest_s() const noexcept { return 1e-9 * widest_ns_; }
+  void restart() noexcept { half_ns_ = refreshes_ = widest_ns_ = 0.0; }
 
  private:
   RefreshClock clock_, if_taken_;
   bool dated_ = false;  // if_taken_ becomes the clock if the newest reading counts
   std::int64_t old_seen_ns_ = INT64_MIN, dated_ns_ = INT64_MIN;
-  double half_ns_ = 0.0, refreshes_ = 0.0;  // sum, ns; number
+  double half_ns_ = 0.0, refreshes_ = 0.0, widest_ns_ = 0.0;  // sum, ns; number; largest, ns
 };
 
 }  // namespace dwell

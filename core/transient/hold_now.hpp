@@ -23,10 +23,11 @@ inline constexpr double kRounded = 0.25 + 1.0 / 12;
 
 // One channel, as the fit must know it.
 struct FittedChannel {
-  bool watched = false;         // it delivers, and its readings may be fitted
-  bool imposed = false;         // it shows the table, whose motion is imposed and has no transient
-  double reference = 0.0;       // a value near its mean, SI
-  double refresh_half_s = 0.0;  // the instants of its readings are known to ± this
+  bool watched = false;                // it delivers, and its readings may be fitted
+  bool imposed = false;                // it shows the table, whose motion is imposed and has no transient
+  double reference = 0.0;              // a value near its mean, SI
+  double refresh_half_s = 0.0;         // the instants of its readings are known to ± this, on average
+  double widest_refresh_half_s = 0.0;  // the least known of them
   double step = std::numeric_limits<double>::quiet_NaN();  // rounding step of the readings, SI; not finite: not known
   SamplingRegularity sampling;
 

@@ -45,8 +45,8 @@ SeenModes::SeenModes(int channels) {
 }
 
 // extra: variance to add to either component of the pole.
-void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
-                         SeenMode& mode) noexcept {
+void SeenModes::describe(const ModalFit& fit, std::size_t m, const HoldNow& now, std::span<const double> left_over,
+                         double extra, SeenMode& mode) noexcept {
   const auto channels = mode.amplitude.size(), pole = 2 * channels;
   const double size = std::abs(fit.poles()[m]);
   using OfPoles = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostChanges, kMostChanges>;
@@ -79,19 +79,27 @@ void SeenModes::describe(const ModalFit& fit, std::size_t m, std::span<const dou
     }
     mode.covariance.block<2, 2>(2 * c, 2 * c) +=
         fit.amplitude_covariance(channel, m) +
-        std::max(0.0, left_over[static_cast<std::size_t>(c)]) * Eigen::Matrix2d::Identity();
+        beyond_noise(fit, m, static_cast<std::size_t>(c), now, left_over) * Eigen::Matrix2d::Identity();
   }
 }
 
+double SeenModes::beyond_noise(const ModalFit& fit, std::size_t m, std::size_t channel, const HoldNow& now,
+                               std::span<const double> left_over) noexcept {
+  const auto c = static_cast<int>(channel);
+  const double speed2 = std::norm(fit.poles()[m] * fit.amplitude(c, m)) + std::norm(now.omega * fit.phasor(c, 1));
+  return std::max(0.0, left_over[channel]) + speed2 * std::pow(now.channels[channel].widest_refresh_half_s, 2) / 3;
+}
+
 // Variance to add to either component of the pole of mode m, beyond what the fit says.
-double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
+double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double scale, const HoldNow& now,
                                       std::span<const double> left_over) noexcept {
   double moved = 0.0;  // relative error of the pole that the residuals allow, at most; squared
   for (std::size_t c = 0; c < left_over.size(); ++c) {
     const int channel = static_cast<int>(c);
-    if (!fit.usable(channel) || !(left_over[c] > 0)) continue;
+    if (!fit.usable(channel)) continue;
     const double a = std::abs(fit.amplitude(channel, m));
-    if (a > kSeen * fit.u_amplitude(channel, m)) moved = std::max(moved, 2 * left_over[c] / (a * a));
+    if (a > kSeen * fit.u_amplitude(channel, m))
+      moved = std::max(moved, 2 * beyond_noise(fit, m, c, now, left_over) / (a * a));
   }
   // A pole that still moves is known less well than the data would allow.
   const Complex step = fit.moved_poles()[m] - fit.poles()[m];
@@ -100,13 +108,13 @@ double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double
   return moved * scale * scale + (settled ? 1.0 : kUnsettled * kUnsettled) * moves.squaredNorm();
 }
 
-void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept {
-  const double seen_s = 1e-9 * static_cast<double>(until_ns - fit.t0_ns());
+void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const double> left_over) noexcept {
+  const double seen_s = to_s(now.now_ns - fit.t0_ns());
   const auto refined = fit.moved_poles();
   std::array<double, ModalFit::kMaxModes> u{}, extra{};
   for (std::size_t m = 0; m < refined.size(); ++m) {
     const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
-    extra[m] = extra_pole_variance(fit, m, scale, left_over);
+    extra[m] = extra_pole_variance(fit, m, scale, now, left_over);
     const auto at = 2 * static_cast<Index>(m);
     const double size = std::abs(fit.poles()[m]);
     u[m] = std::sqrt(size * size * fit.propagated().block<2, 2>(at, at).trace() + 2 * extra[m]);
@@ -125,7 +133,7 @@ void SeenModes::take(const ModalFit& fit, std::int64_t until_ns, std::span<const
               (std::isfinite(u[other]) ? kApart * std::hypot(u[m], u[other]) : -pole.real() - refined[other].real());
     }
     if (!alone) continue;
-    describe(fit, m, left_over, extra[m], now_);
+    describe(fit, m, now, left_over, extra[m], now_);
     const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
     const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
       return std::norm(other.pole - pole) <

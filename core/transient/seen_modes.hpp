@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/transient/hold_now.hpp"
 #include "core/transient/modal_fit.hpp"
 
 namespace dwell {
@@ -35,17 +36,21 @@ class SeenModes {
   explicit SeenModes(int channels);
   void clear() noexcept { count_ = 0; }
   // Takes the modes that stand out of the noise and whose poles the data resolve. fit: its last step made, its poles'
-  // errors propagated. until_ns: the newest sample in the fit. left_over: per channel, variance of the residuals beyond
-  // the noise, in its unit squared. Such residuals of rms ρ may belong to a mode. They add an error of up to √2 ρ to an
-  // amplitude a, and to the pole √2 ρ/|a| of the larger of its decay rate and 1/T, T the time seen. A mode that was
-  // seen better since clear() stays as it was. No allocation.
-  void take(const ModalFit& fit, std::int64_t until_ns, std::span<const double> left_over) noexcept;
+  // errors propagated. left_over: per channel, variance of the residuals beyond the noise, in its unit squared. Such
+  // residuals of rms ρ may belong to a mode. They add an error of up to √2 ρ to an amplitude a, and to the pole √2
+  // ρ/|a| of the larger of its decay rate and 1/T, T the time seen. Instants that drift within ± h (slowly refreshed
+  // registers) leave residuals too, by the mode's own motion and by the steady one: ρ² = (|λa|² + |ωX_1|²) h²/3.
+  // A mode that was seen better since clear() stays as it was. No allocation.
+  void take(const ModalFit& fit, const HoldNow& now, std::span<const double> left_over) noexcept;
   [[nodiscard]] std::span<const SeenMode> modes() const noexcept { return {modes_.data(), count_}; }
 
  private:
-  [[nodiscard]] static double extra_pole_variance(const ModalFit& fit, std::size_t m, double scale,
+  // What a channel's amplitude of mode m may be off beyond noise: variance of either component, its unit squared.
+  [[nodiscard]] static double beyond_noise(const ModalFit& fit, std::size_t m, std::size_t channel, const HoldNow& now,
+                                           std::span<const double> left_over) noexcept;
+  [[nodiscard]] static double extra_pole_variance(const ModalFit& fit, std::size_t m, double scale, const HoldNow& now,
                                                   std::span<const double> left_over) noexcept;
-  void describe(const ModalFit& fit, std::size_t m, std::span<const double> left_over, double extra,
+  void describe(const ModalFit& fit, std::size_t m, const HoldNow& now, std::span<const double> left_over, double extra,
                 SeenMode& mode) noexcept;
 
   std::array<SeenMode, ModalFit::kMaxModes> modes_;

@@ -23,7 +23,7 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
   }
   modes.step_poles(PoleSearch::kTrust, now.omega_given ? 0.0 : PoleSearch::kTrustOmega);
   modes.propagate_poles(now.omega_given);
-  seen_.take(modes, now.now_ns, left_over_);
+  seen_.take(modes, now, left_over_);
   const std::int64_t oldest_ns = fit.history()[fit.history().begin()].t_ns;
   if (!noise.explained(modes, now) || oldest_ns > modes.t0_ns()) return;
   const WholeHold::Given given{
@@ -33,7 +33,7 @@ void ShownModes::remember(HoldFit& fit, const ResidualNoise& noise, std::int64_t
   // A fit that explains more of the hold replaces all before. A mode that only the replaced fits show was none.
   for (whole_.begin(given); whole_.earlier(given);) {
     seen_.clear();
-    seen_.take(whole_.fit(), now.now_ns, left_over_);
+    seen_.take(whole_.fit(), now, left_over_);
   }
 }
 

@@ -42,7 +42,8 @@ struct DisturbedReadings : testing::Test {
     bench.alter = alter;
     bench.run(until_s);
     conditions.clear();
-    for (int c = 0; c < 4; ++c) conditions.emplace_back(to_string(bench.pipeline.channel(c).condition));
+    for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c)
+      conditions.emplace_back(to_string(bench.pipeline.channel(c).condition));
     bench.finish();
     return bench.dwells.empty() ? bench.pipeline.current() : bench.dwells.back();
   }

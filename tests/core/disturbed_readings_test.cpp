@@ -147,6 +147,30 @@ TEST_F(DisturbedReadings, AStationRefreshedSlowerThanPolledIsNamedInEveryChannel
   }
 }
 
+// At first only the two readings around a refresh bound its instant. Its error then drifts as polls and refreshes beat,
+// which turns the phase of every motion: neither the chain nor the drive is to blame for that.
+TEST_F(DisturbedReadings, TheDriftOfAStationsRefreshesContradictsNoSoundRig) {
+  rate_hz = 200.0;
+  const Chain settles_slowly{Boundary::clamped, {12.0, 8.0, 5.0}, {24e3, 8e3, 6e3, 8e3}, {60.0, 45.0, 30.0, 40.0}};
+  int measuring = 0;
+  for (const Chain& shaken : {clamped_chain(), settles_slowly})
+    for (double refresh_hz = 49.6; refresh_hz < 50.4; refresh_hz += 0.07)
+      for (const double until_s : {2.0, 3.0, 4.0, 5.0, 6.0}) {
+        chain = shaken;
+        rig = rig_of(chain, 4);
+        const std::vector<double> amplitude = sigma(1.0);
+        HeldCell station(chain, rig, refresh_hz, 2e-4);
+        const Dwell dwell = measured(
+            [&](Record& record, double t) { station.read(record, t, amplitude[record.channel]); }, until_s, 2e-4);
+        measuring += !dwell.elements.empty();
+        const std::string what = std::to_string(refresh_hz) + " Hz until " + std::to_string(until_s) + " s";
+        expect_no_wrong_number(dwell, what);
+        for (const Doubt& doubt : dwell.doubts) ADD_FAILURE() << what << ": " << doubt.what << all(dwell);
+        EXPECT_FALSE(says(dwell, "the drive is not steady")) << what << all(dwell);
+      }
+  EXPECT_GT(measuring, 50);
+}
+
 // Where the drive's own channel has fewer new values than its harmonics need, nothing can be measured, and the reason
 // says which refresh it is.
 TEST_F(DisturbedReadings, ATableRefreshedTooSlowlyForItsHarmonicsIsTheReasonThatNothingSettles) {
