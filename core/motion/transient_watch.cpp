@@ -15,10 +15,10 @@ namespace {
 // window, and the estimate needs a period before the onset.
 constexpr double kBefore = 1.5;
 // … and after its beginning, before the first estimate: with fewer most rigs' coefficients are not determined.
-constexpr double kFirstPass = 2.0;
+constexpr double kFirst = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
-constexpr double kLonger = 1.5;
+constexpr double kGrowth = 1.5;
 // If a hold of so many periods ends while the dwell settles, the drive has changed, and another stretch begins. A ramp
 // leaves a hold every period. Longer: an operator's change of the drive goes unnoticed. Shorter: a slow ramp is torn.
 constexpr double kSteady = 8.0;
@@ -83,8 +83,8 @@ void TransientWatch::begin(const Dwell& now) {
 bool TransientWatch::due() const noexcept {
   if (phase_ != Phase::gathering || out_) return false;
   const std::size_t size = record_.size();
-  if (handed_ == 0) return size > 0 && (record_.full() || now_s_ - start_s_ >= kFirstPass * period_s_);
-  return static_cast<double>(size) >= kLonger * static_cast<double>(handed_) || (record_.full() && size > handed_);
+  if (handed_ == 0) return size > 0 && (record_.full() || now_s_ - start_s_ >= kFirst * period_s_);
+  return static_cast<double>(size) >= kGrowth * static_cast<double>(handed_) || (record_.full() && size > handed_);
 }
 
 TransientJob TransientWatch::hand_over() {

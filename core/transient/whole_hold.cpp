@@ -13,7 +13,7 @@ namespace {
 // that are left out at random, in each channel by itself; twice what a channel needs is always kept. Half of the room
 // is for samples before the begin of the latest fit.
 constexpr int kMostPasses = 60;
-constexpr double kMostWorkOfHold = 4e8;
+constexpr double kMostWork = 4e8;
 
 // Each begin lies at this part of the time from the hold's beginning to the begin before. Not derived; no other value
 // was tried.
@@ -21,12 +21,12 @@ constexpr double kEarlier = 0.6;
 // Periods: from the hold's beginning to the earliest begin; the first stretch of residuals that is compared.
 constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;
 constexpr int kSteps = 8;                            // refinement steps at one begin
-constexpr int kStepShortened = 2;                    // a step that raised the misfit is tried again so many times …
-constexpr double kStepShorter = 0.3;                 // … each time this part as long
+constexpr int kShortened = 2;                        // a step that raised the misfit is tried again so many times …
+constexpr double kShorter = 0.3;                     // … each time this part as long
 constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // damping of one step: width of a relative change of a pole, of ω
-constexpr double kRefined = 0.1;           // a shorter step ends the refinement, in standard deviations of a pole
-constexpr double kSamePole = 0.1;          // relative distance of two poles that match
-constexpr double kPerPoleParameter = 4.0;  // samples of a channel per linear parameter, at least
+constexpr double kConverged = 0.1;     // a shorter step ends the refinement, in standard deviations of a pole
+constexpr double kSamePole = 0.1;      // relative distance of two poles that match
+constexpr double kPerParameter = 4.0;  // samples of a channel per linear parameter, at least
 // The χ² of the residuals may be as improbable as so many standard deviations. Chance passes 4 once in 30 000
 // stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end early.
 constexpr double kSure = 4.0;
@@ -36,7 +36,7 @@ constexpr double kSearched = 4.0, kHighest = 12.0;
 constexpr std::size_t kMostLines = 200;
 constexpr double kMostSearched = 2e4;
 // Multiplications: to decide whether a sample is left out; of a line at a sample.
-constexpr double kOfChance = 5.0, kOfHoldLine = 6.0;
+constexpr double kOfChance = 5.0, kOfLine = 6.0;
 
 // s ≥ 0; rounds down, where to_ns() rounds to the nearest.
 std::int64_t whole_ns(double s) { return static_cast<std::int64_t>(kNsPerS * s); }
@@ -117,8 +117,8 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
   const std::uint64_t first = given.history.first_at(from_ns_), late = given.history.first_at(given.latest.t0_ns()),
                       end = given.history.first_at(given.until_ns);
   const double products = 0.5 * std::pow(fit_.parameters() + 2.0 * static_cast<double>(poles.size()) + 2, 2);
-  const double room = std::max(2 * kPerPoleParameter * fit_.parameters(),
-                               kMostWorkOfHold / (kMostPasses * products * static_cast<double>(channels_.size())));
+  const double room = std::max(2 * kPerParameter * fit_.parameters(),
+                               kMostWork / (kMostPasses * products * static_cast<double>(channels_.size())));
   for (PerChannel& channel : channels_)
     channel.low = INFINITY, channel.high = -INFINITY, channel.early_part = channel.late_part = 0.0;
   for (std::uint64_t i = first; i < end; ++i) {
@@ -165,12 +165,12 @@ void WholeHold::refine(const Given& given) noexcept {
         trial_[m] = poles_[m];
       else if (fit_.u_pole(m) > 0)
         farthest = std::max(farthest, std::abs(trial_[m] - poles_[m]) / fit_.u_pole(m));
-    if (farthest < kRefined) return;
+    if (farthest < kConverged) return;
     double by = given.omega_known ? 0.0 : fit_.moved_omega() - omega_;
     double misfit = run(given, omega_ + by, trial_);
-    for (int shorter = 0; shorter < kStepShortened && !(misfit < best); ++shorter) {
-      for (std::size_t m = 0; m < trial_.size(); ++m) trial_[m] = poles_[m] + kStepShorter * (trial_[m] - poles_[m]);
-      by *= kStepShorter;
+    for (int shorter = 0; shorter < kShortened && !(misfit < best); ++shorter) {
+      for (std::size_t m = 0; m < trial_.size(); ++m) trial_[m] = poles_[m] + kShorter * (trial_[m] - poles_[m]);
+      by *= kShorter;
       misfit = run(given, omega_ + by, trial_);
     }
     if (!(misfit < best)) {
@@ -190,7 +190,7 @@ bool WholeHold::solved(const Given& given) const noexcept {
     const int channel = static_cast<int>(c);
     if (!given.latest.usable(channel)) continue;
     if (!fit_.usable(channel) || !(given.latest.variance(channel) > 0) ||
-        fit_.samples(channel) < kPerPoleParameter * fit_.parameters())
+        fit_.samples(channel) < kPerParameter * fit_.parameters())
       return false;
     any = true;
   }
@@ -255,7 +255,7 @@ bool WholeHold::add_pole(const Given& given) noexcept {
   for (std::uint64_t i = first; i < end; ++i) {
     const SampleHistory::Sample& s = given.history[i];
     if (!fit_.usable(s.channel) || chance(i) >= part) continue;
-    given.history.spend(kOfHoldLine * static_cast<double>(lines));
+    given.history.spend(kOfLine * static_cast<double>(lines));
     std::vector<Complex>& sums = channels_[static_cast<std::size_t>(s.channel)].lines;
     const Complex step = std::polar(1.0, grid * to_s(s.t_ns - from_ns_));
     Complex turned = fit_.residual(s.channel, s.t_ns, s.value) * step;

@@ -37,7 +37,7 @@ constexpr double kStep = 0.1;
 // Where the test of consistency gives a probability below this, it is made again, linearized about the best amplitudes
 // of the sources: the prediction of a lightly damped chain is not linear in a frequency that is far off.
 constexpr double kMakeSure = 0.1;
-constexpr int kMadeAgain = 2;
+constexpr int kAgain = 2;
 // Periods of another dwell's steady motion that are compared. So many show a wrong amplitude beside noise. A transient
 // often has as many, so they do not outweigh it.
 constexpr double kSteady = 10.0;
@@ -241,7 +241,7 @@ struct ConsistencyTest {
       const VectorXd seen_error = weight.cwiseProduct(error);
       Consistency tests =
           consistency_of(fit, seen_error, evidence.ends(), drawn(weight.asDiagonal() * noise, fit.sources()), freedom);
-      if (again == kMadeAgain || tests.p() > kMakeSure) return tests;
+      if (again == kAgain || tests.p() > kMakeSure) return tests;
       // Extrapolates linearly from the best amplitudes back to zero.
       const VectorXd amplitudes = -fit.amplitudes(seen_error).head(count);
       Assumption there = nominal;
