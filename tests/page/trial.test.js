@@ -7,7 +7,7 @@
 //   wrong mass, stuck transducer, registers refreshed slowly          here
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { Bench, openBrowser, PATIENCE_MS, SIZES, until } from './bench.js';
+import { Bench, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
 
 let browser;
 before(async () => {
@@ -57,9 +57,8 @@ test('a transducer is stuck: the elements beside it have no numbers, the others 
 test('registers are refreshed more slowly than they are polled: the numbers may be used, their ± is wide, and why is said', () =>
   situation({ rig: ['--refresh', '0.02'] }, async (page) => {
     await page.locator('#phasor-notes li', { hasText: /^y1: refreshed every 2\d(\.\d)? ms, polled every [\d.]+ ms; each new value counts once/ }).waitFor();
-    let number;
-    const first = page.locator('.coefficient .number').first();
-    await until(async () => (number = (await first.innerText()).match(/^([\d.]+) ± ([\d.]+) kN\/m$/))).catch(async () => assert.fail(await page.innerText('body')));
+    const shown = (await numbers(page))[0], number = shown.match(/^([\d.]+) ± ([\d.]+) kN\/m$/);
+    assert.ok(number, `${shown} in:\n${await page.innerText('body')}`);
     const [value, U] = number.slice(1).map(Number);
     assert.ok(U > 0.1 && Math.abs(value - 24) < 2 * U, `${value} ± ${U}`);
     assert.equal(await page.locator('#state').getAttribute('data-tone'), 'calm');

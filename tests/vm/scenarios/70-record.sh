@@ -36,7 +36,7 @@ claim "record: the service vouches for her" says "Anna Weber: reviewed .*counter
 cp -r $folder "$work/copy"
 rm "$work/copy/reserve"
 copy=$work/copy/${second##*/}
-# A bit of an entry: a fifth of the file belongs to none, and there a flip alters nothing that is read.
+# A bit of an entry. Part of the file belongs to none: of 60 bits flipped at random 14 altered nothing that is read.
 flip "$copy" "$(grep -abo "sweep 3" "$copy" | head -n 1 | cut -d : -f 1)"
 claim "record: one flipped bit is found" refused "${second##*/}: tampered: " dwellctl audit "$copy"
 rm "$work/copy/${first##*/}"
