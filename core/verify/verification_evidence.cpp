@@ -44,7 +44,12 @@ void VerificationEvidence::add(VerificationStretch stretch, const Dwell& of, con
       std::abs(of.phasors[t].Y) / std::pow(stretch.omega, derivative_order(rig.channels[t].measures));
   if (parts_.empty()) amplitude_ = amplitude;
   std::vector<double> freedom;
-  for (const ChannelPhasor& phasor : of.phasors) freedom.push_back(phasor.samples);
+  for (std::size_t c = 0; c < of.phasors.size(); ++c) {
+    // Of the mean square of noise, the relative variance: as known in the steady motion, and by what m leaves open.
+    const TimingNoise& timing = stretch.timing[c];
+    const double open = timing.u * (timing.mean_square_velocity(stretch.readings[c]) - 1);
+    freedom.push_back(2 / (2 / std::max(1.0, of.phasors[c].samples) + open * open));
+  }
   SteadyTable table(stretch.readings[t], stretch.sigma[t], stretch.omega, rig.excitation.harmonics);
   // Far from the seed of anything else that is drawn.
   NoiseDraws draws(stretch, kDraws, kEvidenceSeed + 1000 * parts_.size());

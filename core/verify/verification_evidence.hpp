@@ -30,7 +30,7 @@ class VerificationEvidence {
     int channel = -1;
     Eigen::Index begin = 0, count = 0;
     double sigma = 0.0;    // of one reading, rms over its stretches, SI
-    double freedom = 0.0;  // readings behind sigma
+    double freedom = 0.0;  // 2 / (relative variance of the noise expected): white noise known from as many readings
   };
   [[nodiscard]] std::vector<Rows> channels() const;
   // The row after the last one, for each channel in each stretch.

@@ -173,9 +173,12 @@ Assumption Assumption::moved(const CoefficientError& error, double part) const {
 NoiseDraws::NoiseDraws(const VerificationStretch& stretch, Index count, std::uint64_t seed) : draws(count) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> normal;
-  for (std::size_t c = 0; c < stretch.readings.size(); ++c)
-    of_channel.push_back(MatrixXd::NullaryExpr(draws, static_cast<Index>(stretch.readings[c].t_ns.size()),
-                                               [&] { return stretch.sigma[c] * normal(rng); }));
+  for (std::size_t c = 0; c < stretch.readings.size(); ++c) {
+    const std::vector<double> relative = stretch.timing[c].relative_to_steady(stretch.readings[c]);
+    of_channel.push_back(MatrixXd::NullaryExpr(draws, static_cast<Index>(relative.size()), [&](Index, Index i) {
+      return stretch.sigma[c] * relative[static_cast<std::size_t>(i)] * normal(rng);
+    }));
+  }
 }
 
 Residuals residuals_of(const VerificationStretch& stretch, const SteadyTable& table, const Assumption& assumption,

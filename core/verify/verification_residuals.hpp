@@ -31,8 +31,8 @@ struct Assumption {
   [[nodiscard]] Assumption moved(const CoefficientError& error, double part) const;
 };
 
-// Draws of white noise of the stretch's standard deviations, of every reading; seeded, so that a verification gives the
-// same bits again.
+// Draws of the noise of every reading: independent, with the standard deviations of the stretch; seeded, so that a
+// verification gives the same bits again.
 struct NoiseDraws {
   NoiseDraws(const VerificationStretch& stretch, Eigen::Index draws, std::uint64_t seed);
   std::vector<Eigen::MatrixXd> of_channel;  // per channel of the rig, draws × readings

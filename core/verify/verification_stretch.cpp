@@ -25,6 +25,8 @@ constexpr double kSpare = 2.0;
 constexpr double kLongestStep = 3.5;
 // Readings of all channels together at most: bounds the time and the memory of a verification.
 constexpr std::size_t kMostReadings = 60'000;
+// Readings of the steady motion of a channel at most that tell its timing noise: its part m is then known to 0.03.
+constexpr std::ptrdiff_t kMostSteady = 4000;
 // No standard deviation below this part of the channel's amplitude: interpolation and rounded stamps leave as much.
 constexpr double kLeastSigma = 1e-5;
 
@@ -83,12 +85,23 @@ ChannelReadings cut(const ChannelReadings& given, std::int64_t from_ns, std::int
   return out;
 }
 
+// The first readings of the steady motion of a dwell.
+ChannelReadings steady_readings(const ChannelReadings& given, const Dwell& dwell) {
+  const auto first =
+      std::lower_bound(given.t_ns.begin(), given.t_ns.end(), to_ns(dwell.settled_s)) - given.t_ns.begin();
+  const auto end = std::upper_bound(given.t_ns.begin(), given.t_ns.end(), to_ns(dwell.end_s)) - given.t_ns.begin();
+  const auto last = std::clamp(end, first, first + kMostSteady);
+  return {{given.t_ns.begin() + first, given.t_ns.begin() + last},
+          {given.value.begin() + first, given.value.begin() + last}};
+}
+
 // The motion of a dwell up to until_s.
 VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chain& chain,
                                   const std::vector<ChannelReadings>& before, double until_s) {
   VerificationStretch out;
   out.readings.resize(rig.channels.size());
   out.sigma.assign(rig.channels.size(), 0.0);
+  out.timing.resize(rig.channels.size());
   out.omega = kTwoPi * dwell.frequency_hz.value;
   out.table = table_channel(rig, dwell);
   if (out.table < 0) {
@@ -127,6 +140,7 @@ VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chai
       if (static_cast<std::size_t>(scored) < kFewestScored) continue;
       out.compared.push_back(c);
     }
+    out.timing[i] = timing_noise_of(steady_readings(before[i], dwell), out.omega, rig.excitation.harmonics);
     out.readings[i] = std::move(cut_out);
   }
   if (out.compared.empty())

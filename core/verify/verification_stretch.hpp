@@ -8,6 +8,7 @@
 
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
+#include "core/verify/timing_noise.hpp"
 #include "core/verify/virtual_test.hpp"
 
 namespace dwell {
@@ -23,7 +24,8 @@ struct VerificationStretch {
   int table = -1;                         // the channel that shows the table's motion
   std::vector<int> compared;              // the channels that are predicted
   std::vector<ChannelReadings> readings;  // per channel of the rig, less the mean of the dwell; empty: not used
-  std::vector<double> sigma;              // per channel of the rig, of one reading, SI
+  std::vector<double> sigma;              // per channel of the rig, of one reading of the steady motion, SI
+  std::vector<TimingNoise> timing;        // per channel of the rig
   std::int64_t score_from_ns = 0, until_ns = 0;
   double omega = 0.0;  // of the drive, rad/s
 
@@ -39,8 +41,8 @@ struct VerificationStretch {
 };
 
 // The transient before `dwell`, whose coefficients are those of `chain`. before: per channel of the rig the readings
-// from the end of the dwell before it on, on the axis of the dwell's times (s · 1e9); what was read after settled_s is
-// used for the table alone, a few readings. Allocates.
+// from the end of the dwell before it on, on the axis of the dwell's times (s · 1e9). Of what was read after settled_s
+// a few readings of the table are used, and some thousand readings of each channel for its timing noise. Allocates.
 [[nodiscard]] VerificationStretch transient_before(const Rig& rig, const Dwell& dwell, const Chain& chain,
                                                    const std::vector<ChannelReadings>& before);
 
