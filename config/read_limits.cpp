@@ -22,7 +22,7 @@ void read_element(Section& section, Limit& limit, const Draft& draft) {
 
 std::optional<Bounds> read_bounds(Section& section, const char* key, const char* expected) {
   Bounds bounds;
-  if (!section.interval(key, bounds.low, bounds.high, expected)) return std::nullopt;
+  if (!section.interval(key, bounds.low, bounds.high, expected, Section::Ends::one_may_be_open)) return std::nullopt;
   // A sound element lies above such an interval: most likely a sign is wrong.
   if (bounds.high <= 0.0)
     section.wrong(key, in_quotes(key) + " is [" + number_text(bounds.low) + ", " + number_text(bounds.high) +

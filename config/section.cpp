@@ -148,7 +148,7 @@ const toml::array* Section::array(std::string_view key, const char* expected, Ne
   return node->as_array();
 }
 
-bool Section::interval(std::string_view key, double& low, double& high, const char* expected) {
+bool Section::interval(std::string_view key, double& low, double& high, const char* expected, Ends ends) {
   const toml::array* both = array(key, expected);
   if (both == nullptr) return false;
   if (both->size() != 2 || !both->get(0)->is_number() || !both->get(1)->is_number()) {
@@ -158,13 +158,17 @@ bool Section::interval(std::string_view key, double& low, double& high, const ch
   const auto number = [both](std::size_t i) { return both->get(i)->value<double>().value_or(std::nan("")); };
   const double first = number(0), second = number(1);
   const bool finite = std::isfinite(first) && std::isfinite(second);
-  if (finite && first < second) {
+  const bool open = ends == Ends::one_may_be_open && (std::isfinite(first) || std::isfinite(second));
+  if ((finite || open) && first < second) {
     low = first;
     high = second;
     return true;
   }
   wrong(key, in_quotes(key) + " is [" + number_text(first) + ", " + number_text(second) + "]: expected " +
-                 (finite ? "" : "two finite numbers, ") + expected);
+                 (finite || open                  ? ""
+                  : ends == Ends::one_may_be_open ? "a number on one side at least, "
+                                                  : "two finite numbers, ") +
+                 expected);
   return false;
 }
 

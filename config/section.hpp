@@ -57,8 +57,9 @@ class Section {
   // Null: not there or of another type; the mistake is noted.
   const toml::table* table(std::string_view key, const char* expected, Need need = Need::optional);
   const toml::array* array(std::string_view key, const char* expected, Need need = Need::optional);
-  // [low, high]: two finite numbers, low < high.
-  bool interval(std::string_view key, double& low, double& high, const char* expected);
+  // [low, high]: two finite numbers, low < high. Ends::one_may_be_open: -inf for low or inf for high, not both.
+  enum class Ends : std::uint8_t { finite, one_may_be_open };
+  bool interval(std::string_view key, double& low, double& high, const char* expected, Ends ends = Ends::finite);
   // The value, whatever it is; null: not given.
   const toml::node* value(std::string_view key);
   // The same without counting as asked for.

@@ -83,7 +83,7 @@ struct Excitation {
 
 inline constexpr int kMaxHarmonics = 8;
 
-// low < high, SI.
+// low < high, SI. One of them may be infinite: there is no bound on that side.
 struct Bounds {
   double low = 0.0;
   double high = 0.0;

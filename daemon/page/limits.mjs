@@ -13,7 +13,13 @@ function boundText(bound, unit) {
   return plainText(bound, unit, digits);
 }
 
-function boundsText({ low, high, unit }) {
+// A limit may have one end: the other is null.
+const end = ({ low, high, unit }) => boundText(low ?? high, unit);
+
+function boundsText(limit) {
+  const { low, high, unit } = limit;
+  if (low === null) return `at most ${end(limit)}`;
+  if (high === null) return `at least ${end(limit)}`;
   const [a, b] = [boundText(low, unit), boundText(high, unit)];
   const [, number, its] = a.match(/^(\S+) (.*)$/) ?? [null, a, ''];
   return `${b.endsWith(` ${its}`) ? number : a} to ${b}`;
@@ -23,13 +29,14 @@ function boundsText({ low, high, unit }) {
 // against it.
 export function limitOf(dwell, key, k) {
   const limit = (dwell.limits ?? []).find((l) => l.element === k && l.coefficient === key);
-  if (!limit || !isNumber(limit.low) || !isNumber(limit.high)) return null;
+  if (!limit || !isNumber(limit.low ?? limit.high)) return null;
   const bounds = boundsText(limit);
+  const oneEnd = limit.low === null || limit.high === null;
   const words = {
     kept: `limit kept: ${bounds}`,
-    undecided: `limit undecided: ± reaches over an end of ${bounds}`,
-    violated: `limit violated: outside ${bounds}`,
-    none: `no verdict on the limit ${bounds}: ${limit.reason}`,
+    undecided: `limit undecided: ± reaches over ${oneEnd ? end(limit) : `an end of ${bounds}`}`,
+    violated: `limit violated: ${oneEnd ? 'not' : 'outside'} ${bounds}`,
+    none: `no verdict on the limit${oneEnd ? ' of' : ''} ${bounds}: ${limit.reason}`,
   };
   return { verdict: limit.verdict, text: `${SHAPES[limit.verdict]} ${words[limit.verdict]}` };
 }

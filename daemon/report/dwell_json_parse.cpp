@@ -109,7 +109,8 @@ std::vector<JudgedLimit> limits_of(const Json& value, Motion& motion) {
     JudgedLimit& limit = limits.emplace_back();
     limit.element = integer(member(entry, "element"), "element");
     limit.kind = named(string_of(entry, "coefficient"), "coefficient", CoefficientKind::damping);
-    limit.bounds = {real_of(entry, "low"), real_of(entry, "high")};
+    limit.bounds = {member(entry, "low").is_null() ? -INFINITY : real_of(entry, "low"),
+                    member(entry, "high").is_null() ? INFINITY : real_of(entry, "high")};
     limit.verdict = named(string_of(entry, "verdict"), "verdict", LimitVerdict::violated);
     limit.reason = string_of(entry, "reason");
     const std::string unit = string_of(entry, "unit");

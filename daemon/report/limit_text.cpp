@@ -37,6 +37,13 @@ const char* unit_of(const JudgedLimit& limit, Motion motion) {
   return limit.kind == CoefficientKind::stiffness ? stiffness_unit(motion) : damping_unit(motion);
 }
 
+bool one_sided(const Bounds& bounds) { return !std::isfinite(bounds.low) || !std::isfinite(bounds.high); }
+
+// The only bound of a one-sided limit.
+std::string end_text(const JudgedLimit& limit, const char* unit) {
+  return join(bound_text(std::isfinite(limit.bounds.low) ? limit.bounds.low : limit.bounds.high, unit));
+}
+
 }  // namespace
 
 std::string limited_text(const JudgedLimit& limit) {
@@ -45,6 +52,8 @@ std::string limited_text(const JudgedLimit& limit) {
 
 std::string bounds_text(const JudgedLimit& limit, Motion motion) {
   const char* const unit = unit_of(limit, motion);
+  if (one_sided(limit.bounds))
+    return (std::isfinite(limit.bounds.low) ? "at least " : "at most ") + end_text(limit, unit);
   const NumberText low = bound_text(limit.bounds.low, unit);
   const NumberText high = bound_text(limit.bounds.high, unit);
   return (low.unit == high.unit ? low.value : join(low)) + " to " + join(high);
@@ -57,7 +66,7 @@ std::string violation_text(const JudgedLimit& limit, const Dwell& dwell, Motion 
     const Coefficient& c = limit.kind == CoefficientKind::stiffness ? e.stiffness : e.damping;
     text += " is " + join(number_text(c.value, c.U95, unit_of(limit, motion)));
   }
-  return text + ", outside " + bounds_text(limit, motion);
+  return text + (one_sided(limit.bounds) ? ", not " : ", outside ") + bounds_text(limit, motion);
 }
 
 Section limit_section(const DwellView& view, const TextOptions& options) {
@@ -71,7 +80,10 @@ Section limit_section(const DwellView& view, const TextOptions& options) {
   for (const JudgedLimit& limit : view.limits) {
     const std::string what = limited_text(limit);
     if (limit.verdict == LimitVerdict::undecided)
-      add(section, "undecided: ± of the " + what + " reaches over an end of " + bounds_text(limit, view.motion),
+      add(section,
+          "undecided: ± of the " + what + " reaches over " +
+              (one_sided(limit.bounds) ? end_text(limit, unit_of(limit, view.motion))
+                                       : "an end of " + bounds_text(limit, view.motion)),
           options, Style::plain);
     if (limit.verdict == LimitVerdict::kept)
       kept += (kept.empty() ? "" : "; ") + what + ", " + bounds_text(limit, view.motion);

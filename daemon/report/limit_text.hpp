@@ -11,9 +11,10 @@ namespace dwell {
 
 // "stiffness of element 2".
 [[nodiscard]] std::string limited_text(const JudgedLimit& limit);
-// "7.500 to 8.500 kN/m".
+// "7.500 to 8.500 kN/m"; of a one-sided limit "at least 7.500 kN/m", "at most 8.500 kN/m".
 [[nodiscard]] std::string bounds_text(const JudgedLimit& limit, Motion motion);
-// "stiffness of element 2 is 9.100 ± 0.021 kN/m, outside 7.500 to 8.500 kN/m": of a violated one.
+// Of a violated one: "stiffness of element 2 is 9.100 ± 0.021 kN/m, outside 7.500 to 8.500 kN/m", or "…, not at most
+// 8.500 kN/m".
 [[nodiscard]] std::string violation_text(const JudgedLimit& limit, const Dwell& dwell, Motion motion);
 
 // Worst first: a line for each violated and each undecided limit, one for all that are kept, one for each reason that

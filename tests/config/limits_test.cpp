@@ -1,6 +1,8 @@
 // [[limit]]: what is read, and mistakes in it. "@" marks where each is expected to be reported.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/config/fake_drivers.hpp"
 
 namespace dwell::config::testing {
@@ -50,14 +52,28 @@ TEST(RigFileLimits, AreTwoNumbersTheLowerFirst) {
   expect_wrong("[[limit]]\nelement = 1\ndamping = @3", "\"damping\" is an integer" + of_damping);
 }
 
-TEST(RigFileLimits, AreFiniteAndReachAboveZero) {
+TEST(RigFileLimits, MayBeOpenOnOneSide) {
+  const auto file =
+      parse(std::string(kGoodRig) + "[[limit]]\nelement = 1\nstiffness = [7500, inf]\ndamping = [-inf, 50]\n",
+            "rig.toml", fake_schemas());
+  ASSERT_TRUE(file) << to_string("rig.toml", file.error());
+  const Limit& limit = file->rig.limits.at(0);
+  EXPECT_EQ(limit.stiffness->low, 7500.0);
+  EXPECT_EQ(limit.stiffness->high, INFINITY);
+  EXPECT_EQ(limit.damping->low, -INFINITY);
+  EXPECT_EQ(limit.damping->high, 50.0);
+}
+
+TEST(RigFileLimits, HoldANumberAndReachAboveZero) {
   const std::string form = "[low, high] in N/m (N*m/rad for rotation), low < high";
   const std::string of_damping = "[low, high] in N*s/m (N*m*s/rad for rotation), low < high";
   const auto wrong = [](const std::string& limit, const std::string& message) {
     expect_wrong("[[limit]]\nelement = 1\n" + limit, message);
   };
-  wrong("stiffness = @[7500, inf]", "\"stiffness\" is [7500, inf]: expected two finite numbers, " + form);
-  wrong("damping = @[-inf, 50]", "\"damping\" is [-inf, 50]: expected two finite numbers, " + of_damping);
+  wrong("stiffness = @[-inf, inf]", "\"stiffness\" is [-inf, inf]: expected a number on one side at least, " + form);
+  wrong("stiffness = @[inf, 7500]", "\"stiffness\" is [inf, 7500]: expected " + form);
+  wrong("damping = @[nan, 50]", "\"damping\" is [nan, 50]: expected " + of_damping);
+  wrong("damping = @[-inf, 0]", "\"damping\" is [-inf, 0], nowhere above 0: expected " + of_damping + ", high above 0");
   wrong("stiffness = @[-9e3, -7e3]",
         "\"stiffness\" is [-9000, -7000], nowhere above 0: expected " + form + ", high above 0");
   wrong("damping = @[-1, 0]", "\"damping\" is [-1, 0], nowhere above 0: expected " + of_damping + ", high above 0");

@@ -44,6 +44,9 @@ TEST(LimitVerdicts, AreOfTheWholeInterval) {
   EXPECT_EQ(judged(8000.0, 2000.0), LimitVerdict::undecided);
   EXPECT_EQ(judged(8650.0, 100.0), LimitVerdict::violated);
   EXPECT_EQ(judged(7350.0, 100.0), LimitVerdict::violated);
+  EXPECT_EQ(judge_limit({7500.0, INFINITY}, {.value = 1e9, .U95 = 1.0}), LimitVerdict::kept);
+  EXPECT_EQ(judge_limit({7500.0, INFINITY}, {.value = 7000.0, .U95 = 1.0}), LimitVerdict::violated);
+  EXPECT_EQ(judge_limit({-INFINITY, 8500.0}, {.value = 8500.0, .U95 = 1.0}), LimitVerdict::undecided);
 }
 
 TEST(LimitVerdicts, ThereAreNoneWithoutANumber) {

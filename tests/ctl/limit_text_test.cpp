@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "daemon/report/dwell_json.hpp"
@@ -54,6 +55,17 @@ TEST(LimitText, ABoundHasAsManyDigitsAsItTakesToBeIt) {
   EXPECT_EQ(bounds_text(limit, Motion::translation), "-50.00 to 0 N/m");
 }
 
+TEST(LimitText, OfOneEndSaysOnWhichSideItIs) {
+  Rig rig = test::sample_rig();
+  rig.limits = {{1, Bounds{-INFINITY, 23e3}, Bounds{40.0, INFINITY}}, {3, std::nullopt, Bounds{0.5, INFINITY}}};
+  EXPECT_EQ(lines_of(limit_section(make_view(test::sample_dwell(), rig, test::sample_run()), {})),
+            (std::vector<std::string>{
+                "limits     violated: stiffness of element 1 is 24.010 ± 0.027 kN/m, not at most 23.00 kN/m",
+                "limits     undecided: ± of the damping of element 3 reaches over 500.0 mN·s/m",
+                "limits     kept: damping of element 1, at least 40.00 N·s/m",
+            }));
+}
+
 TEST(LimitText, OldVerdictsAreGreyAsTheirNumbers) {
   TextOptions options;
   options.age = "12 s";
@@ -75,6 +87,20 @@ TEST(LimitJson, VerdictsSurviveTheWayThereAndBack) {
   ASSERT_EQ(back->limits.size(), 5u);
   EXPECT_EQ(back->limits[3].verdict, LimitVerdict::violated);
   EXPECT_EQ(back->limits[2].reason, "the deformation is less than three times its uncertainty");
+}
+
+TEST(LimitJson, AnOpenEndSurvivesTheWayThereAndBack) {
+  Rig rig = test::sample_rig();
+  rig.limits = {{1, Bounds{-INFINITY, 23e3}, Bounds{40.0, INFINITY}}};
+  const std::string text = to_json(test::sample_dwell(), rig, test::sample_run());
+  EXPECT_NE(text.find("\"low\":null,\"high\":23000.0"), std::string::npos) << text;
+  const auto back = parse_dwell(text);
+  ASSERT_TRUE(back) << back.error();
+  ASSERT_EQ(back->limits.size(), 2u);
+  EXPECT_EQ(back->limits[0].bounds.low, -INFINITY);
+  EXPECT_EQ(back->limits[0].bounds.high, 23e3);
+  EXPECT_EQ(back->limits[1].bounds.low, 40.0);
+  EXPECT_EQ(back->limits[1].bounds.high, INFINITY);
 }
 
 TEST(LimitJson, OfARigWithoutLimitsTheObjectIsAsBeforeThereWereAny) {

@@ -24,6 +24,14 @@ test('a bound has as many digits as it takes to be it: none is rounded to the nu
   assert.equal(of(-50, 0), '✓ limit kept: −50.00 to 0 N/m');
 });
 
+test('a limit with one end says on which side it is', () => {
+  const of = (low, high, verdict, reason = null) => limitOf(dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low, high, unit: 'N/m', verdict, reason }] }), 'stiffness', 2).text;
+  assert.equal(of(7500, null, 'kept'), '✓ limit kept: at least 7.500 kN/m');
+  assert.equal(of(null, 8500, 'violated'), '▲ limit violated: not at most 8.500 kN/m');
+  assert.equal(of(7500, null, 'undecided'), '◇ limit undecided: ± reaches over 7.500 kN/m');
+  assert.equal(of(null, 8500, 'none', 'not settled'), '– no verdict on the limit of at most 8.500 kN/m: not settled');
+});
+
 test('only the coefficient that has a limit is told one, and only of the dwell that is measured', () => {
   const dwell = limited('kept');
   assert.equal(limitOf(dwell, 'damping', 2), null);
