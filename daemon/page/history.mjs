@@ -7,53 +7,110 @@ export const HOUR_MS = 3600_000;
 const MINUTE_MS = 60_000;
 // Of the current dwell a point is kept so often: 360 in an hour.
 const LIVE_MS = 10_000;
+// Points that are kept, in memory of fixed size: a page on a wall is open for months. A dwell that lasts t adds
+// 1 + t / LIVE_MS of them, so there is room for an hour of dwells of 5 s. Of shorter ones the trend reaches less far back.
+export const ROOM = 720;
 
-const pointOf = (coefficient) => ({ value: coefficient.value, U95: coefficient.U95 });
+// Numbers of an element in a point: value and U95 of each coefficient. NaN: there is none.
+const COLUMNS = { stiffness: 0, damping: 2 };
+const WIDTH = 4;
 
-function valuesOf(dwell) {
-  const values = new Map();
-  for (const element of dwell.elements) {
-    if (!element.identifiable) continue;
-    for (const key of ['stiffness', 'damping'])
-      if (isNumber(element[key]?.value) && isNumber(element[key].U95)) values.set(`${key} ${element.k}`, pointOf(element[key]));
-  }
-  return values;
-}
+// A state of a dwell. row: where its numbers stand; end: the dwell ended with it; dwell: { key, index, ended }.
+const makePoint = (row) => ({ row, ms: NaN, from: NaN, end: false, dwell: null }); // from: since when its data count
 
 export class History {
-  #points = []; // { ms, from: since when its data count, key of the dwell, index, ended, values }, oldest first
-  #live = null; // the newest state of the current dwell
-
-  #keep(point) {
-    this.#points.push(point);
-    this.#points.sort((a, b) => a.ms - b.ms);
-    this.#points = this.#points.filter((p) => p.ms > this.#points.at(-1).ms - HOUR_MS);
-  }
+  #spare = Array.from({ length: ROOM }, (_, row) => makePoint(row)).reverse();
+  #points = []; // oldest first
+  #live = makePoint(ROOM); // the newest state of the current dwell
+  #elements = 0; // that there is room for
+  #numbers = new Float64Array(0); // by row, element, coefficient
 
   take(dwell, ms) {
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
-    const point = { ms, from: utcMs(dwell, dwell.settled_s) ?? ms, key: keyOf(dwell), index: dwell.index, ended: false,
-      values: valuesOf(dwell) };
-    this.#live = point;
-    const before = this.#points.findLast((p) => p.key === point.key);
-    if (!before || ms - before.ms >= LIVE_MS) this.#keep(point);
+    this.#write(this.#live, dwell, ms);
+    const before = this.#points.findLast((p) => p.dwell === this.#live.dwell);
+    if (before && ms - before.ms < LIVE_MS) return;
+    this.#keep(dwell, ms, false);
   }
 
   // A dwell of the service's list, with UTC of its end.
   takeEnded(dwell, ms) {
+    if (dwell.settled_s === null || this.#dwellOf(dwell)?.ended) return;
+    const before = this.#points.findLast((p) => p.dwell.key === keyOf(dwell));
+    if (before && ms - before.ms < LIVE_MS) this.#forget(this.#points.indexOf(before));
+    this.#keep(dwell, ms, true);
+  }
+
+  #dwellOf(dwell) {
     const key = keyOf(dwell);
-    if (this.#points.some((p) => p.key === key && p.ended)) return;
-    if (dwell.settled_s !== null)
-      this.#keep({ ms, from: utcMs(dwell, dwell.settled_s) ?? ms, key, index: dwell.index, ended: true, values: valuesOf(dwell) });
+    return this.#live.dwell?.key === key ? this.#live.dwell : this.#points.findLast((p) => p.dwell.key === key)?.dwell;
+  }
+
+  #forget(i) {
+    const [point] = this.#points.splice(i, 1);
+    point.dwell = null;
+    this.#spare.push(point);
+  }
+
+  #keep(dwell, ms, end) {
+    const newest = Math.max(ms, this.#points.at(-1)?.ms ?? ms);
+    while (this.#points[0]?.ms <= newest - HOUR_MS) this.#forget(0);
+    if (ms <= newest - HOUR_MS || (this.#spare.length === 0 && ms < this.#points[0].ms)) return;
+    if (this.#spare.length === 0) this.#forget(0);
+    const point = this.#spare.pop();
+    this.#write(point, dwell, ms);
+    point.end = end;
+    point.dwell.ended ||= end;
+    this.#points.splice(this.#points.findLastIndex((p) => p.ms <= ms) + 1, 0, point);
+  }
+
+  #write(point, dwell, ms) {
+    point.dwell = this.#dwellOf(dwell) ?? { key: keyOf(dwell), index: dwell.index, ended: false };
+    point.ms = ms;
+    point.from = utcMs(dwell, dwell.settled_s) ?? ms;
+    this.#widen(Math.max(...dwell.elements.map((e) => e.k)));
+    this.#numbers.fill(NaN, this.#at(point, 1), this.#at(point, this.#elements + 1));
+    for (const element of dwell.elements) {
+      if (!element.identifiable) continue;
+      for (const [key, column] of Object.entries(COLUMNS)) {
+        const { value, U95 } = element[key] ?? {};
+        if (isNumber(value) && isNumber(U95)) this.#numbers.set([value, U95], this.#at(point, element.k) + column);
+      }
+    }
+  }
+
+  #at(point, k) {
+    return WIDTH * (point.row * this.#elements + k - 1);
+  }
+
+  // Room for so many elements: once, unless the service begins anew with another rig.
+  #widen(elements) {
+    if (elements <= this.#elements) return;
+    const [had, numbers] = [WIDTH * this.#elements, this.#numbers];
+    this.#elements = elements;
+    this.#numbers = new Float64Array(WIDTH * elements * (ROOM + 1)).fill(NaN);
+    for (let row = 0; row <= ROOM; ++row) this.#numbers.set(numbers.subarray(row * had, (row + 1) * had), WIDTH * elements * row);
+  }
+
+  // { value, U95 } of a coefficient in a point; null: it has none.
+  #numberOf(point, coefficient, k) {
+    if (k > this.#elements) return null;
+    const at = this.#at(point, k) + COLUMNS[coefficient];
+    const value = this.#numbers[at];
+    return Number.isNaN(value) ? null : { value, U95: this.#numbers[at + 1] };
   }
 
   // Points { ms, from, value, U95, key } of a coefficient, oldest first, the newest of now.
   of(coefficient, k, nowMs) {
-    const name = `${coefficient} ${k}`;
-    const points = this.#live && this.#points.at(-1) !== this.#live && !this.#points.some((p) => p.key === this.#live.key && p.ended)
-      ? [...this.#points, this.#live] : this.#points;
-    return points.filter((p) => p.ms > nowMs - HOUR_MS && p.values.has(name))
-      .map((p) => ({ ms: p.ms, from: p.from, key: p.key, ...p.values.get(name) }));
+    const list = [];
+    const add = (point) => {
+      const number = point.ms > nowMs - HOUR_MS ? this.#numberOf(point, coefficient, k) : null;
+      if (number) list.push({ ms: point.ms, from: point.from, key: point.dwell.key, ...number });
+    };
+    this.#points.forEach(add);
+    const { dwell, ms } = this.#live;
+    if (dwell && !dwell.ended && this.#points.at(-1)?.ms !== ms) add(this.#live);
+    return list;
   }
 
   // Against the dwell that ended before: { text, beyond }, beyond: by more than both U95 together; null: there is none.
@@ -61,16 +118,16 @@ export class History {
     const element = dwell.elements.find((e) => e.k === k);
     const now = element?.identifiable ? element[coefficient] : null;
     const key = keyOf(dwell);
-    const before = this.#points.findLast((p) => p.ended && p.key !== key && p.values.has(`${coefficient} ${k}`));
+    const before = this.#points.findLast((p) => p.end && p.dwell.key !== key && this.#numberOf(p, coefficient, k));
     if (!before || !now || !isNumber(now.value)) return null;
-    const was = before.values.get(`${coefficient} ${k}`);
+    const was = this.#numberOf(before, coefficient, k);
     if (was.value === 0) return null;
     const change = (now.value - was.value) / Math.abs(was.value);
     const U = Math.hypot(now.U95, was.U95) / Math.abs(was.value);
     const beyond = Math.abs(change) > U;
     const sign = change < 0 ? '\u2212' : '+';
     const { value, u } = numberText(100 * Math.abs(change), 100 * U, '%');
-    return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since dwell ${before.index}` };
+    return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since dwell ${before.dwell.index}` };
   }
 }
 

@@ -131,5 +131,5 @@ order = "abcd"
 
 export const SIZES = { phone: { width: 360, height: 780 }, desk: { width: 1440, height: 900 }, wall: { width: 1920, height: 1080 } };
 
-export const openBrowser = () => chromium.launch({ executablePath: CHROMIUM, args: ['--headless', '--no-sandbox',
-  '--disable-gpu', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run'] });
+export const openBrowser = (options = []) => chromium.launch({ executablePath: CHROMIUM, args: ['--headless', '--no-sandbox',
+  '--disable-gpu', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run', ...options] });

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
-import { History, HOUR_MS, trendPaths } from '../../daemon/page/history.mjs';
+import { History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
 import { placeLabels, polarOf } from '../../daemon/page/polar.mjs';
 import { dwellOf, settlingOf } from './sample.js';
 
@@ -21,6 +21,35 @@ test('a trend has the dwells that ended, the current one every ten seconds, and 
   assert.deepEqual(history.of('stiffness', 1, at + 90_000).map((p) => p.value), [24100, 24000, 24010, 24020, 24025]);
   assert.equal(history.of('stiffness', 1, at + 30_000 + HOUR_MS).length, 4, 'what is older than an hour is left out');
   assert.equal(history.of('stiffness', 9, at).length, 0);
+});
+
+test('the end of a dwell takes the place of its last point, so that short dwells cost one each', () => {
+  const history = new History();
+  for (let i = 1; i <= 5; ++i) {
+    history.take(withStiffness(24000, { index: i }), at + 8000 * i);
+    history.takeEnded(withStiffness(24000 + i, { index: i }), at + 8000 * i + 7000);
+  }
+  assert.deepEqual(history.of('stiffness', 1, at + 60_000).map((p) => p.value), [24001, 24002, 24003, 24004, 24005]);
+});
+
+test('there is room for so many points; more dwells than that in an hour push the oldest out', () => {
+  const history = new History();
+  const more = 40;
+  for (let i = 1; i <= ROOM + more; ++i) history.takeEnded(withStiffness(i, { index: i }), at + 4000 * i);
+  const values = history.of('stiffness', 1, at + 4000 * (ROOM + more)).map((p) => p.value);
+  assert.deepEqual([values.length, values[0], values.at(-1)], [ROOM, more + 1, ROOM + more]);
+  history.takeEnded(withStiffness(1, { index: ROOM + more + 1 }), at + 4000);
+  assert.equal(history.of('stiffness', 1, at + 4000 * (ROOM + more))[0].value, more + 1, 'an older one finds no room');
+});
+
+test('what is told late stands where it belongs, and a rig with more elements begins without losing the others', () => {
+  const history = new History();
+  history.takeEnded(withStiffness(2, { index: 2 }), at + 60_000);
+  history.takeEnded(withStiffness(1, { index: 1 }), at);
+  const [element] = dwellOf().elements;
+  history.takeEnded(dwellOf({ index: 3, elements: [1, 2, 3].map((k) => ({ ...element, k })) }), at + 120_000);
+  assert.deepEqual(history.of('stiffness', 1, at + 120_000).map((p) => p.value), [1, 2, 24000]);
+  assert.equal(history.of('stiffness', 3, at + 120_000).length, 1);
 });
 
 test('a dwell that has not settled adds nothing', () => {

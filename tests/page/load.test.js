@@ -42,7 +42,7 @@ test('the renderer draws eight traces and all coefficients', async () => {
     share('LayoutDuration')}, style ${share('RecalcStyleDuration')} s per second`);
 });
 
-test('the heap does not grow', { skip: HEAP_MINUTES < 1 }, async () => {
+test('the heap grows by compiled code alone', { skip: HEAP_MINUTES < 1 }, async () => {
   const sizes = [];
   for (let minute = 0; minute < HEAP_MINUTES; ++minute) {
     await wait(60_000);
@@ -53,6 +53,7 @@ test('the heap does not grow', { skip: HEAP_MINUTES < 1 }, async () => {
   const sixth = Math.max(1, Math.floor(sizes.length / 6));
   const mean = (values) => values.reduce((sum, v) => sum + v, 0) / values.length;
   const [first, last] = [mean(sizes.slice(0, sixth)), mean(sizes.slice(-sixth))];
-  // The trends keep a point of each coefficient every 10 s for an hour: 360 of 14 are half a megabyte.
-  assert.ok(last - first < 1, `${first.toFixed(2)} MB at first, ${last.toFixed(2)} MB at last`);
+  // What the page keeps does not grow (hour.test.js). V8 compiles what runs often: 0.3 MB in an hour, seen with that
+  // test's events.
+  assert.ok(last - first < 0.5, `${first.toFixed(2)} MB at first, ${last.toFixed(2)} MB at last`);
 });
