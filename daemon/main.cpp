@@ -78,6 +78,13 @@ int check(const RigFile& file) {
     return kUnusable;
   }
   print_summary(file);
+  if (!file.server.token_file.empty()) {
+    const auto note = dwell::unreadable_token_note(file.server.token_file, DWELL_SERVICE_USER);
+    const dwell::config::Position at = file.server.token_file_at;
+    if (!note.empty())
+      std::fputs(dwell::config::to_string(file.path, {{at.line, at.column, "warning: token_file: " + note}}).c_str(),
+                 stderr);
+  }
   return kDone;
 }
 

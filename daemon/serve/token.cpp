@@ -1,11 +1,18 @@
 #include "daemon/serve/token.hpp"
 
+#include <fcntl.h>
+#include <grp.h>
 #include <openssl/crypto.h>
+#include <pwd.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
 
 #include "config/sha256.hpp"
 #include "daemon/record/small_file.hpp"
@@ -22,7 +29,78 @@ std::string octal(mode_t mode) {
   return text.data();
 }
 
+std::string name_of_user(uid_t uid) {
+  const passwd* const entry = getpwuid(uid);
+  return entry != nullptr ? entry->pw_name : std::to_string(uid);
+}
+std::string name_of_group(gid_t gid) {
+  const group* const entry = getgrgid(gid);
+  return entry != nullptr ? entry->gr_name : std::to_string(gid);
+}
+
+// "PATH (root:root, mode 0600)".
+std::string with_owner(const std::string& path, const struct stat& status) {
+  return path + " (" + name_of_user(status.st_uid) + ":" + name_of_group(status.st_gid) + ", mode " +
+         octal(status.st_mode) + ")";
+}
+
+// Root as another user, with that user's groups, while it lives.
+class AsUser {
+ public:
+  explicit AsUser(const passwd& user) {
+    const int count = getgroups(0, nullptr);
+    groups_.resize(static_cast<std::size_t>(std::max(count, 0)));
+    known_ = count >= 0 && getgroups(count, groups_.data()) == count;
+    is_ =
+        known_ && initgroups(user.pw_name, user.pw_gid) == 0 && setegid(user.pw_gid) == 0 && seteuid(user.pw_uid) == 0;
+  }
+  ~AsUser() {
+    if (seteuid(0) != 0 || setegid(getgid()) != 0) std::abort();  // never go on as somebody in between
+    if (known_ && setgroups(groups_.size(), groups_.data()) != 0) std::abort();
+  }
+  AsUser(const AsUser&) = delete;
+  AsUser& operator=(const AsUser&) = delete;
+
+  explicit operator bool() const { return is_; }
+
+ private:
+  std::vector<gid_t> groups_;
+  bool known_ = false;
+  bool is_ = false;
+};
+
+// The folder or file on the way that keeps this process from reading the file; empty: none does.
+std::string obstacle(const std::filesystem::path& path) {
+  std::filesystem::path way;
+  for (const auto& part : path) {
+    way /= part;
+    if (faccessat(AT_FDCWD, way.c_str(), way == path ? R_OK : X_OK, AT_EACCESS) != 0) return way.string();
+  }
+  return {};
+}
+
 }  // namespace
+
+std::string unreadable_token_note(const std::string& path, const std::string& user) {
+  struct stat status {};
+  const passwd* const entry = geteuid() == 0 ? getpwnam(user.c_str()) : nullptr;
+  if (entry == nullptr || stat(path.c_str(), &status) != 0) return {};
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::canonical(path, error);
+  if (error) return {};
+  const std::string group = name_of_group(entry->pw_gid);
+  std::string in_the_way;
+  {
+    const AsUser as_user(*entry);
+    if (!as_user) return {};
+    in_the_way = obstacle(absolute);
+  }
+  if (in_the_way.empty() || stat(in_the_way.c_str(), &status) != 0) return {};
+  const bool folder = S_ISDIR(status.st_mode);
+  return "the user " + user + ", as whom the unit of systemd runs the service, cannot " +
+         (folder ? "enter the folder " : "read ") + with_owner(in_the_way, status) + ": chgrp " + group + " " +
+         in_the_way + " and chmod " + (folder ? "g+x" : "0640") + " it";
+}
 
 tl::expected<Token, std::string> Token::read(const std::string& path) {
   struct stat status {};

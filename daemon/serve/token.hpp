@@ -30,4 +30,11 @@ class Token {
   std::string sha256_;  // hexadecimal
 };
 
+// Root may read every file, so root's look at a rig file says nothing of whether the service will find its token. What
+// is to be said of a token file that this user cannot read, in one line: what stands in the way, and what to do. Empty:
+// the user can, there is no such user, the path names no file, or whoever asks is not root.
+//
+// Becomes that user for a moment: only for a process with one thread.
+[[nodiscard]] std::string unreadable_token_note(const std::string& path, const std::string& user);
+
 }  // namespace dwell

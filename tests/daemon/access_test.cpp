@@ -1,5 +1,7 @@
 // What the rig file says of who may read and change, and the file of the token.
+#include <grp.h>
 #include <gtest/gtest.h>
+#include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -93,6 +95,36 @@ TEST_F(AccessTest, WhatIsNoFileIsRefusedWithoutWaiting) {
   const std::string pipe = folder + "/pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_NE(Token::read(pipe).error().find("no regular file"), std::string::npos);
+}
+
+// Root may read it: without the note the check would be silent and the service would not start.
+TEST_F(AccessTest, RootIsToldOfATokenFileThatTheServicesUserCannotRead) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can find out what another user may read";
+  constexpr const char* kUser = "nobody";  // every Debian has it
+  const passwd* const user = getpwnam(kUser);
+  ASSERT_NE(user, nullptr);
+  const std::string path = write(kFileToken, 0600);
+  chmod(folder.c_str(), 0755);
+  const std::string root = getgrgid(0)->gr_name;
+  EXPECT_EQ(unreadable_token_note(path, kUser),
+            "the user nobody, as whom the unit of systemd runs the service, cannot read " + path + " (root:" + root +
+                ", mode 0600): chgrp nogroup " + path + " and chmod 0640 it");
+  ASSERT_EQ(chown(path.c_str(), 0, user->pw_gid), 0);
+  EXPECT_NE(unreadable_token_note(path, kUser), "") << "the group has no right yet";
+  chmod(path.c_str(), 0640);
+  EXPECT_EQ(unreadable_token_note(path, kUser), "");
+  chmod(folder.c_str(), 0700);
+  EXPECT_NE(
+      unreadable_token_note(path, kUser).find("cannot enter the folder " + folder + " (root:" + root + ", mode 0700)"),
+      std::string::npos)
+      << unreadable_token_note(path, kUser);
+  EXPECT_EQ(geteuid(), 0U);
+  EXPECT_TRUE(Token::read(path)) << "and root is root again";
+}
+
+TEST_F(AccessTest, NothingIsSaidOfAUserOrAFileThatIsNotThere) {
+  EXPECT_EQ(unreadable_token_note(write(kFileToken, 0600), "no-such-user"), "");
+  EXPECT_EQ(unreadable_token_note(folder + "/none", "nobody"), "");
 }
 
 TEST_F(AccessTest, OnLoopbackEverybodyReadsAndNobodyChangesWithoutAToken) {
