@@ -50,27 +50,51 @@ std::string sparkline(const std::vector<double>& values, double middle, double r
 }
 
 void Trend::take(const DwellView& view, double now_s) {
-  Point point{now_s, {}, {}};
-  if (has_coefficients(view.dwell)) {
-    for (const ElementEstimate& element : view.dwell.elements) {
+  Point point{now_s, now_s, {}, {}};
+  const Dwell& dwell = view.dwell;
+  if (has_coefficients(dwell)) {
+    for (const ElementEstimate& element : dwell.elements) {
       point.stiffness.push_back(element.identifiable ? element.stiffness.value : kNaN);
       point.damping.push_back(element.identifiable ? element.damping.value : kNaN);
     }
+    // The first value of a dwell is that of all its data so far.
+    std::string key = view.run.start_utc + " " + std::to_string(dwell.index.value_or(0));
+    const double data_s = dwell.end_s - dwell.settled_s;
+    if (key != dwell_ && dwell.state == State::measuring && data_s > 0.0) point.from_s -= data_s;
+    dwell_ = std::move(key);
   }
-  if (points_.size() > 1 && points_.back().t_s - points_[points_.size() - 2].t_s < kEvery_s) points_.pop_back();
+  if (points_.size() > 1 && points_.back().t_s - points_[points_.size() - 2].t_s < kEvery_s) {
+    const Point& replaced = points_.back();
+    const bool first_of_dwell = replaced.from_s < replaced.t_s;
+    if (first_of_dwell && !point.stiffness.empty()) point.from_s = replaced.from_s;
+    points_.pop_back();
+  }
   points_.push_back(std::move(point));
   while (points_.front().t_s < now_s - kSpan_s) points_.pop_front();
+}
+
+void Trend::take_earlier(const std::vector<EarlierDwell>& dwells, double now_s) {
+  for (const EarlierDwell& dwell : dwells) {
+    Point point{now_s - dwell.settled_ago_s, now_s - dwell.ended_ago_s, dwell.stiffness, dwell.damping};
+    if (point.t_s < now_s - kSpan_s) continue;
+    const auto later =
+        std::find_if(points_.begin(), points_.end(), [&point](const Point& p) { return p.t_s > point.t_s; });
+    points_.insert(later, std::move(point));
+  }
 }
 
 std::vector<double> Trend::in_blocks(std::vector<double> Point::*which, std::size_t element, double from_s,
                                      double until_s) const {
   std::vector<double> blocks(kBlocks, kNaN);
+  const auto block_at = [&](double t_s) {
+    const double part = std::clamp((t_s - from_s) / (until_s - from_s), 0.0, 1.0);
+    return std::min(static_cast<std::size_t>(part * static_cast<double>(kBlocks)), kBlocks - 1);
+  };
   for (const Point& point : points_) {
-    const double part = (point.t_s - from_s) / (until_s - from_s);
-    if (part < 0.0 || part > 1.0) continue;
-    const auto block = std::min(static_cast<std::size_t>(part * static_cast<double>(kBlocks)), kBlocks - 1);
+    if (point.t_s < from_s || point.t_s > until_s) continue;
     // Of several in a block the newest counts; one that gave none does not wipe out one that did.
-    if (element < (point.*which).size() && std::isfinite((point.*which)[element]))
+    if (element >= (point.*which).size() || !std::isfinite((point.*which)[element])) continue;
+    for (std::size_t block = block_at(point.from_s); block <= block_at(point.t_s); ++block)
       blocks[block] = (point.*which)[element];
   }
   return blocks;
@@ -80,7 +104,7 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
   Section section;
   section.name = kTrend;
   if (!has_coefficients(view.dwell) || points_.size() < 2) return section;
-  const double reach_s = std::clamp(now_s - points_.front().t_s, kLeast_s, kSpan_s);
+  const double reach_s = std::clamp(now_s - points_.front().from_s, kLeast_s, kSpan_s);
   const bool wide = columns >= 80;
   for (std::size_t i = 0; i < view.dwell.elements.size(); ++i) {
     const ElementEstimate& element = view.dwell.elements[i];

@@ -1,19 +1,22 @@
-// How each coefficient has moved since watch began, an hour at most, drawn as a line of block characters:
+// How each coefficient has moved over the last hour, drawn as a line of block characters:
 //
 //   trend of the last 12 min; middle: newest value, whole height: ± the percentage beside, at least twice U95
 //   element  stiffness                       damping
 //         1  ▄▄▄▄▅▅▄▄▄▄▅▄▄▄▄▄▄▄▄▄  ± 0.20 %  ▃▃▃▄▄▄▄▄▅▅▅▄▄▄▄▄▄▄▄▄  ± 2.6 %
 //
 // The percentage is twice the U95 of the newest value; then the four middle heights of eight are the newest ± U95. It
-// is more where an older value was further away. A blank: no coefficient was given then.
+// is more where an older value was further away. A blank: no coefficient is known of then. Of a dwell that ended before
+// watch began the last value is known; it stands for the whole dwell, as on the page.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once
 
 #include <cstddef>
 #include <deque>
+#include <string>
 #include <vector>
 
+#include "daemon/ctl/earlier_dwells.hpp"
 #include "daemon/report/dwell_view.hpp"
 #include "daemon/report/line.hpp"
 
@@ -31,6 +34,8 @@ class Trend {
 
   // The dwell as it stands; one whose coefficients are not given leaves a blank. now_s: never less than before.
   void take(const DwellView& view, double now_s);
+  // What was before the first dwell that was taken.
+  void take_earlier(const std::vector<EarlierDwell>& dwells, double now_s);
 
   // A line for each element that has coefficients in `view`; below 80 columns damping stands on a line of its own.
   // Empty: there is none, or nothing has been seen before.
@@ -38,7 +43,7 @@ class Trend {
 
  private:
   struct Point {
-    double t_s;
+    double from_s, t_s;                      // the values hold from … to
     std::vector<double> stiffness, damping;  // one per element; NaN: none
   };
 
@@ -47,6 +52,7 @@ class Trend {
                                               double until_s) const;
 
   std::deque<Point> points_;  // oldest first; kEvery_s apart, but for the newest, which is replaced until then
+  std::string dwell_;         // names the newest with coefficients; empty: there was none
 };
 
 // The blocks of a line: `middle` stands between the fourth and the fifth of eight heights, middle ± reach at the edges.

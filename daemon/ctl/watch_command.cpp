@@ -13,8 +13,10 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/dwell_follower.hpp"
+#include "daemon/ctl/earlier_dwells.hpp"
 #include "daemon/ctl/fetch.hpp"
 #include "daemon/ctl/http_client.hpp"
+#include "daemon/ctl/json_member.hpp"
 #include "daemon/ctl/tables.hpp"
 #include "daemon/ctl/terminal.hpp"
 #include "daemon/ctl/truth.hpp"
@@ -208,10 +210,24 @@ class Watch {
     const Json list = Json::parse(channels->body, nullptr, false);
     if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
     const Json value = Json::parse(health->body, nullptr, false);
+    ask_earlier(text_member(value, "utc"), limits);
     if (value.is_object() && value.contains("gpio")) state_.take_gpio(gpio_text(value), now_s());
     if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
       state_.name = value["rig"].get<std::string>();
     }
+  }
+
+  // Once: the dwells of the last hour, for the trend. utc: the service's now.
+  void ask_earlier(const std::string& utc, const HttpLimits& limits) {
+    if (knows_earlier_) return;
+    const auto answer = [&](const std::string& path) -> std::optional<Json> {
+      const auto answered = http_get(url_, path, limits);
+      if (!answered) return std::nullopt;
+      return Json::parse(answered->body, nullptr, false);
+    };
+    const auto dwells = ask_earlier_dwells(answer, utc, Trend::kSpan_s);
+    if (dwells) state_.take(*dwells, now_s());
+    knows_earlier_ = dwells.has_value();
   }
 
   // Signals and keys. true: the operator ends it.
@@ -334,10 +350,11 @@ class Watch {
   Page page_;                  // as last shown
   SteadyClock::time_point shown_;
   bool connected_ = false;
-  bool back_ = false;    // connected again, and not yet said
-  std::string said_;     // the status line as last appended
-  bool agreed_ = false;  // with the truth
-  std::string why_;      // what to say on standard error at the end
+  bool knows_earlier_ = false;  // the dwells of before
+  bool back_ = false;           // connected again, and not yet said
+  std::string said_;            // the status line as last appended
+  bool agreed_ = false;         // with the truth
+  std::string why_;             // what to say on standard error at the end
 };
 
 }  // namespace

@@ -43,6 +43,7 @@ ScriptedServer::ScriptedServer(std::vector<Reply> replies, const std::string& pa
 ScriptedServer::~ScriptedServer() {
   ::close(stop_[1]);
   thread_.join();
+  for (const int client : beside_) ::close(client);
   ::close(stop_[0]);
   ::close(listener_);
 }
@@ -62,7 +63,11 @@ void ScriptedServer::serve() {
     const int client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
     if (client < 0) continue;
     if (i < replies_.size()) answer(client, replies_[i]);
-    ::close(client);
+    if (i < replies_.size() && replies_[i].beside) {
+      beside_.push_back(client);
+    } else {
+      ::close(client);
+    }
   }
 }
 

@@ -15,6 +15,7 @@ struct Reply {
   std::string text;
   bool hold = false;     // keep the connection until the client or the test ends it
   bool trickle = false;  // afterwards send one byte after the other for ever
+  bool beside = false;   // keep the connection until the test ends, and answer the next ones meanwhile
 };
 
 class ScriptedServer {
@@ -36,6 +37,7 @@ class ScriptedServer {
   void answer(int client, const Reply& reply);
 
   const std::vector<Reply> replies_;
+  std::vector<int> beside_;  // connections that are kept
   const bool local_;
   int listener_ = -1;
   int stop_[2] = {-1, -1};  // a pipe; readable once this is to end

@@ -10,9 +10,10 @@
 namespace dwell::ctl {
 namespace {
 
-// The sample dwell with this stiffness of element 1 (U95 1 %).
-DwellView view_of(double stiffness) {
+// The sample dwell with this stiffness of element 1 (U95 1 %) and so many seconds of data.
+DwellView view_of(double stiffness, double data_s = 0.0) {
   Dwell dwell = test::sample_dwell();
+  dwell.end_s = dwell.settled_s + data_s;
   dwell.elements[0].stiffness.value = stiffness;
   dwell.elements[0].stiffness.U95 = 10.0;
   return make_view(dwell, test::sample_rig(), test::sample_run());
@@ -49,6 +50,28 @@ TEST(Trend, IsBlankWhereNoCoefficientWasGiven) {
   for (int i = 0; i <= 60; ++i) trend.take(i >= 15 && i < 45 ? settling : view_of(1000.0), i);
   EXPECT_EQ(line_of_element_1(trend, view_of(1000.0), 60.0), "      1  ▅▅▅▅▅          ▅▅▅▅▅  ± 2 %");
   EXPECT_TRUE(trend.section(settling, 60.0, 80).body.empty()) << "no coefficients, no trend";
+}
+
+TEST(Trend, ADwellThatWatchFindsMeasuringBeganWithItsData) {
+  Trend trend;
+  for (int i = 0; i <= 3; ++i) trend.take(view_of(1000.0, 57.0 + i), 100.0 + i);
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0, 60.0), 103.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2 %");
+}
+
+TEST(Trend, EarlierDwellsStandFromTheirFirstToTheirLastDatum) {
+  Trend trend;
+  trend.take(view_of(1000.0), 1000.0);
+  trend.take(view_of(1000.0), 1001.0);
+  trend.take_earlier({{1, 601.0, 451.0, {1100.0}, {}}, {2, 301.0, 151.0, {900.0}, {}}}, 1001.0);
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0), 1001.0), "      1  █████    ▁▁▁▁▁▁    ▅  ± 10 %");
+  EXPECT_EQ(trend.section(view_of(1000.0), 1001.0, 80).head[0].text.substr(0, 24), "trend of the last 601 s;");
+}
+
+TEST(Trend, OfEarlierDwellsThoseOfTheLastHourAreKept) {
+  Trend trend;
+  trend.take(view_of(1000.0), 9000.0);
+  trend.take_earlier({{1, 4000.0, 3601.0, {2000.0}, {}}, {2, 3000.0, 2999.0, {1000.0}, {}}}, 9000.0);
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0), 9000.0).substr(0, 12), "      1  ▅");
 }
 
 TEST(Trend, ReachesBackAnHourAndNoFurther) {

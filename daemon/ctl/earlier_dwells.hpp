@@ -1,0 +1,32 @@
+// The dwells that ended before watch began, of which the service keeps the newest 1000: what the trend of the last hour
+// needs of them, from /api/v1/dwells?brief=1.
+//
+// Bound to one thread, not real-time: allocates.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dwell::ctl {
+
+struct EarlierDwell {
+  int index = 0;
+  double settled_ago_s = 0.0, ended_ago_s = 0.0;  // from when and until when its data count, s before now
+  std::vector<double> stiffness, damping;         // one per element; NaN: none
+};
+
+// Those of the list that ended in the last `span_s` and had settled, oldest first. What is no such dwell is left out.
+// utc: the service's now.
+[[nodiscard]] std::vector<EarlierDwell> earlier_dwells(const nlohmann::ordered_json& list, const std::string& utc,
+                                                       double span_s);
+
+// The same of as many answers as that takes, newest first. answer: to a question for the path; nullopt: there is none.
+// nullopt: the first question had none.
+using Asks = std::function<std::optional<nlohmann::ordered_json>(const std::string& path)>;
+[[nodiscard]] std::optional<std::vector<EarlierDwell>> ask_earlier_dwells(const Asks& answer, const std::string& utc,
+                                                                          double span_s);
+
+}  // namespace dwell::ctl
