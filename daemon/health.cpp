@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/rig/limit.hpp"
+#include "daemon/freshness.hpp"
 #include "daemon/report/limit_text.hpp"
 
 namespace dwell {
@@ -79,7 +80,7 @@ double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept {
 }
 
 bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept {
-  return estimate_age_s(snapshot, now_ns) > std::max(kStale_s, kStaleUpdates * rig.update_s);
+  return estimate_age_s(snapshot, now_ns) > std::max(kOldAfter_s, kOldAfterUpdates * rig.update_s);
 }
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns, const gpio::Status& lines,

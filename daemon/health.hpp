@@ -38,13 +38,9 @@ struct Health {
 };
 [[nodiscard]] const char* to_string(Health::Status status) noexcept;  // "ok", "degraded", "fault"
 
-// An estimate is overdue if it is older than kStale_s, or than kStaleUpdates times the rig's `update` if that is
-// longer. So one late estimate does not count, but two missing ones do. The page and dwellctl watch have the same
-// bounds.
-inline constexpr double kStale_s = 2.5;
-inline constexpr double kStaleUpdates = 2.5;
 // Time since the estimation published the snapshot, s; infinite: it has published nothing. now_ns: CLOCK_MONOTONIC_RAW.
 [[nodiscard]] double estimate_age_s(const Snapshot& snapshot, std::int64_t now_ns) noexcept;
+// Whether the estimate is old: by kOldAfter_s, or by kOldAfterUpdates of the rig's `update` if that is longer.
 [[nodiscard]] bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 
 // trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should be.

@@ -33,7 +33,7 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
     const auto channel = state.channel(label.name, now_s);
     if (!channel || channel->status.empty()) continue;
     note.status = channel->status;
-    if (channel->age_s > WatchState::kOld_s) note.age = age_text(channel->age_s);
+    if (channel->age_s > kOldAfter_s) note.age = age_text(channel->age_s);
   }
   return options;
 }

@@ -67,7 +67,7 @@ void WatchState::take_gpio(std::string lines, double now_s) {
 
 // One outage among three renewals must not pass as usual: the shortest counts.
 double WatchState::old_after_s() const {
-  return std::max(kOld_s, kUsualTimes * *std::min_element(turn_s_, turn_s_ + 3));
+  return std::max(kOldAfter_s, kOldAfterUpdates * *std::min_element(turn_s_, turn_s_ + 3));
 }
 
 double WatchState::age_s(double now_s) const { return now_s - moved_s_; }

@@ -13,6 +13,7 @@
 
 #include "daemon/ctl/alarm_table.hpp"
 #include "daemon/ctl/trend.hpp"
+#include "daemon/freshness.hpp"
 #include "daemon/report/dwell_view.hpp"
 
 namespace dwell::ctl {
@@ -35,15 +36,9 @@ enum class Silence : std::uint8_t {
 
 class WatchState {
  public:
-  // Numbers that are older than this are shown as old, if they are usually renewed more often, s. The service tells the
-  // whole dwell once a second, so one late message is no alarm and two missing ones are. Halved: a busy network makes
-  // the screen flicker grey. Doubled: an operator looks at dead numbers for so much longer.
-  static constexpr double kOld_s = 2.5;
-  // … else where this many of the usual times between renewals have passed.
-  static constexpr double kUsualTimes = 2.5;
   // Lists older than this are shown as old, s. They are asked for once a second, and after a question without an answer
   // 10 s later: at least one had none.
-  static constexpr double kListOld_s = 2.0 * kOld_s;
+  static constexpr double kListOld_s = 2.0 * kOldAfter_s;
 
   // now_s of every call: s, on one clock that never steps back.
 

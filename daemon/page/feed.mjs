@@ -112,6 +112,7 @@ export class Feed {
       const [health, channels, alarms] = await Promise.all(['health', 'channels', 'alarms'].map((what) => this.#get(`/api/v1/${what}`)));
       if (this.health && this.health.version !== health.version) location.reload(); // a newer page belongs to it
       this.health = health;
+      this.fresh.told(health);
       this.#ahead_ms = Date.parse(health.utc) - Date.now();
       this.channels = channels.channels;
       this.alarms = alarms;

@@ -1,20 +1,16 @@
 // What is known of how old everything on the page is, by the page's own clock: a service that says nothing cannot say
 // that it says nothing. Pure: instants are seconds of one clock, given by the caller.
 
-// Nothing heard for so long: the service is gone. The stream speaks once a second and the page asks once a second.
-// Halved: a busy network blinks. Doubled: an operator looks at dead numbers for five seconds.
-export const GONE_S = 2.5;
-// Numbers, channels and traces not renewed for so long are old, as in dwellctl watch …
-export const OLD_S = 2.5;
-// … or for so many of the usual times between renewals, where the rig file has them further apart.
-const USUAL_TIMES = 2.5;
-
 const hasData = (dwell) => dwell.settled_s !== null || dwell.state === 'settling' || dwell.state === 'measuring';
 
 const moved = (before, after) => before.index !== after.index || before.state !== after.state ||
   before.end_s !== after.end_s;
 
 export class Freshness {
+  // What is not renewed for so long is old, and the service is gone of which nothing is heard. The service says how long.
+  // Before it has, a question that it does not answer tells that it is gone.
+  old_s = Infinity;
+  #updates = 0; // or for so many of the usual times between renewals, where the rig file has them further apart
   heard_s = -Infinity; // anything from the service
   #answered_s = -Infinity; // what the page asks for once a second, all of it
   connected_s = null; // since when the service answers without a break; null: it does not
@@ -22,6 +18,12 @@ export class Freshness {
   #moved_s = -Infinity; // the dwell's data went on
   #turns = [0, 0, 0]; // times between the last renewals
   #dwell = null;
+
+  // health: of /api/v1/health.
+  told(health) {
+    this.old_s = health.old_after_s;
+    this.#updates = health.old_after_updates;
+  }
 
   heard(now) {
     this.heard_s = now;
@@ -53,7 +55,7 @@ export class Freshness {
   }
 
   gone(now) {
-    return this.gone_s !== null || now - this.heard_s > GONE_S;
+    return this.gone_s !== null || now - this.heard_s > this.old_s;
   }
 
   silence_s(now) {
@@ -66,7 +68,7 @@ export class Freshness {
   }
 
   answersOld(now) {
-    return this.gone(now) || this.answersAge_s(now) > OLD_S;
+    return this.gone(now) || this.answersAge_s(now) > this.old_s;
   }
 
   // How old the dwell's numbers are, and whether that is too old.
@@ -76,7 +78,7 @@ export class Freshness {
 
   dwellOld(now) {
     // One outage among three renewals must not pass as usual: the shortest counts.
-    const limit = Math.max(OLD_S, USUAL_TIMES * Math.min(...this.#turns));
+    const limit = Math.max(this.old_s, this.#updates * Math.min(...this.#turns));
     return this.gone(now) || this.#dwell?.stale === true || this.dwellAge_s(now) > limit;
   }
 }

@@ -40,7 +40,7 @@ function draw() {
   showHead(view);
   showCoefficients(view);
   for (const part of slower) part(view);
-  traces.look(now);
+  traces.look(now, feed.fresh.old_s);
 }
 
 // At most once for each picture that the screen shows, and not at all while nobody sees the page.

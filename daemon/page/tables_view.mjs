@@ -2,7 +2,6 @@
 import { openDwell } from './dwell_view.mjs';
 import { COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
-import { OLD_S } from './freshness.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
 import { utcMs } from './wording.mjs';
 
@@ -29,7 +28,7 @@ function showChannels({ channels, health, fresh, now }) {
   fillRows($('channel-rows'), (channels ?? []).map((c) => {
     const bad = c.status !== 'ok' && c.status !== 'held' && c.status !== 'gated';
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
-    return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: old || age === null || age > OLD_S,
+    return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: old || age === null || age > fresh.old_s,
       cells: [bad ? `▲ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,

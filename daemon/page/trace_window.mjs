@@ -1,6 +1,5 @@
 // A stretch of the traces as the page keeps it: the least and the greatest reading of each bin, by channel, in arrays of
 // fixed length. Pure.
-import { OLD_S } from './freshness.mjs';
 
 // The width of the bins that the stream tells of; every other width is this times or divided by a power of 4.
 const LIVE_STEP_S = 0.02;
@@ -113,10 +112,11 @@ const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"
 
 // The age of each channel's trace, s, where its newest reading is old; else null. Infinity: no reading was ever seen.
 // newest_s: the newest instant of the stream, which came quiet_s ago. last: of each channel the newest reading seen, s.
-export function agesOf(last, newest_s, quiet_s) {
+// old_s: from when on it is old.
+export function agesOf(last, newest_s, quiet_s, old_s) {
   return last.map((t_s) => {
     const age = t_s === null ? Infinity : quiet_s + Math.max(0, newest_s - t_s);
-    return age > OLD_S ? age : null;
+    return age > old_s ? age : null;
   });
 }
 

@@ -1,7 +1,6 @@
 // The traces: live, or a stretch of the past; zoom, two cursors, CSV. The service keeps the readings (10 min to 20 ms),
 // so a page that is paused loses nothing: it asks for what it shows.
 import { h, setAttributes, setText, show } from './dom.mjs';
-import { OLD_S } from './freshness.mjs';
 import { ageText, isNumber, NO_NUMBER, plainText } from './number.mjs';
 import { whileDisabled } from './order.mjs';
 import { lastText, TracePlot } from './trace_plot.mjs';
@@ -95,12 +94,12 @@ export class TracesView {
     this.#ask();
   }
 
-  // To be called some times a second: what stands still grows old.
-  look(now) {
+  // To be called some times a second: what stands still grows old, after old_s.
+  look(now, old_s) {
     if ($('traces').hidden) return;
     const quiet = now - this.#came_s;
-    const ages = this.#live && this.#window ? agesOf(this.#seenLast(), this.#newest_s, quiet) : [];
-    const stands = this.#live && quiet > OLD_S;
+    const ages = this.#live && this.#window ? agesOf(this.#seenLast(), this.#newest_s, quiet, old_s) : [];
+    const stands = this.#live && quiet > old_s;
     if (this.#live) this.#view.end = stands ? `${ageText(quiet)} ago` : 'now';
     const changed = ages.some((age, c) => (age === null) !== ((this.#ages[c] ?? null) === null)) || ages.length !== this.#ages.length;
     this.#ages = ages;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/freshness.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_brief.hpp"
 #include "daemon/report/dwell_json.hpp"
@@ -165,6 +166,8 @@ Json health_json(const ServiceView& view) {
           {"version", view.run.version},
           {"utc", view.now_utc_ns == 0 ? Json(nullptr) : Json(record::iso_utc(view.now_utc_ns))},
           {"uptime_s", number(view.uptime_s)},
+          {"old_after_s", kOldAfter_s},
+          {"old_after_updates", kOldAfterUpdates},
           {"stale", stale},
           {"devices", devices_json(view)},
           {"gpio", gpio_json(view)},

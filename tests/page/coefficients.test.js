@@ -2,13 +2,12 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
-import { Freshness } from '../../daemon/page/freshness.mjs';
 import { joined } from '../../daemon/page/number.mjs';
-import { dwellOf, idleOf, settlingOf } from './sample.js';
+import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
 
 // The page after it was given these dwells a second apart, the last one just now.
 function after(...dwells) {
-  const view = { fresh: new Freshness(), last: new LastNumbers(), now: 100, broken: false };
+  const view = { fresh: toldFreshness(), last: new LastNumbers(), now: 100, broken: false };
   for (const dwell of dwells) {
     view.now += 1;
     view.dwell = dwell;

@@ -3,10 +3,10 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { applyChange } from '../../daemon/page/change.mjs';
 import { Clock, Freshness } from '../../daemon/page/freshness.mjs';
-import { dwellOf, idleOf } from './sample.js';
+import { dwellOf, idleOf, toldFreshness } from './sample.js';
 
 test('a service that says nothing is gone within three seconds', () => {
-  const fresh = new Freshness();
+  const fresh = toldFreshness();
   fresh.tookDwell(dwellOf(), 100);
   assert.equal(fresh.gone(102.4), false);
   assert.equal(fresh.gone(102.6), true);
@@ -16,8 +16,19 @@ test('a service that says nothing is gone within three seconds', () => {
   assert.equal(fresh.gone(779), false);
 });
 
-test('a connection that is known to be broken is gone at once, until something is heard', () => {
+test('before the service has said when numbers are old, only a question without an answer tells that it is gone', () => {
   const fresh = new Freshness();
+  fresh.tookDwell(dwellOf(), 100);
+  assert.equal(fresh.gone(1000), false);
+  fresh.broke(1000);
+  assert.equal(fresh.gone(1000), true);
+  fresh.heard(1001);
+  fresh.told({ old_after_s: 1, old_after_updates: 3 });
+  assert.deepEqual([1001.9, 1002.1].map((t) => fresh.gone(t)), [false, true], 'as the service says');
+});
+
+test('a connection that is known to be broken is gone at once, until something is heard', () => {
+  const fresh = toldFreshness();
   fresh.heard(10);
   fresh.broke(10.1);
   assert.equal(fresh.gone(10.1), true);
@@ -26,7 +37,7 @@ test('a connection that is known to be broken is gone at once, until something i
 });
 
 test('numbers are old where the service answers but the data stand still', () => {
-  const fresh = new Freshness();
+  const fresh = toldFreshness();
   for (let t = 0; t <= 10; t += 1) fresh.tookDwell(dwellOf({ end_s: 12 + t }), t);
   for (let t = 10.1; t < 14; t += 0.1) fresh.tookDwell(dwellOf({ end_s: 22 }), t);
   assert.equal(fresh.gone(14), false);
@@ -36,7 +47,7 @@ test('numbers are old where the service answers but the data stand still', () =>
 });
 
 test('a page that is opened while the service tells a stale dwell shows it as old at once, with its true age', () => {
-  const fresh = new Freshness();
+  const fresh = toldFreshness();
   fresh.tookDwell({ ...dwellOf(), estimate_age_s: 678, stale: true }, 100);
   assert.equal(fresh.gone(100), false);
   assert.equal(fresh.dwellOld(100), true);
@@ -47,13 +58,13 @@ test('a page that is opened while the service tells a stale dwell shows it as ol
 });
 
 test('while idle there are no data that could stand still', () => {
-  const fresh = new Freshness();
+  const fresh = toldFreshness();
   for (let t = 0; t < 100; t += 1) fresh.tookDwell(idleOf(), t);
   assert.equal(fresh.dwellOld(100), false);
 });
 
 test('a rig that is renewed every ten seconds is not old after five', () => {
-  const fresh = new Freshness();
+  const fresh = toldFreshness();
   for (let t = 0; t <= 60; t += 10) fresh.tookDwell(dwellOf({ end_s: t }), t);
   fresh.heard(64.9);
   assert.equal(fresh.dwellOld(65), false);

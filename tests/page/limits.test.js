@@ -3,10 +3,9 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { alarmRows, waitingText } from '../../daemon/page/alarms.mjs';
 import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
-import { Freshness } from '../../daemon/page/freshness.mjs';
 import { limitOf } from '../../daemon/page/limits.mjs';
 import { give, noteText } from '../../daemon/page/order.mjs';
-import { dwellOf } from './sample.js';
+import { dwellOf, toldFreshness } from './sample.js';
 
 const limited = (verdict, reason = null) => dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low: 7500, high: 8500, unit: 'N/m', verdict, reason }] });
 
@@ -37,7 +36,7 @@ test('only the coefficient that has a limit is told one, and only of the dwell t
   assert.equal(limitOf(dwell, 'damping', 2), null);
   assert.equal(limitOf(dwell, 'stiffness', 1), null);
   assert.equal(limitOf(dwellOf(), 'stiffness', 2), null);
-  const view = { dwell, fresh: new Freshness(), last: new LastNumbers(), now: 100, broken: false };
+  const view = { dwell, fresh: toldFreshness(), last: new LastNumbers(), now: 100, broken: false };
   view.fresh.tookDwell(dwell, 100);
   const cells = coefficientsOf(view).elements.flatMap((e) => e.cells);
   assert.deepEqual(cells.map((c) => c.limit?.verdict ?? null), [null, null, 'kept', null]);

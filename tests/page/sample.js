@@ -1,4 +1,6 @@
 // A dwell as the service tells it, for tests of what the page makes of it.
+import { Freshness } from '../../daemon/page/freshness.mjs';
+
 export function dwellOf(changes = {}) {
   const coefficient = (value, U95, unit) => ({ value, u: U95 / 2, dof: 1000, U95, significant: true, unit });
   const element = (k, c, r) => ({ k, identifiable: true, stiffness: coefficient(c, c / 1000, 'N/m'),
@@ -8,6 +10,14 @@ export function dwellOf(changes = {}) {
     frequency_hz: { value: 4.0003, u: 2e-5 }, phasors: [{ channel: 'y0' }, { channel: 'y1' }],
     elements: [element(1, 24000, 60), element(2, 8000, 45)], warnings: [], doubts: [], unstated: [], motion: null,
     model: null, ...changes };
+}
+
+// What the service says of when numbers are old.
+export const OLD_AFTER = { old_after_s: 2.5, old_after_updates: 2.5 };
+export function toldFreshness() {
+  const fresh = new Freshness();
+  fresh.told(OLD_AFTER);
+  return fresh;
 }
 
 // As dwellOf(), before its transient has decayed.

@@ -4,11 +4,11 @@
 import { once } from 'node:events';
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
-import { dwellOf } from './sample.js';
+import { dwellOf, OLD_AFTER } from './sample.js';
 
 const PAGE = new URL('../../daemon/page/', import.meta.url);
 const BEGINS_MS = Date.parse('2026-11-23T07:00:00Z');
-// s of the service's time: below the 2.5 s after which the page calls numbers old.
+// s of the service's time: below what makes numbers old.
 export const STEP_S = 2;
 const BIN_S = 0.02;
 const BINS = STEP_S / BIN_S;
@@ -131,7 +131,7 @@ export class ScriptedService {
 
   #told(what, from) {
     switch (what) {
-      case 'health': return { status: 'ok', rig: 'six masses', version: '1', utc: this.#utc(this.#s), stale: [], gpio: {}, log: { failing: false, dropped: 0 },
+      case 'health': return { status: 'ok', rig: 'six masses', version: '1', utc: this.#utc(this.#s), ...OLD_AFTER, stale: [], gpio: {}, log: { failing: false, dropped: 0 },
         devices: [{ name: 'amplifier', driver: 'modbus', up: true, faults: {} }], run: { recorded: false, begun_by: null }, recorder: null };
       case 'channels': return { channels: this.#channels() };
       case 'alarms': return { alarms: [], unacknowledged: 0, left_out: 0 };

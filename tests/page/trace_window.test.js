@@ -51,9 +51,9 @@ test('the newest reading of a channel is that of its newest bin that has one', (
 });
 
 test('a trace is old when its channel has told nothing for 2.5 s, all are when the stream has', () => {
-  assert.deepEqual(agesOf([10, 7, null], 10, 0.1), [null, 3.1, Infinity]);
-  assert.deepEqual(agesOf([10, 9.5], 10, 4), [4, 4.5]);
-  assert.deepEqual(agesOf([10, 9.5], 10, 1), [null, null]);
+  assert.deepEqual(agesOf([10, 7, null], 10, 0.1, 2.5), [null, 3.1, Infinity]);
+  assert.deepEqual(agesOf([10, 9.5], 10, 4, 2.5), [4, 4.5]);
+  assert.deepEqual(agesOf([10, 9.5], 10, 1, 2.5), [null, null]);
 });
 
 test('it holds a fixed number of bins however long it goes on, the newest ones', () => {

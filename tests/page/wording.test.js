@@ -1,12 +1,11 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { Freshness } from '../../daemon/page/freshness.mjs';
 import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
-import { dwellOf, idleOf, settlingOf } from './sample.js';
+import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
 
 function viewOf(dwell, more = {}) {
-  const fresh = new Freshness();
+  const fresh = toldFreshness();
   if (dwell) fresh.tookDwell(dwell, 100);
   fresh.answered(100);
   return { dwell, health: null, channels: null, fresh, now: 100.2, ...more };
