@@ -64,6 +64,11 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
     assert.deepEqual(crossed, []);
     await page.waitForFunction(() => !document.querySelector('.coefficient .struck'));
     await check(page, `measured-${size}`);
+    if (size === 'desk') {
+      await page.waitForSelector('#chain:not([hidden])');
+      const [chain, coefficients, phasors] = await page.evaluate(() => ['chain', 'coefficients', 'phasors'].map((id) => document.getElementById(id).getBoundingClientRect()));
+      assert.ok(chain.top < phasors.bottom && chain.top > coefficients.bottom && chain.right < phasors.left, 'the shape fills the room beside the phasors');
+    }
     if (size === 'wall') {
       // Read from across the room, without scrolling.
       const overflow = await page.evaluate(() => document.querySelector('#coefficients').getBoundingClientRect().bottom - window.innerHeight);
