@@ -121,6 +121,7 @@ void read_method(Section& root, Draft& draft) {
     Section section(*table, "[verification]", draft.mistakes);
     section.real("accuracy", draft.file.verification.accuracy,
                  {"a number above 0, at most 1 (of each channel's rms)", 0.0, 1.0, true});
+    section.boolean("live", draft.file.verification.live);
     section.refuse_rest();
   }
 }

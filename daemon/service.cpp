@@ -117,7 +117,7 @@ struct Service::Impl {
     now.threads = session->threads();
     now.gpio = session->gpio();
     now.traces = &session->traces();
-    now.accuracy = session->file().verification.accuracy;
+    now.verification = session->file().verification;
     if (record::Recorder* const recorder = session->recorder()) {
       now.recorder = recorder->state(now.now_ns);
       now.runs = recorder->runs();

@@ -34,9 +34,9 @@ DwellView live_dwell(const ServiceView& now) {
     beside->given = transient->given;
     view.transient = std::move(beside);
   }
-  if (stale || !std::isfinite(snapshot.dwell.settled_s)) return view;
+  if (stale || !now.verification.live || !std::isfinite(snapshot.dwell.settled_s)) return view;
   view.model.emplace();
-  view.model->asked = now.accuracy;
+  view.model->asked = now.verification.accuracy;
   if (const auto& verified = snapshot.verified; verified && verified->dwell.index == snapshot.dwell.index) {
     const Verification& v = verified->verification;
     view.model = ModelVerdict{v.verdict, v.consistent, v.accuracy, v.seen, v.U};

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "config/rig_file.hpp"
 #include "core/rig/rig.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/gpio/link.hpp"
@@ -42,7 +43,7 @@ struct ServiceView {
   const NewestLines* events = nullptr;               // null: none are kept
   const AlarmList* alarms = nullptr;                 // null: as an empty list
   const Traces* traces = nullptr;                    // null: none are kept
-  double accuracy = 0.05;  // asked for of the model's predictions, a part of each channel's rms
+  config::VerificationSettings verification{};       // what is asked of the model, as the rig file has it
 };
 
 // The current dwell with what stands beside it: its coefficients from the transient, what is known of its model, its

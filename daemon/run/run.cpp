@@ -29,13 +29,13 @@ Run::Run(const config::RigFile& file, std::vector<DeviceFeed> devices, gpio::Lin
          std::function<void()> wake, record::StreamSink* sink, TraceFeed* traces)
     : bracketed_(file.recording.on),
       info_{file.sha256, kVersion, {}},
-      long_work_(std::make_shared<LongWork>(file.rig, file.verification.accuracy)),
+      long_work_(file.verification.live ? std::make_shared<LongWork>(file.rig, file.verification.accuracy) : nullptr),
       estimator_(file.rig, std::move(devices), options_for(file, edges, long_work_, sink, traces), log, std::move(wake),
                  raw_now_ns()) {}
 
 void Run::start() {
   thread_.emplace(estimator_);
-  long_thread_.emplace(long_work_);
+  if (long_work_) long_thread_.emplace(long_work_);
 }
 
 void Run::end() {

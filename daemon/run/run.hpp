@@ -53,7 +53,7 @@ class Run {
   const bool bracketed_;
   RunInfo info_;
   std::int64_t start_utc_ns_ = 0;              // as in info_
-  const std::shared_ptr<LongWork> long_work_;  // shared by the two threads
+  const std::shared_ptr<LongWork> long_work_;  // shared by the two threads; null: the rig file asks for none
   Estimator estimator_;
   std::optional<EstimationThread> thread_;
   std::optional<LongWorkThread> long_thread_;

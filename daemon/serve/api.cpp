@@ -249,10 +249,13 @@ HttpReply verification_answer(const ServiceView& view) {
   if (const auto& newest = view.snapshot.verified)
     return {200, dump(json_value(newest->verification, view.rig, newest->dwell))};
   Verification none;
-  none.accuracy = view.accuracy;
+  none.accuracy = view.verification.accuracy;
   none.reasons = {"no dwell of this run has settled yet: a model is verified on the transient before its data"};
   if (std::isfinite(view.snapshot.dwell.settled_s))
     none.reasons = {"the dwell has just settled: its model is being verified"};
+  if (!view.verification.live)
+    none.reasons = {"the rig file asks for no verification by the service (live = false in [verification]); "
+                    "dwellctl verify does it for a recording"};
   return {200, dump(json_value(none, view.rig, {}))};
 }
 

@@ -53,7 +53,7 @@ void write_coefficients(const ServiceView& now, Exposition& out) {
 void write_model(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_model_error_limit_ratio",
             "Largest error of a prediction that is asked for, as part of a channel's rms.");
-  out.sample(now.accuracy);
+  out.sample(now.verification.accuracy);
   if (is_stale(now)) return;
   const auto model = live_dwell(now).model;
   constexpr std::array kVerdicts{Verdict::adequate, Verdict::not_adequate, Verdict::not_verified};

@@ -46,6 +46,7 @@ struct ApiTest : testing::Test {
     now.now_ns = 2'000'000'000;
     now.uptime_s = 3.5;
     now.threads = {{"estimate", 1'990'000'000, 1'000'000'000}};
+    now.verification = verification;
     return judged(now, trouble);
   }
   [[nodiscard]] static ServiceView judged(ServiceView now, const std::string& trouble = {}) {
@@ -78,6 +79,7 @@ struct ApiTest : testing::Test {
   Rig rig;
   RunInfo run{"abc", "0.1.0", ""};
   Snapshot snapshot;
+  config::VerificationSettings verification;
   std::vector<OperatorRequest> asked;
   std::string refusal;  // of what an operator asks for; empty: it is done
 };
@@ -306,6 +308,15 @@ TEST_F(ApiTest, BeforeThereIsAVerificationItSaysWhy) {
   EXPECT_NE(answer["reasons"][0].get<std::string>().find("no dwell of this run has settled yet"), std::string::npos);
   snapshot.dwell.settled_s = 3.0;
   EXPECT_NE(get("/api/v1/verification")["reasons"][0].get<std::string>().find("being verified"), std::string::npos);
+}
+
+TEST_F(ApiTest, WhereTheRigFileAsksForNoLiveVerificationNothingSeemsToBeUnderWay) {
+  verification.live = false;
+  snapshot.dwell.settled_s = 3.0;
+  const Json answer = get("/api/v1/verification");
+  EXPECT_EQ(answer["verdict"], "not verified yet");
+  EXPECT_NE(answer["reasons"][0].get<std::string>().find("live = false"), std::string::npos);
+  EXPECT_TRUE(get("/api/v1/dwell")["model"].is_null());
 }
 
 TEST_F(ApiTest, HealthTellsOfLinesOfTheLogThatAreLost) {

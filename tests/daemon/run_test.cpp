@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 #include <future>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
@@ -45,6 +47,23 @@ TEST(Run, CanBeReadToItsLastWordAfterItsEnd) {
   EXPECT_EQ(run.latest().devices.at(0).name, "a");
   EXPECT_EQ(run.info().rig_sha256, "abc");
   EXPECT_EQ(run.info().start_utc.back(), 'Z') << run.info().start_utc;
+}
+
+TEST(Run, HasAThreadForLongWorkWhereTheRigFileAsksForLiveVerification) {
+  const auto threads = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/task"), std::filesystem::directory_iterator());
+  };
+  for (const bool live : {true, false}) {
+    const auto log = no_log();
+    config::RigFile file;
+    file.rig = test::one_mass_rig();
+    file.verification.live = live;
+    dwell::Run run(file, {}, nullptr, *log, [] {});
+    const auto before = threads();
+    run.start();
+    EXPECT_EQ(threads() - before, live ? 2 : 1);
+    run.end();
+  }
 }
 
 // A driver whose stop() waits until the test lets it go.
