@@ -28,7 +28,7 @@ DwellView live_dwell(const ServiceView& now) {
   DwellView view = make_view(dwell, now.rig, now.run, judge_limits_now(now.rig, dwell));
   view.age = LiveAge{estimate_age_s(snapshot, now.now_ns), stale};
   if (const auto& transient = snapshot.transient) {
-    auto beside = std::make_shared<MotionView>(make_view(transient->estimate, snapshot.transient_e_n, now.rig));
+    auto beside = std::make_shared<MotionView>(make_view(transient->estimate, snapshot.transient_agreement, now.rig));
     beside->from_s = transient->from_s;
     beside->until_s = transient->until_s;
     beside->given = transient->given;

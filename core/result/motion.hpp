@@ -33,4 +33,13 @@ struct MotionEstimate {
   std::vector<std::string> warnings;
 };
 
+// A motion's coefficients against those of a dwell of the same rig; core/motion/dwell_agreement.hpp.
+struct Agreement {
+  double e_n = kNaN;  // largest |difference| / (2 u of the difference, by noise alone); NaN: nothing was compared
+  bool differ = false;  // one coefficient differs by more than √(U95² + U95²) of both, and by more than noise explains
+  int element = 0;      // k of the coefficient that differs most, and whether it is the damping
+  bool damping = false;
+  double over_U = kNaN;  // its |difference| / √(U95² + U95²)
+};
+
 }  // namespace dwell

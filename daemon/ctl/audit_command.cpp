@@ -92,7 +92,7 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
   return document;
 }
 
-int unusable(const std::string& why) {
+int usage_error(const std::string& why) {
   tell_error(why);
   return kUsage;
 }
@@ -101,14 +101,14 @@ int unusable(const std::string& why) {
 
 int audit_files(const AuditRequest& request) {
   if (request.files.empty() && request.ledger.empty())
-    return unusable("nothing to audit: expected run files, or --ledger FILE");
+    return usage_error("nothing to audit: expected run files, or --ledger FILE");
   record::AuditOptions options;
   options.ledger = request.ledger;
   options.anchors = request.anchors;
   options.every_signature = request.every_signature;
   if (!request.key.empty()) {
     const auto key = pinned_key(request.key);
-    if (!key) return unusable("--key: " + key.error());
+    if (!key) return usage_error("--key: " + key.error());
     options.key = *key;
   }
   int code = kDone;
@@ -118,7 +118,7 @@ int audit_files(const AuditRequest& request) {
     options.progress = bar.progress();
     auto audit = record::audit_run(file, options);
     if (!audit) {
-      code = unusable(audit.error());
+      code = usage_error(audit.error());
       continue;
     }
     if (audit->state == AuditState::tampered) code = std::max<int>(code, kNo);
@@ -130,7 +130,7 @@ int audit_files(const AuditRequest& request) {
     options.progress = bar.progress();
     const std::filesystem::path folder = std::filesystem::path(request.ledger).parent_path();
     auto checked = record::audit_ledger(request.ledger, folder.empty() ? "." : folder.string(), options);
-    if (!checked) return unusable(checked.error());
+    if (!checked) return usage_error(checked.error());
     if (!checked->unbroken || !checked->missing.empty()) code = std::max<int>(code, kNo);
     ledger = std::move(*checked);
   }

@@ -14,17 +14,17 @@
 namespace dwell::ctl {
 namespace {
 
-// Of the dwells whose data lie within the motion's stretch the last; NaN: there is none that has coefficients.
-double agreement(const MotionEstimate& motion, const std::vector<Dwell>& dwells) {
-  double e_n = kNaN;
+// With the last of the dwells that have coefficients and whose data lie within the motion's stretch.
+Agreement agreement(const MotionEstimate& motion, const std::vector<Dwell>& dwells) {
+  Agreement newest;
   for (const Dwell& dwell : dwells)
     if (answers(dwell) && dwell.settled_s < motion.end_s)
-      if (const double of = agreement_e_n(motion, dwell); std::isfinite(of)) e_n = of;
-  return e_n;
+      if (const Agreement with = agreement_of(motion, dwell); with.element != 0) newest = with;
+  return newest;
 }
 
-void add(const MotionEstimate& motion, double e_n, const Rig& rig, Printout& to) {
-  const MotionView view = make_view(motion, e_n, rig);
+void add(const MotionEstimate& motion, const Agreement& agreement, const Rig& rig, Printout& to) {
+  const MotionView view = make_view(motion, agreement, rig);
   to.document["motion"] = json_value(view);
   if (!motion.reason.empty()) to.document["motion_reason"] = motion.reason;
   to.text.append("\n").append(motion_text(view));

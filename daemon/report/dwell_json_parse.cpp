@@ -68,6 +68,11 @@ ElementEstimate element(const Json& value, Motion& motion) {
   return e;
 }
 
+Agreement agreement(const Json& value) {
+  return {real_of(value, "e_n"), !boolean_of(value, "agrees"), integer(member(value, "element"), "element"),
+          string_of(value, "coefficient") == "damping", real_of(value, "difference")};
+}
+
 std::shared_ptr<const MotionView> motion_of(const Json& value) {
   const auto found = value.find("motion"), reason = value.find("motion_reason");
   if (found == value.end()) return nullptr;  // of a service that does not tell
@@ -84,7 +89,7 @@ std::shared_ptr<const MotionView> motion_of(const Json& value) {
     m.warnings = strings_of(motion, "warnings");
     m.missing = missing_from(array_of(motion, "missing"));
     m.unchecked = strings_of(motion, "cannot_be_checked");
-    if (const Json& agrees = member(motion, "agrees_with_dwell"); !agrees.is_null()) view.e_n = real_of(agrees, "e_n");
+    if (const Json& with = member(motion, "agrees_with_dwell"); !with.is_null()) view.agreement = agreement(with);
   }
   return std::make_shared<const MotionView>(std::move(view));
 }

@@ -72,34 +72,12 @@ std::vector<Section> transient_sections(const DwellView& view, const TextOptions
   return sections;
 }
 
-double difference(const DwellView& view) {
-  double largest = kNaN;
-  if (!view.transient) return largest;
-  const std::vector<ElementEstimate>&ours = view.transient->estimate.elements, &others = view.dwell.elements;
-  for (std::size_t e = 0; e < std::min(ours.size(), others.size()); ++e) {
-    if (!ours[e].identifiable || !others[e].identifiable) continue;
-    for (const auto which : {&ElementEstimate::stiffness, &ElementEstimate::damping}) {
-      const Coefficient &a = ours[e].*which, &b = others[e].*which;
-      largest = std::fmax(largest, std::abs(a.value - b.value) / std::hypot(a.U95, b.U95));
-    }
-  }
-  return largest;
-}
-
-bool contradicts(const DwellView& view) {
-  if (!(difference(view) > 1.0)) return false;
-  int compared = 0;
-  for (const ElementEstimate& e : view.transient->estimate.elements) compared += e.identifiable ? 2 : 0;
-  // That noise makes the largest of so many differences as large, at most (Bonferroni).
-  return compared * std::erfc(std::sqrt(2.0) * view.transient->e_n) < 0.05;
-}
+bool contradicts(const DwellView& view) { return view.transient && view.transient->agreement.differ; }
 
 std::string agreement_text(const DwellView& view) {
-  const double seen = difference(view);
-  if (!std::isfinite(seen)) return {};
+  if (!view.transient || view.transient->agreement.element == 0) return {};
   return "the coefficients from the transient, " + stretch_text(view.transient->estimate) + ", " +
-         (contradicts(view) ? "contradict" : "agree with") + " these: the largest difference is " + brief(seen, 2) +
-         " of the joint U of both";
+         verdict_on(view.transient->agreement);
 }
 
 std::string model_text(const ModelVerdict& model) {

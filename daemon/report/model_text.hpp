@@ -17,12 +17,8 @@ namespace dwell {
 // are none. Empty: nothing is known of the transient, or the dwell has settled.
 [[nodiscard]] std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options);
 
-// The largest difference between a coefficient from the transient and the dwell's own, over √(U95² + U95²) of both;
-// NaN: there is none to compare.
-[[nodiscard]] double difference(const DwellView& view);
-// Whether both contradict each other: that difference is above 1, and above what noise makes of so many coefficients in
-// 5 % of cases. The first condition tolerates differences within the stated U: instants of a polled device are known to
-// its turnaround, and the estimate from the transient ignores that.
+// Whether both contradict each other (Agreement::differ). Differences within the stated U are tolerated: instants of a
+// polled device are known to its turnaround, and the estimate from the transient ignores that.
 [[nodiscard]] bool contradicts(const DwellView& view);
 // "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; empty: they were not compared.
 [[nodiscard]] std::string agreement_text(const DwellView& view);

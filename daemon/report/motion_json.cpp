@@ -7,6 +7,19 @@
 
 namespace dwell {
 
+namespace {
+
+Json json_value(const Agreement& agreement) {
+  if (agreement.element == 0) return nullptr;
+  return {{"e_n", json_number(agreement.e_n)},
+          {"agrees", !agreement.differ},
+          {"element", agreement.element},
+          {"coefficient", agreement.damping ? "damping" : "stiffness"},
+          {"difference", json_number(agreement.over_U)}};
+}
+
+}  // namespace
+
 Json json_value(const MotionView& view, Detail detail) {
   const MotionEstimate& m = view.estimate;
   if (!m.reason.empty() && m.missing.empty()) return nullptr;
@@ -29,7 +42,7 @@ Json json_value(const MotionView& view, Detail detail) {
   object["channels"] = std::move(channels);
   object["missing"] = json_value(m.missing);
   object["cannot_be_checked"] = m.unchecked;
-  object["agrees_with_dwell"] = std::isfinite(view.e_n) ? Json{{"e_n", view.e_n}} : Json(nullptr);
+  object["agrees_with_dwell"] = json_value(view.agreement);
   object["readings"] = m.readings;
   object["given"] = view.given == 0 ? Json(nullptr)
                                     : Json{{"from_s", json_number(view.from_s)},

@@ -12,18 +12,21 @@
 
 namespace dwell {
 
-// A motion with what its numbers need to be read. e_n: against the dwell of the same data; NaN: there is none.
+// A motion with what its numbers need to be read.
 struct MotionView {
   Motion motion = Motion::translation;
   std::vector<ChannelLabel> channels;
   MotionEstimate estimate;
-  double e_n = kNaN;
+  Agreement agreement;  // with the dwell of the same data
   // Of a live dwell: stamps of the first and the last reading that the estimate was given, and how many there were.
   double from_s = kNaN, until_s = kNaN;
   std::size_t given = 0;
 };
 
-[[nodiscard]] MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig);
+[[nodiscard]] MotionView make_view(const MotionEstimate& estimate, const Agreement& agreement, const Rig& rig);
+
+// "contradict these: stiffness of element 2 differs by 2.5 of the joint U of both".
+[[nodiscard]] std::string verdict_on(const Agreement& agreement);
 
 // A line "any motion · …", the coefficients, and the warnings; or why there are none.
 [[nodiscard]] std::string motion_text(const MotionView& view);

@@ -9,20 +9,16 @@
 #include "daemon/report/table.hpp"
 
 namespace dwell {
-namespace {
+namespace {}  // namespace
 
-// compared: coefficients whose largest difference it is. They contradict each other where noise makes as much in less
-// than 5 % of cases (Bonferroni).
-std::string e_n_text(double e_n, int compared) {
-  const bool contradict = e_n > 1 && compared * std::erfc(std::sqrt(2.0) * e_n) < 0.05;
-  return "the dwell's coefficients " + std::string(contradict ? "contradict" : "agree with") +
-         " these: largest difference over its U is " + join(number_text(e_n, "", 2));
+MotionView make_view(const MotionEstimate& estimate, const Agreement& agreement, const Rig& rig) {
+  return {rig.motion, channel_labels(rig), estimate, agreement, kNaN, kNaN, 0};
 }
 
-}  // namespace
-
-MotionView make_view(const MotionEstimate& estimate, double e_n, const Rig& rig) {
-  return {rig.motion, channel_labels(rig), estimate, e_n, kNaN, kNaN, 0};
+std::string verdict_on(const Agreement& agreement) {
+  return std::string(agreement.differ ? "contradict these: " : "agree with these: at most ") +
+         (agreement.damping ? "damping" : "stiffness") + " of element " + std::to_string(agreement.element) +
+         " differs by " + brief(agreement.over_U, 2) + " of the joint U of both";
 }
 
 std::string motion_text(const MotionView& view) {
@@ -44,9 +40,7 @@ std::string motion_text(const MotionView& view) {
       text += "element " + std::to_string(e.k) + " is not identifiable: " + printable(e.reason) + "\n";
   text += missing;
   for (const std::string& what : m.unchecked) text += "cannot be checked here: " + printable(what) + "\n";
-  int compared = 0;
-  for (const ElementEstimate& e : m.elements) compared += e.identifiable ? 2 : 0;
-  if (std::isfinite(view.e_n)) text += e_n_text(view.e_n, compared) + "\n";
+  if (view.agreement.element != 0) text += "the dwell's coefficients " + verdict_on(view.agreement) + "\n";
   for (const std::string& warning : m.warnings) text += "warning: " + printable(warning) + "\n";
   return text;
 }

@@ -18,7 +18,7 @@ Json stretch(std::uint64_t last, std::size_t readings, double from_s, double unt
 }
 
 record::StoredModel stored(const TransientEstimate& of, const Rig& rig) {
-  MotionView view = make_view(of.estimate, kNaN, rig);
+  MotionView view = make_view(of.estimate, {}, rig);
   view.from_s = of.from_s;
   view.until_s = of.until_s;
   view.given = of.given;

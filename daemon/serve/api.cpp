@@ -254,8 +254,9 @@ HttpReply verification_answer(const ServiceView& view) {
   if (std::isfinite(view.snapshot.dwell.settled_s))
     none.reasons = {"the dwell has just settled: its model is being verified"};
   if (!view.verification.live)
-    none.reasons = {"the rig file asks for no verification by the service (live = false in [verification]); "
-                    "dwellctl verify does it for a recording"};
+    none.reasons = {
+        "the rig file asks for no verification by the service (live = false in [verification]); "
+        "dwellctl verify does it for a recording"};
   return {200, dump(json_value(none, view.rig, {}))};
 }
 

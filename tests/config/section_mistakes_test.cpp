@@ -147,7 +147,8 @@ TEST(RigFileMistakes, OfVerification) {
   expect_mistake("[settling]", "[verification]\n@limit = 5\n[settling]",
                  "unknown key \"limit\" in [verification]: expected accuracy, live");
   expect_good("[settling]", "[verification]\nlive = false\n[settling]");
-  expect_mistake("[settling]", "[verification]\nlive = @0\n[settling]", "\"live\" is an integer: expected true or false");
+  expect_mistake("[settling]", "[verification]\nlive = @0\n[settling]",
+                 "\"live\" is an integer: expected true or false");
 }
 
 TEST(RigFileMistakes, OfADefaultThatDoesNotFitPointToWhatItDoesNotFit) {

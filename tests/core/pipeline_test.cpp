@@ -428,16 +428,16 @@ bool says_far_from_linear(const Dwell& dwell) {
 }
 
 TEST(Pipeline, FindsTheHoldOfAFrictionDamperAndNothingOfItsRamps) {
-  constexpr double kAmplitude = 25.58e-3, kStiffness = 2.3e5, kDamping = 2e4, kFriction = 6e3, kOmega = 2 * M_PI;
+  constexpr double kTravel = 25.58e-3, kStiffness = 2.3e5, kDamping = 2e4, kFriction = 6e3, kOmega = 2 * M_PI;
   const auto ramp = [](double t) { return std::min({t / 2, 1.0, std::max(0.0, 1 - (t - 4.95) / 2)}); };
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   FrictionDamper damper;
-  const auto table = [&](double t) { return kAmplitude * ramp(t) * std::sin(kOmega * t); };
+  const auto table = [&](double t) { return kTravel * ramp(t) * std::sin(kOmega * t); };
   for (int i = 0; i < 7 * 1024; ++i) {
     const double t = i / 1024.0, velocity = (table(t + 1e-6) - table(t - 1e-6)) / 2e-6;
     const double force = kStiffness * table(t) + kDamping * velocity +
-                         kFriction * std::tanh(velocity / (0.01 * kOmega * kAmplitude)) + 20 * normal(random);
+                         kFriction * std::tanh(velocity / (0.01 * kOmega * kTravel)) + 20 * normal(random);
     damper.push(t, 1e3 * table(t) + 0.005 * normal(random), force);
   }
   const auto settled = damper.settled();
@@ -446,7 +446,7 @@ TEST(Pipeline, FindsTheHoldOfAFrictionDamperAndNothingOfItsRamps) {
   EXPECT_LE(settled[0].end_s, 5.0);
   EXPECT_EQ(settled[0].ended_by, EndedBy::drive_changed);
   // Coulomb friction N at amplitude A acts as damping of 4N/(πωA) (den Hartog, Mechanical Vibrations).
-  const double equivalent = kDamping + 4 * kFriction / (M_PI * kOmega * kAmplitude);
+  const double equivalent = kDamping + 4 * kFriction / (M_PI * kOmega * kTravel);
   EXPECT_NEAR(settled[0].elements[0].stiffness.value / kStiffness, 1.0, 0.01);
   EXPECT_NEAR(settled[0].elements[0].damping.value / equivalent, 1.0, 0.01);
   EXPECT_TRUE(says_far_from_linear(settled[0]));

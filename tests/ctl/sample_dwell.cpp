@@ -115,7 +115,7 @@ MotionEstimate sample_motion() {
 
 DwellView settling_view() {
   DwellView view = make_view(settling_dwell(), sample_rig(), sample_run());
-  auto beside = std::make_shared<MotionView>(make_view(sample_motion(), kNaN, sample_rig()));
+  auto beside = std::make_shared<MotionView>(make_view(sample_motion(), {}, sample_rig()));
   beside->from_s = 39.25;
   beside->until_s = 43.2;
   beside->given = 2310;
@@ -126,7 +126,7 @@ DwellView settling_view() {
 DwellView measured_view(double e_n) {
   DwellView view = make_view(sample_dwell(), sample_rig(), sample_run());
   auto beside = std::make_shared<MotionView>(*settling_view().transient);
-  beside->e_n = e_n;
+  beside->agreement = {e_n, false, 1, false, 0.5};
   view.transient = beside;
   view.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.012, 0.008};
   return view;

@@ -17,6 +17,7 @@
 
 #include "daemon/report/dwell_json.hpp"
 #include "tests/ctl/sample_dwell.hpp"
+#include "tests/ctl/sample_text.hpp"
 #include "tests/ctl/scripted_server.hpp"
 #include "tests/ctl/temporary.hpp"
 
@@ -25,6 +26,7 @@ namespace {
 
 using test::dwell_event;
 using test::Reply;
+using test::sample_text;
 using test::ScriptedServer;
 
 constexpr const char* kEnter = "\x1b[?1049h";
@@ -120,7 +122,6 @@ class OnTerminal {
   std::string out_;
 };
 
-std::string sample_text() { return to_json(test::sample_dwell(), test::sample_rig(), test::sample_run()); }
 Reply measuring() { return {test::stream_header() + dwell_event(sample_text()), true}; }
 
 TEST(WatchOnATerminal, TheKeyQEndsItAndTheTerminalComesBackWithTheLastNumbers) {

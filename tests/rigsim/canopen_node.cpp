@@ -16,13 +16,15 @@ constexpr std::uint32_t kReadOnly = 0x06010002, kNoObject = 0x06020000, kWrongLe
                         kNoEntry = 0x06090011, kWrongValue = 0x06090030, kNotNow = 0x08000022,
                         kUnknownCommand = 0x05040001, kToggleError = 0x05030000;
 
-std::uint32_t number(const std::uint8_t* bytes, std::size_t count) {
+std::uint32_t little_endian(const std::uint8_t* bytes, std::size_t count) {
   std::uint32_t value = 0;
   for (std::size_t i = std::min<std::size_t>(count, 4); i > 0; --i) value = value << 8U | bytes[i - 1];
   return value;
 }
 
-std::uint16_t index_of(const ::can_frame& frame) { return static_cast<std::uint16_t>(number(frame.data + 1, 2)); }
+std::uint16_t index_of(const ::can_frame& frame) {
+  return static_cast<std::uint16_t>(little_endian(frame.data + 1, 2));
+}
 
 }  // namespace
 
@@ -43,7 +45,7 @@ void CanopenNode::remove_entry(std::uint16_t index, std::uint8_t sub_index) {
 
 std::uint32_t CanopenNode::entry(std::uint16_t index, std::uint8_t sub_index) const {
   const auto place = dictionary_.find(key(index, sub_index));
-  return place == dictionary_.end() ? 0 : number(place->second.bytes.data(), place->second.bytes.size());
+  return place == dictionary_.end() ? 0 : little_endian(place->second.bytes.data(), place->second.bytes.size());
 }
 
 void CanopenNode::fill() {
@@ -276,7 +278,7 @@ void CanopenNode::download(const ::can_frame& request) {
   const bool expedited = (request.data[0] & 2U) != 0, sized = (request.data[0] & 1U) != 0;
   const std::size_t size = sized ? 4 - (request.data[0] >> 2U & 3U) : place->second.bytes.size();
   if (!expedited || size != place->second.bytes.size()) return abort(request, kWrongLength);
-  const std::uint32_t value = number(request.data + 4, size);
+  const std::uint32_t value = little_endian(request.data + 4, size);
   if (const std::uint32_t code = refusal(index, request.data[3], value); code != 0) return abort(request, code);
   set_entry(index, request.data[3], value, size, true);
   send(0x580U + id_, {0x60, request.data[1], request.data[2], request.data[3], 0, 0, 0, 0});

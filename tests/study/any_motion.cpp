@@ -33,14 +33,14 @@ std::vector<Tone> tones_of(Draws& draws, TableKind kind, double f, Complex A) {
   return tones;
 }
 
+}  // namespace
+
 MotionRecorder recorded(const Case& about, double until_s) {
   MotionRecorder recorder(about.rig);
   Player player(about);
   for (Record record = player.next(); player.now_s() < until_s; record = player.next()) recorder.take(record);
   return recorder;
 }
-
-}  // namespace
 
 const char* name_of(TableKind kind) {
   constexpr const char* names[kTableKinds] = {"dwell", "ramp", "random", "wander"};

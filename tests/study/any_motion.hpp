@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/motion/motion_recorder.hpp"
 #include "tests/study/case.hpp"
 
 namespace dwell::study {
@@ -21,6 +22,9 @@ inline constexpr int kTableKinds = 4;
 
 // A rig of at most `most` masses and its first `periods` periods; index draws it, with the seed.
 [[nodiscard]] Case draw_motion_case(TableKind kind, std::uint64_t seed, int index, int most);
+
+// The readings up to then, as the method takes them.
+[[nodiscard]] MotionRecorder recorded(const Case& about, double until_s);
 
 struct MotionOutcome {
   std::string reason;          // why there is no estimate

@@ -26,7 +26,7 @@ const Words& cause_words(Kind kind) {
   static const Words amplitude = {"amplitude", "not steady", "wander", "hunt", "swing", "drift", "modulat"};
   static const Words bent = {"linear", "friction", "equivalent", "cubic"};
   static const Words model = {"contradict", "natural", "mode",   "pole",     "eigenvalue", "decay", "negative",
-                              "passive",    "model",   "masses", "disagree", "transient",  "signs"};
+                              "passive",    "model",   "masses", "disagree", "transient",  "signs", "does not explain"};
   switch (kind) {
     case Kind::refresh_one:
     case Kind::refresh_all:

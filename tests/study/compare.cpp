@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "tests/study/figures.hpp"
 #include "tests/study/random.hpp"
 #include "tests/study/results.hpp"
 
@@ -50,11 +51,6 @@ void redraw(Draws& draws, const std::map<Population, std::vector<One>>& a,
             std::map<Population, std::vector<One>>& to_b) {
   for (const auto& [population, outcomes] : a)
     redraw(draws, outcomes, b.at(population), to_a[population], to_b[population]);
-}
-
-double quantile(std::vector<double> sorted, double part) {
-  std::sort(sorted.begin(), sorted.end());
-  return sorted[static_cast<std::size_t>(std::lround(part * static_cast<double>(sorted.size() - 1)))];
 }
 
 // ∞ less ∞ is no difference.

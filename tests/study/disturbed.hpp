@@ -27,9 +27,12 @@ struct DisturbedOutcome {
   double worst = 0.0;         // largest error over its stated u, of all coefficients of all dwells
   double worst_silent = 0.0;  // … of the dwells without such a warning
   bool doubted = false;       // what is worst_silent carries a doubt, of another cause
+  bool told_beside = false;   // what is worst_silent is named by the method of any motion beside the dwell
   double moved = 0.0;         // largest shift of a coefficient that stands out, over its u
   // It shows a coefficient that is wrong, and nothing says why.
   [[nodiscard]] bool silent() const { return counts && worst_silent > kWrong; }
+  // … and the method of any motion does not say it either.
+  [[nodiscard]] bool silent_throughout() const { return silent() && !told_beside; }
 };
 
 [[nodiscard]] DisturbedOutcome play_disturbed(const Case& about, const Trace& trace = {});

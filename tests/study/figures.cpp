@@ -10,13 +10,6 @@ namespace {
 constexpr double kCountedPeriods = 50.0;  // at least, for a figure against the bound
 constexpr double kWellDetermined = 10.0;  // |Z| over its bound, at least
 
-double quantile(std::vector<double> values, double part) {
-  if (values.empty()) return NAN;
-  const std::ptrdiff_t at = std::lround(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
-
 std::string disturbance_of(Population population) {
   switch (population) {
     case Population::white:
@@ -37,6 +30,13 @@ std::string disturbance_of(Population population) {
 }
 
 }  // namespace
+
+double quantile(std::vector<double> values, double part) {
+  if (values.empty()) return NAN;
+  const std::ptrdiff_t at = std::lround(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
 
 double late_by(const Outcome& outcome, double periods, double taus) {
   if (!outcome.settled) return INFINITY;

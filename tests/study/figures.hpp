@@ -10,6 +10,8 @@
 
 namespace dwell::study {
 
+// That part of the values is at most it; NaN of none.
+[[nodiscard]] double quantile(std::vector<double> values, double part);
 // Lateness over the larger of so many periods and time constants; ∞: never settled.
 [[nodiscard]] double late_by(const Outcome& outcome, double periods, double taus);
 // Whether the element's error is held against its bound: at least 50 periods counted, the bound below |Z|/10.

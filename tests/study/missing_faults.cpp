@@ -98,13 +98,6 @@ void apply(const Parameter& term, double by, Truth& truth) {
   }
 }
 
-MotionData recorded(const Case& about, double end_s) {
-  MotionRecorder recorder(about.rig);
-  Player player(about);
-  for (Record record = player.next(); player.now_s() < end_s; record = player.next()) recorder.take(record);
-  return recorder.data();
-}
-
 MotionOptions options_of(const Rig& rig) {
   return {.most_work = kMostOfMotion * static_cast<std::size_t>(MotionModel(rig, {}).states())};
 }
@@ -156,7 +149,7 @@ FaultOutcome play_fault(MissingFault fault, std::uint64_t seed, int index, int m
   const double end_s = periods / about.frequency_hz;
   Truth truth = healthy(draws, about);
   play(about, truth, end_s);
-  MotionData data = recorded(about, end_s);
+  MotionData data = recorded(about, end_s).data();
   double value = NAN;
   if (const std::optional<Unknown> what = term_of(fault)) {
     const MotionCourse course = run_course(about.rig, data, kMostOfMotion);
@@ -175,7 +168,7 @@ FaultOutcome play_fault(MissingFault fault, std::uint64_t seed, int index, int m
     out.truth = name_of(about.rig, term);
     apply(term, by, truth);
     play(about, truth, end_s);
-    data = recorded(about, end_s);
+    data = recorded(about, end_s).data();
     const auto i = static_cast<std::size_t>(term.index);
     value = *what == Unknown::mass    ? truth.chain.masses[i]
             : *what == Unknown::scale ? 1 / truth.sensors[i].gain

@@ -16,7 +16,7 @@ namespace {
 constexpr double kWide = 0.1;
 constexpr double kNormal95 = 1.96;
 constexpr double kGiveUp_periods = 400;
-constexpr double kLongest = 6.0;  // times the bound
+constexpr double kGivenUp = 6.0;  // times the bound
 constexpr double kGrid = 1.15, kFineGrid = 1.05;
 constexpr std::size_t kMostUntilKnown = 20'000;
 
@@ -89,7 +89,7 @@ MotionTimes play_times(const Case& about) {
   while (bound_s < end_s && !bound_is_wide(about, dwell, about.change_s + bound_s)) bound_s *= kFineGrid;
   if (bound_s >= end_s) return out;
   out.bound_s = bound_s;
-  for (double so_far_s = bound_s; so_far_s <= kLongest * bound_s; so_far_s *= kGrid)
+  for (double so_far_s = bound_s; so_far_s <= kGivenUp * bound_s; so_far_s *= kGrid)
     if (estimate_is_wide(about, dwell, about.change_s + so_far_s)) {
       out.seen_s = so_far_s;
       break;

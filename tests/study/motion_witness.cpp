@@ -1,34 +1,38 @@
 #include "tests/study/motion_witness.hpp"
 
-#include <cmath>
-
 #include "core/dwell/pipeline.hpp"
 #include "core/motion/dwell_agreement.hpp"
 #include "core/motion/motion_estimate.hpp"
-#include "core/motion/motion_recorder.hpp"
+#include "tests/study/any_motion.hpp"
 #include "tests/study/recording.hpp"
 #include "tests/study/table.hpp"
 
 namespace dwell::study {
+namespace {
 
-void tell_motion(const Case& about, double until_s, const Trace& trace) {
+std::vector<Dwell> dwells_of(const Case& about, double until_s) {
   Pipeline pipeline(about.rig);
-  MotionRecorder recorder(about.rig);
   Player player(about);
   std::vector<Dwell> dwells;
   do {
-    const Record record = player.next();
-    recorder.take(record);
-    if (pipeline.push(record) & kCompleted) dwells.push_back(pipeline.completed());
+    if (pipeline.push(player.next()) & kCompleted) dwells.push_back(pipeline.completed());
   } while (player.now_s() < until_s);
   if (pipeline.finish() & kCompleted) dwells.push_back(pipeline.completed());
-  const MotionEstimate motion = estimate_motion(about.rig, recorder.data(), {.missing = false});
-  if (!motion.reason.empty()) return trace("any motion: no coefficients: " + motion.reason);
-  for (const std::string& line : motion.warnings) trace("any motion: warning: " + line);
-  for (const Dwell& dwell : dwells)
-    if (const double e_n = agreement_e_n(motion, dwell); std::isfinite(e_n))
-      trace(text("any motion: E_n %.2g against the dwell from %.2f periods on%s", e_n,
-                 dwell.settled_s / about.period_s(), e_n > 1 ? ": they contradict each other" : ""));
+  return dwells;
+}
+
+}  // namespace
+
+std::vector<std::string> told_by_motion(const Case& about, double until_s) {
+  const MotionEstimate motion = estimate_motion(about.rig, recorded(about, until_s).data(), {.missing = false});
+  if (!motion.reason.empty()) return {"no coefficients: " + motion.reason};
+  std::vector<std::string> lines = motion.warnings;
+  for (const Dwell& dwell : dwells_of(about, until_s))
+    if (const Agreement with = agreement_of(motion, dwell); with.element != 0)
+      lines.push_back(text("coefficients from %.2f periods on %s: %s of element %d by %.2g of the joint U, E_n %.2g",
+                           dwell.settled_s / about.period_s(), with.differ ? "contradict" : "agree",
+                           with.damping ? "damping" : "stiffness", with.element, with.over_U, with.e_n));
+  return lines;
 }
 
 }  // namespace dwell::study

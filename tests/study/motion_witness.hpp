@@ -1,12 +1,15 @@
-// What the coefficients of any motion say of a dwell that was played: `identify` and the service print them beside it.
+// What the method of any motion says of a dwell that was played: `identify` and the service print it beside the dwell.
 #pragma once
 
-#include "tests/study/disturbed.hpp"
+#include <string>
+#include <vector>
+
+#include "tests/study/case.hpp"
 
 namespace dwell::study {
 
-// Estimates from the case's readings up to until_s, without the search for what is missing. Tells why there are no
-// coefficients, or whether they contradict a dwell's. Takes seconds, up to minutes where instants are irregular.
-void tell_motion(const Case& about, double until_s, const Trace& trace);
+// Why there are no coefficients, or which contradict a dwell's, and what is warned of; of the case's readings up to
+// until_s, without the search for what is missing. Takes seconds, up to minutes where instants are irregular.
+[[nodiscard]] std::vector<std::string> told_by_motion(const Case& about, double until_s);
 
 }  // namespace dwell::study

@@ -113,6 +113,14 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
   if (trace) tell(about, dwell, worst, warned, trace);
 }
 
+void hear_motion(const Case& about, double until_s, DisturbedOutcome& outcome, const Trace& trace) {
+  for (const std::string& line : told_by_motion(about, until_s)) {
+    if (trace) trace("any motion: " + line);
+    for (const Disturbance& disturbance : about.disturbances)
+      outcome.told_beside = outcome.told_beside || names(about, disturbance, line);
+  }
+}
+
 }  // namespace
 
 DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
@@ -150,13 +158,14 @@ DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
     }
   } while (player.now_s() < end_s);
   if (pipeline.finish() & kCompleted) judge(about, pipeline.completed(), moved, outcome, trace);
+  if (trace || outcome.silent()) hear_motion(about, end_s, outcome, trace);
   if (trace)
-    trace(outcome.silent()         ? text("WRONG WITHOUT A WORD: %.3g u", outcome.worst_silent)
+    trace(outcome.silent_throughout() ? text("WRONG WITHOUT A WORD: %.3g u", outcome.worst_silent)
+          : outcome.silent()       ? text("wrong by %.3g u, and said by the method of any motion", outcome.worst_silent)
           : outcome.worst > kWrong ? (outcome.counts ? "wrong, and said" : "wrong, but nothing could tell")
           : !outcome.settled       ? "no result"
           : !outcome.reported      ? "withheld in part"
                                    : "right");
-  if (trace) tell_motion(about, end_s, trace);
   return outcome;
 }
 

@@ -92,6 +92,7 @@ void walk(DisturbedOutcome& o, Visit&& visit) {
   visit("worst", o.worst);
   visit("worst_silent", o.worst_silent);
   visit("doubted", o.doubted);
+  visit("told_beside", o.told_beside);
   visit("moved", o.moved);
 }
 
