@@ -25,8 +25,9 @@ const Words& cause_words(Kind kind) {
   static const Words frequency = {"hz", "frequency", "ppm"};
   static const Words amplitude = {"amplitude", "not steady", "wander", "hunt", "swing", "drift", "modulat"};
   static const Words bent = {"linear", "friction", "equivalent", "cubic"};
-  static const Words model = {"contradict", "natural", "mode",   "pole",     "eigenvalue", "decay", "negative",
-                              "passive",    "model",   "masses", "disagree", "transient",  "signs", "does not explain"};
+  static const Words model = {"contradict", "natural",          "mode",           "pole",   "eigenvalue", "decay",
+                              "negative",   "passive",          "model",          "masses", "disagree",   "transient",
+                              "signs",      "does not explain", "no linear chain"};
   switch (kind) {
     case Kind::refresh_one:
     case Kind::refresh_all:
@@ -97,6 +98,11 @@ bool says(Kind kind, const std::string& line) {
   return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return has(line, word); });
 }
 
+// As the method of any motion does, with the channel that shows it.
+bool blames_chain(const std::string& line) {
+  return has(line, "chain of the rig file does not explain") || has(line, "no linear chain explains");
+}
+
 }  // namespace
 
 std::vector<std::string> told_by(const Dwell& dwell) {
@@ -113,7 +119,7 @@ bool names(const Case& about, const Disturbance& disturbance, const std::string&
   for (const int k : disturbance.elements)
     if (has_word(line, "element " + std::to_string(k))) return true;
   if (is_of_drive(disturbance.kind) && (has_word(line, "drive") || has_word(line, "table"))) return true;
-  return is_of_model(disturbance.kind) && has_word(line, "elements");
+  return is_of_model(disturbance.kind) && (has_word(line, "elements") || blames_chain(line));
 }
 
 bool blames(const Case& about, const std::string& said) {

@@ -40,7 +40,7 @@ struct DisturbedOutcome {
 // All that a dwell tells of its numbers: warnings and doubts.
 [[nodiscard]] std::vector<std::string> told_by(const Dwell& dwell);
 // Whether a line names the cause, and a channel or an element that the disturbance concerns, or the drive where the
-// drive is at fault. Where the model is, a mass, an element or the identified chain will do: which of mass, spring and
+// drive is at fault. Where the model is, a mass, an element or the chain will do: which of mass, spring and
 // transducer is to blame, no steady motion tells.
 [[nodiscard]] bool names(const Case& about, const Disturbance& disturbance, const std::string& line);
 // Whether a line of a healthy dwell blames a channel, an element or the drive for any of the kinds.
