@@ -70,11 +70,11 @@ bool SyncPulses::pulse(double at_s, double length_s) {
 }
 
 bool SyncPulses::wait_until(double t_s) {
-  constexpr double kLongest_s = 0.05;
+  constexpr double kLongestWait_s = 0.05;
   while (!stop_) {
     const double left_s = t_s - server_.simulated_time_s(dwell::driver::raw_ns());
     if (left_s <= 0.0) return true;
-    const auto wait_ns = static_cast<long>(std::min(left_s, kLongest_s) * 1e9);
+    const auto wait_ns = static_cast<long>(std::min(left_s, kLongestWait_s) * 1e9);
     const timespec wait{0, wait_ns};
     ::nanosleep(&wait, nullptr);
   }
