@@ -17,5 +17,15 @@ TEST(SeenDrive, ATableThatMovedWhenLastHeardIsNotSaidToBeAtRest) {
   EXPECT_NE(seen.at_rest(rig).find("5 mm"), std::string::npos) << seen.at_rest(rig);
 }
 
+TEST(SeenDrive, SaysNoAmplitudesBeforeOneCounts) {
+  const Rig rig;
+  SeenDrive seen;
+  seen.arm();
+  seen.take(5e-3, 4.0, true);
+  EXPECT_EQ(seen.unsteady(rig, 1.0), "too few periods seen since the drive began");
+  for (int quarter = 0; quarter < 4; ++quarter) seen.take(5e-3, 4.0, true);
+  EXPECT_NE(seen.unsteady(rig, 1.0).find("between 5 mm and 5 mm"), std::string::npos) << seen.unsteady(rig, 1.0);
+}
+
 }  // namespace
 }  // namespace dwell
