@@ -25,7 +25,7 @@ struct MotionView {
 
 [[nodiscard]] MotionView make_view(const MotionEstimate& estimate, const Agreement& agreement, const Rig& rig);
 
-// "contradict these: stiffness of element 2 differs by 2.5 of the joint U of both".
+// "contradict these: the stiffness of element 2 differs by 2.5 of the joint U of both".
 [[nodiscard]] std::string verdict_on(const Agreement& agreement);
 
 // A line "any motion · …", the coefficients, and the warnings; or why there are none.

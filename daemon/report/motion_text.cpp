@@ -16,9 +16,11 @@ MotionView make_view(const MotionEstimate& estimate, const Agreement& agreement,
 }
 
 std::string verdict_on(const Agreement& agreement) {
-  return std::string(agreement.differ ? "contradict these: " : "agree with these: at most ") +
-         (agreement.damping ? "damping" : "stiffness") + " of element " + std::to_string(agreement.element) +
-         " differs by " + brief(agreement.over_U, 2) + " of the joint U of both";
+  const std::string of = std::string(agreement.damping ? "damping" : "stiffness") + " of element " +
+                         std::to_string(agreement.element),
+                    by = brief(agreement.over_U, 2) + " of the joint U of both";
+  return agreement.differ ? "contradict these: the " + of + " differs by " + by
+                          : "agree with these: the largest difference, in the " + of + ", is " + by;
 }
 
 std::string motion_text(const MotionView& view) {

@@ -84,14 +84,14 @@ DwellView compared(double over_U, bool differ) {
 
 TEST(TransientText, OnceTheDwellHasSettledSaysWhetherBothAgree) {
   const std::string agrees = dwell_text(compared(0.5, false));
-  EXPECT_NE(agrees.find("agreement  the coefficients from the transient, 40.0 to 43.2 s, agree with these: at most "
-                        "damping of element 2 differs by 0.5 of the joint U of both\n"),
+  EXPECT_NE(agrees.find("agreement  the coefficients from the transient, 40.0 to 43.2 s, agree with these: the "
+                        "largest difference, in the damping of element 2, is 0.5 of the joint U of both\n"),
             std::string::npos)
       << agrees;
   EXPECT_EQ(agrees.find("an estimate before the verdict"), std::string::npos) << "the dwell has taken over";
   const std::string contradicts = dwell_text(compared(2.5, true));
-  EXPECT_NE(contradicts.find("warning: the coefficients from the transient, 40.0 to 43.2 s, contradict these: damping "
-                             "of element 2 differs by 2.5 of the joint U of both"),
+  EXPECT_NE(contradicts.find("warning: the coefficients from the transient, 40.0 to 43.2 s, contradict these: the "
+                             "damping of element 2 differs by 2.5 of the joint U of both"),
             std::string::npos)
       << contradicts;
   EXPECT_EQ(contradicts.find("agreement"), std::string::npos);
