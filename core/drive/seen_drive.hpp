@@ -30,7 +30,8 @@ class SeenDrive {
 
   // The message for a table that does not count as moving.
   [[nodiscard]] std::string at_rest(const Rig& rig) const;
-  // The message for a table that has moved for `seconds` without being steady for long enough.
+  // The message for a table that has moved for `seconds` without being steady for long enough. Before a window counts
+  // it says that too few periods were seen.
   [[nodiscard]] std::string unsteady(const Rig& rig, double seconds) const;
 
  private:

@@ -5,6 +5,10 @@
 
 namespace dwell {
 
+const char* to_string(CoefficientKind kind) noexcept {
+  return kind == CoefficientKind::stiffness ? "stiffness" : "damping";
+}
+
 const char* to_string(State state) noexcept {
   switch (state) {
     case State::idle:

@@ -36,6 +36,9 @@ struct Coefficient {
   bool significant = false;  // |value| >= u; if not, the value is shown but must not be used
 };
 
+enum class CoefficientKind : std::uint8_t { stiffness, damping };
+[[nodiscard]] const char* to_string(CoefficientKind kind) noexcept;  // "stiffness", "damping"
+
 // Motion at one channel: y(t) = amplitude · sin(2πf (t - t_ref) + phase) + mean, transducer's response divided out.
 struct ChannelPhasor {
   std::complex<double> Y{kNaN, kNaN};  // amplitude · exp(j phase), SI, in the channel's own quantity

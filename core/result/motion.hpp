@@ -33,13 +33,14 @@ struct MotionEstimate {
   std::vector<std::string> warnings;
 };
 
-// A motion's coefficients against those of a dwell of the same rig; core/motion/dwell_agreement.hpp.
+// How a motion's coefficients agree with those of a dwell of the same rig; core/motion/dwell_agreement.hpp. element,
+// kind and over_U are of the coefficient that contradicts; if none does or several do, of the one that differs most.
 struct Agreement {
-  double e_n = kNaN;  // largest |difference| / (2 u of the difference, by noise alone); NaN: nothing was compared
-  bool differ = false;  // one coefficient differs by more than √(U95² + U95²) of both, and by more than noise explains
-  int element = 0;      // k of the coefficient that differs most, and whether it is the damping
-  bool damping = false;
-  double over_U = kNaN;  // its |difference| / √(U95² + U95²)
+  int element = 1;  // k
+  CoefficientKind kind = CoefficientKind::stiffness;
+  double over_U = 0.0;       // its |difference| / √(U95² + U95²)
+  bool contradicts = false;  // that is above 1, and noise does not explain it
+  double e_n = 0.0;          // of all coefficients the largest |difference| / (2 u of the difference, by noise alone)
 };
 
 }  // namespace dwell

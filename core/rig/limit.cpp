@@ -38,10 +38,6 @@ const char* to_string(LimitVerdict verdict) noexcept {
   return "unknown";
 }
 
-const char* to_string(CoefficientKind kind) noexcept {
-  return kind == CoefficientKind::stiffness ? "stiffness" : "damping";
-}
-
 LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) noexcept {
   const double low = coefficient.value - coefficient.U95;
   const double high = coefficient.value + coefficient.U95;

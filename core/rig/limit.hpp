@@ -19,9 +19,6 @@ enum class LimitVerdict : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(LimitVerdict verdict) noexcept;  // "none", "kept", …
 
-enum class CoefficientKind : std::uint8_t { stiffness, damping };
-[[nodiscard]] const char* to_string(CoefficientKind kind) noexcept;  // "stiffness", "damping"
-
 struct JudgedLimit {
   int element = 1;
   CoefficientKind kind = CoefficientKind::stiffness;

@@ -14,16 +14,16 @@
 namespace dwell::ctl {
 namespace {
 
-// With the last of the dwells that have coefficients and whose data lie within the motion's stretch.
-Agreement agreement(const MotionEstimate& motion, const std::vector<Dwell>& dwells) {
-  Agreement newest;
+// With the last dwell that can be compared and whose data begin within the motion's stretch.
+std::optional<Agreement> agreement(const MotionEstimate& motion, const std::vector<Dwell>& dwells) {
+  std::optional<Agreement> newest;
   for (const Dwell& dwell : dwells)
     if (answers(dwell) && dwell.settled_s < motion.end_s)
-      if (const Agreement with = agreement_of(motion, dwell); with.element != 0) newest = with;
+      if (auto with = agreement_of(motion, dwell)) newest = std::move(with);
   return newest;
 }
 
-void add(const MotionEstimate& motion, const Agreement& agreement, const Rig& rig, Printout& to) {
+void add(const MotionEstimate& motion, const std::optional<Agreement>& agreement, const Rig& rig, Printout& to) {
   const MotionView view = make_view(motion, agreement, rig);
   to.document["motion"] = json_value(view);
   if (!motion.reason.empty()) to.document["motion_reason"] = motion.reason;

@@ -35,7 +35,7 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position) {
 
 void ModelWork::show(const Dwell& now, Snapshot& to) const {
   to.transient = transient_.newest();
-  to.transient_agreement = to.transient ? agreement_of(to.transient->estimate, now) : Agreement{};
+  to.transient_agreement = to.transient ? agreement_of(to.transient->estimate, now) : std::nullopt;
   to.verified = verification_.newest();
 }
 

@@ -74,7 +74,7 @@ struct Snapshot {
   // Coefficients from the transient of `dwell`; null: none yet. Made by the worker, handed on unchanged: whoever holds
   // the pointer may read it on any thread.
   std::shared_ptr<const TransientEstimate> transient;
-  Agreement transient_agreement;                  // of these with the coefficients of `dwell`
+  std::optional<Agreement> transient_agreement;   // of these with the coefficients of `dwell`; nullopt: not compared
   std::shared_ptr<const VerifiedDwell> verified;  // the newest verification of the run; null: none yet. As `transient`
   std::vector<ChannelView> channels;
   std::vector<DeviceView> devices;

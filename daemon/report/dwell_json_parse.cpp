@@ -69,8 +69,9 @@ ElementEstimate element(const Json& value, Motion& motion) {
 }
 
 Agreement agreement(const Json& value) {
-  return {real_of(value, "e_n"), !boolean_of(value, "agrees"), integer(member(value, "element"), "element"),
-          string_of(value, "coefficient") == "damping", real_of(value, "difference")};
+  return {integer(member(value, "element"), "element"),
+          named(string_of(value, "coefficient"), "coefficient", CoefficientKind::damping), real_of(value, "difference"),
+          !boolean_of(value, "agrees"), real_of(value, "e_n")};
 }
 
 std::shared_ptr<const MotionView> motion_of(const Json& value) {

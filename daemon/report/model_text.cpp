@@ -72,12 +72,17 @@ std::vector<Section> transient_sections(const DwellView& view, const TextOptions
   return sections;
 }
 
-bool contradicts(const DwellView& view) { return view.transient && view.transient->agreement.differ; }
+bool contradicts(const DwellView& view) {
+  return view.transient && view.transient->agreement && view.transient->agreement->contradicts;
+}
 
 std::string agreement_text(const DwellView& view) {
-  if (!view.transient || view.transient->agreement.element == 0) return {};
+  if (!view.transient) return {};
+  if (const std::string& reason = view.transient->estimate.reason; !reason.empty())
+    return "not known, since the transient gives no coefficients: " + reason;
+  if (!view.transient->agreement) return {};
   return "the coefficients from the transient, " + stretch_text(view.transient->estimate) + ", " +
-         verdict_on(view.transient->agreement);
+         verdict_on(*view.transient->agreement);
 }
 
 std::string model_text(const ModelVerdict& model) {

@@ -17,10 +17,11 @@ namespace dwell {
 // are none. Empty: nothing is known of the transient, or the dwell has settled.
 [[nodiscard]] std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options);
 
-// Whether both contradict each other (Agreement::differ). Differences within the stated U are tolerated: instants of a
-// polled device are known to its turnaround, and the estimate from the transient ignores that.
+// Whether both contradict each other (Agreement::contradicts). Differences within the stated U are tolerated: instants
+// of a polled device are known to its turnaround, and the estimate from the transient ignores that.
 [[nodiscard]] bool contradicts(const DwellView& view);
-// "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; empty: they were not compared.
+// "the coefficients from the transient, 0.0 to 3.2 s, agree with these: …"; or why it is not known. Empty: they were
+// not compared.
 [[nodiscard]] std::string agreement_text(const DwellView& view);
 
 // "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)".

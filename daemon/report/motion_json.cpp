@@ -6,15 +6,13 @@
 #include "daemon/report/motion_report.hpp"
 
 namespace dwell {
-
 namespace {
 
 Json json_value(const Agreement& agreement) {
-  if (agreement.element == 0) return nullptr;
   return {{"e_n", json_number(agreement.e_n)},
-          {"agrees", !agreement.differ},
+          {"agrees", !agreement.contradicts},
           {"element", agreement.element},
-          {"coefficient", agreement.damping ? "damping" : "stiffness"},
+          {"coefficient", to_string(agreement.kind)},
           {"difference", json_number(agreement.over_U)}};
 }
 
@@ -42,7 +40,7 @@ Json json_value(const MotionView& view, Detail detail) {
   object["channels"] = std::move(channels);
   object["missing"] = json_value(m.missing);
   object["cannot_be_checked"] = m.unchecked;
-  object["agrees_with_dwell"] = json_value(view.agreement);
+  object["agrees_with_dwell"] = view.agreement ? json_value(*view.agreement) : Json(nullptr);
   object["readings"] = m.readings;
   object["given"] = view.given == 0 ? Json(nullptr)
                                     : Json{{"from_s", json_number(view.from_s)},

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,14 @@ struct MotionView {
   Motion motion = Motion::translation;
   std::vector<ChannelLabel> channels;
   MotionEstimate estimate;
-  Agreement agreement;  // with the dwell of the same data
+  std::optional<Agreement> agreement;  // with the dwell of the same data; nullopt: nothing to compare
   // Of a live dwell: stamps of the first and the last reading that the estimate was given, and how many there were.
   double from_s = kNaN, until_s = kNaN;
   std::size_t given = 0;
 };
 
-[[nodiscard]] MotionView make_view(const MotionEstimate& estimate, const Agreement& agreement, const Rig& rig);
+[[nodiscard]] MotionView make_view(const MotionEstimate& estimate, const std::optional<Agreement>& agreement,
+                                   const Rig& rig);
 
 // "contradict these: the stiffness of element 2 differs by 2.5 of the joint U of both".
 [[nodiscard]] std::string verdict_on(const Agreement& agreement);

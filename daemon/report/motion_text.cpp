@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "daemon/report/coefficient_table.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/missing_report.hpp"
@@ -9,18 +6,16 @@
 #include "daemon/report/table.hpp"
 
 namespace dwell {
-namespace {}  // namespace
 
-MotionView make_view(const MotionEstimate& estimate, const Agreement& agreement, const Rig& rig) {
+MotionView make_view(const MotionEstimate& estimate, const std::optional<Agreement>& agreement, const Rig& rig) {
   return {rig.motion, channel_labels(rig), estimate, agreement, kNaN, kNaN, 0};
 }
 
 std::string verdict_on(const Agreement& agreement) {
-  const std::string of = std::string(agreement.damping ? "damping" : "stiffness") + " of element " +
-                         std::to_string(agreement.element),
+  const std::string of = std::string(to_string(agreement.kind)) + " of element " + std::to_string(agreement.element),
                     by = brief(agreement.over_U, 2) + " of the joint U of both";
-  return agreement.differ ? "contradict these: the " + of + " differs by " + by
-                          : "agree with these: the largest difference, in the " + of + ", is " + by;
+  return agreement.contradicts ? "contradict these: the " + of + " differs by " + by
+                               : "agree with these: the largest difference, in the " + of + ", is " + by;
 }
 
 std::string motion_text(const MotionView& view) {
@@ -42,7 +37,7 @@ std::string motion_text(const MotionView& view) {
       text += "element " + std::to_string(e.k) + " is not identifiable: " + printable(e.reason) + "\n";
   text += missing;
   for (const std::string& what : m.unchecked) text += "cannot be checked here: " + printable(what) + "\n";
-  if (view.agreement.element != 0) text += "the dwell's coefficients " + verdict_on(view.agreement) + "\n";
+  if (view.agreement) text += "the dwell's coefficients " + verdict_on(*view.agreement) + "\n";
   for (const std::string& warning : m.warnings) text += "warning: " + printable(warning) + "\n";
   return text;
 }

@@ -74,10 +74,10 @@ TEST(TransientText, SaysWhyThereIsNone) {
 }
 
 // The measured dwell and its coefficients from the transient, which differ most in the damping of element 2.
-DwellView compared(double over_U, bool differ) {
+DwellView compared(double over_U, bool contradicts) {
   DwellView view = test::measured_view(0.6);
   auto beside = std::make_shared<MotionView>(*view.transient);
-  beside->agreement = {0.6, differ, 2, true, over_U};
+  beside->agreement = {2, CoefficientKind::damping, over_U, contradicts, 0.6};
   view.transient = beside;
   return view;
 }
@@ -96,6 +96,21 @@ TEST(TransientText, OnceTheDwellHasSettledSaysWhetherBothAgree) {
       << contradicts;
   EXPECT_EQ(contradicts.find("agreement"), std::string::npos);
   EXPECT_FALSE(dwell::contradicts(test::settling_view())) << "nothing to compare with yet";
+}
+
+// The verdict takes the place of the settling notice, and the reason must not go with it.
+TEST(TransientText, OnceTheDwellHasSettledStillSaysWhyTheTransientGaveNoCoefficients) {
+  DwellView view = test::measured_view(0.6);
+  auto none = std::make_shared<MotionView>(*view.transient);
+  none->estimate.elements.clear();
+  none->estimate.reason = "the chain of the rig file does not explain y1";
+  none->agreement = std::nullopt;
+  view.transient = none;
+  EXPECT_NE(
+      dwell_text(view).find("agreement  not known, since the transient gives no coefficients: the chain of the rig "
+                            "file does not explain y1\n"),
+      std::string::npos)
+      << dwell_text(view);
 }
 
 TEST(ModelText, IsOneLineBelowTheVerdict) {

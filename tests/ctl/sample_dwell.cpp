@@ -126,7 +126,7 @@ DwellView settling_view() {
 DwellView measured_view(double e_n) {
   DwellView view = make_view(sample_dwell(), sample_rig(), sample_run());
   auto beside = std::make_shared<MotionView>(*settling_view().transient);
-  beside->agreement = {e_n, false, 1, false, 0.5};
+  beside->agreement = {1, CoefficientKind::stiffness, 0.5, false, e_n};
   view.transient = beside;
   view.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.012, 0.008};
   return view;

@@ -309,7 +309,7 @@ TEST(WatchPage, ShowsTheCoefficientsOfTheTransientAboveTheSettlingNotice) {
 TEST(WatchPage, CountsAContradictionAmongTheWarnings) {
   DwellView view = test::measured_view(3.0);
   auto beside = std::make_shared<MotionView>(*view.transient);
-  beside->agreement.differ = true;
+  beside->agreement->contradicts = true;
   view.transient = beside;
   EXPECT_NE(text_of(at(watched(view), {}, {40, 120})).find("2 warnings"), std::string::npos)
       << text_of(at(watched(view), {}, {40, 120}));

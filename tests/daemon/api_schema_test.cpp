@@ -68,7 +68,7 @@ struct ApiSchemaTest : testing::Test {
     transient->until_s = 43.2;
     transient->given = 2310;
     snapshot.transient = transient;
-    snapshot.transient_agreement = {0.4, false, 1, false, 0.3};
+    snapshot.transient_agreement = {1, CoefficientKind::stiffness, 0.3, false, 0.4};
     events.push(Level::info, "state idle -> settling", 1'700'000'000'000'000'000);
     auto verified = std::make_shared<VerifiedDwell>();
     verified->dwell = snapshot.dwell;
@@ -167,7 +167,7 @@ TEST_F(ApiSchemaTest, IsMetByWhatALiveStreamIsTold) {
   moved->estimate.end_s += 1.0;
   moved->until_s += 1.0;
   snapshot.transient = moved;
-  snapshot.transient_agreement = {0.5, true, 2, true, 1.2};
+  snapshot.transient_agreement = {2, CoefficientKind::damping, 1.2, true, 0.5};
   auto verified = std::make_shared<VerifiedDwell>(*snapshot.verified);
   verified->verification.seen = 0.013;
   snapshot.verified = verified;

@@ -116,7 +116,7 @@ TEST(LiveModel, HasCoefficientsInSecondsWhereTheVerdictTakesMinutes) {
   const ElementEstimate& late = live.latest().transient->estimate.elements.front();
   EXPECT_LT(late.stiffness.U95, 0.3 * element.stiffness.U95) << "it narrows meanwhile";
   EXPECT_LT(std::abs(late.damping.value - live.chain.damping[0]), 4 * late.damping.u);
-  EXPECT_EQ(live.latest().transient_agreement.element, 0) << "nothing to compare with yet";
+  EXPECT_FALSE(live.latest().transient_agreement) << "nothing to compare with yet";
   EXPECT_LE(live.jobs, 16);
 }
 
@@ -128,7 +128,8 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
   ASSERT_TRUE(now.transient);
   ASSERT_EQ(now.transient->estimate.reason, "");
   EXPECT_LT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "taken over by the dwell";
-  EXPECT_LT(now.transient_agreement.e_n, 1.5) << "eight differences, over U";
+  ASSERT_TRUE(now.transient_agreement);
+  EXPECT_LT(now.transient_agreement->e_n, 1.5) << "eight differences, over U";
   ASSERT_TRUE(now.verified);
   EXPECT_EQ(now.verified->dwell.index, now.dwell.index);
   EXPECT_EQ(now.verified->verification.verdict, Verdict::adequate)
