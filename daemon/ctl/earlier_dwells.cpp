@@ -11,6 +11,8 @@ namespace dwell::ctl {
 namespace {
 
 constexpr int kPerAnswer = 100;  // the most that the service tells at once
+constexpr int kMostAnswers =
+    10;  // for the 1000 dwells that it keeps; a server that gives less at once gets no more questions
 
 double value_of(const Json& element, const char* coefficient) {
   const Json* const object = member_of(element, coefficient);
@@ -54,7 +56,7 @@ std::optional<std::vector<EarlierDwell>> ask_earlier_dwells(const Asks& answer, 
   if (!list) return std::nullopt;
   std::vector<EarlierDwell> dwells = earlier_dwells(*list, utc, span_s);
   // Only the newest are told without an index, and an answer goes on to newer ones: each next one begins further back.
-  while (list && !dwells.empty() && dwells.front().index > 1) {
+  for (int answers = 1; answers < kMostAnswers && !dwells.empty() && dwells.front().index > 1; ++answers) {
     const int end = dwells.front().index, begin = std::max(1, end - kPerAnswer);
     list = answer(path + "&from=" + std::to_string(begin));
     if (!list) break;

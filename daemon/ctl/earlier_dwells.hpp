@@ -1,5 +1,5 @@
-// The dwells that ended before watch began, of which the service keeps the newest 1000: what the trend of the last hour
-// needs of them, from /api/v1/dwells?brief=1.
+// The dwells that ended before watch began, for its trend of the last hour. /api/v1/dwells?brief=1 tells them; the
+// service keeps the newest 1000.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once
@@ -23,8 +23,9 @@ struct EarlierDwell {
 [[nodiscard]] std::vector<EarlierDwell> earlier_dwells(const nlohmann::ordered_json& list, const std::string& utc,
                                                        double span_s);
 
-// The same of as many answers as that takes, newest first. answer: to a question for the path; nullopt: there is none.
-// nullopt: the first question had none.
+// Asks for one part of the list after the other, the newest first, until the span or the first dwell is reached: at
+// most as often as the service has parts. nullopt: the first question had no answer. Asks: returns the answer to a
+// question for the path; nullopt: there is none.
 using Asks = std::function<std::optional<nlohmann::ordered_json>(const std::string& path)>;
 [[nodiscard]] std::optional<std::vector<EarlierDwell>> ask_earlier_dwells(const Asks& answer, const std::string& utc,
                                                                           double span_s);

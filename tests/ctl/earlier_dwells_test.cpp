@@ -75,6 +75,15 @@ TEST(EarlierDwells, AreAskedForUntilTheSpanOrTheFirstDwellIsReached) {
   }
 }
 
+TEST(EarlierDwells, AServerThatTellsOneAtATimeIsNotAskedForEver) {
+  int asked = 0;
+  const auto dwells = ask_earlier_dwells(
+      [&asked](const std::string&) { return std::optional(list_of({ended(1'000'000 - asked++, 10.0)})); }, kNow,
+      kHour_s);
+  ASSERT_TRUE(dwells);
+  EXPECT_EQ(asked, 10);
+}
+
 TEST(EarlierDwells, AServiceThatDoesNotAnswerHasNone) {
   EXPECT_FALSE(ask_earlier_dwells([](const std::string&) { return std::nullopt; }, kNow, kHour_s));
   int asked = 0;
