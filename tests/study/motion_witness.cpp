@@ -23,15 +23,14 @@ std::vector<Dwell> dwells_of(const Case& about, double until_s) {
 
 }  // namespace
 
-std::vector<std::string> told_by_motion(const Case& about, double until_s) {
+std::vector<std::string> objections_of_motion(const Case& about, double until_s) {
   const MotionEstimate motion = estimate_motion(about.rig, recorded(about, until_s).data(), {.missing = false});
   if (!motion.reason.empty()) return {"no coefficients: " + motion.reason};
   std::vector<std::string> lines = motion.warnings;
   for (const Dwell& dwell : dwells_of(about, until_s))
-    if (const Agreement with = agreement_of(motion, dwell); with.element != 0)
-      lines.push_back(text("coefficients from %.2f periods on %s: %s of element %d by %.2g of the joint U, E_n %.2g",
-                           dwell.settled_s / about.period_s(), with.differ ? "contradict" : "agree",
-                           with.damping ? "damping" : "stiffness", with.element, with.over_U, with.e_n));
+    if (const auto with = agreement_of(motion, dwell); with && with->contradicts)
+      lines.push_back(text("coefficients from %.2f periods on contradict: %s of element %d by %.2g of the joint U",
+                           dwell.settled_s / about.period_s(), to_string(with->kind), with->element, with->over_U));
   return lines;
 }
 

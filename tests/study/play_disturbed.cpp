@@ -114,7 +114,9 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
 }
 
 void hear_motion(const Case& about, double until_s, DisturbedOutcome& outcome, const Trace& trace) {
-  for (const std::string& line : told_by_motion(about, until_s)) {
+  const std::vector<std::string> lines = objections_of_motion(about, until_s);
+  if (trace && lines.empty()) trace("any motion: no objection");
+  for (const std::string& line : lines) {
     if (trace) trace("any motion: " + line);
     for (const Disturbance& disturbance : about.disturbances)
       outcome.told_beside = outcome.told_beside || names(about, disturbance, line);
