@@ -57,7 +57,7 @@ struct RecordingSettings {
 
 struct VerificationSettings {
   double accuracy = 0.05;  // of each channel's rms: what the model is needed for
-  bool live = true;        // the service estimates from transients and verifies; else only what reads recordings does
+  bool live = true;  // the service estimates from transients and verifies; false: only dwellctl does, of recordings
 };
 
 struct GpioLine {

@@ -21,7 +21,7 @@ namespace {
 
 // Time allowed for the service's answer. It first reads this run file, and those that others asked to sign before. 30
 // min are enough for 100 GB at 60 MB/s.
-constexpr std::chrono::minutes kReviewTime{30};
+constexpr std::chrono::minutes kAnswerTime{30};
 
 int refuse(int code, const std::string& why) {
   tell_error(why);
@@ -67,7 +67,7 @@ int sign_through_service(const Service& service, const SignOptions& options) {
                      {"meaning", options.meaning},
                      {"reason", options.reason}};
   ControlLimits limits;
-  limits.time = kReviewTime;
+  limits.time = kAnswerTime;
   const auto line = control_exchange(service.control, dump(request), limits);
   if (!line)
     return refuse(kUnreachable, line.error() + "; where no service runs, --key FILE signs with a key of your own");

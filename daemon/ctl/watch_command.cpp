@@ -33,9 +33,9 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::milliseconds;
 
-constexpr Milliseconds kAsk{1000};         // between questions for the channels' states, and the time for an answer
-constexpr double kMessage_s = 6.0;         // for reading what came of a key
-constexpr Milliseconds kReconnects{2000};  // for the service to take a connection again: keys wait as long
+constexpr Milliseconds kAsk{1000};            // between questions for the channels' states, and the time for an answer
+constexpr double kMessage_s = 6.0;            // for reading what came of a key
+constexpr Milliseconds kReconnectTime{2000};  // for the service to take a connection again: keys wait as long
 
 Milliseconds from_seconds(double seconds) { return Milliseconds(static_cast<std::int64_t>(1e3 * seconds)); }
 
@@ -97,7 +97,7 @@ class Watch {
   int follow() {
     while (true) {
       HttpLimits limits;
-      if (connected_) limits.time = kReconnects;
+      if (connected_) limits.time = kReconnectTime;
       auto stream = EventStream::open(url_, "/api/v1/stream", limits);
       if (!stream) {
         if (!connected_) {
@@ -253,7 +253,7 @@ class Watch {
     if (!controls_.question.empty()) {
       controls_.question.clear();
       if (key == Key::yes) {
-        const auto answer = ask_to_rearm(service_.control, kReconnects);
+        const auto answer = ask_to_rearm(service_.control, kReconnectTime);
         controls_.message = answer ? "rearmed at " + time_of_day() : "not rearmed: " + answer.error().why;
       } else {
         controls_.message = "not rearmed";

@@ -13,13 +13,13 @@ namespace dwell::handon {
 namespace {
 
 constexpr std::size_t kBytesPerSample = 8 + 8 + 8 + 4 + 1;
-constexpr std::size_t kTableBytes = 48U << 20U;  // bytes, of all channels together
+constexpr std::size_t kChunkBytes = 48U << 20U;  // bytes, of all channels together
 constexpr std::size_t kMostRows = 16384;         // of a chunk: larger ones compress no better
 constexpr std::size_t kFewestRows = 16;
 
 // Rows kept per channel until a chunk is full.
 std::size_t rows_of(std::size_t channels) {
-  return std::clamp(kTableBytes / kBytesPerSample / std::max<std::size_t>(channels, 1), kFewestRows, kMostRows);
+  return std::clamp(kChunkBytes / kBytesPerSample / std::max<std::size_t>(channels, 1), kFewestRows, kMostRows);
 }
 
 struct Columns {

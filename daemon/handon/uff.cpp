@@ -13,8 +13,8 @@
 namespace dwell::handon {
 namespace {
 
-constexpr std::size_t kDatasetBytes = 32U << 20U;  // bytes, of all channels together
-constexpr double kPlanning = 0.1;                  // part of the time that the first pass takes
+constexpr std::size_t kBufferBytes = 32U << 20U;  // bytes, of all channels together
+constexpr double kPlanning = 0.1;                 // part of the time that the first pass takes
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -112,7 +112,7 @@ Result<UffDone> write(Selection& selection, const UffOptions& options, const std
                       std::int64_t place, OutputFile& file, const Progress& progress) {
   const std::vector<Channel>& channels = selection.rig().channels;
   const std::size_t buffer =
-      std::clamp<std::size_t>(kDatasetBytes / std::max<std::size_t>(1, plan.size()), 256, 1U << 18U);
+      std::clamp<std::size_t>(kBufferBytes / std::max<std::size_t>(1, plan.size()), 256, 1U << 18U);
   std::vector<ChannelValues> values;
   std::vector<std::vector<std::int64_t>> begins(plan.size());  // of each dataset
   for (std::size_t i = 0; i < plan.size(); ++i) {

@@ -30,9 +30,9 @@ class Token {
   std::string sha256_;  // hexadecimal
 };
 
-// Root may read every file, so root's look at a rig file says nothing of whether the service will find its token. What
-// is to be said of a token file that this user cannot read, in one line: what stands in the way, and what to do. Empty:
-// the user can, there is no such user, the path names no file, or whoever asks is not root.
+// Why the user cannot read the token file, and what to do, in one line. Root asks this before it says that a rig file
+// is right: root itself may read every file. Empty: the user can read it, there is no such user, the path names no
+// file, or whoever asks is not root.
 //
 // Becomes that user for a moment: only for a process with one thread.
 [[nodiscard]] std::string unreadable_token_note(const std::string& path, const std::string& user);

@@ -14,23 +14,24 @@
 namespace dwell {
 namespace {
 
-constexpr double kPaced_hz = 10.0, kRate_hz = 500.0;
+constexpr double kPacedDrive_hz = 10.0, kRate_hz = 500.0;
 
 // A chain of twelve masses from rest, every channel at the same instants: its fits are long.
 struct LargeRig {
   std::mt19937_64 random{3};
   Chain chain = damped();
-  Rig rig = rig_of(chain, kPaced_hz);
+  Rig rig = rig_of(chain, kPacedDrive_hz);
 
   Chain damped() {
-    Chain drawn = random_chain(random, 12, Boundary::free, kPaced_hz);
+    Chain drawn = random_chain(random, 12, Boundary::free, kPacedDrive_hz);
     for (double& r : drawn.damping) r *= 5;
     return drawn;
   }
 
   [[nodiscard]] std::vector<Record> stream(double seconds) {
     std::normal_distribution<double> normal;
-    DrivenChain motion(chain, {.frequency_hz = kPaced_hz, .amplitude = 2e-3, .ramp_s = 0.1}, DrivenChain::Start::rest);
+    DrivenChain motion(chain, {.frequency_hz = kPacedDrive_hz, .amplitude = 2e-3, .ramp_s = 0.1},
+                       DrivenChain::Start::rest);
     std::vector<Record> records;
     for (int i = 0; i < seconds * kRate_hz; ++i) {
       const ChainMotion& now = motion.at(i / kRate_hz);

@@ -15,7 +15,7 @@ const NUMBER_BYTES = 12;
 let browser;
 let service;
 before(async () => {
-  // V8 compiles what runs often, for half an hour: that is no growth of what the page keeps, and would hide it.
+  // Without V8's compilers: their code grows for half an hour and would hide what the page keeps.
   [browser, service] = await Promise.all([openBrowser(['--js-flags=--jitless']), ScriptedService.begin()]);
 });
 after(async () => {

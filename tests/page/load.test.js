@@ -1,6 +1,6 @@
 // What the page costs a browser: eight traces, fourteen coefficients and the shape, all live. It prints its figures; none
-// is a limit here, for they depend on the machine. DWELL_HEAP_MINUTES=60 watches the heap for an hour: collected by
-// force each minute, the least of the last sixth of the time is compared with that of the first.
+// is a limit here, for they depend on the machine. DWELL_HEAP_MINUTES=60 watches the heap for an hour. It is collected by
+// force each minute. The least size in the first sixth of the time is compared with the least in the last sixth.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES } from './bench.js';
@@ -42,7 +42,7 @@ test('the renderer draws eight traces and all coefficients', async () => {
     share('LayoutDuration')}, style ${share('RecalcStyleDuration')} s per second`);
 });
 
-test('the heap grows by compiled code alone', { skip: HEAP_MINUTES < 1 }, async () => {
+test('the heap grows by less than half a megabyte', { skip: HEAP_MINUTES < 1 }, async () => {
   const sizes = [];
   for (let minute = 0; minute < HEAP_MINUTES; ++minute) {
     await wait(60_000);

@@ -1,6 +1,6 @@
-// A service whose hours pass as fast as the page takes them, for tests of what months on a wall do to it: it serves the
-// page's own files, answers as a rig with six masses would, and tells the stream of the next step when the page has
-// taken the last one. The page's clocks are the service's: see inBrowser().
+// A service for tests of a page that is open for hours. It serves the page's own files and answers as a rig with six
+// masses would. Its time passes as fast as the page takes it: the next step is told when the page has taken the last
+// one. The page's clocks are the service's: see inBrowser().
 import { once } from 'node:events';
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';

@@ -33,7 +33,7 @@ namespace {
 
 using dwell::driver::monotonic_ns;
 
-constexpr std::size_t kMostMasters = 8;
+constexpr std::size_t kMostControlClients = 8;
 
 struct Client {
   Fd fd;
@@ -242,7 +242,7 @@ void Server::Impl::serve_once() {
   if (ready(1) && tcp_listener) exchange.accept_connection(tcp_listener);
   if (ready(2)) {
     Client client{accept_from(control_listener, false), {}};
-    if (client.fd && clients.size() < kMostMasters) clients.push_back(std::move(client));
+    if (client.fd && clients.size() < kMostControlClients) clients.push_back(std::move(client));
   }
   std::erase_if(clients, [](const Client& client) { return !client.fd; });
   exchange.sweep();
