@@ -13,6 +13,8 @@ echo "guest: $(uname -r), up in $up s"
 
 export PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 failed=0 passed=0
+# s that the processor was not idle for, since the guest is up: what the scenario costs the host.
+busy() { awk '/^cpu / {print int(($2 + $3 + $4 + $7 + $8) / 100)}' /proc/stat; }
 run() {  # NAME FILE
   local code
   timeout -k 5 240 bash -c 'set -u; . guest/lib.sh; . "$1"' "$1" "$2" 2>/tmp/errors </dev/null | tee /tmp/lines
@@ -28,9 +30,10 @@ for file in scenarios/*.sh; do
   name=$(basename "$file" .sh)
   [ ! -s wanted ] || grep -qx "$name" wanted || continue
   read -r began _ </proc/uptime
+  busy_began=$(busy)
   run "$name" "$file"
   read -r ended _ </proc/uptime
-  echo "-- $name: $((${ended%.*} - ${began%.*})) s"
+  echo "-- $name: $((${ended%.*} - ${began%.*})) s, the processor busy for $(($(busy) - busy_began)) s; $(awk '/^processes/{print $2}' /proc/stat) processes so far"
   passed=$((passed + $(grep -c '^ok ' /tmp/lines)))
   failed=$((failed + $(grep -c '^FAIL ' /tmp/lines)))
 done
