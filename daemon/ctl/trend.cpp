@@ -61,12 +61,14 @@ void Trend::take(const DwellView& view, double now_s) {
     std::string key = view.run.start_utc + " " + std::to_string(dwell.index.value_or(0));
     const double data_s = dwell.end_s - dwell.settled_s;
     if (key != dwell_ && dwell.state == State::measuring && data_s > 0.0) point.from_s -= data_s;
+    // The same dwell after a while without any news, as after a lost connection: its value is that of the while, too.
+    if (key == dwell_ && now_s - points_.back().t_s > kEvery_s) point.from_s = points_.back().t_s;
     dwell_ = std::move(key);
   }
   if (points_.size() > 1 && points_.back().t_s - points_[points_.size() - 2].t_s < kEvery_s) {
     const Point& replaced = points_.back();
-    const bool first_of_dwell = replaced.from_s < replaced.t_s;
-    if (first_of_dwell && !point.stiffness.empty()) point.from_s = replaced.from_s;
+    const bool reaches_back = replaced.from_s < replaced.t_s;
+    if (reaches_back && !point.stiffness.empty()) point.from_s = replaced.from_s;
     points_.pop_back();
   }
   points_.push_back(std::move(point));
@@ -77,6 +79,14 @@ void Trend::take_earlier(const std::vector<EarlierDwell>& dwells, double now_s) 
   for (const EarlierDwell& dwell : dwells) {
     Point point{now_s - dwell.settled_ago_s, now_s - dwell.ended_ago_s, dwell.stiffness, dwell.damping};
     if (point.t_s < now_s - kSpan_s) continue;
+    // What the stream told of it, or an earlier answer, is kept. Instants of two answers differ by their ways.
+    const auto seen = std::find_if(points_.rbegin(), points_.rend(), [&point](const Point& p) {
+      return !p.stiffness.empty() && p.t_s > point.from_s && p.t_s < point.t_s + kEvery_s;
+    });
+    if (seen != points_.rend()) {
+      if (point.t_s - seen->t_s < kEvery_s) continue;
+      point.from_s = seen->t_s;
+    }
     const auto later =
         std::find_if(points_.begin(), points_.end(), [&point](const Point& p) { return p.t_s > point.t_s; });
     points_.insert(later, std::move(point));

@@ -6,7 +6,8 @@
 //
 // The percentage is twice the U95 of the newest value; then the four middle heights of eight are the newest ± U95. It
 // is more where an older value was further away. A blank: no coefficient is known of then. Of a dwell that ended before
-// watch began the last value is known; it stands for the whole dwell, as on the page.
+// watch began, or while its connection was lost, the last value is known; it stands for all of the dwell that was not
+// seen, as on the page.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once
@@ -34,7 +35,7 @@ class Trend {
 
   // The dwell as it stands; one whose coefficients are not given leaves a blank. now_s: never less than before.
   void take(const DwellView& view, double now_s);
-  // What was before the first dwell that was taken.
+  // Dwells that have ended, oldest first: of each what was not taken before.
   void take_earlier(const std::vector<EarlierDwell>& dwells, double now_s);
 
   // A line for each element that has coefficients in `view`; below 80 columns damping stands on a line of its own.

@@ -120,6 +120,7 @@ class Watch {
     back_ = connected_;
     connected_ = true;
     state_.trouble.clear();
+    knows_earlier_ = false;  // dwells may have ended while there was no stream
     ask_at_ = in(kAsk);  // the stream's first word comes first
     if (!wakeups_) wakeups_.emplace();
     if (service_.json || terminal_ || !Terminal::there()) return;
@@ -217,7 +218,7 @@ class Watch {
     }
   }
 
-  // Once: the dwells of the last hour, for the trend. utc: the service's now.
+  // Once for each stream: the dwells of the last hour, for the trend. utc: the service's now.
   void ask_earlier(const std::string& utc, const HttpLimits& limits) {
     if (knows_earlier_) return;
     const auto answer = [&](const std::string& path) -> std::optional<Json> {

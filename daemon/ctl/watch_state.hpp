@@ -49,7 +49,7 @@ class WatchState {
   void take(AlarmsList alarms, double now_s);
   // What is to be known of the GPIO lines, as lines that end with a newline each.
   void take_gpio(std::string lines, double now_s);
-  // The dwells that ended before the first one that the stream told.
+  // The dwells that ended before the stream began, or while it was lost.
   void take(const std::vector<EarlierDwell>& dwells, double now_s) { trend_.take_earlier(dwells, now_s); }
 
   // Since the dwell's data last moved on, s; while there are none: since it was published. Infinite: no dwell yet.

@@ -67,6 +67,32 @@ TEST(Trend, EarlierDwellsStandFromTheirFirstToTheirLastDatum) {
   EXPECT_EQ(trend.section(view_of(1000.0), 1001.0, 80).head[0].text.substr(0, 24), "trend of the last 601 s;");
 }
 
+TEST(Trend, HasNoGapWhereTheConnectionWasLostAmidADwell) {
+  Trend trend;
+  for (int i = 0; i <= 20; ++i) trend.take(view_of(1000.0, 100.0 + i), 100.0 + i);
+  for (int i = 100; i <= 101; ++i) trend.take(view_of(1000.0, 100.0 + i), 100.0 + i);
+  EXPECT_EQ(line_of_element_1(trend, view_of(1000.0, 200.0), 201.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2 %");
+}
+
+TEST(Trend, DwellsThatEndedWhileTheConnectionWasLostStandWhereTheyWere) {
+  Trend trend;
+  // Dwell 1 is seen for 30 s of its 90, dwell 2 ends unseen as well, dwell 3 is found measuring.
+  for (int i = 0; i <= 30; ++i) trend.take(view_of(1000.0, i), 100.0 + i);
+  Dwell third = test::sample_dwell();
+  third.index = 3;
+  third.end_s = third.settled_s + 30.0;
+  third.elements[0].stiffness.value = 1000.0;
+  third.elements[0].stiffness.U95 = 10.0;
+  const DwellView now = make_view(third, test::sample_rig(), test::sample_run());
+  trend.take(now, 300.0);
+  const std::vector<EarlierDwell> ended = {{1, 200.0, 110.0, {1100.0}, {}}, {2, 100.0, 50.0, {900.0}, {}}};
+  trend.take_earlier(ended, 300.0);
+  const std::string line = line_of_element_1(trend, now, 300.0);
+  EXPECT_EQ(line, "      1  ▅▅▅███████▁▁▁▁▁▁ ▅▅▅  ± 10 %");
+  trend.take_earlier(ended, 300.1);
+  EXPECT_EQ(line_of_element_1(trend, now, 300.0), line) << "told again, as after the next loss";
+}
+
 TEST(Trend, OfEarlierDwellsThoseOfTheLastHourAreKept) {
   Trend trend;
   trend.take(view_of(1000.0), 9000.0);
