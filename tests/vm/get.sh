@@ -7,7 +7,7 @@
 # usage: get.sh FOLDER KERNEL_VERSION
 set -euo pipefail
 folder=$1 version=$2
-packages=usr-is-merged,systemd,systemd-sysv,dbus,udev,kmod,procps,iproute2,can-utils,gpiod,dmsetup,jq,init-system-helpers,adduser
+packages=usr-is-merged,systemd,systemd-sysv,dbus,udev,kmod,procps,iproute2,can-utils,gpiod,dmsetup,gojq,init-system-helpers,adduser
 release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 here=$(dirname "$(readlink -f "$0")")
 rm -rf "$folder"

@@ -4,6 +4,8 @@
 # and starts what it needs; tidy_up, called after each, ends all of it.
 work=/tmp/dwell-vm
 mkdir -p "$work"
+# gojq starts ten times as fast as jq of Debian 12, which reads its own library each time: half of what a scenario cost.
+jq() { gojq "$@"; }
 cursor=$(journalctl -q -n 1 -o json | jq -r .__CURSOR)  # the journal counts from here on
 
 claim() {  # NAME COMMAND…
@@ -57,7 +59,7 @@ canopen_rig() {  # INTERFACE
   sed "$sparing; s/^interface .*/interface = \"$1\"/; s/^rate .*/rate = 80\nrate_shift = false/" /usr/share/dwell/rigs/canopen.toml
 }
 property() { systemctl show dwelld -p "$1" --value; }
-# Whether EXPRESSION is true of the JSON text. Nothing at all is no answer; jq of Debian 12 would take it for one.
+# Whether EXPRESSION is true of the JSON text. Nothing at all is no answer.
 holds() { [ -n "$1" ] && jq -e "${@:2}" <<<"$1"; }  # JSON [OPTION…] EXPRESSION
 health() {  # a jq expression that must be true of /api/v1/health
   local answer
