@@ -15,7 +15,7 @@ constexpr double kSticks = 0.02;
 
 // One element's deformation and its rate, or a mass's velocity alone: just after the reading before, and as predicted
 // for this one.
-struct Course {
+struct DeformationCourse {
   std::vector<double> d_before, d_now, v_before, v_now;
 };
 
@@ -26,7 +26,7 @@ double mean_direction(double a, double b, double w) {
   return (std::hypot(b, w) - std::hypot(a, w)) / (b - a);
 }
 
-MotionInput friction(const Course& of) {
+MotionInput friction(const DeformationCourse& of) {
   double squares = 0.0;
   for (const double v : of.v_now) squares += v * v;
   const double w = std::max(kSticks * std::sqrt(squares / static_cast<double>(of.v_now.size())), 1e-300);
@@ -39,7 +39,7 @@ MotionInput friction(const Course& of) {
 }
 
 // About the mean deformation, which the biases do not tell. Simpson's rule with the middle of a cubic.
-MotionInput cube(const Course& of, const MotionData& data) {
+MotionInput cube(const DeformationCourse& of, const MotionData& data) {
   double mean = 0.0;
   for (const double d : of.d_now) mean += d / static_cast<double>(of.d_now.size());
   const auto third = [mean](double d) { return std::pow(d - mean, 3); };
@@ -66,26 +66,27 @@ std::vector<MotionInput> element_inputs(const MotionModel& model, const MotionDa
     rows.row(elements + k - 1) = model.rate_row(k);
   }
   for (int k = 1; k <= masses; ++k) rows.row(2 * elements + k - 1) = model.velocity_row(k);
-  std::vector<Course> courses(static_cast<std::size_t>(elements + masses));  // of the elements, then of the masses
+  std::vector<DeformationCourse> courses(
+      static_cast<std::size_t>(elements + masses));  // of the elements, then of the masses
   PassOptions options{.derivatives = false};
   options.show = [&](const VectorXd& before, const VectorXd& predicted) {
     const VectorXd then = rows * before, now = rows * predicted;
     for (int e = 0; e < elements; ++e) {
-      Course& course = courses[static_cast<std::size_t>(e)];
+      DeformationCourse& course = courses[static_cast<std::size_t>(e)];
       course.d_before.push_back(then(e));
       course.d_now.push_back(now(e));
       course.v_before.push_back(then(elements + e));
       course.v_now.push_back(now(elements + e));
     }
     for (int k = 0; k < masses; ++k) {
-      Course& course = courses[static_cast<std::size_t>(elements + k)];
+      DeformationCourse& course = courses[static_cast<std::size_t>(elements + k)];
       course.v_before.push_back(then(2 * elements + k));
       course.v_now.push_back(now(2 * elements + k));
     }
   };
   (void)evaluate(model, data, at, options);
   for (const Parameter& p : wanted) {
-    Course& course =
+    DeformationCourse& course =
         courses[static_cast<std::size_t>(p.what == Unknown::ground_friction ? elements + p.index : p.index)];
     for (std::vector<double>* of : {&course.d_before, &course.d_now, &course.v_before, &course.v_now})
       of->resize(data.readings.size(), 0.0);  // where the pass ended early

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 constexpr double kNotTold = 100.0;
 // Terms may cancel. A remainder below this part of a term's own information is rounding. A direction with less
 // information than that counts as not determined.
-constexpr double kRounding = 1e-10;
+constexpr double kCancelled = 1e-10;
 // Components of a direction below this are ignored.
 constexpr double kNoPart = 0.05;
 
@@ -68,7 +68,7 @@ std::vector<std::string> unchecked(const Rig& rig, const ScoreTest& test) {
   // In natural sizes, or in smaller ones where rounding would tell of those.
   const Eigen::VectorXd natural = test.sizes(terms);
   const Eigen::VectorXd size =
-      natural.cwiseMin((0.5 * kNotTold / kRounding * test.own(terms).cwiseInverse()).cwiseSqrt());
+      natural.cwiseMin((0.5 * kNotTold / kCancelled * test.own(terms).cwiseInverse()).cwiseSqrt());
   const MatrixXd W = size.asDiagonal() * test.alone(terms, terms) * size.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(W);
   const Index null = (solver.eigenvalues().array() < kNotTold).count();

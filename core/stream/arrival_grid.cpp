@@ -74,16 +74,16 @@ double best_period(std::span<const double> x_ns, double nominal_ns, Numbers& ind
   return best_ns;
 }
 
-struct Line {
+struct GridLine {
   double period_ns, last_ns, spread;
 };
 
 // Least squares over the arrivals within `limit` periods of the line `before`.
-Line fit(std::span<const double> x_ns, const Numbers& index, const Line& before, double limit) noexcept {
+GridLine fit(std::span<const double> x_ns, const Numbers& index, const GridLine& before, double limit) noexcept {
   const std::size_t n = x_ns.size();
   const double last = index[n - 1];
   double w = 0, k = 0, x = 0, kk = 0, kx = 0;
-  const auto deviation = [&](std::size_t j, const Line& line) {
+  const auto deviation = [&](std::size_t j, const GridLine& line) {
     return x_ns[j] - line.last_ns - (index[j] - last) * line.period_ns;
   };
   for (std::size_t j = 0; j < n; ++j) {
@@ -97,7 +97,7 @@ Line fit(std::span<const double> x_ns, const Numbers& index, const Line& before,
   }
   const double determinant = w * kk - k * k;
   if (!(determinant > 0)) return before;
-  Line line{(w * kx - k * x) / determinant, (kk * x - k * kx) / determinant, 0.0};
+  GridLine line{(w * kx - k * x) / determinant, (kk * x - k * kx) / determinant, 0.0};
   double sum = 0, count = 0;
   for (std::size_t j = 0; j < n; ++j) {
     const double off = std::abs(deviation(j, line)) / line.period_ns;
@@ -123,7 +123,7 @@ std::optional<ArrivalGrid> find_grid(std::span<const std::int64_t> arrivals_ns, 
   const double period_ns = best_period(x_ns, nominal_ns, index);
   const double earliest = number_readings(x_ns, period_ns, index);
   // The first line starts from the earliest arrivals, so that a stall does not tilt it.
-  Line line{period_ns, (earliest + index[n - 1]) * period_ns, 0.0};
+  GridLine line{period_ns, (earliest + index[n - 1]) * period_ns, 0.0};
   line = fit(x_ns, index, line, 2.0);
   for (int again = 0; again < 2; ++again) line = fit(x_ns, index, line, std::max(0.02, kOutlier * line.spread));
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/complex.hpp"
+#include "core/transient/fit_limits.hpp"
 
 namespace dwell {
 namespace {
@@ -14,7 +15,6 @@ constexpr std::size_t kMains = 8, kLines = 400;  // lines searched: of hum at 50
 // Searched: so many periods from the begin of the fit, up to this multiple of the drive's ω.
 constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;
 constexpr double kSureOfLine = 9.0;  // noise alone exceeds it by exp(-9): once in 8000 searches
-constexpr double kOfLine = 6.0;      // multiplications of a line at a sample
 constexpr double kFewest = 16.0;     // readings of a channel, at least
 // The power of a mains line counts this many times that of a line of the grid.
 constexpr double kMainsFirst = 1.2;

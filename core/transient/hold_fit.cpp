@@ -4,13 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "core/transient/fit_limits.hpp"
+
 namespace dwell {
 namespace {
 
 // One refit may cost so many multiplications, a tenth of a second, but always so many fits of the whole hold.
-constexpr double kMostWork = 2e8, kFewestFits = 4;
-constexpr double kPerParameter = 4.0;  // readings of a channel per linear parameter, at least
-constexpr double kOfRange = 2.0;       // multiplications charged for a look at a sample
+constexpr double kMostOfRefit = 2e8, kFewestFits = 4;
+constexpr double kOfRange = 2.0;  // multiplications charged for a look at a sample
 
 }  // namespace
 
@@ -76,7 +77,7 @@ bool HoldFit::attempt(double omega, std::span<const std::complex<double>> poles,
 int HoldFit::affordable(std::size_t poles) const noexcept {
   const double samples = static_cast<double>(history_.end() - history_.first_at(from_ns_));
   const double products = 0.5 * std::pow(2.0 * harmonics_ + 3 + 4 * static_cast<double>(poles), 2);
-  return static_cast<int>(std::clamp(kMostWork / std::max(1.0, samples * products), kFewestFits, 1000.0));
+  return static_cast<int>(std::clamp(kMostOfRefit / std::max(1.0, samples * products), kFewestFits, 1000.0));
 }
 
 bool HoldFit::determined() const noexcept {

@@ -4,6 +4,7 @@
 
 #include "core/base/complex.hpp"
 #include "core/drive/refine.hpp"
+#include "core/transient/fit_limits.hpp"
 
 namespace dwell {
 namespace {
@@ -11,9 +12,6 @@ namespace {
 constexpr double kGone = 1e-6;        // part of its amplitude below which a mode has decayed where the fit begins
 constexpr double kLeastDecay = 1e-3;  // least decay rate of a chain's pole, as part of |λ|
 constexpr double kSame = 0.3;         // poles that turn apart by less over the fit are one, rad
-constexpr double kShorter = 0.3;      // a step that raised the misfit is tried again at this part …
-constexpr int kShortened = 2;         // … so many times; where a tenth does not help, it leads to another optimum
-constexpr double kConverged = 0.1;    // length of a step that ends the search, in standard deviations
 
 }  // namespace
 

@@ -27,7 +27,7 @@ constexpr double kOneChannel = 1e-3;
 // of both decay rates, since it disturbs them.
 constexpr double kApart = 5.0;
 // From so many standard deviations of its amplitude a channel has a say in a pole; below, it tells of other modes.
-constexpr double kStandsOut = 3.0;
+constexpr double kHasSay = 3.0;
 constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
 // Poles of two fits within so many standard deviations are of one mode.
 constexpr double kSameMode = 5.0;
@@ -98,7 +98,7 @@ double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double
     const int channel = static_cast<int>(c);
     if (!fit.usable(channel)) continue;
     const double a = std::abs(fit.amplitude(channel, m));
-    if (a > kStandsOut * fit.u_amplitude(channel, m))
+    if (a > kHasSay * fit.u_amplitude(channel, m))
       moved = std::max(moved, 2 * beyond_noise(fit, m, c, now, left_over) / (a * a));
   }
   // A pole that still moves is known less well than the data would allow.

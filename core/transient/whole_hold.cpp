@@ -5,6 +5,7 @@
 
 #include "core/base/complex.hpp"
 #include "core/base/instants.hpp"
+#include "core/transient/fit_limits.hpp"
 
 namespace dwell {
 namespace {
@@ -21,12 +22,8 @@ constexpr double kEarlier = 0.6;
 // Periods: from the hold's beginning to the earliest begin; the first stretch of residuals that is compared.
 constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;
 constexpr int kSteps = 8;                            // refinement steps at one begin
-constexpr int kShortened = 2;                        // a step that raised the misfit is tried again so many times …
-constexpr double kShorter = 0.3;                     // … each time this part as long
 constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // damping of one step: width of a relative change of a pole, of ω
-constexpr double kConverged = 0.1;     // a shorter step ends the refinement, in standard deviations of a pole
-constexpr double kSamePole = 0.1;      // relative distance of two poles that match
-constexpr double kPerParameter = 4.0;  // samples of a channel per linear parameter, at least
+constexpr double kSamePole = 0.1;                    // relative distance of two poles that match
 // The χ² of the residuals may be as improbable as so many standard deviations. Chance passes 4 once in 30 000
 // stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end early.
 constexpr double kSure = 4.0;
@@ -35,8 +32,7 @@ constexpr double kSure = 4.0;
 constexpr double kSearched = 4.0, kHighest = 12.0;
 constexpr std::size_t kMostLines = 200;
 constexpr double kMostSearched = 2e4;
-// Multiplications: to decide whether a sample is left out; of a line at a sample.
-constexpr double kOfChance = 5.0, kOfLine = 6.0;
+constexpr double kOfChance = 5.0;  // multiplications to decide whether a sample is left out
 
 // s ≥ 0; rounds down, where to_ns() rounds to the nearest.
 std::int64_t whole_ns(double s) { return static_cast<std::int64_t>(kNsPerS * s); }

@@ -121,7 +121,7 @@ class Watch {
     connected_ = true;
     state_.trouble.clear();
     knows_earlier_ = false;  // dwells may have ended while there was no stream
-    ask_at_ = in(kAsk);  // the stream's first word comes first
+    ask_at_ = in(kAsk);      // the stream's first word comes first
     if (!wakeups_) wakeups_.emplace();
     if (service_.json || terminal_ || !Terminal::there()) return;
     terminal_.emplace();
