@@ -23,7 +23,7 @@ eventually() {  # SECONDS COMMAND…
   shift
   while ! said=$("$@" 2>&1); do
     [ "$SECONDS" -lt "$end" ] || { echo "$said"; return 1; }
-    sleep 1  # an answer costs the guest some tenths of a second, waiting costs nothing
+    sleep 0.3
   done
 }
 
