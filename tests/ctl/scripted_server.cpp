@@ -43,7 +43,7 @@ ScriptedServer::ScriptedServer(std::vector<Reply> replies, const std::string& pa
 ScriptedServer::~ScriptedServer() {
   ::close(stop_[1]);
   thread_.join();
-  for (const int client : beside_) ::close(client);
+  cut();
   ::close(stop_[0]);
   ::close(listener_);
 }
@@ -55,6 +55,11 @@ std::vector<std::string> ScriptedServer::requests() {
   return requests_;
 }
 
+void ScriptedServer::cut() {
+  for (const int client : beside_) ::close(client);
+  beside_.clear();
+}
+
 void ScriptedServer::serve() {
   for (std::size_t i = 0;; ++i) {
     std::array<pollfd, 2> fds{{{listener_, POLLIN, 0}, {stop_[0], POLLIN, 0}}};
@@ -62,6 +67,7 @@ void ScriptedServer::serve() {
     if (fds[1].revents != 0) return;
     const int client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
     if (client < 0) continue;
+    if (i < replies_.size() && replies_[i].cuts) cut();
     if (i < replies_.size()) answer(client, replies_[i]);
     if (i < replies_.size() && replies_[i].beside) {
       beside_.push_back(client);

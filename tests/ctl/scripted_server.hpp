@@ -16,6 +16,7 @@ struct Reply {
   bool hold = false;     // keep the connection until the client or the test ends it
   bool trickle = false;  // afterwards send one byte after the other for ever
   bool beside = false;   // keep the connection until the test ends, and answer the next ones meanwhile
+  bool cuts = false;     // first end the connections that are kept so
 };
 
 class ScriptedServer {
@@ -34,6 +35,7 @@ class ScriptedServer {
 
  private:
   void serve();
+  void cut();
   void answer(int client, const Reply& reply);
 
   const std::vector<Reply> replies_;

@@ -190,21 +190,38 @@ TEST(WatchOnATerminal, PauseHoldsTheNumbersAndGoesOn) {
 }
 
 // One question a second for channels, alarms and health; then, once, the dwells of the last hour.
-TEST(WatchOnATerminal, TheTrendBeginsWithTheDwellsOfTheLastHour) {
-  const std::string dwells =
-      R"({"dwells":[{"index":1,"start_utc":"2026-11-23T06:00:00Z","settled_s":4200,"end_s":7140,)"
-      R"("elements":[{"stiffness":{"value":24000},"damping":{"value":60}}]}]})";
+// A stream, and what is asked for beside it a second later: the dwells of the last hour come last.
+std::vector<Reply> stream_and_dwells() {
   Reply stream = measuring();
   stream.hold = false;
   stream.beside = true;
-  ScriptedServer server({stream,
-                         {test::http_reply(200, R"({"channels":[]})")},
-                         {test::http_reply(200, R"({"alarms":[],"unacknowledged":0,"left_out":0})")},
-                         {test::http_reply(200, R"({"utc":"2026-11-23T08:00:00Z"})")},
-                         {test::http_reply(200, dwells)}});
+  const std::string dwells =
+      R"({"dwells":[{"index":1,"start_utc":"2026-11-23T06:00:00Z","settled_s":4200,"end_s":7140,)"
+      R"("elements":[{"stiffness":{"value":24000},"damping":{"value":60}}]}]})";
+  return {stream,
+          {test::http_reply(200, R"({"channels":[]})")},
+          {test::http_reply(200, R"({"alarms":[],"unacknowledged":0,"left_out":0})")},
+          {test::http_reply(200, R"({"utc":"2026-11-23T08:00:00Z"})")},
+          {test::http_reply(200, dwells)}};
+}
+
+TEST(WatchOnATerminal, TheTrendBeginsWithTheDwellsOfTheLastHour) {
+  ScriptedServer server(stream_and_dwells());
   OnTerminal watch({"watch", "--url", server.url()});
   ASSERT_TRUE(watch.await("trend of the last 50 min")) << watch.out();
   EXPECT_NE(server.requests().at(4).find("GET /api/v1/dwells?brief=1"), std::string::npos);
+}
+
+TEST(WatchOnATerminal, DwellsThatEndedWhileTheConnectionWasLostAreAskedFor) {
+  std::vector<Reply> replies = stream_and_dwells();
+  replies.front() = Reply{test::stream_header() + dwell_event(test::settling_text())};
+  replies.front().beside = true;
+  replies.back() = {test::http_reply(200, R"({"dwells":[]})"), false, false, false, true};
+  for (const Reply& reply : stream_and_dwells()) replies.push_back(reply);
+  ScriptedServer server(replies);
+  OnTerminal watch({"watch", "--url", server.url()});
+  ASSERT_TRUE(watch.await("trend of the last 50 min")) << watch.out();
+  EXPECT_NE(server.requests().at(9).find("GET /api/v1/dwells?brief=1"), std::string::npos);
 }
 
 TEST(WatchOnATerminal, RearmAsksFirstAndGoesThroughTheControlSocket) {
