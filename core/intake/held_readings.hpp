@@ -3,7 +3,8 @@
 //
 // Only runs that interrupt a motion count: the jumps before and after go the same way, by more than two rounding steps
 // each. At a turning point, with a sticking element or at a clipped crest the readings turn back after the run. A
-// motion slower than the rounding goes on by one step.
+// motion slower than the rounding goes on by one step. The k-th such run counts for k readings at most: a channel that
+// was stuck for some seconds interrupts the motion once, a held register again and again.
 //
 // How many such readings does chance bring? The differences of a smooth motion with noise have a density near 0 that no
 // rounding resolves: differences of 0 are as frequent as those of one step up, and of one step down. The step is the
@@ -53,7 +54,7 @@ class HeldReadings {
     differences_.add(size);
     if (run_ > 1 && std::abs(before_) > least && size > least) {
       const bool onwards = before_ * jump > 0;
-      if (onwards) interrupting_ += run_ - 1;
+      if (onwards) interrupting_ += std::min(run_ - 1, ++interruptions_);
       // Readings rounded twice keep the coarser step of the first rounding: their smallest differences all equal it.
       const double rounding = differences_.least() > kSameStep * step() ? std::max(grid, step()) : grid;
       beat_.repeat(onwards, std::min(std::abs(before_), size), rounding, kDensity);
@@ -100,7 +101,7 @@ class HeldReadings {
 
   // A new hold of the drive: counts begin anew. held() stands until as much has been seen again.
   void restart() noexcept {
-    pairs_ = same_ = interrupting_ = 0;
+    pairs_ = same_ = interrupting_ = interruptions_ = 0;
     runs_.restart();
     numbers_.restart();
     answers_.restart();
@@ -129,7 +130,7 @@ class HeldReadings {
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
-  std::int64_t run_ = 1, same_ = 0, pairs_ = 0, interrupting_ = 0;
+  std::int64_t run_ = 1, same_ = 0, pairs_ = 0, interrupting_ = 0, interruptions_ = 0;
   SmallDifferences differences_;
   RepeatBeat beat_;
   EvenRuns runs_;

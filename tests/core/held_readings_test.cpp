@@ -48,6 +48,27 @@ TEST(HeldReadings, OfAMotionOfFewReadingsAPeriodNoneIsHeldHoweverItIsRoundedOrCl
               << readings << " readings a period, noise " << noise << ", step " << step << ", end " << end;
 }
 
+TEST(HeldReadings, AChannelThatWasStuckOnceOrTwiceIsNotHeldSinceThen) {
+  for (const int spells : {1, 2})
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+      HeldReadings held;
+      std::mt19937_64 random(seed);
+      std::normal_distribution<double> normal;
+      std::uniform_int_distribution<int> long_(100, 900);
+      double shown = 0.0;
+      int until = 0, left = spells;
+      for (int i = 0; i < 8000; ++i) {
+        if (left > 0 && i == 1000 * (spells - left + 1)) {
+          until = i + long_(random);
+          --left;
+        }
+        if (i >= until) shown = std::sin(2 * M_PI * i / 50.03) + 1e-3 * normal(random);
+        held.add(shown, 0.0);
+        ASSERT_FALSE(held.held()) << spells << " spells, seed " << seed << ", reading " << i;
+      }
+    }
+}
+
 // Of 4000 readings the part `stale` are as old as that many polls.
 HeldReadings::Again again_of(const ReadMotion& motion, double stale, int polls, std::uint64_t seed) {
   HeldReadings held;
