@@ -44,7 +44,28 @@ std::vector<Agreement> differences(const MotionEstimate& motion, const Dwell& dw
   return all;
 }
 
+// Whether the term that explains the readings leaves every coefficient of the dwell within its U95. Not where nothing
+// explains them, or what the term moves is not known.
+bool moves_little(const MotionEstimate& motion, const Dwell& dwell) {
+  if (motion.missing.empty() || motion.missing.front().moves.size() < 2 * dwell.elements.size()) return false;
+  const std::vector<double>& moves = motion.missing.front().moves;
+  for (std::size_t e = 0; e < dwell.elements.size(); ++e) {
+    const ElementEstimate& element = dwell.elements[e];
+    if (!element.identifiable) continue;
+    const bool little =
+        std::abs(moves[2 * e]) <= element.stiffness.U95 && std::abs(moves[2 * e + 1]) <= element.damping.U95;
+    if (!little) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion) {
+  const bool inside = dwell.settled_s < motion.end_s && motion.start_s < dwell.end_s;
+  if (!motion.contradicted || !inside) return std::nullopt;
+  return Objection{"any motion: " + motion.reason, !moves_little(motion, dwell)};
+}
 
 std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell) {
   std::vector<Agreement> all = differences(motion, dwell);

@@ -1,4 +1,4 @@
-// Whether the coefficients of any motion agree with those of a dwell of the same rig.
+// Whether the coefficients of any motion agree with those of a dwell of the same rig, and what it holds against them.
 //
 // An error of the rig file shifts both estimates alike where the transient tells no more than the steady motion. What
 // then makes them differ is noise. Let d be the difference of a coefficient, and u_dwell and u_motion its standard
@@ -10,6 +10,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "core/result/motion.hpp"
 
@@ -19,5 +20,15 @@ namespace dwell {
 // U95 of both, and by more than noise makes one of them differ in 5 % of cases (Bonferroni). Thread-safe; allocates;
 // some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
+
+// What speaks against a dwell where the readings of a stretch that it lies in contradict the chain: its coefficients
+// rest on the same chain. One steady frequency cannot show that by itself.
+struct Objection {
+  std::string what;   // "any motion: the chain of the rig file does not explain y1; …"
+  bool grave = true;  // false: the term that explains it moves no coefficient by more than its U95
+};
+
+// nullopt: the chain is not contradicted, or not where the dwell's data lie. Thread-safe; allocates.
+[[nodiscard]] std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion);
 
 }  // namespace dwell

@@ -81,6 +81,7 @@ class Report {
       out.readings += static_cast<std::size_t>(pass_.count[c]);
       if (channel.unexplained > kNotLinear && channel.u_noise > kMoreThanNoise * course_.noise[c] && !far_from_linear) {
         far_from_linear = true;  // says more than that the estimate did not converge
+        out.contradicted = true;
         out.reason = "no linear chain explains " + rig_.channels[c].name + ": " + percent(channel.unexplained) +
                      " of its motion is left over (noise from reading to reading: " +
                      percent(course_.noise[c] / course_.size[c]) + ")";
@@ -147,6 +148,7 @@ class Report {
       noise_may_hide_ = strange_;
       return;
     }
+    out.contradicted = true;
     out.reason = "the chain of the rig file does not explain " + listed(names);
   }
 

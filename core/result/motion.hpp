@@ -20,7 +20,8 @@ struct MotionChannel {
 };
 
 struct MotionEstimate {
-  std::string reason;  // why there are no elements; empty: there are elements
+  std::string reason;         // why there are no elements; empty: there are elements
+  bool contradicted = false;  // the reason: the readings contradict the chain of the rig file
   double start_s = kNaN, end_s = kNaN;
   std::vector<ElementEstimate> elements;
   std::vector<double> covariance;  // of (c, r) of each identifiable element; row-major

@@ -23,6 +23,21 @@ std::optional<Agreement> agreement(const MotionEstimate& motion, const std::vect
   return newest;
 }
 
+// What any motion holds against the dwells becomes a doubt of theirs, or where it is of little weight a warning.
+void object(const MotionEstimate& motion, std::vector<Dwell>& dwells) {
+  for (Dwell& dwell : dwells) {
+    const std::optional<Objection> objection = objection_to(dwell, motion);
+    if (!objection) continue;
+    if (objection->grave) {
+      // The doubts stand first among the warnings.
+      dwell.warnings.insert(dwell.warnings.begin() + static_cast<std::ptrdiff_t>(dwell.doubts.size()), objection->what);
+      dwell.doubts.push_back({{}, objection->what});
+    } else {
+      dwell.warnings.push_back(objection->what);
+    }
+  }
+}
+
 void add(const MotionEstimate& motion, const std::optional<Agreement>& agreement, const Rig& rig, Printout& to) {
   const MotionView view = make_view(motion, agreement, rig);
   to.document["motion"] = json_value(view);
@@ -61,6 +76,7 @@ int identify_recording(const IdentifyOptions& options) {
     auto found = identify_motion(run->rig(), run->source());
     if (!found) return unusable(found.error());
     motion = std::move(*found);
+    object(*motion, dwells);
   }
   Printout out = printout(run->rig(), run->info(), dwells);
   if (motion) add(*motion, agreement(*motion, dwells), run->rig(), out);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace dwell {
 namespace {
@@ -80,6 +82,40 @@ TEST(DwellAgreement, CallsNoContradictionWhatChanceExplains) {
   };
   EXPECT_FALSE(contradicts(1.11));
   EXPECT_TRUE(contradicts(1.13));
+}
+
+Pair contradicted(std::vector<double> moves) {
+  Pair p = same_data(100.0, 100.0);
+  p.motion.elements.clear();
+  p.motion.contradicted = true;
+  p.motion.reason = "the chain of the rig file does not explain y1";
+  if (!moves.empty()) {
+    p.motion.missing.resize(1);
+    p.motion.missing[0].moves = std::move(moves);
+  }
+  return p;
+}
+
+TEST(ObjectionToADwell, IsGraveWhereNothingExplainsTheReadingsOrWhatDoesMovesACoefficientBeyondItsU95) {
+  const Pair unexplained = contradicted({});
+  const auto objection = objection_to(unexplained.dwell, unexplained.motion);
+  ASSERT_TRUE(objection);
+  EXPECT_EQ(objection->what, "any motion: the chain of the rig file does not explain y1");
+  EXPECT_TRUE(objection->grave);
+  const Pair stiffness = contradicted({-4.1, 0.0}), damping = contradicted({0.0, 0.21}),
+             neither = contradicted({3.9, -0.19});
+  EXPECT_TRUE(objection_to(stiffness.dwell, stiffness.motion)->grave);
+  EXPECT_TRUE(objection_to(damping.dwell, damping.motion)->grave);
+  EXPECT_FALSE(objection_to(neither.dwell, neither.motion)->grave);
+}
+
+TEST(ObjectionToADwell, IsNoneWhereOnlyTheReadingsAreTooFewOrTheDwellIsNotInTheStretch) {
+  Pair few = contradicted({});
+  few.motion.contradicted = false;
+  EXPECT_FALSE(objection_to(few.dwell, few.motion));
+  Pair later = contradicted({});
+  later.motion.end_s = 4.0;
+  EXPECT_FALSE(objection_to(later.dwell, later.motion));
 }
 
 }  // namespace

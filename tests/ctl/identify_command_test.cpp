@@ -1,7 +1,12 @@
 // dwellctl identify as its users see it: exit code, what is printed, what is said on standard error.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 
@@ -70,6 +75,43 @@ TEST(CommandLine, IdentifySaysNoToACoefficientThatNoChainCanHave) {
   EXPECT_TRUE(dwell["elements"][0]["stiffness"].is_null());
   EXPECT_NE(dwell["elements"][0]["reason"].get<std::string>().find(" ± "), std::string::npos);
   EXPECT_EQ(dwell["doubts"][0]["elements"], Json({1}));
+}
+
+// As recording(), but the table is at rest at first, and y0 is read so many seconds late.
+std::string start_up(double late_s) {
+  constexpr double omega = 2.0 * std::numbers::pi * 4.0, ramp_s = 0.3;
+  const auto motion_mm = [](double t_s) {
+    const double since_s = std::max(0.0, t_s - 1.0);
+    return 0.5 * (1.0 - std::exp(-since_s / ramp_s)) * std::sin(omega * since_s);
+  };
+  std::string text = "t,y0,reaction\n";
+  for (int i = 0; i < 2000; ++i) {
+    const double t_s = i / 200.0, dt = 1e-5;
+    const double velocity = (motion_mm(t_s + dt) - motion_mm(t_s - dt)) / (2.0 * dt);
+    const double force = 1e-3 * (240000.0 * motion_mm(t_s) + 310.0 * velocity);
+    const double noise = std::sin(1e4 * i * i);  // without a pattern
+    std::array<char, 120> line{};
+    std::snprintf(line.data(), line.size(), "%.6f,%.9g,%.9g\n", t_s, motion_mm(t_s - late_s) + 1e-4 * noise,
+                  force + 0.02 * std::sin(3e4 * i * i));
+    text += line.data();
+  }
+  return text;
+}
+
+TEST(CommandLine, IdentifyDoubtsADwellWhoseStartContradictsTheChain) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig), late = folder.file("late.csv", start_up(0.02));
+  const Outcome right = run({"identify", "--rig", rig, folder.file("right.csv", start_up(0.0))});
+  EXPECT_EQ(right.code, 0) << right.out << right.err;
+  // Of the steady motion alone a delay is damping.
+  EXPECT_EQ(run({"identify", "--rig", rig, late, "--method", "harmonic"}).code, 0);
+  const Outcome both = run({"identify", "--rig", rig, late});
+  EXPECT_EQ(both.code, 1) << both.out;
+  EXPECT_NE(both.out.find("a delay of y0 of "), std::string::npos) << both.out;
+  const Json dwell = Json::parse(run({"identify", "--rig", rig, late, "--json"}).out)["dwells"][0];
+  ASSERT_EQ(dwell["doubts"].size(), 1U);
+  EXPECT_EQ(dwell["warnings"][0], dwell["doubts"][0]["what"]);
+  EXPECT_EQ(dwell["doubts"][0]["what"].get<std::string>().find("any motion: "), 0U);
 }
 
 TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {
