@@ -61,7 +61,7 @@ void Trend::take(const DwellView& view, double now_s) {
     std::string key = view.run.start_utc + " " + std::to_string(dwell.index.value_or(0));
     const double data_s = dwell.end_s - dwell.settled_s;
     if (key != dwell_ && dwell.state == State::measuring && data_s > 0.0) point.from_s -= data_s;
-    // The same dwell after a while without any news, as after a lost connection: its value is that of the while, too.
+    // No news came for a while, as after a lost connection, and the dwell goes on: its value holds for the while.
     if (key == dwell_ && now_s - points_.back().t_s > kEvery_s) point.from_s = points_.back().t_s;
     dwell_ = std::move(key);
   }
