@@ -19,6 +19,8 @@ std::vector<Parameter> missing_candidates(const Rig& rig) {
     for (const Unknown what :
          {Unknown::mass, Unknown::ground_damping, Unknown::ground_stiffness, Unknown::ground_friction})
       out.push_back({what, i});
+  for (int pair = 0; pair < static_cast<int>(apart(rig.mass_count()).size()); ++pair)
+    out.push_back({Unknown::side_stiffness, pair});
   for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c)
     if (rig.channels[static_cast<std::size_t>(c)].measures != Quantity::auxiliary)
       for (const Unknown what : {Unknown::scale, Unknown::delay}) out.push_back({what, c});
@@ -30,6 +32,10 @@ std::vector<Parameter> missing_candidates(const Rig& rig) {
 double natural_size(const Rig& rig, const Parameter& candidate, const ElementSizes& elements) {
   const double omega = omega_of(rig);
   const auto mass = [&] { return rig.masses[static_cast<std::size_t>(candidate.index)]; };
+  const auto upper_mass = [&] {
+    return rig.masses[static_cast<std::size_t>(
+        apart(rig.mass_count())[static_cast<std::size_t>(candidate.index)].second - 1)];
+  };
   const auto force = [&] {
     const double d = elements.deformation(candidate.index);
     return d * std::hypot(elements.stiffness(candidate.index), omega * elements.damping(candidate.index));
@@ -42,6 +48,8 @@ double natural_size(const Rig& rig, const Parameter& candidate, const ElementSiz
       return mass() * omega * omega;
     case Unknown::ground_damping:
       return mass() * omega;
+    case Unknown::side_stiffness:
+      return upper_mass() * omega * omega;
     case Unknown::delay:
       return 1 / omega;
     case Unknown::friction:
@@ -60,6 +68,7 @@ bool is_possible(const Rig& rig, const Parameter& candidate, double value) {
       return rig.masses[static_cast<std::size_t>(candidate.index)] + value > 0;
     case Unknown::ground_stiffness:
     case Unknown::ground_damping:
+    case Unknown::side_stiffness:
     case Unknown::friction:
     case Unknown::ground_friction:
       return value > 0;

@@ -1,5 +1,6 @@
 // What the model of a rig may lack, one physical term each: a mass, a scale or a delay that is off; a spring, a damper
-// or Coulomb friction from a mass to ground; Coulomb friction and a cubic stiffness of an element.
+// or Coulomb friction from a mass to ground; a spring between places that no element joins; Coulomb friction and a
+// cubic stiffness of an element.
 #pragma once
 
 #include <Eigen/Core>

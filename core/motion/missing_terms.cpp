@@ -197,16 +197,31 @@ class AnewSearch {
     double value = 0.0, u = 0.0;  // of a term
   };
   [[nodiscard]] Tried fitted(const Hypothesis& one, std::size_t most) {
-    const MotionCourse course = run_course(rig_, one.term ? data_ : without(rig_, data_, one.mistake), most, one.term);
+    if (!one.term) return {fit_of(run_course(rig_, without(rig_, data_, one.mistake), most))};
+    Tried out = with_term(*one.term, data_, most);
+    // The model's delay is a series, exact for small delays only. So the stamps are shifted by the delay found first,
+    // and a second fit finds the rest.
+    if (one.term->what == Unknown::delay && most == most_ && out.fit.possible) {
+      const double before = out.value;
+      out = with_term(*one.term, shifted(data_, one.term->index, -before), most);
+      out.value += before;
+    }
+    out.fit.possible = out.fit.possible && is_possible(rig_, *one.term, out.value);
+    return out;
+  }
+  [[nodiscard]] ChainFit fit_of(const MotionCourse& course) {
     left_ -= work_of(course);
-    Tried out{chain_fit(rig_, course)};
-    if (!one.term || !out.fit.possible) return out;
+    return chain_fit(rig_, course);
+  }
+  [[nodiscard]] Tried with_term(const Parameter& term, const MotionData& data, std::size_t most) {
+    const MotionCourse course = run_course(rig_, data, most, term);
+    Tried out{fit_of(course)};
+    if (!out.fit.possible) return out;
     for (std::size_t a = 0; a < course.parameters.size(); ++a)
-      if (course.parameters[a].what == one.term->what && course.parameters[a].index == one.term->index) {
+      if (course.parameters[a].what == term.what && course.parameters[a].index == term.index) {
         out.value = course.fit.at.theta(static_cast<Index>(a));
         out.u = std::sqrt(course.fit.covariance(static_cast<Index>(a), static_cast<Index>(a)));
       }
-    out.fit.possible = is_possible(rig_, *one.term, out.value);
     return out;
   }
   [[nodiscard]] MissingTerm told(const Hypothesis& one, const Tried& tried, double gained) const {

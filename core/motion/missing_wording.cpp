@@ -18,6 +18,7 @@ std::string unit_of(const Rig& rig, const Parameter& term) {
     case Unknown::mass:
       return force_per(rig, "kg", "kg*m2");
     case Unknown::ground_stiffness:
+    case Unknown::side_stiffness:
       return force_per(rig, "N/m", "N*m/rad");
     case Unknown::ground_damping:
       return force_per(rig, "N*s/m", "N*m*s/rad");
@@ -51,6 +52,8 @@ std::string in_words(const Rig& rig, const Parameter& term, const MissingTerm& o
       return "a damper of " + number + " from mass " + mass + " to ground";
     case Unknown::ground_stiffness:
       return "a spring of " + number + " from mass " + mass + " to ground";
+    case Unknown::side_stiffness:
+      return "a spring of " + number + " " + between(apart(rig.mass_count())[i]);
     case Unknown::friction:
       return "friction of " + number + " in element " + mass;
     case Unknown::ground_friction:

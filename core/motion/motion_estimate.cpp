@@ -295,9 +295,11 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
       out.warnings.push_back("the readings are better explained with " + with + " " + gain +
                              ": uncertainties are widened by what it would change");
   } else if (refused && course.reason.empty()) {
-    out.reason += ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, " +
-                  std::string(found.tried_inputs ? "friction, cubic springs, " : "") +
-                  "signs, swapped channels. Check the readings and the rig file";
+    out.reason +=
+        ", and none of the terms tried explains it: masses, scales, delays, springs and dampers to ground, springs "
+        "beside the chain, " +
+        std::string(found.tried_inputs ? "friction, cubic springs, " : "") +
+        "signs, swapped channels. Check the readings and the rig file";
   }
   out.missing = std::move(found.terms);
   out.unchecked = std::move(found.unchecked);

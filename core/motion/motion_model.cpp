@@ -1,6 +1,7 @@
 #include "core/motion/motion_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -15,6 +16,11 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
+// Terms of the series of e^(-δ A), behind the 1. With three, a delay of a quarter of a radian has an error of 2e-4 of
+// the motion. With one, a rig without masses takes half of a delay for damping: the first-order all-pass
+// (1 + jωδ/2)/(1 - jωδ/2) has the amplitude 1, as the delay has.
+constexpr std::size_t kDelayTerms = 3;
+
 bool differentiated_table(const Rig& rig) {
   return std::any_of(rig.channels.begin(), rig.channels.end(), [](const Channel& c) {
     return c.measures == Quantity::acceleration && (c.at == 0 || c.relative_to == 0);
@@ -26,6 +32,7 @@ bool differentiated_table(const Rig& rig) {
 MotionModel::MotionModel(const Rig& rig, std::vector<Parameter> parameters)
     : rig_(rig),
       parameters_(std::move(parameters)),
+      apart_(apart(rig.mass_count())),
       omega0_(kTwoPi * (rig.excitation.frequency_hz > 0 ? rig.excitation.frequency_hz : 1.0)),
       n_(rig.mass_count()),
       table_(differentiated_table(rig) ? 4 : 3),
@@ -71,9 +78,21 @@ RowVectorXd MotionModel::force_row(const Coefficients& of, int k) const {
   return of.stiffness(k - 1) * deformation_row(k) + of.damping(k - 1) * rate_row(k);
 }
 
+RowVectorXd MotionModel::side_row(const Coefficients& of, int k) const {
+  RowVectorXd row = RowVectorXd::Zero(states_);
+  for (std::size_t i = 0; i < apart_.size(); ++i) {
+    const auto [a, b] = apart_[i];
+    const double stiffness = of.side_stiffness(static_cast<Eigen::Index>(i));
+    if (stiffness == 0.0 || (k != a && k != b)) continue;
+    row += (k == a ? stiffness : -stiffness) *
+           (place_row(of, Quantity::displacement, b) - place_row(of, Quantity::displacement, a));
+  }
+  return row;
+}
+
 RowVectorXd MotionModel::acceleration_row(const Coefficients& of, int k) const {
   if (k > 0)
-    return of.inverse_mass(k - 1) * (force_row(of, k + 1) - force_row(of, k) -
+    return of.inverse_mass(k - 1) * (force_row(of, k + 1) - force_row(of, k) + side_row(of, k) -
                                      of.ground_stiffness(k - 1) * place_row(of, Quantity::displacement, k) -
                                      of.ground_damping(k - 1) * place_row(of, Quantity::velocity, k));
   RowVectorXd row = RowVectorXd::Zero(states_);
@@ -153,11 +172,12 @@ MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficien
            : what == Unknown::damping          ? &change.damping
            : what == Unknown::ground_stiffness ? &change.ground_stiffness
            : what == Unknown::ground_damping   ? &change.ground_damping
+           : what == Unknown::side_stiffness   ? &change.side_stiffness
                                                : nullptr;
   };
   if (VectorXd* const of = coefficient(by.what); of != nullptr) {
-    for (const Unknown what :
-         {Unknown::stiffness, Unknown::damping, Unknown::ground_stiffness, Unknown::ground_damping})
+    for (const Unknown what : {Unknown::stiffness, Unknown::damping, Unknown::ground_stiffness, Unknown::ground_damping,
+                               Unknown::side_stiffness})
       coefficient(what)->setZero();
     (*of)(by.index) = 1.0;
     return parts(change, Of::change_of_elements);
@@ -180,8 +200,9 @@ MotionModel::Parts MotionModel::derivative(const Parameter& by, const Coefficien
 
 LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
   const int elements = rig_.element_count();
-  Coefficients now{VectorXd::Zero(elements), VectorXd::Zero(elements),
-                   Eigen::Map<const VectorXd>(rig_.masses.data(), n_), VectorXd::Zero(n_), VectorXd::Zero(n_)};
+  Coefficients now{
+      VectorXd::Zero(elements), VectorXd::Zero(elements), Eigen::Map<const VectorXd>(rig_.masses.data(), n_),
+      VectorXd::Zero(n_),       VectorXd::Zero(n_),       VectorXd::Zero(static_cast<Eigen::Index>(apart_.size()))};
   Rig rig = rig_;
   for (std::size_t a = 0; a < parameters_.size(); ++a) {
     const Parameter& p = parameters_[a];
@@ -190,6 +211,7 @@ LinearModel MotionModel::at(const VectorXd& theta, bool derivatives) const {
     if (p.what == Unknown::damping) now.damping(p.index) = value;
     if (p.what == Unknown::ground_stiffness) now.ground_stiffness(p.index) = value;
     if (p.what == Unknown::ground_damping) now.ground_damping(p.index) = value;
+    if (p.what == Unknown::side_stiffness) now.side_stiffness(p.index) = value;
     if (p.what == Unknown::drive) now.drive = value;
     if (p.what == Unknown::mass) now.inverse_mass(p.index) += value;
     const auto i = static_cast<std::size_t>(p.index);
@@ -241,7 +263,8 @@ void MotionModel::add_inputs(const Coefficients& now, const Parts& here, LinearM
   }
 }
 
-// Scales and delays act on a whole row: (1 + scale) (C_c - δ C_c A), to first order in the departure δ of the delay.
+// Scales and delays act on a whole row: (1 + scale) C_c e^(-δ A), δ the delay's departure from the rig file. Only the
+// first terms of the series are used: the whole exponential extrapolates a fast state backwards without bound.
 void MotionModel::state_row(int c, const VectorXd& theta, const Parts& here, LinearModel& out) const {
   const int device = rig_.channels[static_cast<std::size_t>(c)].device;
   const auto delays = [&](const Parameter& p) {
@@ -253,18 +276,38 @@ void MotionModel::state_row(int c, const VectorXd& theta, const Parts& here, Lin
     if (delays(parameters_[a])) late += theta(static_cast<Eigen::Index>(a));
     if (scales(parameters_[a])) scale += theta(static_cast<Eigen::Index>(a));
   }
-  const RowVectorXd row = here.C.row(c), slope = row * here.A;
-  out.C.row(c) = scale * (row - late * slope);
+  std::array<RowVectorXd, kDelayTerms + 1> terms;
+  terms[0] = here.C.row(c);
+  RowVectorXd row = terms[0], by_delay = RowVectorXd::Zero(states_);
+  for (std::size_t k = 1; k <= kDelayTerms; ++k) {
+    by_delay -= terms[k - 1] * here.A;
+    terms[k] = -late / static_cast<double>(k) * (terms[k - 1] * here.A);
+    row += terms[k];
+  }
+  out.C.row(c) = scale * row;
   if (out.D.cols() > 0) out.D.row(c) *= scale;
   for (std::size_t a = 0; a < out.dC.size(); ++a) {
-    MatrixXd& dC = out.dC[a];
-    if (delays(parameters_[a]) || scales(parameters_[a])) {
-      if (dC.size() == 0) dC = MatrixXd::Zero(out.C.rows(), states_);
-      dC.row(c) = scales(parameters_[a]) ? RowVectorXd(row - late * slope) : RowVectorXd(-scale * slope);
-    } else if (dC.size() > 0 && out.dA[a].size() > 0) {
-      const RowVectorXd by = dC.row(c);
-      dC.row(c) = scale * (by - late * (by * here.A + row * out.dA[a]));
+    MatrixXd &dC = out.dC[a], &dA = out.dA[a];
+    const bool moves_row = dC.size() > 0 || delays(parameters_[a]) || scales(parameters_[a]);
+    const bool moves_delayed = late != 0.0 && dA.size() > 0 && parameters_[a].what != Unknown::clock;
+    if (!moves_row && !moves_delayed) continue;
+    if (dC.size() == 0) dC = MatrixXd::Zero(out.C.rows(), states_);
+    if (scales(parameters_[a])) {
+      dC.row(c) = row;
+      continue;
     }
+    if (delays(parameters_[a])) {
+      dC.row(c) = scale * by_delay;
+      continue;
+    }
+    RowVectorXd by = dC.row(c), sum = by;
+    for (std::size_t k = 1; k <= kDelayTerms && late != 0.0; ++k) {
+      by = by * here.A;
+      if (dA.size() > 0) by += terms[k - 1] * dA;
+      by *= -late / static_cast<double>(k);
+      sum += by;
+    }
+    dC.row(c) = scale * sum;
   }
 }
 

@@ -13,11 +13,14 @@
 //   m_k y_k'' = f_{k+1} - f_k - g_k y_k - h_k y_k',   d_k'' = y_k'' - y_{k-1}'',   force on the ground = -f_{n+1}
 //
 // g_k and h_k are the stiffness and damping between mass k and the ground (Unknown::ground_stiffness, ground_damping);
-// they are 0 unless they are tested as missing. A and C are linear in c, r, g and h, and in 1/m. An input (is_input())
-// of amplitude a adds a u(t) to f_k: B a u to x', D a u to the reading. docs/method.md, Any motion.
+// s_ab is the stiffness between places a and b that no element joins (Unknown::side_stiffness). It adds
+// s_ab (y_b - y_a) to m_a y_a'' and the opposite to m_b y_b''. All three are 0 unless they are tested as missing. A and
+// C are linear in c, r, g, h and s, and in 1/m. An input (is_input()) of amplitude a adds a u(t) to f_k: B a u to x',
+// D a u to the reading. docs/method.md, Any motion.
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "core/motion/unknowns.hpp"
@@ -61,6 +64,7 @@ class MotionModel {
   struct Coefficients {
     Eigen::VectorXd stiffness, damping, inverse_mass;
     Eigen::VectorXd ground_stiffness, ground_damping;  // per mass
+    Eigen::VectorXd side_stiffness;                    // per pair of places: apart()
     double drive = 0.0;
   };
   enum class Of { all, change_of_elements, change_of_masses };
@@ -68,6 +72,8 @@ class MotionModel {
     Eigen::MatrixXd A, C;  // of table and chain; C before filters
   };
   [[nodiscard]] Eigen::RowVectorXd force_row(const Coefficients& of, int k) const;
+  // Force on mass k of the springs between places that no element joins.
+  [[nodiscard]] Eigen::RowVectorXd side_row(const Coefficients& of, int k) const;
   // y_k''; linear in the coefficients for k > 0.
   [[nodiscard]] Eigen::RowVectorXd acceleration_row(const Coefficients& of, int k) const;
   [[nodiscard]] Eigen::RowVectorXd place_row(const Coefficients& of, Quantity quantity, int place) const;
@@ -85,6 +91,7 @@ class MotionModel {
 
   Rig rig_;
   std::vector<Parameter> parameters_;
+  std::vector<std::pair<int, int>> apart_;
   double omega0_;
   int n_, table_, states_;
   std::vector<int> filters_at_;  // per channel: where its filters' states begin

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/base/angle.hpp"
+#include "core/base/instants.hpp"
 #include "core/motion/element_inputs.hpp"
 #include "core/motion/whiteness.hpp"
 
@@ -12,10 +15,13 @@ namespace {
 using Eigen::Index;
 
 constexpr int kRefitPasses = 12;  // from a maximum nearby
-// An input depends on the fitted motion, at first that without it. It is made anew and fitted again until the gain
-// grows by less than this part, at most kRounds times.
+// Two kinds of terms are fitted in rounds. An input depends on the fitted motion, at first on the one without it: it is
+// computed anew from each fit. Of a delay the model has the first terms of a series: the stamps are shifted by what was
+// found. The rounds end when the gain grows by less than this part, after kRounds at the latest.
 constexpr double kSettled = 0.01;
 constexpr int kRounds = 6;
+// rad of the drive: up to here the model's three terms of a delay are exact to 10⁻⁶ of the motion.
+constexpr double kExact = 0.07;
 
 // V with the priors' part.
 double value_at(const MotionModel& model, const MotionData& data, const MotionUnknowns& at) {
@@ -27,6 +33,14 @@ double value_at(const MotionModel& model, const MotionData& data, const MotionUn
 }
 
 }  // namespace
+
+MotionData shifted(MotionData data, int channel, double by_s) {
+  for (MotionReading& reading : data.readings)
+    if (reading.channel == channel) reading.t_ns += to_ns(by_s);
+  std::stable_sort(data.readings.begin(), data.readings.end(),
+                   [](const MotionReading& a, const MotionReading& b) { return a.t_ns < b.t_ns; });
+  return data;
+}
 
 Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& term, const MotionUnknowns& start,
                  double value) {
@@ -56,19 +70,26 @@ Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& te
   there.theta(a) = value;
   for (Index i = 0; i < at.theta.size(); ++i) there.theta(i) = std::max(there.theta(i), limits.lowest(i));
   if (value_at(model, data, there) < course.fit.V) at = there;
+  double in_stamps = 0.0;  // s: the part of a delay by which the stamps have been shifted
   for (int round = 0; round < kRounds; ++round) {
+    if (round > 0 && is_input(term.what)) data.inputs = element_inputs(model, data, at, {term});
+    if (round > 0 && term.what == Unknown::delay) {
+      data = shifted(std::move(data), term.index, -at.theta(a));
+      in_stamps += std::exchange(at.theta(a), 0.0);
+    }
     const double gained = course.fit.V - fit.V;
     fit = fit_motion(model, data, at, limits);
     at = fit.at;
-    if (!is_input(term.what) || !fit.converged) break;
-    if (round > 1 && course.fit.V - fit.V < (1 + kSettled) * gained) break;
-    data.inputs = element_inputs(model, data, at, {term});
+    const bool shifts = term.what == Unknown::delay &&
+                        (in_stamps != 0.0 || !(std::abs(at.theta(a)) * kTwoPi * rig.excitation.frequency_hz < kExact));
+    if (!shifts && (!is_input(term.what) || !fit.converged)) break;
+    if (round > 1 && fit.converged && course.fit.V - fit.V < (1 + kSettled) * gained) break;
   }
   Refit out;
   out.converged = fit.converged && std::isfinite(fit.V);
   if (!out.converged) return out;
   out.gain = course.fit.V - fit.V;
-  out.value = fit.at.theta(a);
+  out.value = in_stamps + fit.at.theta(a);
   const Index coefficients = 2 * rig.element_count();
   out.moves = fit.at.theta.head(coefficients) - course.fit.at.theta.head(coefficients);
   double variance = fit.covariance(a, a);

@@ -17,8 +17,12 @@ struct Refit {
   Eigen::VectorXd moves;  // change of (c, r) of each element
 };
 
+// The same readings, those of one channel stamped later by `by_s`, in the order of their new instants.
+[[nodiscard]] MotionData shifted(MotionData data, int channel, double by_s);
+
 // course.fit: converged. start and value: the maximum that the score test expects; used if V is lower there than at the
-// fit without the term. Some five to ten passes with derivatives. Allocates; thread-safe.
+// fit without the term. A delay is not bound to the first terms that the model has of it: the stamps are shifted by
+// what was found. Some five to ten passes with derivatives. Allocates; thread-safe.
 [[nodiscard]] Refit refit_with(const Rig& rig, const MotionCourse& course, const Parameter& term,
                                const MotionUnknowns& start, double value);
 

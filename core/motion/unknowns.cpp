@@ -6,7 +6,24 @@ namespace {
 // Where a rig file lets the drive be searched: ±2 % of nominal, by default. Of random motion no reading tells it.
 constexpr double kDriveU = 0.02;
 
+// Largest number of masses with which all pairs of places are tried: 28 pairs, beside 32 other terms of masses. Larger:
+// the search for what is missing takes longer, as the square. Smaller: a spring past several masses is not tried.
+constexpr int kAllPairs = 8;
+
 }  // namespace
+
+std::vector<std::pair<int, int>> apart(int masses) {
+  std::vector<std::pair<int, int>> out;
+  for (int a = 0; a + 2 <= masses; ++a)
+    for (int b = a + 2; b <= (masses <= kAllPairs ? masses : a + 2); ++b) out.emplace_back(a, b);
+  return out;
+}
+
+std::string between(const std::pair<int, int>& places) {
+  const auto [a, b] = places;
+  return "between " + (a == 0 ? std::string("the table") : "mass " + std::to_string(a)) + " and mass " +
+         std::to_string(b);
+}
 
 std::vector<Parameter> free_parameters(const Rig& rig, int stretches) {
   std::vector<Parameter> out;
@@ -75,6 +92,8 @@ std::string name_of(const Rig& rig, const Parameter& parameter) {
       return "spring of mass " + number() + " to ground";
     case Unknown::ground_damping:
       return "damping of mass " + number() + " to ground";
+    case Unknown::side_stiffness:
+      return "spring " + between(apart(rig.mass_count())[i]);
     case Unknown::friction:
       return "friction in element " + number();
     case Unknown::ground_friction:

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/rig/rig.hpp"
@@ -25,6 +26,7 @@ enum class Unknown : std::uint8_t {
   clock,             // relative: true time runs faster than the stamps by this part
   ground_stiffness,  // of a spring from mass `index` + 1 to ground, N/m
   ground_damping,    // of a damper there, N·s/m
+  side_stiffness,    // of a spring between the pair of places apart()[`index`], N/m
   friction,          // Coulomb's, in element `index` + 1, N
   ground_friction,   // Coulomb's, between mass `index` + 1 and ground, N
   cubic,             // force of that element per cube of its deformation, N/m³
@@ -41,6 +43,13 @@ struct Parameter {
 [[nodiscard]] constexpr bool is_input(Unknown what) noexcept {
   return what == Unknown::friction || what == Unknown::ground_friction || what == Unknown::cubic;
 }
+
+// Pairs of places that no element joins: 0 the table, k mass k, the nearer to the table first. A rig file may lack a
+// spring between them. With more than eight masses only the pairs that have one mass between them: masses - 1 pairs.
+[[nodiscard]] std::vector<std::pair<int, int>> apart(int masses);
+
+// Two places in words: "between the table and mass 2", "between mass 1 and mass 4".
+[[nodiscard]] std::string between(const std::pair<int, int>& places);
 
 // Coefficients, intensities of `stretches` stretches, noise of all channels that count, without priors; then the drive.
 [[nodiscard]] std::vector<Parameter> free_parameters(const Rig& rig, int stretches);

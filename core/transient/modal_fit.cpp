@@ -247,9 +247,15 @@ Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::Matr
   if (!usable(channel)) return spread;
   const Eigen::MatrixXd& covariance = at(channel).covariance();
   const Index errors = errors_of(at(channel));
-  for (Index j = 0; j < errors; ++j)
-    for (Index i = 0; i < errors; ++i)
-      spread.noalias() += covariance(std::max(i, j), std::min(i, j)) * B.col(i).lazyProduct(B.col(j).transpose());
+  for (Index j = 0; j < errors; ++j) {
+    const double sine = B(0, j), cosine = B(1, j);
+    for (Index i = 0; i < errors; ++i) {
+      const double part = covariance(std::max(i, j), std::min(i, j));
+      const Eigen::Vector2d b = B.col(i);
+      spread.col(0) += part * (b * sine);
+      spread.col(1) += part * (b * cosine);
+    }
+  }
   return spread;
 }
 

@@ -115,8 +115,8 @@ VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chai
     return out;
   }
   const double wanted_s = initial_s(chain);
-  std::int64_t from_ns =
-      std::max({of_table.front(), behind_last_gap(of_table, out.until_ns), to_ns(dwell.start_s - wanted_s)});
+  const std::int64_t gap_ns = behind_last_gap(of_table, out.until_ns);
+  const std::int64_t from_ns = std::max({of_table.front(), gap_ns, to_ns(dwell.start_s - wanted_s)});
   out.score_from_ns = from_ns + to_ns(std::min(wanted_s, kInitialPart * to_s(out.until_ns - from_ns)));
   std::size_t total = 0;
   for (std::size_t c = 0; c < rig.channels.size(); ++c)
@@ -144,8 +144,12 @@ VerificationStretch stretch_until(const Rig& rig, const Dwell& dwell, const Chai
     out.readings[i] = std::move(cut_out);
   }
   if (out.compared.empty())
-    out.fault = "only " + brief(to_s(out.until_ns - from_ns), 2) + " s of motion lie before the data that count, at " +
-                brief(dwell.settled_s, 4) + " s: too few readings to score";
+    out.fault = "only " + brief(to_s(out.until_ns - from_ns), 2) + " s of motion lie " +
+                (from_ns == gap_ns
+                     ? "between a gap in the readings of " + rig.channels[static_cast<std::size_t>(out.table)].name +
+                           ", which ends at " + brief(to_s(gap_ns), 4) + " s, and "
+                     : "before ") +
+                "the data that count, at " + brief(dwell.settled_s, 4) + " s: too few readings to score";
   return out;
 }
 

@@ -1,6 +1,6 @@
-// Readings of a chain that has what its rig file does not: a spring or damper from a mass to ground, friction and a
-// cubic stiffness of an element. Integrated by Runge and Kutta's method of fourth order, a step per millisecond or
-// less; at 4 Hz and rates up to 100 per s that is 1e-6 of the motion.
+// Readings of a chain that has what its rig file does not: a spring or damper from a mass to ground, a spring
+// between the table and a mass, friction and a cubic stiffness of an element. Integrated by Runge and Kutta's method of
+// fourth order, a step per millisecond or less; at 4 Hz and rates up to 100 per s that is 1e-6 of the motion.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,8 @@ namespace dwell {
 struct Faults {
   int mass = 1;  // joined to the ground by …
   double ground_stiffness = 0.0, ground_damping = 0.0;
-  int element = 1;  // with …
+  double table_stiffness = 0.0;  // … and to the table
+  int element = 1;               // with …
   double friction = 0.0, cubic = 0.0;
 };
 
@@ -84,7 +85,8 @@ class FaultyMotion {
     for (std::size_t k = 0; k < n; ++k) {
       double sum = F[k + 2] - F[k + 1];
       if (static_cast<int>(k) + 1 == faults_.mass)
-        sum -= faults_.ground_stiffness * now.y[k + 1] + faults_.ground_damping * now.velocity[k + 1];
+        sum -= faults_.ground_stiffness * now.y[k + 1] + faults_.ground_damping * now.velocity[k + 1] +
+               faults_.table_stiffness * (now.y[k + 1] - now.y[0]);
       out[k] = x[n + k];
       out[n + k] = sum / chain_.masses[k];
     }

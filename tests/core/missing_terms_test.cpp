@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/motion/motion_estimate.hpp"
+#include "core/motion/refit.hpp"
 #include "tests/core/faulty_motion.hpp"
 #include "tests/core/motion_case.hpp"
 #include "tests/under_sanitizer.hpp"
@@ -63,6 +64,17 @@ TEST(MissingTerms, NamesASpringToGround) {
   EXPECT_TRUE(named(found, "spring of mass 2 to ground")) << told(found);
 }
 
+TEST(MissingTerms, NamesASpringPastAMassWithItsValue) {
+  for (const Chain& chain : {free_chain(), clamped_chain()}) {
+    const double spring = 0.05 * chain.stiffness[1];
+    const MotionEstimate found = estimate_with(chain, rig_of(chain, 4.0), {.mass = 2, .table_stiffness = spring}, 9);
+    ASSERT_TRUE(named(found, "spring between the table and mass 2")) << told(found);
+    EXPECT_EQ(found.missing.front().unit, "N/m");
+    EXPECT_NEAR(found.missing.front().value, spring, 4 * found.missing.front().u) << told(found);
+    EXPECT_NE(found.missing.front().told.find("a spring of "), std::string::npos) << told(found);
+  }
+}
+
 TEST(MissingTerms, NamesFrictionWithItsValue) {
   const Chain chain = free_chain();
   const double friction = 0.03 * chain.stiffness[0] * kAmplitude;
@@ -106,6 +118,21 @@ TEST(MissingTerms, NamesAMassAScaleAndADelay) {
                    [](const MotionReading& a, const MotionReading& b) { return a.t_ns < b.t_ns; });
   const MotionEstimate delay = estimate_motion(rig, data);
   ASSERT_TRUE(named(delay, "delay of y2")) << told(delay);
+}
+
+// A model of first order in the delay takes half of it for damping: r/c = δ/2 with a delay of δ/2 leaves |F/y_0| flat,
+// as the true delay does.
+TEST(MissingTerms, NamesADelayOfTheTableWithItsValueWhereNoMassTellsItFromDamping) {
+  const Chain chain{Boundary::clamped, {}, {2e4}, {40}};
+  const Rig rig = rig_of(chain, 4.0);
+  const double late_s = 0.015;
+  MotionData data = readings_of(rig, FaultyMotion(chain, {}, kAmplitude, {{4.0, 1.0}, {2.7, 0.4}}), 5.0, 200.0,
+                                noise_of(rig, chain), 8);
+  const MotionEstimate found = estimate_motion(rig, shifted(std::move(data), 0, late_s));
+  ASSERT_TRUE(named(found, "delay of y0")) << told(found);
+  const MissingTerm& term = *std::find_if(found.missing.begin(), found.missing.end(),
+                                          [](const MissingTerm& one) { return one.what == "delay of y0"; });
+  EXPECT_NEAR(term.value, late_s, 2 * term.u) << told(found);
 }
 
 MotionData reversed(MotionData data, int c) {

@@ -25,6 +25,8 @@ std::vector<Parameter> all_parameters(const Rig& rig) {
     parameters.push_back({Unknown::ground_stiffness, k});
     parameters.push_back({Unknown::ground_damping, k});
   }
+  for (int pair = 0; pair < static_cast<int>(apart(rig.mass_count()).size()); ++pair)
+    parameters.push_back({Unknown::side_stiffness, pair});
   return parameters;
 }
 

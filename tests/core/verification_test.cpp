@@ -69,6 +69,24 @@ TEST(Verification, CallsARightModelAdequateAndConsistent) {
   }
 }
 
+TEST(Verification, NamesTheGapThatLeavesTooLittleMotionBeforeTheDataThatCount) {
+  const Rig rig = rig_of(clamped_chain(), kFrequency_hz);
+  const Dwell dwell = verified(clamped_chain(), rig).dwell;
+  std::vector<ChannelReadings> before(rig.channels.size());
+  const auto reads = [&](double from_s, double until_s) {
+    for (ChannelReadings& of : before)
+      for (double t_s = from_s; t_s < until_s; t_s += 0.0025) {
+        of.t_ns.push_back(to_ns(t_s));
+        of.value.push_back(std::sin(25 * t_s));
+      }
+  };
+  reads(0.0, dwell.settled_s - 0.5);
+  EXPECT_EQ(transient_before(rig, dwell, clamped_chain(), before).fault, "");
+  reads(dwell.settled_s - 0.01, dwell.settled_s + 0.1);
+  const std::string fault = transient_before(rig, dwell, clamped_chain(), before).fault;
+  EXPECT_NE(fault.find("between a gap in the readings of y0, which ends at "), std::string::npos) << fault;
+}
+
 TEST(Verification, CallsAWrongMassNotAdequate) {
   Rig stated = rig_of(clamped_chain(), kFrequency_hz);
   stated.masses[1] *= 1.5;

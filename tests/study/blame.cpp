@@ -25,9 +25,8 @@ const Words& cause_words(Kind kind) {
   static const Words frequency = {"hz", "frequency", "ppm"};
   static const Words amplitude = {"amplitude", "not steady", "wander", "hunt", "swing", "drift", "modulat"};
   static const Words bent = {"linear", "friction", "equivalent", "cubic"};
-  static const Words model = {"contradict", "natural",          "mode",           "pole",   "eigenvalue", "decay",
-                              "negative",   "passive",          "model",          "masses", "disagree",   "transient",
-                              "signs",      "does not explain", "no linear chain"};
+  static const Words model = {"contradict", "natural", "mode",   "pole",     "eigenvalue", "decay", "negative",
+                              "passive",    "model",   "masses", "disagree", "transient",  "signs", "explain"};
   switch (kind) {
     case Kind::refresh_one:
     case Kind::refresh_all:
@@ -98,9 +97,11 @@ bool says(Kind kind, const std::string& line) {
   return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return has(line, word); });
 }
 
-// As the method of any motion does, with the channel that shows it.
+// Whether the line blames the chain, as the method of any motion does. It names a channel that shows it, or a term that
+// explains it.
 bool blames_chain(const std::string& line) {
-  return has(line, "chain of the rig file does not explain") || has(line, "no linear chain explains");
+  return has(line, "chain of the rig file does not explain") || has(line, "no linear chain explains") ||
+         has(line, "better explained with");
 }
 
 }  // namespace

@@ -194,6 +194,9 @@ TEST(StudyDisturbed, AWarningCountsThatNamesTheChannelAndTheCause) {
                     "mode at 5.3 Hz: the transient shows 5.27 Hz; the identified chain (elements 1 … 2) has 5.32"));
   EXPECT_FALSE(names(about, late, "mode at 5.3 Hz: the transient shows 5.27 Hz; the identified chain has 5.32 Hz"));
   EXPECT_FALSE(names(about, late, "the model may be wrong"));
+  const std::string term = "the readings are better explained with a mass 1 of 26.96 ± 0.25 kg instead of 27.62 kg";
+  EXPECT_TRUE(names(about, {Kind::mass_off, "", {}, {1, 2}}, term));
+  EXPECT_FALSE(names(about, clipped, term));
   EXPECT_TRUE(blames(about, "y1 is refreshed every 3 polls"));
   EXPECT_FALSE(blames(about, "hum of 50 Hz, if there is any, cannot be told from harmonic 1 in y1"));
 }

@@ -24,7 +24,7 @@ std::vector<Dwell> dwells_of(const Case& about, double until_s) {
 }  // namespace
 
 std::vector<std::string> objections_of_motion(const Case& about, double until_s) {
-  const MotionEstimate motion = estimate_motion(about.rig, recorded(about, until_s).data(), {.missing = false});
+  const MotionEstimate motion = estimate_motion(about.rig, recorded(about, until_s).data());
   if (!motion.reason.empty()) return {"no coefficients: " + motion.reason};
   std::vector<std::string> lines = motion.warnings;
   for (const Dwell& dwell : dwells_of(about, until_s))
