@@ -189,6 +189,7 @@ void Pipeline::Impl::end(EndedBy ended_by, bool with_open) {
 
 void Pipeline::Impl::lose_data() {
   end(EndedBy::data_lost, false);
+  at.lost_ns = now_ns;
   // The drive may be seen by another transducer of the table's motion.
   live.choose_drive(now_ns, period_s());
 }

@@ -8,6 +8,9 @@ namespace dwell {
 namespace {
 
 constexpr int kManyRestarts = 6;  // of a hold in a row: these need an explanation
+// Periods after the drive's channel was last found not to deliver. By then the quarter of a period that the loss cut
+// short is over, and the window of two periods holds its full number of readings.
+constexpr double kPeriodsToReturn = 2.5;
 
 }  // namespace
 
@@ -20,8 +23,20 @@ std::string Pipeline::Impl::foreign_oscillations() const {
   return lines;
 }
 
+// While the drive's channel is lost, and shortly after, the newest window holds few of its readings. That must not be
+// reported as too low a sampling rate.
+std::string Pipeline::Impl::unseen_reason() const {
+  if (states.state() != State::fault) return "";
+  const std::string& name = rig.channels[static_cast<std::size_t>(drive_channel())].name;
+  if (!delivers(drive_channel())) return "the drive is not seen: " + name + " is " + live[drive_channel()].fault_name();
+  if (at.lost_ns != INT64_MIN && to_s(now_ns - at.lost_ns) < kPeriodsToReturn * period_s())
+    return "the drive is not seen yet: " + name + " delivers again, its first periods are awaited";
+  return "";
+}
+
 std::string Pipeline::Impl::barred_reason() const {
-  if (window.too_few())
+  if (std::string reason = unseen_reason(); !reason.empty()) return reason;
+  if (window.too_few() && !states.measuring())
     return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(harmonics()) + " harmonics: at least " + std::to_string(2 * (harmonics() + 1)) +
            " are needed" +
@@ -33,10 +48,8 @@ std::string Pipeline::Impl::barred_reason() const {
     if (states.settling() && reference.pulses_contradict(tracker.omega()))
       return reference.contradiction_of_pulses(tracker.omega());
   }
-  if (states.state() == State::fault) {
-    return "the drive is not seen: " + rig.channels[static_cast<std::size_t>(drive_channel())].name + " is " +
-           live[drive_channel()].fault_name();
-  }
+  if (states.state() == State::fault)
+    return "the drive is not seen yet in " + rig.channels[static_cast<std::size_t>(drive_channel())].name;
   if (out_of_search())
     return "the drive is at " + brief(tracker.omega() / kTwoPi, 6) + " Hz, outside the search range of " +
            brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
@@ -214,9 +227,14 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   if (!active || out_of_search()) dwell.frequency_hz = {};
   dwell.end_s =
       axis_s(with_open || to == 0 ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns));
-  for (int c = 0; c < live.count(); ++c)
-    for (const std::string& warning : live[c].warnings(rig.tolerance))
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + warning);
+  for (int c = 0; c < live.count(); ++c) {
+    const auto warn = [&](const std::string& of) {
+      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + of);
+    };
+    for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
+    if (!(results[static_cast<std::size_t>(c)].quantization_u > 0)) continue;  // noise smooths the steps of rounding
+    if (const std::string reason = live[c].intake().coarse_reason(); !reason.empty()) warn(reason);
+  }
   if (!settled) {
     if (states.measuring()) {
       dwell.settling_reason =

@@ -19,6 +19,9 @@ constexpr double kMoves = 20.0, kAtCrest = 0.25;
 constexpr std::int64_t kAnyway = 3;
 // Fewest readings a period at which a motion of three harmonics does not turn within one reading.
 constexpr double kTurnsSlowly = 12.0;
+// Largest part of the amplitude that clipping may cost unseen, without a warning: the default accuracy that is asked of
+// a model. Rounding in steps of 2.4 % of the amplitude can hide so much.
+constexpr double kMostUnseen = 0.05;
 // Age of an older reading that is repeated, in readings: it is two or three polls old.
 constexpr double kOlderLags = 2.5;
 
@@ -173,6 +176,14 @@ std::string ChannelIntake::clipped_reason() const {
   end(clipped_above(), pile_up_.upper_end(noise()));
   end(clipped_below(), pile_up_.lower_end(noise()));
   return text;
+}
+
+std::string ChannelIntake::coarse_reason() const {
+  const double step = rounding_.step();
+  if (!std::isfinite(step) || !(pile_up_.unseen_loss(step) > kMostUnseen)) return "";
+  return "its readings are rounded to steps of " + numbers_.text(step) +
+         ": clipping by less than five steps is not found, and may cost up to " + percent(pile_up_.unseen_loss(step)) +
+         " of the amplitude; choose a finer resolution or a smaller range";
 }
 
 std::string ChannelIntake::clustered_reason() const {

@@ -67,6 +67,9 @@ class ChannelIntake {
   [[nodiscard]] bool clipped() const noexcept { return clipped_above() + clipped_below() > 0; }
   // Loss of the fundamental's amplitude by clipping, relative; 0: none (PileUp::loss).
   [[nodiscard]] double clipping_bias() const noexcept;
+  // A warning, with figures, where rounding may hide a clipping that costs more of the amplitude than a model can bear;
+  // else empty. Only for a channel whose noise does not smooth the rounding. Allocates.
+  [[nodiscard]] std::string coarse_reason() const;
   // For a held register: mean half width of the refreshes' instants in this hold, s; 0: it is not held. The device
   // refreshes such a register more slowly than it is read, and each new value is used once.
   [[nodiscard]] double refresh_half_s() const noexcept { return held() ? stamps_.half_s() : 0.0; }

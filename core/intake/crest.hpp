@@ -16,7 +16,7 @@
 // Less noise: the crest decides. The topmost number of a sine has at most 1/(√2 - 1) = 2.4 times the readings of the
 // next one. With a crest flattened by harmonics it has 1/(2^¼ - 1) = 5.3 times. Sampled at a whole fraction of the
 // period, where counts are whole numbers of readings a period, it has about twice that: p = 10/11. A crest cut off by
-// less than five steps is not found. Its error is smaller than that of rounding.
+// less than five steps is not found.
 //
 // Few readings a period at a whole rate: runs decide. A run of identical readings longer than any crest explains is a
 // repeated answer or a crest cut off. Repeats come at any instant of the motion, so at most one time in five at the
@@ -48,6 +48,8 @@ class Crest {
     double unlikely_runs;  // of long runs at the topmost number
   };
   static constexpr Proof kProof{13.8, 6.9};  // 10⁻⁶, 10⁻³
+  // Steps of rounding. A crest cut off by fewer is not found, where noise does not smooth the steps.
+  static constexpr double kUnseenSteps = 5.0;
   // For an end that is known already: one reading more than an uncut crest can have suffices.
   static constexpr Proof kNone{0.0, 0.0};
 
@@ -55,7 +57,7 @@ class Crest {
   template <class Difference>
   void add(double reading, double before, Difference&& difference) noexcept {
     at_top_ = reading >= top();
-    if (reading < numbers_.back().value) return;
+    if (reading < least()) return;
     const auto at = std::find_if(numbers_.begin(), numbers_.end(), [&](const Number& n) { return reading >= n.value; });
     if (reading > at->value) {
       std::move_backward(at, numbers_.end() - 1, numbers_.end());
@@ -73,6 +75,8 @@ class Crest {
 
   // The largest reading; -infinity: there is none.
   [[nodiscard]] double top() const noexcept { return numbers_[0].value; }
+  // Smaller readings change nothing; -infinity: any reading may.
+  [[nodiscard]] double least() const noexcept { return numbers_.back().value; }
   [[nodiscard]] std::int64_t runs_at_top() const noexcept { return stuck_; }  // long ones
   // How many readings are cut off, all of them at top(); 0: none. elsewhere: long runs at neither end.
   [[nodiscard]] std::int64_t cut_off(const Noise& noise, std::int64_t elsewhere, const Proof& proof) const noexcept {

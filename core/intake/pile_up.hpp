@@ -13,6 +13,7 @@
 // A channel at rest flickers between two or three numbers. It has no crest, so nothing is judged.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -30,19 +31,25 @@ class PileUp {
   // noise. The latter is called where the reading is beyond all others of the hold.
   template <class Difference, class NoiseNow>
   void add(double reading, double before, Difference&& difference, NoiseNow&& noise) noexcept {
-    for (End* end : {&upper_, &lower_}) {
-      const double sign = end == &upper_ ? 1.0 : -1.0;
-      if (sign * reading > end->of_hold.top()) end->pass(now(*end, noise()), end->of_hold.top(), seen_);
-      end->of_hold.add(sign * reading, sign * before, difference);
-      end->of_stretch.add(sign * reading, sign * before, difference);
+    amid_ = reading > low_ && reading < high_;
+    if (!amid_) {
+      for (End* end : {&upper_, &lower_}) {
+        const double sign = end == &upper_ ? 1.0 : -1.0;
+        if (sign * reading > end->of_hold.top()) end->pass(now(*end, noise()), end->of_hold.top(), seen_);
+        end->of_hold.add(sign * reading, sign * before, difference);
+        end->of_stretch.add(sign * reading, sign * before, difference);
+      }
+      find_amid();
     }
     ++seen_;
     ++seen_lately_;
   }
-  // The newest reading makes a run of identical ones longer than a crest explains. Called once per run.
+  // The newest reading makes a run of identical ones longer than a crest explains. Called once per run, after its
+  // add().
   void stuck() noexcept {
     ++stuck_;
     ++stuck_lately_;
+    if (amid_) return;
     for (End* end : {&upper_, &lower_}) {
       end->of_hold.stuck();
       end->of_stretch.stuck();
@@ -67,6 +74,7 @@ class PileUp {
     if (!found && seen_lately_ < kStretch) return;
     upper_.of_stretch = lower_.of_stretch = {};
     seen_lately_ = stuck_lately_ = 0;
+    find_amid();
   }
 
   // How many readings since the restart are cut off at the upper and at the lower end; 0: none.
@@ -80,6 +88,14 @@ class PileUp {
     for (const End* end : {&upper_, &lower_}) lost += end->lost + lost_of(now(*end, noise), seen_);
     return seen_ > 0 ? lost / static_cast<double>(seen_) : 0.0;
   }
+  // Largest relative loss of the fundamental's amplitude by clipping at both ends that rounding in steps of `step`
+  // hides. 0: the amplitude is not known.
+  [[nodiscard]] double unseen_loss(double step) const noexcept {
+    const double amplitude = (upper_.of_hold.top() + lower_.of_hold.top()) / 2;
+    if (!(amplitude > 0) || !std::isfinite(amplitude)) return 0.0;
+    const double theta = std::acos(std::max(0.0, 1 - Crest::kUnseenSteps * step / amplitude));
+    return 2 * (theta - std::sin(theta) * std::cos(theta)) / std::numbers::pi;
+  }
   // The newest end at which readings were cut off, in the device's numbers; where none was, the largest and the
   // smallest.
   [[nodiscard]] double upper_end(const Noise& noise) const noexcept { return upper_.at(now(upper_, noise)); }
@@ -90,6 +106,7 @@ class PileUp {
     upper_ = upper_.of_next_hold(upper);
     lower_ = lower_.of_next_hold(lower);
     seen_ = seen_lately_ = stuck_ = stuck_lately_ = periods_ = 0;
+    find_amid();
   }
 
  private:
@@ -139,6 +156,12 @@ class PileUp {
       return next;
     }
   };
+  // Computes low_ and high_ anew: after each change of a crest. A reading between them changes no crest. Most readings
+  // are such, and cost two comparisons only.
+  void find_amid() noexcept {
+    high_ = std::min(upper_.of_hold.least(), upper_.of_stretch.least());
+    low_ = -std::min(lower_.of_hold.least(), lower_.of_stretch.least());
+  }
   [[nodiscard]] bool moves(const Noise& noise) const noexcept {
     return upper_.of_hold.top() + lower_.of_hold.top() >= kMoves * noise.step;
   }
@@ -156,6 +179,8 @@ class PileUp {
   }
 
   End upper_, lower_;
+  double low_ = INFINITY, high_ = -INFINITY;   // see find_amid()
+  bool amid_ = false;                          // the newest reading lies between these
   std::int64_t seen_ = 0, seen_lately_ = 0;    // readings: of the hold, of the stretch
   std::int64_t stuck_ = 0, stuck_lately_ = 0;  // long runs: of the hold, of the stretch
   std::int64_t periods_ = 0;                   // of the hold

@@ -58,6 +58,23 @@ TEST_F(ClippedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasure
       }
 }
 
+// Clipping at 89 % cuts off less than five steps of 6 % or 3 % of the amplitude: so little is not found.
+TEST_F(ClippedReadings, AClippedChannelWhoseCoarseRoundingHidesTheClippingIsNamedForItsRounding) {
+  const double amplitude = std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
+  for (const double step : {0.064, 0.03}) {
+    const Dwell dwell = measured([&](Record& record, double) {
+      if (record.channel != 1) return;
+      record.value = std::clamp(record.value, -0.89 * amplitude, 0.89 * amplitude);
+      record.value = step * amplitude * std::round(record.value / (step * amplitude));
+    });
+    EXPECT_TRUE(says(dwell, "y1: its readings are rounded to steps of ")) << step << all(dwell);
+  }
+  const Dwell fine = measured([&](Record& record, double) {
+    if (record.channel == 1) record.value = 0.002 * amplitude * std::round(record.value / (0.002 * amplitude));
+  });
+  EXPECT_FALSE(says(fine, "rounded to steps")) << all(fine);
+}
+
 // A transducer that saturates smoothly has no pile-up; its third harmonic shows it.
 TEST_F(ClippedReadings, ATransducerThatSaturatesSoftlyIsNamed) {
   const std::vector<double> amplitude = sigma(1.0);
