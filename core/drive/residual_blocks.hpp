@@ -66,7 +66,7 @@ class ResidualBlocks {
     if (open_.n == 0) return false;
     open_.t_s = open_t_ / open_.n;
     in_quarter_ += ((seen_ == 0 ? open_.n : std::min(open_.n, 2 * in_quarter_)) - in_quarter_) / (seen_ < 8 ? 2 : 8);
-    blocks_[static_cast<std::size_t>(seen_ % kLongest)] = open_;
+    blocks_[static_cast<std::size_t>(seen_) % kLongest] = open_;
     ++seen_;
     drop_open();
     return true;
@@ -81,10 +81,10 @@ class ResidualBlocks {
   [[nodiscard]] std::int64_t seen() const noexcept { return seen_; }
   [[nodiscard]] int kept() const noexcept { return static_cast<int>(std::min<std::int64_t>(seen_, kLongest)); }
   [[nodiscard]] const ResidualBlock& back(int k) const noexcept {
-    return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
+    return blocks_[static_cast<std::size_t>(seen_ - 1 - k) % kLongest];
   }
   [[nodiscard]] ResidualBlock& back(int k) noexcept {
-    return blocks_[static_cast<std::size_t>((seen_ - 1 - k) % kLongest)];
+    return blocks_[static_cast<std::size_t>(seen_ - 1 - k) % kLongest];
   }
   [[nodiscard]] double in_quarter() const noexcept { return in_quarter_; }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/fit/moments.hpp"
 
 namespace dwell {
 namespace {
@@ -20,6 +21,9 @@ constexpr double kUnsureBy = 0.1;
 // is never below kClip standard deviations of a reading.
 constexpr double kClip = 4.0;
 constexpr double kClipPart = 0.5;
+// rad: largest phase since an earlier reading at which a reading's turn follows from that one's by a polynomial
+// (moments::sin_cos, exact below π/4 = 0.785). Smaller: libm is called more often.
+constexpr double kNear = 0.78;
 constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look
 
 }  // namespace
@@ -55,14 +59,28 @@ void StepWatch::refer(const Reference& reference) noexcept {
   }
   now_ = reference;
   amplitude_ = std::abs(now_.X[0]);
+  near_ = {};
   referred_ = true;
+}
+
+// exp(jφ), φ = (ω + drift t/2) t. libm is called only a few times a period: its sine costs as much as all the rest of
+// add(), and its last bits differ from machine to machine.
+std::complex<double> StepWatch::turn_at(double t_s) noexcept {
+  const double since_s = t_s - near_.t_s;
+  const double angle = (now_.omega + now_.drift * (near_.t_s + 0.5 * since_s)) * since_s;
+  if (!(std::abs(angle) < kNear)) {
+    near_ = {t_s, std::polar(1.0, std::remainder((now_.omega + 0.5 * now_.drift * t_s) * t_s, kTwoPi))};
+    return near_.turn;
+  }
+  double sine = 0.0, cosine = 0.0;
+  moments::sin_cos(angle, sine, cosine);
+  return near_.turn * std::complex<double>{cosine, sine};
 }
 
 void StepWatch::add(std::int64_t t_ns, double value, double extra_u_s) noexcept {
   if (!referred_) return;
   const double t_s = 1e-9 * static_cast<double>(t_ns - now_.t_ref_ns);
-  const std::complex<double> step =
-      std::polar(1.0, std::remainder((now_.omega + 0.5 * now_.drift * t_s) * t_s, kTwoPi));
+  const std::complex<double> step = turn_at(t_s);
   std::complex<double> turn = step;
   double predicted = now_.mean;
   for (int h = 0; h < now_.harmonics; ++h, turn *= step)

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <complex>
 #include <cstdint>
 
@@ -46,8 +47,8 @@ class StepWatch {
   void restart() noexcept;
   // Takes a better reference and converts the sums so far to it.
   void refer(const Reference& reference) noexcept;
-  // Takes one reading. extra_u_s: by how much its instant is less certain than usual. Costs one sine and cosine. Does
-  // nothing before the first reference.
+  // Takes one reading. extra_u_s: by how much its instant is less certain than usual. Costs a polynomial for
+  // sine and cosine, and a few times a period a call of libm. Does nothing before the first reference.
   void add(std::int64_t t_ns, double value, double extra_u_s = 0.0) noexcept;
   // Ends a quarter of a period. True: the drive differs from the reference. O(kLongest).
   [[nodiscard]] bool close() noexcept;
@@ -68,6 +69,7 @@ class StepWatch {
     double alpha, u2_alpha, drift, u2_drift;
     double extra_u2;  // mean square of extra_u_s as a phase, rad²
   };
+  [[nodiscard]] std::complex<double> turn_at(double t_s) noexcept;
   [[nodiscard]] Change change_since(const ResidualsSince& sums, double since_s, double now_s) const noexcept;
   [[nodiscard]] double weigh(const Change& change, bool far_back) noexcept;
   [[nodiscard]] int changed() const noexcept;
@@ -77,6 +79,11 @@ class StepWatch {
   bool referred_ = false;
   Reference now_{};
   double amplitude_ = 0.0;  // of its fundamental
+  // The newest reading whose turn libm computed: the turns of the next ones follow from it.
+  struct {
+    double t_s = NAN;           // NaN: none since the reference
+    std::complex<double> turn;  // exp(jφ) at t_s
+  } near_;
   AmplitudeExcess excess_;
   DriveDoubt doubt_;
   double beats_ = 0.0, extra_u_s_ = 0.0;

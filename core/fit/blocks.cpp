@@ -49,10 +49,12 @@ void Blocks::close() noexcept {
 void Blocks::compact() noexcept {
   int quarters = 1, of_this_length = 0;
   for (std::size_t i = order_.size(); i-- > 0;) {
-    const Block& block = blocks_[order_[i]];
-    if (block.quarters != quarters) quarters = block.quarters, of_this_length = 0;
-    const bool oldest_of_length = i == 0 || blocks_[order_[i - 1]].quarters != quarters;
-    if (++of_this_length > (quarters == 1 ? kFine : kPerLength) && oldest_of_length) join(i);
+    const int older = i == 0 ? 0 : blocks_[order_[i - 1]].quarters;
+    ++of_this_length;
+    if (older == quarters) continue;
+    if (of_this_length > (quarters == 1 ? kFine : kPerLength)) join(i);
+    quarters = older;
+    of_this_length = 0;
   }
   // No data may be lost, since running sums contain them: beyond the capacity the oldest two are joined.
   if (order_.size() > kCapacity) join(0);

@@ -13,16 +13,20 @@ MomentSets::MomentSets(std::size_t slots, int channels, int harmonics)
 }
 
 void MomentSets::clear(std::size_t slot) noexcept {
-  const auto channels = static_cast<std::size_t>(channels_);
-  std::fill_n(instants(slot, 0), moments::size(instants_count_) * channels, 0.0);
-  std::fill_n(readings(slot, 0), moments::size(readings_count_) * channels, 0.0);
+  std::fill_n(readings(slot, 0), moments::size(readings_count_) * static_cast<std::size_t>(channels_), 0.0);
   for (int c = 0; c < channels_; ++c) share(slot, c, c);
+}
+
+void MomentSets::clear_instants(std::size_t slot, int c) noexcept {
+  std::fill_n(instants(slot, c), moments::size(instants_count_), 0.0);
 }
 
 void MomentSets::join(const Part& older, const Part& newer, std::size_t into) noexcept {
   clear(into);
   for (int c = 0; c < channels_; ++c)
     if (owner(older.slot, c) == owner(newer.slot, c)) share(into, c, owner(older.slot, c));
+  for (int c = 0; c < channels_; ++c)
+    if (owner(into, c) == c) clear_instants(into, c);
   for (const Part* part : {&older, &newer})
     for (int c = 0; c < channels_; ++c) {
       const double* set = shared_instants(part->slot, c);

@@ -39,8 +39,11 @@ class MomentSets {
     return &instants_[at(slot, owner(slot, c)) * moments::size(instants_count_)];
   }
 
-  // Empties a slot; no channel shares in it.
+  // Empties the readings of a slot, and makes each channel the owner of its instants. The sets of instants keep their
+  // old numbers: clear_instants() must follow for each channel that owns its set.
   void clear(std::size_t slot) noexcept;
+  // Empties a channel's own set of instants. A channel that shares another one's set needs no call.
+  void clear_instants(std::size_t slot, int c) noexcept;
   // Makes slot `into` the sum of two others, each turned to the frequency and centre of `into`. Channels with the same
   // owner in both keep that owner. O(channels · H).
   struct Part {

@@ -67,6 +67,7 @@ void OpenBlock::open(MomentSets& sets, std::size_t slot, std::int64_t centre_ns,
   sets.clear(slot);
   for (int c = 0; c < channels(); ++c) {
     Member& member = this->member(c);
+    if (member.leader == c) sets.clear_instants(slot, c);  // break_away() fills those of the others
     member.last_ns = INT64_MIN;
     member.count = 0.0;
     member.arrived = member.size;

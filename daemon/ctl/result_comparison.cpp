@@ -182,18 +182,22 @@ class Walk {
   static std::string at(const std::string& path, std::size_t i) { return path + "[" + std::to_string(i) + "]"; }
 };
 
+// Where the string that begins at `at` ends: at its closing quotation mark, or at the end of the text.
+std::size_t end_of_string(std::string_view json, std::size_t at) noexcept {
+  std::size_t end = at + 1;
+  while (end < json.size() && json[end] != '"') end += json[end] == '\\' ? 2 : 1;
+  return end;
+}
+
 }  // namespace
 
 std::uint64_t numbers_in(std::string_view json) noexcept {
   std::uint64_t numbers = 0;
-  bool in_string = false, in_word = false;
+  bool in_word = false;
   for (std::size_t i = 0; i < json.size(); ++i) {
     const char c = json[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      in_string = c != '"';
-    } else if (c == '"') {
-      in_string = true;
+    if (c == '"') {
+      i = end_of_string(json, i);
     } else {
       const bool begins = (c >= '0' && c <= '9') || c == '-';
       const bool separates = c == ',' || c == ':' || c == '[' || c == ']' || c == '{' || c == '}' || c <= ' ';

@@ -60,7 +60,7 @@ class ChainWriter {
   // Signs the head: for files where each entry is signed. commit() signs the last entry in any case.
   [[nodiscard]] Result<void> sign();
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for
-  // the disk. Nothing appended: does nothing.
+  // the disk. Nothing appended: does nothing. Fails, and discards these entries, also where the file has been removed.
   [[nodiscard]] Result<void> commit();
   // Discards what was appended since the last commit.
   void roll_back();

