@@ -1,6 +1,7 @@
 #include "daemon/health.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -56,6 +57,22 @@ void add_channels(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>
   }
 }
 
+// Channels that deliver, and yet the dwell that is measured does not use them. For instance one that was stuck for a
+// while: its good readings are too few of all. The dwell then withholds elements.
+void add_unused(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& troubles) {
+  const Dwell& dwell = snapshot.dwell;
+  for (std::size_t i = 0; i < std::min(snapshot.channels.size(), dwell.phasors.size()); ++i) {
+    const ChannelView& view = snapshot.channels[i];
+    const Channel& channel = rig.channels[i];
+    const bool told = view.fault != Fault::none || is_unusable(view.condition);
+    if (told || dwell.phasors[i].valid || channel.measures == Quantity::auxiliary) continue;
+    troubles.push_back({"channel:" + channel.name,
+                        "channel " + channel.name + " does not count in this dwell: " + dwell.phasors[i].reason});
+  }
+  if (std::isfinite(dwell.settled_s) && dwell.elements.empty())
+    troubles.push_back({"dwell", "no coefficients: " + words("the data do not suffice", dwell.settling_reason)});
+}
+
 bool none_degrades(const Health& health) {
   return std::none_of(health.troubles.begin(), health.troubles.end(), [](const Trouble& t) { return t.degrades; });
 }
@@ -99,6 +116,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   const Dwell& dwell = snapshot.dwell;
   if (dwell.state == State::fault) add("dwell", words("the data do not suffice", dwell.settling_reason));
   const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
+  if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
     if (!stale && limit.verdict == LimitVerdict::violated)
       add(std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),

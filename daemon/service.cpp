@@ -121,6 +121,7 @@ struct Service::Impl {
     if (record::Recorder* const recorder = session->recorder()) {
       now.recorder = recorder->state(now.now_ns);
       now.runs = recorder->runs();
+      now.audits = recorder->audits();
     }
     now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, watch.trouble(),
                               now.recorder ? now.recorder->alarms : std::vector<record::RecorderAlarm>(),

@@ -37,13 +37,14 @@ struct ServiceView {
   std::optional<ModbusStats> modbus{};  // none: PLCs are not served
   LogStats log{};
   std::vector<WatchedThread> threads{};
-  gpio::Status gpio{};                               // of the lines that are configured
-  std::optional<record::RecorderState> recorder{};   // none: the service does not record
-  std::shared_ptr<const record::ListedRuns> runs{};  // null: as an empty list
-  const NewestLines* events = nullptr;               // null: none are kept
-  const AlarmList* alarms = nullptr;                 // null: as an empty list
-  const Traces* traces = nullptr;                    // null: none are kept
-  config::VerificationSettings verification{};       // what is asked of the model, as the rig file has it
+  gpio::Status gpio{};                                  // of the lines that are configured
+  std::optional<record::RecorderState> recorder{};      // none: the service does not record
+  std::shared_ptr<const record::ListedRuns> runs{};     // null: as an empty list
+  std::shared_ptr<const record::RunVerdicts> audits{};  // of the runs; null: none is audited yet
+  const NewestLines* events = nullptr;                  // null: none are kept
+  const AlarmList* alarms = nullptr;                    // null: as an empty list
+  const Traces* traces = nullptr;                       // null: none are kept
+  config::VerificationSettings verification{};          // what is asked of the model, as the rig file has it
 };
 
 // The current dwell with what stands beside it: its coefficients from the transient, what is known of its model, its

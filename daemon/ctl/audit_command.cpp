@@ -20,18 +20,6 @@ namespace {
 
 using record::AuditState;
 
-const char* name_of(AuditState state) {
-  switch (state) {
-    case AuditState::intact:
-      return "intact";
-    case AuditState::open:
-      return "open";
-    case AuditState::tampered:
-      break;
-  }
-  return "tampered";
-}
-
 std::string verdict(const record::Audit& audit) {
   if (audit.state == AuditState::tampered) return "tampered: " + audit.where;
   if (audit.head.empty()) return "open, without any entry";
@@ -67,7 +55,7 @@ Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr)
 
 Json json_of(const record::Audit& audit) {
   return {{"file", audit.file},
-          {"state", name_of(audit.state)},
+          {"state", to_string(audit.state)},
           {"until_s", audit.until_s ? json_number(*audit.until_s) : Json(nullptr)},
           {"until_utc", text_or_null(audit.until_utc)},
           {"where", text_or_null(audit.where)},

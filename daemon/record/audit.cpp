@@ -50,6 +50,7 @@ Result<bool> RunAudit::check(ChainAudit& chain) {
   const double all = static_cast<double>(std::max<std::int64_t>(1, options_.progress ? chain.last_seq() : 1));
   std::int64_t last_ns = 0;
   for (;;) {
+    if (options_.stop && options_.stop()) return fails(kAuditStopped);
     const auto row = chain.next();
     if (!row) return fails(row.error());
     if (!*row) break;
@@ -217,6 +218,7 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::run, every_signature);
   RunAudit run(audit, options, anchors, ledger);
   const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
+  if (!ended && ended.error() == kAuditStopped) return fails(kAuditStopped);
   if (chain ? !chain->unchanged() : chain.error() == kReadAgain) return fails(path + ": " + kReadAgain);
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
   if (!ended) {
@@ -227,6 +229,18 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
 }
 
 }  // namespace
+
+const char* to_string(AuditState state) noexcept {
+  switch (state) {
+    case AuditState::intact:
+      return "intact";
+    case AuditState::open:
+      return "open";
+    case AuditState::tampered:
+      break;
+  }
+  return "tampered";
+}
 
 Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
   if (Result<void> there = readable_file(path); !there) return fails(std::move(there.error()));
@@ -242,7 +256,7 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
   for (int tries = 1;;) {
     Result<Audit> audit = look(path, options, every_signature, *anchors, ledger ? &*ledger : nullptr);
     if (!audit) {
-      if (++tries > kAuditTries) return audit;
+      if (audit.error() == kAuditStopped || ++tries > kAuditTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {
       // The newest signature alone does not tell where the first thing is that does not hold.
       every_signature = true;

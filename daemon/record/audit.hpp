@@ -18,6 +18,8 @@ enum class AuditState : std::uint8_t {
   tampered,  // altered, or not readable as a run file
 };
 
+[[nodiscard]] const char* to_string(AuditState state) noexcept;  // "intact", "open", "tampered"
+
 struct Audit {
   std::string file;
   AuditState state = AuditState::tampered;
@@ -41,7 +43,11 @@ struct AuditOptions {
   // Verify the signature of each note by itself. Not needed: the newest covers all before it, and where it does not
   // hold all are looked at. The signatures of a ledger are always all verified.
   bool every_signature = false;
+  // Asked before each entry of a run. true: the audit is given up, and audit_run() fails with kAuditStopped. Empty: it
+  // is never given up.
+  std::function<bool()> stop = {};
 };
+inline constexpr const char* kAuditStopped = "the audit was given up";
 
 // A file that is no run file counts as tampered, with the reason. Fails if the run file, the ledger or an anchor file
 // does not exist or may not be read. Also fails if a writer altered the run file during each of kAuditTries passes.

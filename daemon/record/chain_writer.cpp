@@ -375,6 +375,11 @@ Result<void> ChainWriter::sign() { return impl_->add_note() ? Result<void>() : i
 Result<void> ChainWriter::commit() {
   Impl& own = *impl_;
   if (own.pending.seq == own.committed.seq) return {};
+  // SQLite would go on writing into a file that no name leads to.
+  if (::access(own.path.c_str(), F_OK) != 0 && errno == ENOENT) {
+    own.roll_back();
+    return fails(own.path + ": was removed while it was written");
+  }
   if (!own.add_note() || !execute(own.database.get(), "COMMIT")) return own.failed();
   own.committed = own.pending;
   own.checkpoint();

@@ -36,7 +36,8 @@ Housekeeper::Housekeeper(HousekeepingOptions options, RunFolder& folder, std::sh
       list_(std::move(list)),
       tell_(std::move(tell)),
       outcomes_(std::make_shared<Outcomes>()),
-      jobs_("runs") {}
+      jobs_("runs"),
+      audits_(options_.directory) {}
 
 Housekeeper::~Housekeeper() = default;
 
@@ -52,6 +53,7 @@ void Housekeeper::turn(const ClockPair& now, const ListedRun* recorded) {
   }
   anchor(now, changed);
   retain(now);
+  audit(now);
   take_outcomes();
 }
 
@@ -111,6 +113,12 @@ void Housekeeper::retain(const ClockPair& now) {
   const Deletion deletion = std::move(deletions_.front());
   deletions_.pop_front();
   erase(deletion);
+}
+
+void Housekeeper::audit(const ClockPair& now) {
+  if (!outcomes_->all_listed()) return;
+  audits_.turn(now.raw_ns, list_->all());
+  for (std::string& line : audits_.take_tampered()) tell_({Notice::Grade::warning, std::move(line), 0, {}});
 }
 
 void Housekeeper::erase(const Deletion& deletion) {

@@ -1,5 +1,5 @@
-// The work beside the recording of runs: the list of runs, anchors of their heads, retention. Work that may take long
-// has a thread of its own.
+// The work beside the recording of runs: the list of runs and their audits, anchors of their heads, retention. Work
+// that may take long has threads of its own.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 #include "daemon/record/job_thread.hpp"
 #include "daemon/record/notice.hpp"
 #include "daemon/record/retention.hpp"
+#include "daemon/record/run_audits.hpp"
 #include "daemon/record/run_folder.hpp"
 #include "daemon/record/run_list.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -42,6 +43,8 @@ class Housekeeper {
 
   // Why the newest anchor did not arrive; empty: it did.
   [[nodiscard]] const std::string& anchor_trouble() const noexcept { return anchor_trouble_; }
+  // Thread-safe, short lock.
+  [[nodiscard]] std::shared_ptr<const RunVerdicts> audits() const { return audits_.all(); }
 
  private:
   static constexpr std::size_t kOriginsKnown = 1000;  // a forgotten head is anchored again
@@ -51,6 +54,7 @@ class Housekeeper {
   void list(const ListedRun* recorded);
   void anchor(const ClockPair& now, bool run_changed);
   void retain(const ClockPair& now);
+  void audit(const ClockPair& now);
   void erase(const Deletion& deletion);
   void take_outcomes();
 
@@ -60,6 +64,7 @@ class Housekeeper {
   const Tell tell_;
   const std::shared_ptr<Outcomes> outcomes_;
   JobThread jobs_;
+  RunAudits audits_;
   std::string listed_;  // file of the current run
   std::int64_t next_anchor_ns_ = 0, next_retention_ns_ = 0;
   std::map<std::string, Digest> anchored_;  // newest head by origin

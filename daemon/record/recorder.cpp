@@ -70,7 +70,8 @@ struct Entering {
 // The thread last: it uses all other members.
 struct Recorder::Impl {
   explicit Impl(RecorderOptions options)
-      : tell(options.tell),
+      : directory(options.folder.directory),
+        tell(options.tell),
         ring(ring_records(options.rate_hz)),
         folder(options.folder),
         keeper({options.folder.directory, options.retention, options.anchor}, folder, list, options.tell),
@@ -87,6 +88,7 @@ struct Recorder::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  const std::string directory;
   const Tell tell;
   RecordRing ring;
   Inbox inbox;
@@ -218,6 +220,7 @@ struct Recorder::Impl {
 
   void publish() {
     RecorderState fresh;
+    fresh.directory = directory;
     fresh.recording = log.progress() != nullptr;
     if (!fresh.recording) fresh.why_not = !log.stopped().empty() ? log.stopped() : trouble;
     if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = open ? "no run goes on" : "starting";
@@ -273,6 +276,7 @@ RecorderState Recorder::state(std::int64_t now_ns) const {
 }
 
 std::shared_ptr<const ListedRuns> Recorder::runs() const { return impl_->list->all(); }
+std::shared_ptr<const RunVerdicts> Recorder::audits() const { return impl_->keeper.audits(); }
 std::int64_t Recorder::last_turn_ns() const noexcept { return impl_->turned_ns.load(std::memory_order_relaxed); }
 
 }  // namespace dwell::record

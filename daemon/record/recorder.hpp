@@ -42,6 +42,7 @@ struct RecorderAlarm {
 
 // The state of the recording.
 struct RecorderState {
+  std::string directory;  // of the runs
   bool recording = false;
   std::string why_not;       // while it does not record: "no run goes on", or another reason
   ListedRun run;             // the one being recorded
@@ -85,6 +86,7 @@ class Recorder final : public StreamSink, public RequestSink {
   // Thread-safe, short lock. now_ns: CLOCK_MONOTONIC_RAW.
   [[nodiscard]] RecorderState state(std::int64_t now_ns) const;
   [[nodiscard]] std::shared_ptr<const ListedRuns> runs() const;
+  [[nodiscard]] std::shared_ptr<const RunVerdicts> audits() const;
   // When its thread last turned; any thread.
   [[nodiscard]] std::int64_t last_turn_ns() const noexcept;
 

@@ -24,6 +24,16 @@ Json coefficient(const Coefficient& c, const char* unit) {
           {"U95", json_number(c.U95)},     {"significant", c.significant}, {"unit", unit}};
 }
 
+// Most objects of a dwell's JSON are shares of budgets. An initializer list would copy each member several times.
+Json budget_share(const BudgetShare& share) {
+  Json::object_t object;
+  object.reserve(3);
+  object.emplace("source", share.source);
+  object.emplace("stiffness_share", json_number(share.stiffness_share));
+  object.emplace("damping_share", json_number(share.damping_share));
+  return object;
+}
+
 Json phasor(const ChannelPhasor& estimated, const ChannelLabel& label) {
   // Numbers of a phasor that is not valid are withheld: who reads only the amplitude must not take one for a result.
   static const ChannelPhasor none;
@@ -77,12 +87,8 @@ Json json_element(const ElementEstimate& e, Motion motion, Detail detail) {
     object["stiffness"] = coefficient(e.stiffness, stiffness_unit(motion));
     object["damping"] = coefficient(e.damping, damping_unit(motion));
     object["loss_factor"] = estimate(e.loss_factor);
-    for (const BudgetShare& share : e.budget) {
-      if (detail != Detail::whole) break;
-      budget.push_back({{"source", share.source},
-                        {"stiffness_share", json_number(share.stiffness_share)},
-                        {"damping_share", json_number(share.damping_share)}});
-    }
+    if (detail == Detail::whole)
+      for (const BudgetShare& share : e.budget) budget.push_back(budget_share(share));
   } else {
     object["stiffness"] = nullptr;
     object["damping"] = nullptr;

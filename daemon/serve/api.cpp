@@ -138,6 +138,13 @@ Json run_json(const ServiceView& view) {
           {"text", view.health.run}};
 }
 
+Json troubles_json(const Health& health) {
+  Json list = Json::array();
+  for (const Trouble& trouble : health.troubles)
+    list.push_back({{"name", trouble.name}, {"text", trouble.text}, {"degrades", trouble.degrades}});
+  return list;
+}
+
 Json modbus_json(const ServiceView& view) {
   if (!view.modbus) return nullptr;
   const ModbusStats& modbus = *view.modbus;
@@ -158,6 +165,7 @@ Json health_json(const ServiceView& view) {
   }
   return {{"status", to_string(health.status)},
           {"reason", health.status == Health::Status::ok ? Json(nullptr) : Json(reason_of(health))},
+          {"troubles", troubles_json(health)},
           {"ready", health.ready},
           {"run", run_json(view)},
           {"state", to_string(view.snapshot.dwell.state)},
@@ -194,10 +202,8 @@ const FinishedDwells& finished(const ServiceView& view) {
 
 // Oldest first: those from an index on, or the newest; as many as one answer may hold.
 HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kDwellsPerAnswer, true);
-  if (!page)
-    return http_error(400, "the query is not understood: expected from=INDEX, count=1 to " +
-                               std::to_string(kDwellsPerAnswer) + ", brief=1, or several joined by &");
+  const auto page = page_of(query, kDwellsPerAnswer, "INDEX", true);
+  if (!page) return http_error(400, page.error());
   const FinishedDwells& all = finished(view);
   std::vector<std::string> texts;
   std::size_t bytes = 0;
@@ -300,12 +306,14 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
   if (path == "/api/v1/alarms") return alarms_answer(view);
   if (path == "/api/v1/traces") return traces_answer(view, query);
   if (path == "/api/v1/runs") return runs_answer(view, query);
+  if (path.substr(0, kRunFiles.size()) == kRunFiles) return run_file_answer(view, path.substr(kRunFiles.size()));
   if (path == "/api/v1/health")
     return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
-  return http_error(404,
-                    "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
-                    "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/events, /api/v1/alarms, "
-                    "/api/v1/traces, /api/v1/health, /api/v1/rights, /api/v1/stream and /metrics");
+  return http_error(
+      404,
+      "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
+      "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/runs/FILE, /api/v1/events, /api/v1/alarms, "
+      "/api/v1/traces, /api/v1/health, /api/v1/rights, /api/v1/stream and /metrics");
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate) {

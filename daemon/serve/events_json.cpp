@@ -8,14 +8,12 @@ namespace dwell {
 
 // Oldest first: those from a number on, or the newest.
 HttpReply events_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kEventsPerAnswer);
-  if (!page)
-    return http_error(400, "the query is not understood: expected from=NUMBER, count=1 to " +
-                               std::to_string(kEventsPerAnswer) + ", or both joined by &");
+  const auto page = page_of(query, kEventsPerAnswer, "NUMBER");
+  if (!page) return http_error(400, page.error());
   static const NewestLines kNone;
   const NewestLines& all = view.events != nullptr ? *view.events : kNone;
-  const auto lines = page->from ? all.from(static_cast<std::uint64_t>(std::max(0, *page->from)), page->count)
-                                : all.newest(page->count);
+  const auto lines =
+      page->from ? all.from(static_cast<std::uint64_t>(*page->from), page->count) : all.newest(page->count);
   Json events = Json::array();
   for (const LogLine& line : lines)
     events.push_back({{"number", line.number},

@@ -21,6 +21,7 @@
 #include "daemon/serve/awaited_address.hpp"
 #include "daemon/serve/event_loop.hpp"
 #include "daemon/serve/event_queue.hpp"
+#include "daemon/serve/file_reader.hpp"
 #include "daemon/serve/http_request.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/serve/listener.hpp"
@@ -40,7 +41,11 @@ class HttpConnection;
 
 struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   Impl(EventLoop& loop, HttpOptions asked, Handler answers, BeginStream begins)
-      : options(std::move(asked)), handler(std::move(answers)), begin_stream(std::move(begins)), listener(loop) {}
+      : options(std::move(asked)),
+        handler(std::move(answers)),
+        begin_stream(std::move(begins)),
+        listener(loop),
+        files(loop) {}
 
   void welcome(tcp::socket socket);
   bool make_room();
@@ -52,6 +57,8 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   const Handler handler;
   const BeginStream begin_stream;
   Listener<tcp> listener;
+  FileReader files;
+  std::size_t downloads = 0;  // under way
   std::unordered_set<HttpConnection*> connections;
   std::unordered_set<HttpConnection*> streams;
   AwaitedAddress address{options.host, false};
@@ -163,7 +170,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     } catch (const std::exception&) {
       reply = http_error(500, "the answer could not be made");
     }
-    answer(std::move(reply), head, keep_alive);
+    if (reply.file.empty()) return answer(std::move(reply), head, keep_alive);
+    begin_file(std::move(reply), head, keep_alive);
   }
 
   // The request that has been read; its views point into the parser's bytes.
@@ -234,6 +242,67 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                         self->served_ = true;
                         self->or_close([&] { response->keep_alive() ? self->read() : self->shut(); });
                       });
+  }
+
+  void begin_file(HttpReply reply, bool head_alone, bool keep_alive) {
+    if (server_->downloads >= server_->options.downloads)
+      return answer(http_error(503, std::to_string(server_->downloads) +
+                                        " files are being downloaded, no more are allowed at once; try again later"),
+                    head_alone, keep_alive);
+    ++server_->downloads;
+    const std::shared_ptr<void> share(nullptr, [server = server_](void*) { --server->downloads; });
+    phase_ = Phase::answered;
+    stream_.expires_never();  // the disk has no deadline: a download whose disk hangs keeps its place
+    std::string path = reply.file;
+    server_->files.open(std::move(path), [self = shared_from_this(), reply = std::move(reply), head_alone, keep_alive,
+                                          share](tl::expected<FileReader::Opened, HttpReply> opened) {
+      self->or_close([&] {
+        if (!opened) return self->answer(std::move(opened.error()), head_alone, keep_alive);
+        self->send_file(reply, std::move(*opened), head_alone, keep_alive, share);
+      });
+    });
+  }
+
+  void send_file(const HttpReply& reply, FileReader::Opened opened, bool head_alone, bool keep_alive,
+                 const std::shared_ptr<void>& share) {
+    http::response<http::empty_body> response(http::status::ok, 11);
+    set_fields(response, reply);
+    response.set(http::field::content_disposition, "attachment; filename=\"" + reply.file_name + "\"");
+    response.keep_alive(keep_alive);
+    response.content_length(opened.bytes);
+    std::ostringstream head;
+    head.exceptions(std::ios::badbit);  // as in begin_stream()
+    head << response.base();
+    send_piece(head.str(), {std::move(opened.file), head_alone ? 0 : opened.bytes}, keep_alive, share);
+  }
+
+  // rest: the file, and how many bytes follow this piece. share: the place among the downloads, free with its last
+  // copy.
+  void send_piece(std::string piece, FileReader::Opened rest, bool keep_alive, const std::shared_ptr<void>& share) {
+    stream_.expires_after(server_->options.request_time);
+    const auto bytes = std::make_shared<const std::string>(std::move(piece));
+    asio::async_write(
+        stream_, asio::buffer(*bytes),
+        [self = shared_from_this(), bytes, rest, keep_alive, share](const error_code& error, std::size_t) {
+          if (error) return;
+          self->or_close([&] { self->send_rest(rest, keep_alive, share); });
+        });
+  }
+
+  void send_rest(const FileReader::Opened& rest, bool keep_alive, const std::shared_ptr<void>& share) {
+    if (rest.bytes == 0) {
+      served_ = true;
+      return keep_alive ? read() : shut();
+    }
+    stream_.expires_never();
+    server_->files.read(rest.file, [self = shared_from_this(), rest, keep_alive, share](std::string piece) {
+      // Fewer bytes than were announced tell the client that the file is not complete.
+      if (piece.empty() || piece.size() > rest.bytes) return self->leave();
+      self->or_close([&] {
+        const std::uint64_t left = rest.bytes - piece.size();
+        self->send_piece(std::move(piece), {rest.file, left}, keep_alive, share);
+      });
+    });
   }
 
   // Says that nothing more comes, then reads for up to a second what the client still sends. Closing with bytes unread

@@ -1,7 +1,8 @@
 // The HTTP server: HTTP/1.1, one listening address, on the event loop; Server-Sent Events for live push.
 //
 // A handler answers paths, broadcast() pushes events; the server does not know what they mean. Limits bound the number
-// of clients and of streams, header and body, the time for a request, and the events that wait for a slow reader.
+// of clients, of streams and of files under way, header and body, the time for a request, and the events that wait for
+// a slow reader. Of each file under way one piece is in memory.
 // Waiting events beyond the limit are dropped and counted: first those that a client must ask for, then the oldest.
 //
 // When all places are taken, a new client replaces the one that has been silent longest. Clients that never asked for
@@ -35,6 +36,9 @@ struct HttpReply {
   std::string policy{};   // Content-Security-Policy; empty: none
   std::string allowed{};  // Allow, of 405: the methods that the path answers
   std::string cookie{};   // Set-Cookie; empty: none
+  // Path of a file that is the body, streamed piece by piece. Empty: `body` is.
+  std::string file{};
+  std::string file_name{};  // under which a browser keeps it: letters, digits, ".", "_" and "-"
 };
 
 struct HttpOptions {
@@ -49,13 +53,16 @@ struct HttpOptions {
   std::size_t body_bytes = 16 * 1024;      // beyond: 413
   std::size_t large_bytes = 1'000'000;     // an answer beyond this is large …
   std::size_t answers_bytes = 64'000'000;  // … and all large answers under way hold this at most; beyond: 503
+  std::size_t downloads = 4;               // files under way at once; beyond: 503
   std::size_t events_waiting = 16;         // per stream, behind the one that is being written
-  // For a request, from when it could be sent until it has been read; the same again for taking the answer.
+  // For a request, from when it could be sent until it has been read; the same again for taking the answer, or each
+  // piece of 128 kB of a file: who reads a download at less than 13 kB/s loses its place among them.
   std::chrono::milliseconds request_time{10'000};
   // A client that was answered keeps its place for so long. Shorter: while somebody holds all places, pages that poll
   // connect anew each time. Longer: for so long, clients that ask once can keep others out.
   std::chrono::milliseconds kept_time{2'000};
-  std::chrono::milliseconds stream_write_time{30'000};  // for taking one event; then the stream is closed
+  // For taking one event; then the connection is closed.
+  std::chrono::milliseconds stream_write_time{30'000};
 };
 
 struct HttpStats {

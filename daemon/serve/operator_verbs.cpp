@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/printable.hpp"
 #include "daemon/record/utf8.hpp"
@@ -48,7 +51,18 @@ tl::expected<Json, std::string> parse_request(std::string_view text) {
   if (std::string why = record::why_not_utf8(text); !why.empty()) return tl::unexpected(std::move(why));
   if (std::count(text.begin(), text.end(), '[') + std::count(text.begin(), text.end(), '{') > kMostBrackets)
     return tl::unexpected(std::string("it is too deeply nested"));
-  Json request = Json::parse(text, nullptr, false);
+  // Where a name stands twice the parser keeps one member and drops the other in silence: it may be what was meant.
+  std::vector<std::set<std::string>> members;  // of the objects that are open
+  std::string twice;
+  const auto see = [&](int, Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::object_start) members.emplace_back();
+    if (event == Json::parse_event_t::object_end && !members.empty()) members.pop_back();
+    if (event == Json::parse_event_t::key && !members.back().insert(parsed.get<std::string>()).second)
+      twice = parsed.get<std::string>();
+    return true;
+  };
+  Json request = Json::parse(text, see, false);
+  if (!twice.empty()) return tl::unexpected("\"" + twice + "\" is given twice, expected once");
   if (!request.is_object()) return tl::unexpected(std::string("not a JSON object"));
   return request;
 }

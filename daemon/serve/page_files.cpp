@@ -60,6 +60,7 @@ const std::vector<std::string_view>& PageFiles::names() {
       "wording.mjs",       // the first line
       "coefficients.mjs",  // what stands in place of each coefficient
       "limits.mjs",        // verdicts on limits
+      "runs.mjs",          // audits and downloads of runs
       "alarms.mjs",
       "alarms_view.mjs",
       "budget.mjs",

@@ -1,8 +1,6 @@
 #include "daemon/serve/page_query.hpp"
 
-#include <algorithm>
 #include <charconv>
-#include <utility>
 
 #include "daemon/serve/next_part.hpp"
 
@@ -15,22 +13,28 @@ std::optional<int> integer_of(std::string_view text) {
   return number;
 }
 
-std::optional<Page> page_of(std::string_view query, std::size_t most, bool may_be_brief) {
+tl::expected<Page, std::string> page_of(std::string_view query, std::size_t most, std::string_view index,
+                                        bool may_be_brief) {
   Page page{std::nullopt, most, false};
   bool counted = false;
   while (!query.empty()) {
-    std::string_view term = next_part(query, '&');
-    const std::string_view key = next_part(term, '=');
-    const auto value = integer_of(term);
-    if (!value) return std::nullopt;
-    if (key == "from" && !page.from) {
-      page.from = *value;
-    } else if (key == "count" && !std::exchange(counted, true) && *value >= 1) {
-      page.count = std::min(static_cast<std::size_t>(*value), most);
-    } else if (key == "brief" && may_be_brief && !page.brief && *value == 1) {
+    const std::string_view term = next_part(query, '&');
+    std::string_view value = term;
+    const std::string_view key = next_part(value, '=');
+    const auto number = integer_of(value);
+    const bool again = (key == "from" && page.from) || (key == "count" && counted) || (key == "brief" && page.brief);
+    if (key == "from" && !again && number && *number >= 0) {
+      page.from = number;
+    } else if (key == "count" && !again && number && *number >= 1 && static_cast<std::size_t>(*number) <= most) {
+      page.count = static_cast<std::size_t>(*number);
+      counted = true;
+    } else if (key == "brief" && !again && may_be_brief && number == 1) {
       page.brief = true;
     } else {
-      return std::nullopt;
+      return tl::unexpected("\"" + std::string(term) +
+                            "\" is not understood: " + (again ? std::string(key) + " is given twice; " : "") +
+                            "expected from=" + std::string(index) + " (0 or more), count=1 to " + std::to_string(most) +
+                            (may_be_brief ? ", brief=1" : "") + ", or several joined by &");
     }
   }
   return page;

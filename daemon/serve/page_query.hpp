@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 
 namespace dwell {
 
@@ -13,9 +15,11 @@ struct Page {
   bool brief = false;       // brief=1: in short
 };
 
-// nullopt: the query is not understood. Without `count`, or if it is above `most`: `most`. may_be_brief: `brief` is
-// understood.
-[[nodiscard]] std::optional<Page> page_of(std::string_view query, std::size_t most, bool may_be_brief = false);
+// Without `count`: `most`. index: the word for the number behind `from`, as "INDEX". may_be_brief: `brief` is
+// understood. Fails, with what was found and what was expected, where a key is not known or given twice, or its number
+// is out of range.
+[[nodiscard]] tl::expected<Page, std::string> page_of(std::string_view query, std::size_t most, std::string_view index,
+                                                      bool may_be_brief = false);
 
 // A decimal number and nothing else.
 [[nodiscard]] std::optional<int> integer_of(std::string_view text);

@@ -26,7 +26,80 @@ Json run_json(const ListedRun& run) {
           {"kept", run.kept}};
 }
 
+// Whether the name can stand in a path and in a header as it is.
+bool is_plain_name(std::string_view name) {
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
+           c == '-';
+  });
+}
+
+bool goes_on(const ServiceView& view, const ListedRun& run) {
+  return run.state == "recording" || (view.recorder && view.recorder->recording && view.recorder->run.file == run.file);
+}
+
+// nullptr: it has not been looked at.
+const record::RunVerdict* verdict_on(const ServiceView& view, const ListedRun& run) {
+  if (!view.audits) return nullptr;
+  const auto found = view.audits->find(run.file);
+  return found == view.audits->end() ? nullptr : &found->second;
+}
+
+bool is_removed(const ServiceView& view, const ListedRun& run) {
+  const record::RunVerdict* verdict = verdict_on(view, run);
+  return verdict != nullptr && verdict->removed;
+}
+
+// Why the run's file cannot be downloaded; empty: it can.
+std::string no_download(const ServiceView& view, const ListedRun& run) {
+  if (is_removed(view, run)) return "its file was removed";
+  if (goes_on(view, run)) return "the run goes on: its file is complete when the run has ended";
+  if (run.state == "cut off")
+    return "the run was cut off: a part of it may be in a -wal file; copy both files from the recording directory";
+  if (run.state != "closed") return "its file cannot be read as a run; copy it from the recording directory";
+  if (!is_plain_name(run.file)) return "its name has unusual characters; copy it from the recording directory";
+  return view.recorder ? "" : "this service does not record";
+}
+
+Json no_verdict(const char* state, const std::string& reason) {
+  return {{"state", state},     {"where", nullptr}, {"until_s", nullptr},
+          {"trusted", nullptr}, {"utc", nullptr},   {"reason", reason}};
+}
+
+// back: how many runs of the list are newer.
+Json audit_json(const ServiceView& view, const ListedRun& run, std::size_t back) {
+  if (goes_on(view, run)) return no_verdict("not audited", "the run goes on");
+  const record::RunVerdict* known = verdict_on(view, run);
+  if (known == nullptr) {
+    if (back >= record::RunAudits::kAudited)
+      return no_verdict("not audited", "only the newest " + std::to_string(record::RunAudits::kAudited) +
+                                           " runs are audited by the service; run dwellctl audit");
+    return no_verdict("waiting", "it waits for its turn");
+  }
+  const record::RunVerdict& verdict = *known;
+  if (!verdict.why_none.empty()) return no_verdict("not audited", verdict.why_none);
+  return {{"state", to_string(verdict.state)},
+          {"where", json_text(verdict.where)},
+          {"until_s", verdict.until_s ? json_number(*verdict.until_s) : Json(nullptr)},
+          {"trusted", verdict.trusted},
+          {"utc", json_text(verdict.utc)},
+          {"reason", nullptr}};
+}
+
 }  // namespace
+
+HttpReply run_file_answer(const ServiceView& view, std::string_view file) {
+  static const ListedRuns kNone;
+  const ListedRuns& all = view.runs ? *view.runs : kNone;
+  const auto run = std::find_if(all.begin(), all.end(), [&](const ListedRun& listed) { return listed.file == file; });
+  if (run == all.end())
+    return http_error(404, "there is no run of this name: expected /api/v1/runs/FILE, FILE as /api/v1/runs tells it");
+  if (const std::string why = no_download(view, *run); !why.empty()) return http_error(409, why);
+  HttpReply reply{200, {}, "application/vnd.sqlite3"};
+  reply.file = view.recorder->directory + "/" + run->file;
+  reply.file_name = run->file;
+  return reply;
+}
 
 Json recorder_json(const ServiceView& view) {
   if (!view.recorder) return nullptr;
@@ -49,10 +122,8 @@ Json recorder_json(const ServiceView& view) {
 
 // Oldest first: those from a run's number on, or the newest.
 HttpReply runs_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kRunsPerAnswer);
-  if (!page)
-    return http_error(400, "the query is not understood: expected from=RUN, count=1 to " +
-                               std::to_string(kRunsPerAnswer) + ", or both joined by &");
+  const auto page = page_of(query, kRunsPerAnswer, "RUN");
+  if (!page) return http_error(400, page.error());
   static const ListedRuns kNone;
   const ListedRuns& all = view.runs ? *view.runs : kNone;
   const auto count = static_cast<std::ptrdiff_t>(std::min(page->count, all.size()));
@@ -61,8 +132,14 @@ HttpReply runs_answer(const ServiceView& view, std::string_view query) {
   const auto last = first + std::min(count, all.end() - first);
   Json runs = Json::array();
   for (auto run = first; run != last; ++run) {
-    const bool goes_on = view.recorder && view.recorder->recording && view.recorder->run.file == run->file;
-    runs.push_back(run_json(goes_on ? view.recorder->run : *run));
+    const bool recorded = view.recorder && view.recorder->recording && view.recorder->run.file == run->file;
+    Json object = run_json(recorded ? view.recorder->run : *run);
+    if (is_removed(view, *run)) object["state"] = "removed";
+    const std::string why = no_download(view, *run);
+    object["download"] = why.empty() ? Json(std::string(kRunFiles) + run->file) : Json(nullptr);
+    object["no_download"] = json_text(why);
+    object["audit"] = audit_json(view, *run, static_cast<std::size_t>(all.end() - run) - 1);
+    runs.push_back(std::move(object));
   }
   return {200, dump(Json{{"rig", view.rig.name},
                          {"total", all.size()},

@@ -13,6 +13,13 @@ namespace dwell {
 // The recorder's state; null if the service has none.
 [[nodiscard]] Json recorder_json(const ServiceView& view);
 
+// The path of a run's file over HTTP begins so; its name follows.
+inline constexpr std::string_view kRunFiles = "/api/v1/runs/";
+
+// GET /api/v1/runs/FILE: the file of a run that was closed, or why it cannot be downloaded. A file that is not in the
+// list of runs is never opened.
+[[nodiscard]] HttpReply run_file_answer(const ServiceView& view, std::string_view file);
+
 // GET /api/v1/runs.
 [[nodiscard]] HttpReply runs_answer(const ServiceView& view, std::string_view query);
 

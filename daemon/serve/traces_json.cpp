@@ -71,12 +71,23 @@ HttpReply traces_answer(const ServiceView& view, std::string_view query) {
   if (asked->less_steady && !(less = newest_steady_part(view)))
     return http_error(409, "no dwell of this run has settled: there is no steady part yet to be taken out");
   const bool back = asked->from_s < 0.0;
-  const double until_s = asked->to_s <= 0.0 && back ? traces.newest_s() + asked->to_s : asked->to_s;
-  const double from_s = back ? traces.newest_s() + asked->from_s : asked->from_s;
-  if (until_s < from_s) return http_error(400, "to is before from");
+  const double newest_s = traces.newest_s();
+  const double asked_s = asked->to_s.value_or(back ? 0.0 : newest_s);
+  const double until_s = asked_s <= 0.0 && back ? newest_s + asked_s : asked_s;
+  const double from_s = back ? newest_s + asked->from_s : asked->from_s;
+  const auto words = [](double number) {
+    std::string number_text;
+    append(number_text, number);
+    return number_text;
+  };
+  if (from_s > newest_s)
+    return http_error(400,
+                      "from=" + words(from_s) + " is in the future: the newest record is at " + words(newest_s) + " s");
+  if (until_s < from_s)
+    return http_error(400, "to=" + words(until_s) + " is before from=" + words(from_s) + " (s): expected a later one");
   const auto in_all = kMostTracePointsInAll / static_cast<std::int64_t>(asked->channels.size());
   const std::int64_t points =
-      std::min({asked->points > 0 ? asked->points : kTracePoints, kMostTracePoints, std::max<std::int64_t>(in_all, 1)});
+      std::min(asked->points > 0 ? asked->points : kTracePoints, std::max<std::int64_t>(in_all, 1));
   const Traces::Stretch stretch =
       less ? traces.stretch_of_readings(std::max(from_s, until_s - kLongestLess_s), until_s, points)
            : traces.stretch(from_s, until_s, points);

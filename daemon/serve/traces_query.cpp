@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "daemon/serve/next_part.hpp"
+#include "daemon/serve/traces_json.hpp"
 
 namespace dwell {
 namespace {
@@ -53,20 +54,30 @@ std::optional<std::vector<std::size_t>> channels_of(std::string_view names, cons
 
 tl::expected<TracesQuery, std::string> traces_query(std::string_view query, const Rig& rig) {
   TracesQuery asked;
-  const auto not_understood = [](std::string_view term) {
-    return tl::unexpected("\"" + std::string(term) +
-                          "\" is not understood: expected from=SECONDS, to=SECONDS (negative: before the newest "
-                          "reading), points=1 to 4000, channels=NAME,NAME, less=steady, or several joined by &");
+  const auto not_understood = [](std::string_view term, std::string_view why = "") {
+    return tl::unexpected("\"" + std::string(term) + "\" is not understood: " + std::string(why) +
+                          "expected from=SECONDS, to=SECONDS (negative: before the newest reading), points=1 to " +
+                          std::to_string(kMostTracePoints) +
+                          ", channels=NAME,NAME, less=steady, or several joined by &");
   };
+  std::vector<std::string_view> given;
   while (!query.empty()) {
     const std::string_view term = next_part(query, '&');
     std::string_view value = term;
     const std::string_view key = next_part(value, '=');
+    if (std::find(given.begin(), given.end(), key) != given.end())
+      return not_understood(term, std::string(key) + " is given twice; ");
+    given.push_back(key);
     if (key == "from" || key == "to") {
-      double& to = key == "from" ? asked.from_s : asked.to_s;
-      if (!number_of(value, to) || !std::isfinite(to)) return not_understood(term);
+      double seconds = 0.0;
+      if (!number_of(value, seconds) || !std::isfinite(seconds)) return not_understood(term);
+      if (key == "from")
+        asked.from_s = seconds;
+      else
+        asked.to_s = seconds;
     } else if (key == "points") {
-      if (!number_of(value, asked.points) || asked.points < 1) return not_understood(term);
+      if (!number_of(value, asked.points) || asked.points < 1 || asked.points > kMostTracePoints)
+        return not_understood(term);
     } else if (key == "channels") {
       auto channels = channels_of(value, rig);
       if (!channels) return not_understood(term);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -13,7 +14,8 @@ namespace dwell {
 
 struct TracesQuery {
   // As asked: s since the origin. A negative from_s, and then a to_s of 0 or below, count back from the newest record.
-  double from_s = -10.0, to_s = 0.0;
+  double from_s = -10.0;
+  std::optional<double> to_s;         // none: the newest record
   std::int64_t points = 0;            // 0: not asked for
   std::vector<std::size_t> channels;  // indices into Rig::channels, as asked for; never empty
   bool less_steady = false;

@@ -175,11 +175,26 @@ TEST_F(ApiTest, FinishedDwellsComeInBoundedPortions) {
   EXPECT_EQ(some["dwells"].front()["index"], 11);
   EXPECT_EQ(some["next"], 16);
   EXPECT_EQ(get("/api/v1/dwells", "count=2")["dwells"].front()["index"], 249);
-  EXPECT_EQ(get("/api/v1/dwells", "count=1000")["dwells"].size(), kDwellsPerAnswer);
+  EXPECT_EQ(get("/api/v1/dwells", "count=100")["dwells"].size(), kDwellsPerAnswer);
+  EXPECT_EQ(get("/api/v1/dwells", "from=0&count=1")["dwells"][0]["index"], 1);
   EXPECT_TRUE(get("/api/v1/dwells", "from=250")["next"].is_null());
-  for (const char* wrong : {"from=", "from=x", "from=1&x=2", "to=3", "from=99999999999999999999", "count=0", "count=-1",
-                            "from=1&from=2", "count=1&count=1", "from", "count=1x", "brief=2", "brief"})
+  for (const char* wrong :
+       {"from=", "from=x", "from=1&x=2", "to=3", "from=99999999999999999999", "count=0", "count=-1", "from=1&from=2",
+        "count=1&count=1", "from", "count=1x", "brief=2", "brief", "from=-1", "count=101", "brief=1&brief=1"})
     EXPECT_EQ(http_answer(view(), "/api/v1/dwells", wrong).status, 400) << wrong;
+  const auto why = [&](const char* path, const char* query) {
+    const HttpReply reply = http_answer(view(), path, query);
+    return std::to_string(reply.status) + " " + Json::parse(reply.body)["error"].get<std::string>();
+  };
+  EXPECT_EQ(why("/api/v1/dwells", "brief=1&from=-1"),
+            "400 \"from=-1\" is not understood: expected from=INDEX (0 or more), count=1 to 100, brief=1, or several "
+            "joined by &");
+  EXPECT_EQ(why("/api/v1/events", "count=201"),
+            "400 \"count=201\" is not understood: expected from=NUMBER (0 or more), count=1 to 200, or several joined "
+            "by &");
+  EXPECT_EQ(why("/api/v1/runs", "from=1&from=2"),
+            "400 \"from=2\" is not understood: from is given twice; expected from=RUN (0 or more), count=1 to 100, or "
+            "several joined by &");
 }
 
 TEST_F(ApiTest, AnAnswerOfManyLargeDwellsStaysWithinItsBytesAndSaysHowToGoOn) {

@@ -134,6 +134,48 @@ TEST_F(HealthTest, IsNotDegradedByReadingsThatAreModelledOrLeftOut) {
   expect(Health::Status::ok, true, "");
 }
 
+// A channel that was stuck and moves again seems well. Without a re-arm its elements stay withheld.
+TEST_F(HealthTest, IsDegradedByAChannelThatTheDwellDoesNotUse) {
+  snapshot.dwell.phasors.resize(2);
+  snapshot.dwell.phasors[0].valid = true;
+  snapshot.dwell.phasors[1].reason = "left out of 9000 readings: 4000 repeats of an older reading";
+  snapshot.dwell.elements[0].identifiable = false;
+  snapshot.dwell.elements[0].reason = "y1: left out of 9000 readings: 4000 repeats of an older reading";
+  snapshot.channels[1].condition = Condition::gated;
+  const std::string reason =
+      "channel y1 does not count in this dwell: left out of 9000 readings: 4000 repeats of an older reading";
+  expect(Health::Status::degraded, false, reason);
+  EXPECT_EQ(names(), (std::vector<std::string>{"channel:y1"}));
+  snapshot.channels[1].condition = Condition::stuck;
+  snapshot.channels[1].condition_reason = "stuck at one reading for 12.0 s";
+  expect(Health::Status::degraded, false, "channel y1: stuck at one reading for 12.0 s");
+  EXPECT_EQ(names().size(), 1u) << "one trouble of a channel, under one name";
+  snapshot.channels[1].condition = Condition::ok;
+  rig.channels[1].measures = Quantity::auxiliary;
+  expect(Health::Status::ok, false, "");
+  rig.channels[1].measures = Quantity::displacement;
+  now_ns = 2'600'000'000;
+  EXPECT_TRUE(names().empty()) << "the estimate is overdue: nothing is known of now";
+  now_ns = 100'000'000;
+  snapshot.dwell.state = State::settling;
+  EXPECT_TRUE(names().empty()) << "nothing is measured";
+}
+
+TEST_F(HealthTest, IsDegradedWhereADwellIsMeasuredWithoutAnyCoefficient) {
+  snapshot.dwell.elements.clear();
+  snapshot.dwell.settling_reason = "too few sync pulses in the data that count";
+  expect(Health::Status::degraded, false, "no coefficients: too few sync pulses in the data that count");
+  EXPECT_EQ(names(), (std::vector<std::string>{"dwell"}));
+}
+
+TEST_F(HealthTest, IsOkWhereTheDriveDoesNotResolveAnElement) {
+  snapshot.dwell.phasors.resize(2);
+  for (ChannelPhasor& phasor : snapshot.dwell.phasors) phasor.valid = true;
+  snapshot.dwell.elements[0].identifiable = false;
+  snapshot.dwell.elements[0].reason = "its deformation is too small to measure: |d| is not above 3 u(d)";
+  expect(Health::Status::ok, false, "");
+}
+
 TEST_F(HealthTest, IsDegradedByLinesOfTheLogThatAreLost) {
   log = {500, 29, true, "No space left on device"};
   expect(Health::Status::degraded, true, "the log loses lines, 29 so far: No space left on device");

@@ -53,6 +53,23 @@ TEST(HttpActions, AskTheSameAsTheControlSocketDoes) {
   EXPECT_EQ(asked[1].verb, OperatorRequest::Verb::rearm);
 }
 
+TEST(HttpActions, AMemberThatIsGivenTwiceIsRefused) {
+  int asked = 0;
+  const Operate operate = [&](const OperatorRequest&) -> tl::expected<void, std::string> {
+    ++asked;
+    return {};
+  };
+  const HttpReply reply = action_answer("start", post(R"({"label":"sweep 3","label":"sweep 4"})"), operate);
+  EXPECT_EQ(reply.status, 400);
+  EXPECT_NE(reply.body.find(R"(\"label\" is given twice, expected once)"), std::string::npos) << reply.body;
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(action_answer("start", post(R"({"label":"a","more":{"label":"b"},"list":[{"label":"c"},{"label":"d"}]})"),
+                          operate)
+                .status,
+            200)
+      << "members of other objects";
+}
+
 TEST(HttpActions, AnAlarmIsAcknowledgedByItsName) {
   std::vector<OperatorRequest> asked;
   const Operate operate = [&](const OperatorRequest& request) -> tl::expected<void, std::string> {

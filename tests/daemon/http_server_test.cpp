@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 #include "daemon/serve/http_request.hpp"
 #include "tests/daemon/sockets.hpp"
+#include "tests/record/scratch.hpp"
 
 namespace dwell {
 namespace {
@@ -23,7 +25,7 @@ struct HttpServerTest : testing::Test {
     options.port = 0;
     auto made = HttpServer::make(
         loop, options,
-        [](const HttpRequest& request) {
+        [this](const HttpRequest& request) {
           const std::string_view path = request.path();
           if (request.method == HttpRequest::Method::post)
             return HttpReply{200, std::string(request.content_type) + "," + std::string(request.authorization) + "," +
@@ -32,6 +34,12 @@ struct HttpServerTest : testing::Test {
           if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(request.query()) + "\"}"};
           if (path == "/page") return HttpReply{200, "bytes", "text/html", "\"tag\"", "default-src 'self'"};
           if (path == "/large") return HttpReply{200, std::string(5'000'000, ' ')};
+          if (path.substr(0, 6) == "/file/") {
+            HttpReply reply{200, {}, "application/vnd.sqlite3"};
+            reply.file_name = path.substr(6);
+            reply.file = folder.path(reply.file_name);
+            return reply;
+          }
           if (path == "/throw") throw std::runtime_error("no");
           return http_error(404, "nothing here");
         },
@@ -50,6 +58,19 @@ struct HttpServerTest : testing::Test {
     return thread->on_loop([this] { return server->stats(); });
   }
 
+  // A file of pseudo-random bytes.
+  std::string made_file(const std::string& name, std::size_t bytes) {
+    std::string text(bytes, '\0');
+    std::uint32_t state = 1;
+    for (char& c : text) c = static_cast<char>((state = state * 1664525U + 1013904223U) >> 24U);
+    folder.write(name, text);
+    return text;
+  }
+  std::string ask_for_file(const std::string& name, const char* method = "GET") {
+    return std::string(method) + " /file/" + name + " HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  }
+
+  const record::Scratch folder;
   EventLoop loop;
   std::unique_ptr<HttpServer> server;
   std::uint16_t port = 0;
@@ -92,6 +113,120 @@ TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
   EXPECT_EQ(answer.status, 200);
   EXPECT_NE(answer.head.find("Content-Length: 12\r\n"), std::string::npos) << answer.head;
   EXPECT_EQ(client.all(), "");
+}
+
+TEST_F(HttpServerTest, AFileIsSentAsItIsAndTheConnectionGoesOn) {
+  const std::string bytes = made_file("a.dwell", 700'001);
+  begin();
+  Client client = Client::tcp(port);
+  for (int i = 0; i < 2; ++i) {
+    client.send(ask_for_file("a.dwell"));
+    const Answer answer = read_answer(client);
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_TRUE(answer.body == bytes);
+    for (const char* field :
+         {"Content-Disposition: attachment; filename=\"a.dwell\"\r\n", "Cache-Control: no-store\r\n",
+          "Content-Type: application/vnd.sqlite3\r\n", "X-Content-Type-Options: nosniff\r\n"})
+      EXPECT_NE(answer.head.find(field), std::string::npos) << field << answer.head;
+  }
+  client.send(ask_for_file("a.dwell", "HEAD"));
+  EXPECT_NE(read_answer(client, true).head.find("Content-Length: 700001\r\n"), std::string::npos);
+  made_file("empty.dwell", 0);
+  client.send(ask_for_file("empty.dwell"));
+  EXPECT_EQ(read_answer(client).status, 200);
+  client.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(read_answer(client).status, 200);
+}
+
+TEST_F(HttpServerTest, AFileThatIsNoCompleteRunIsRefusedWithTheReason) {
+  made_file("a.dwell", 1000);
+  made_file("a.dwell-wal", 10);
+  std::filesystem::create_symlink(folder.path("a.dwell"), folder.path("link.dwell"));
+  std::filesystem::create_directory(folder.path("folder.dwell"));
+  begin();
+  Client client = Client::tcp(port);
+  for (const auto& [name, status] :
+       {std::pair("a.dwell", 409), {"link.dwell", 409}, {"folder.dwell", 409}, {"none.dwell", 404}}) {
+    client.send(ask_for_file(name));
+    expect_error(read_answer(client), status);
+  }
+}
+
+// Retention may delete a run while it is downloaded: the open file keeps its bytes until the download has ended.
+TEST_F(HttpServerTest, AFileThatIsDeletedMeanwhileArrivesAndOneThatIsAlteredBreaksOff) {
+  const std::string bytes = made_file("a.dwell", 12'000'000);
+  begin();
+  for (const bool deleted : {true, false}) {
+    made_file("a.dwell", bytes.size());
+    Client client = Client::tcp(port, 4096);
+    client.send(ask_for_file("a.dwell"));
+    client.until("\r\n\r\n");
+    EXPECT_TRUE(client.exactly(1000) == bytes.substr(0, 1000));
+    if (deleted)
+      std::filesystem::remove(folder.path("a.dwell"));
+    else
+      std::filesystem::resize_file(folder.path("a.dwell"), bytes.size() + 1);
+    const std::string rest = client.exactly(bytes.size() - 1000);
+    if (deleted) {
+      EXPECT_TRUE(rest == bytes.substr(1000));
+    } else {
+      EXPECT_LT(rest.size(), bytes.size() - 1000);
+    }
+  }
+}
+
+TEST_F(HttpServerTest, WhoDoesNotReadADownloadLosesItsPlace) {
+  made_file("a.dwell", 30'000'000);
+  HttpOptions options;
+  options.downloads = 1;
+  options.request_time = std::chrono::milliseconds(200);
+  begin(options);
+  Client slow = Client::tcp(port, 4096);
+  slow.send(ask_for_file("a.dwell"));
+  slow.until("\r\n\r\n");
+  int status = 503;
+  while (status == 503) {
+    Client client = Client::tcp(port);
+    client.send(ask_for_file("a.dwell", "HEAD"));
+    status = read_answer(client, true).status;
+  }
+  EXPECT_EQ(status, 200);
+}
+
+TEST_F(HttpServerTest, SoManyFilesAreOnTheirWayAtOnceAndAllElseIsServedMeanwhile) {
+  made_file("a.dwell", 30'000'000);
+  HttpOptions options;
+  options.downloads = 2;
+  begin(options);
+  std::vector<Client> slow;
+  for (int i = 0; i < 2; ++i) {
+    slow.push_back(Client::tcp(port, 4096));
+    slow.back().send(ask_for_file("a.dwell"));
+    slow.back().until("\r\n\r\n");
+  }
+  expect_error(ask(ask_for_file("a.dwell")), 503);
+  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 200);
+  slow.clear();
+  int status = 503;
+  while (status == 503) {
+    Client client = Client::tcp(port);
+    client.send(ask_for_file("a.dwell", "HEAD"));
+    status = read_answer(client, true).status;
+  }
+  EXPECT_EQ(status, 200) << "a client that has gone leaves its place";
+}
+
+TEST_F(HttpServerTest, AServerThatEndsWhileAFileIsOnItsWayLeavesNothingBehind) {
+  made_file("a.dwell", 30'000'000);
+  begin();
+  Client client = Client::tcp(port, 4096);
+  client.send(ask_for_file("a.dwell"));
+  client.until("\r\n\r\n");
+  thread->on_loop([this] {
+    server.reset();
+    return 0;
+  });
+  EXPECT_LT(client.all().size(), 30'000'000u);
 }
 
 TEST_F(HttpServerTest, APageCarriesItsPolicyAndIsSentOnce) {

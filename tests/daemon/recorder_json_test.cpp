@@ -27,6 +27,7 @@ struct RecorderJsonTest : testing::Test {
     now.now_ns = 10'000'000'000;
     now.recorder = recording;
     now.runs = runs;
+    now.audits = audits;
     now.health = judge_health(rig, snapshot, now.now_ns, now.gpio, now.log, "",
                               recording ? recording->alarms : std::vector<record::RecorderAlarm>());
     return http_answer(now, path, query);
@@ -39,6 +40,7 @@ struct RecorderJsonTest : testing::Test {
   Snapshot snapshot;
   std::optional<record::RecorderState> recording;
   std::shared_ptr<const record::ListedRuns> runs;
+  std::shared_ptr<const record::RunVerdicts> audits;
 };
 
 TEST_F(RecorderJsonTest, RunsComeInBoundedPortionsTheNewestFirstAsked) {
@@ -51,8 +53,9 @@ TEST_F(RecorderJsonTest, RunsComeInBoundedPortionsTheNewestFirstAsked) {
   ASSERT_EQ(first["runs"].size(), 2u);
   EXPECT_EQ(first["next"], 3);
   EXPECT_EQ(answer("from=251")["runs"].size(), 0u);
-  EXPECT_EQ(answer("count=1000")["runs"].size(), kRunsPerAnswer);
-  EXPECT_EQ(get("/api/v1/runs", "from=x").status, 400);
+  EXPECT_EQ(answer("count=100")["runs"].size(), kRunsPerAnswer);
+  for (const char* wrong : {"from=x", "from=-1", "count=101", "count=201"})
+    EXPECT_EQ(get("/api/v1/runs", wrong).status, 400) << wrong;
 }
 
 TEST_F(RecorderJsonTest, ARunThatGoesOnIsListedAsItStandsNow) {
@@ -62,6 +65,74 @@ TEST_F(RecorderJsonTest, ARunThatGoesOnIsListedAsItStandsNow) {
   recording->run.state = "recording";
   recording->run.bytes = 12345;
   EXPECT_EQ(answer("count=1")["runs"][0]["bytes"], 12345);
+}
+
+TEST_F(RecorderJsonTest, TellsOfEachRunWhetherItsFileIsIntactAndWhereItIsToBeHad) {
+  recording.emplace();
+  recording->directory = "/var/lib/dwell";
+  auto list = std::make_shared<record::ListedRuns>(*runs);
+  (*list)[247].state = "cut off";
+  (*list)[248].state = "unreadable";
+  (*list)[249].state = "recording";
+  runs = list;
+  record::RunVerdicts verdicts;
+  verdicts[(*list)[246].file] = {"", record::AuditState::intact, "", {}, "", true, "2026-11-23T03:12:17.000000Z"};
+  verdicts[(*list)[247].file] = {"", record::AuditState::open, "", 12.5, "", true, "2026-11-23T03:12:18.000000Z"};
+  verdicts[(*list)[248].file] = {"",    record::AuditState::tampered, "entry 4: another head", {}, "",
+                                 false, "2026-11-23T03:12:19.000000Z"};
+  verdicts[(*list)[245].file] = {"Permission denied", record::AuditState::tampered, "", {}, "", false, ""};
+  audits = std::make_shared<const record::RunVerdicts>(verdicts);
+  const Parsed newest = answer("count=6")["runs"];
+  std::string states;
+  for (const Parsed& run : newest) states += run["audit"]["state"].get<std::string>() + ";";
+  EXPECT_EQ(states, "waiting;not audited;intact;open;tampered;not audited;");
+  EXPECT_EQ(newest[1]["audit"]["reason"], "Permission denied");
+  EXPECT_EQ(newest[2]["audit"]["trusted"], true);
+  EXPECT_EQ(newest[2]["audit"]["utc"], "2026-11-23T03:12:17.000000Z");
+  EXPECT_EQ(newest[3]["audit"]["until_s"], 12.5);
+  EXPECT_EQ(newest[4]["audit"]["where"], "entry 4: another head");
+  EXPECT_EQ(newest[5]["audit"]["reason"], "the run goes on");
+  EXPECT_NE(answer("from=1&count=1")["runs"][0]["audit"]["reason"].get<std::string>().find("only the newest 100"),
+            std::string::npos);
+  verdicts[(*list)[246].file].removed = true;
+  audits = std::make_shared<const record::RunVerdicts>(verdicts);
+  const Parsed removed = answer("count=4")["runs"][0];
+  EXPECT_EQ(removed["state"], "removed");
+  EXPECT_EQ(removed["no_download"], "its file was removed");
+  EXPECT_TRUE(removed["download"].is_null());
+  EXPECT_EQ(newest[2]["download"], "/api/v1/runs/bench-247-20261123T031217Z.dwell");
+  EXPECT_TRUE(newest[2]["no_download"].is_null());
+  for (int i = 3; i < 6; ++i) {
+    EXPECT_TRUE(newest[i]["download"].is_null());
+    EXPECT_TRUE(newest[i]["no_download"].is_string());
+  }
+}
+
+TEST_F(RecorderJsonTest, GivesTheFileOfAClosedRunOfTheListAndOfNothingElse) {
+  recording.emplace();
+  recording->directory = "/var/lib/dwell";
+  auto list = std::make_shared<record::ListedRuns>(*runs);
+  (*list)[247].state = "cut off";
+  (*list)[248].file = "be\"nch-249-20261123T031217Z.dwell";
+  runs = list;
+  recording->recording = true;
+  recording->run = list->back();
+  const HttpReply file = get("/api/v1/runs/bench-3-20261123T031217Z.dwell");
+  EXPECT_EQ(file.status, 200);
+  EXPECT_EQ(file.file, "/var/lib/dwell/bench-3-20261123T031217Z.dwell");
+  EXPECT_EQ(file.file_name, "bench-3-20261123T031217Z.dwell");
+  const auto refused = [&](const std::string& name) {
+    const HttpReply reply = get(("/api/v1/runs/" + name).c_str());
+    EXPECT_EQ(reply.file, "") << name;
+    return std::to_string(reply.status) + " " + Parsed::parse(reply.body)["error"].get<std::string>();
+  };
+  for (const char* other :
+       {"", "ledger.dwell-ledger", "../rig.toml", "..", "key", "bench-3-20261123T031217Z.dwell/",
+        "bench-3-20261123T031217Z.dwell-wal", "%2e%2e/rig.toml", "bench-999-20261123T031217Z.dwell"})
+    EXPECT_EQ(refused(other).substr(0, 34), "404 there is no run of this name: ") << other;
+  EXPECT_EQ(refused("bench-250-20261123T031217Z.dwell").substr(0, 22), "409 the run goes on: i");
+  EXPECT_EQ(refused("bench-248-20261123T031217Z.dwell").substr(0, 23), "409 the run was cut off");
+  EXPECT_EQ(refused("be\"nch-249-20261123T031217Z.dwell").substr(0, 25), "409 its name has unusual ");
 }
 
 TEST_F(RecorderJsonTest, HealthSaysWhatIsRecordedOrWhyNot) {

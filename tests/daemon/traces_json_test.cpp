@@ -73,7 +73,7 @@ TEST_F(TracesJsonTest, NegativeTimesAreBeforeTheNewestReading) {
 
 TEST_F(TracesJsonTest, AnAnswerIsBoundedWhateverIsAsked) {
   for (const char* query :
-       {"points=1000000", "from=0&to=1e300&points=4000", "from=-1e300&to=1e300", "from=3.9&to=3.9"}) {
+       {"points=4000", "from=0&to=1e300&points=4000", "from=-1e300&to=1e300", "from=3.9&to=3.9", "from=3.9"}) {
     const Parsed answer = json(query);
     EXPECT_LE(answer["bins"].get<std::int64_t>(), kMostTracePoints) << query;
     EXPECT_EQ(answer["channels"][1]["max"].size(), answer["bins"].get<std::size_t>()) << query;
@@ -82,12 +82,26 @@ TEST_F(TracesJsonTest, AnAnswerIsBoundedWhateverIsAsked) {
 
 TEST_F(TracesJsonTest, WhatIsNotUnderstoodIsNamedWithWhatWasExpected) {
   for (const char* query : {"from=x", "to=inf", "from=nan", "points=0", "points=-1", "points=2.5",
-                            "channels=", "channels=y9", "channels=y0,y0", "less=transient", "?", "from=1,2"}) {
+                            "channels=", "channels=y9", "channels=y0,y0", "less=transient", "?", "from=1,2",
+                            "points=4001", "from=1&from=2", "less=steady&less=steady"}) {
     const HttpReply reply = get(query);
     EXPECT_EQ(reply.status, 400) << query;
     EXPECT_NE(reply.body.find("expected from=SECONDS"), std::string::npos) << query;
   }
-  EXPECT_EQ(get("from=3&to=2").status, 400);
+  EXPECT_NE(get("from=1&from=2").body.find("from is given twice"), std::string::npos);
+  const auto why = [&](const char* query) {
+    return std::to_string(get(query).status) + " " + json(query)["error"].get<std::string>();
+  };
+  EXPECT_EQ(why("from=3&to=2"), "400 to=2 is before from=3 (s): expected a later one");
+  EXPECT_EQ(why("from=100&to=200"), "400 from=100 is in the future: the newest record is at 3.99 s");
+}
+
+TEST_F(TracesJsonTest, WithoutAnEndTheStretchGoesToTheNewestReading) {
+  const Parsed answer = json("from=3&points=4000");
+  EXPECT_EQ(answer["from_s"], 3.0);
+  EXPECT_NEAR(answer["from_s"].get<double>() + answer["bins"].get<double>() * answer["step_s"].get<double>(), 4.0,
+              0.02);
+  EXPECT_EQ(get("from=3.99").status, 200) << "who follows asks from the newest on";
 }
 
 TEST_F(TracesJsonTest, WithoutASettledDwellThereIsNoSteadyPart) {

@@ -53,6 +53,21 @@ std::map<std::string, std::string> contents(const std::string& directory) {
   return files;
 }
 
+// Else whoever removes the file of a run that is recorded loses the run without a word.
+TEST(ChainFile, ACommitFailsOnceTheFileWasRemoved) {
+  const Scratch scratch;
+  const std::string path = scratch.path("a.dwell");
+  Result<ChainWriter> writer = ChainWriter::create(path, ChainSort::run, kOrigin, service_key());
+  ASSERT_TRUE(writer) << writer.error();
+  ASSERT_TRUE(writer->append("run", 5, "{}"));
+  ASSERT_TRUE(writer->commit());
+  std::filesystem::remove(path);
+  ASSERT_TRUE(writer->append("note", 6, "{}"));
+  const Result<void> committed = writer->commit();
+  ASSERT_FALSE(committed);
+  EXPECT_EQ(committed.error(), path + ": was removed while it was written");
+}
+
 TEST(ChainFile, WhatWasCommittedIsReadBackWithHeadsAndNotes) {
   const Scratch scratch;
   const std::string path = scratch.path("a.dwell");

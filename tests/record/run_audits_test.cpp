@@ -1,0 +1,123 @@
+#include "daemon/record/run_audits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "tests/record/audited.hpp"
+#include "tests/record/scratch.hpp"
+
+namespace dwell::record {
+namespace {
+
+ListedRun listed(std::int64_t run, const std::string& file, const char* state = "closed") {
+  ListedRun one;
+  one.run = run;
+  one.file = file;
+  one.state = state;
+  return one;
+}
+
+// A directory with three runs: a and b are closed, c was cut off. The tests run in virtual time.
+struct RunAuditsTest : testing::Test {
+  // Calls turn() at one instant of virtual time until `known` is true.
+  void turn_until(double t_s, const std::function<bool()>& known) {
+    do {
+      audits->turn(static_cast<std::int64_t>(t_s * 1e9), runs);
+      for (const std::string& line : audits->take_tampered()) tampered.push_back(line);
+      std::this_thread::yield();
+    } while (!known());
+  }
+  [[nodiscard]] const RunVerdict* of(const char* file) {
+    verdicts = audits->all();
+    const auto found = verdicts->find(file);
+    return found == verdicts->end() ? nullptr : &found->second;
+  }
+
+  Scratch scratch;
+  const Ledger ledger = recorded(scratch, 3, true);
+  std::shared_ptr<const ListedRuns> runs = std::make_shared<ListedRuns>(
+      ListedRuns{listed(1, "a.dwell"), listed(2, "b.dwell"), listed(3, "c.dwell", "cut off")});
+  std::optional<RunAudits> audits{std::in_place, scratch.path()};
+  std::shared_ptr<const RunVerdicts> verdicts;
+  std::vector<std::string> tampered;
+};
+
+TEST_F(RunAuditsTest, TellsOfEachRunWhatTheAuditSays) {
+  forge(scratch.path("a.dwell"), "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 3");
+  turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
+  ASSERT_NE(of("c.dwell"), nullptr) << "the newest first";
+  EXPECT_EQ(of("c.dwell")->state, AuditState::open);
+  EXPECT_TRUE(of("c.dwell")->until_s.has_value());
+  EXPECT_EQ(of("b.dwell")->state, AuditState::intact);
+  EXPECT_TRUE(of("b.dwell")->trusted) << "by the ledger of the directory";
+  EXPECT_EQ(of("a.dwell")->state, AuditState::tampered);
+  EXPECT_EQ(of("a.dwell")->where, audited(scratch.path("a.dwell"), with_ledger(scratch)).where);
+  turn_until(0.0, [&] { return !tampered.empty(); });
+  EXPECT_EQ(tampered.front(), "a.dwell is tampered with: " + of("a.dwell")->where);
+}
+
+TEST_F(RunAuditsTest, ReadsAFileAgainOnlyWhereItHasChanged) {
+  turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
+  const std::string first = of("b.dwell")->utc;
+  forge(scratch.path("a.dwell"), "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 3");
+  turn_until(601.0, [&] { return of("a.dwell")->state == AuditState::tampered; });
+  EXPECT_EQ(of("b.dwell")->utc, first) << "that one has not changed";
+}
+
+TEST_F(RunAuditsTest, TriesAgainWhatItCouldNotAudit) {
+  const std::string ledger_path = scratch.path("ledger.dwell-ledger"), away = scratch.path("away");
+  std::filesystem::rename(ledger_path, away);
+  std::filesystem::create_directory(ledger_path);
+  turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
+  EXPECT_NE(of("b.dwell")->why_none, "");
+  std::filesystem::remove(ledger_path);
+  std::filesystem::rename(away, ledger_path);
+  turn_until(601.0, [&] { return of("b.dwell")->why_none.empty(); });
+  EXPECT_EQ(of("b.dwell")->state, AuditState::intact);
+}
+
+TEST_F(RunAuditsTest, ForgetsWhatIsNoLongerListedAndLeavesOutWhatIsRecorded) {
+  turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
+  std::filesystem::remove(scratch.path("a.dwell"));
+  runs = std::make_shared<ListedRuns>(ListedRuns{listed(2, "b.dwell"), listed(4, "d.dwell", "recording")});
+  turn_until(1.0, [&] { return of("a.dwell") == nullptr; });
+  EXPECT_EQ(of("d.dwell"), nullptr);
+  EXPECT_NE(of("b.dwell"), nullptr);
+}
+
+TEST_F(RunAuditsTest, ARunWhoseFileSomebodyRemovedHasNoVerdictAnyMore) {
+  turn_until(0.0, [&] { return of("a.dwell") != nullptr; });
+  std::filesystem::remove(scratch.path("b.dwell"));
+  turn_until(61.0, [&] { return of("b.dwell")->removed; });
+  EXPECT_EQ(of("b.dwell")->why_none, "its file was removed");
+  EXPECT_EQ(of("a.dwell")->state, AuditState::intact);
+}
+
+TEST_F(RunAuditsTest, AuditsTheNewestOnly) {
+  auto many = std::make_shared<ListedRuns>(ListedRuns{listed(1, "a.dwell"), listed(2, "b.dwell")});
+  for (std::size_t i = 1; i < RunAudits::kAudited; ++i)
+    many->push_back(listed(10 + static_cast<std::int64_t>(i), "gone.dwell"));
+  runs = many;
+  turn_until(0.0, [&] { return of("b.dwell") != nullptr; });
+  for (int i = 0; i < 1000; ++i) turn_until(1.0, [] { return true; });
+  EXPECT_EQ(of("a.dwell"), nullptr);
+}
+
+// The service ends while a large file is read.
+TEST_F(RunAuditsTest, AnAuditIsGivenUpWhenItIsAsked) {
+  AuditOptions options = with_ledger(scratch);
+  int asked = 0;
+  options.stop = [&] { return ++asked > 2; };
+  const Result<Audit> audit = audit_run(scratch.path("a.dwell"), options);
+  ASSERT_FALSE(audit);
+  EXPECT_EQ(audit.error(), kAuditStopped);
+  EXPECT_EQ(asked, 3) << "and not tried again";
+}
+
+}  // namespace
+}  // namespace dwell::record
