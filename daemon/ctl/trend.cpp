@@ -52,7 +52,8 @@ std::string sparkline(const std::vector<double>& values, double middle, double r
 void Trend::take(const DwellView& view, double now_s) {
   Point point{now_s, now_s, {}, {}};
   const Dwell& dwell = view.dwell;
-  if (has_coefficients(dwell)) {
+  // The last dwell of a run that was stopped stays in view: it gives no new values.
+  if (has_coefficients(dwell) && dwell.state != State::complete) {
     for (const ElementEstimate& element : dwell.elements) {
       point.stiffness.push_back(element.identifiable ? element.stiffness.value : kNaN);
       point.damping.push_back(element.identifiable ? element.damping.value : kNaN);

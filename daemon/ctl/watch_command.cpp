@@ -22,6 +22,7 @@
 #include "daemon/ctl/truth.hpp"
 #include "daemon/ctl/wakeups.hpp"
 #include "daemon/ctl/watch_page.hpp"
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/motion_report.hpp"
@@ -211,11 +212,21 @@ class Watch {
     const Json list = Json::parse(channels->body, nullptr, false);
     if (list.is_object() && list.contains("channels")) state_.take(channel_states(list["channels"]), now_s());
     const Json value = Json::parse(health->body, nullptr, false);
+    if (const auto utc_ns = record::parse_utc(text_member(value, "utc"))) state_.take_utc(*utc_ns, now_s());
     ask_earlier(text_member(value, "utc"), limits);
+    ask_unverified(limits);
     if (value.is_object() && value.contains("gpio")) state_.take_gpio(gpio_text(value), now_s());
     if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
       state_.name = value["rig"].get<std::string>();
     }
+  }
+
+  // While the dwell's model has no verdict: why.
+  void ask_unverified(const HttpLimits& limits) {
+    const auto& view = state_.dwell();
+    if (!view || !view->model || view->model->verdict != Verdict::not_verified) return;
+    if (const auto answer = http_get(url_, "/api/v1/verification", limits))
+      state_.take(why_unverified(Json::parse(answer->body, nullptr, false)));
   }
 
   // Once for each stream: the dwells of the last hour, for the trend. utc: the service's now.
@@ -301,7 +312,8 @@ class Watch {
     }
   }
 
-  // Where there is no terminal: one text below the other. Numbers that are no longer renewed are not said again.
+  // Where there is no terminal: one text below the other. Numbers that are no longer renewed are not said again; those
+  // of a dwell that has ended are said once.
   void append() {
     const bool fresh = state_.dwell() && !state_.old(now_s());
     std::string status = url_.text;
@@ -310,10 +322,12 @@ class Watch {
     } else if (state_.dwell() && !fresh) {
       status +=
           state_.silence(now_s()) == Silence::estimation ? " · the estimation publishes nothing new" : " · no new data";
+    } else if (state_.ended()) {
+      status += " · not of now, ended: " + printable(why_ended(state_.dwell()->dwell));
     } else if (back_) {
       status += " · connected again";
     }
-    if (!fresh && status == said_) return;
+    if ((!fresh || state_.ended()) && status == said_) return;
     std::printf("%s\n%s\n", status.c_str(), fresh ? dwell_text(*state_.dwell(), truth()).c_str() : "");
     std::fflush(stdout);
     said_ = status;

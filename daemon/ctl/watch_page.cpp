@@ -21,11 +21,21 @@ std::string spread(const std::string& left, const std::string& right, std::size_
   return pad_right(clipped(left, room), room) + "  " + right;
 }
 
+// Whether the numbers are of now: renewed, and of a dwell that goes on.
+bool current(const WatchState& state, double now_s) { return !state.old(now_s) && !state.ended(); }
+
+// How old the numbers are. Those of a dwell that has ended are as old as its end: the service goes on telling them.
+std::string age_of(const WatchState& state, double now_s) {
+  const double ended_s = state.ended_ago_s(now_s);
+  if (std::isfinite(ended_s)) return age_text(ended_s);
+  return state.ended() ? "ended" : age_text(state.age_s(now_s));
+}
+
 TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t columns, double now_s) {
   TextOptions options;
   options.columns = columns;
   options.truth = truth;
-  if (state.old(now_s)) options.age = age_text(state.age_s(now_s));
+  if (!current(state, now_s)) options.age = age_of(state, now_s);
   // An old list tells nothing of now.
   if (!state.dwell() || state.channels_age_s(now_s) > WatchState::kListOld_s) return options;
   for (const ChannelLabel& label : state.dwell()->channels) {
@@ -62,6 +72,11 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
   if (state.dwell() && state.old(now_s)) {
     const std::string why = controls.paused_s ? "paused" : why_old(state, now_s);
     add(lines, "OLD NUMBERS, from " + age_text(state.age_s(now_s)) + " ago: " + why, columns, Style::alarm);
+  }
+  if (state.ended()) {
+    const double ago_s = state.ended_ago_s(now_s);
+    const std::string ago = std::isfinite(ago_s) ? " " + age_text(ago_s) + " ago" : "";
+    add(lines, "NOT OF NOW, ended" + ago + ": " + why_ended(state.dwell()->dwell), columns, Style::plain);
   }
   const auto heard = [](bool old) { return old ? std::string("when last heard: ") : std::string(); };
   std::string gpio = state.gpio();
@@ -142,8 +157,11 @@ void make_room(std::vector<Section>& sections, std::size_t rows) {
 }
 
 // The verdict on the model, as the page has it in its first line.
-std::string verdict_of(const DwellView& view) {
-  return view.model ? std::string(" · model ") + to_string(view.model->verdict) : "";
+std::string verdict_of(const WatchState& state) {
+  const auto& model = state.dwell()->model;
+  if (!model) return {};
+  const std::string why = state.why_unverified();
+  return std::string(" · model ") + to_string(model->verdict) + (why.empty() ? "" : ": " + why);
 }
 
 std::string where_of(std::size_t page, std::size_t pages) {
@@ -182,7 +200,7 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
     // Behind the coefficients, which stand behind the doubts.
     if (Section trend = state.trend().section(*state.dwell(), now_s, columns); !trend.body.empty()) {
-      if (state.old(now_s))
+      if (!current(state, now_s))
         for (TextLine& line : trend.body) line.style = Style::old;
       const std::size_t before = sections[0].name == kDoubts ? 2 : 1;
       sections.insert(sections.begin() + static_cast<std::ptrdiff_t>(before), std::move(trend));
@@ -216,16 +234,20 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     keys = footer(controls, page.page, page.pages, columns);
 
     header.clear();
-    const double age_s = state.age_s(now_s);
-    header.push_back({spread(printable(state.name), "age " + age_text(age_s) + " · " + clock, columns), Style::title});
+    header.push_back(
+        {spread(printable(state.name), "age " + age_of(state, now_s) + " · " + clock, columns), Style::title});
     if (state.dwell()) {
       const Dwell& dwell = state.dwell()->dwell;
       const bool old = state.old(now_s);
       const std::string text =
-          (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(*state.dwell()) +
+          (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
           count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
           count_of(dwell.warnings.size() + (contradicts(*state.dwell()) ? 1 : 0), "warning", warnings_page, page.pages);
-      ctl::add(header, text, columns, old ? Style::old : dwell.doubts.empty() ? Style::plain : Style::alarm);
+      const Style style = old                     ? Style::old
+                          : !dwell.doubts.empty() ? Style::alarm
+                          : state.ended()         ? Style::old
+                                                  : Style::plain;
+      ctl::add(header, text, columns, style);
     } else {
       ctl::add(header, "waiting for the service's first word", columns, Style::plain);
     }
@@ -244,6 +266,13 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   if (page.lines.size() > rows) page.lines.resize(rows);
   for (TextLine& line : page.lines) line.text = clipped(line.text, size.columns);
   return page;
+}
+
+std::string why_ended(const Dwell& dwell) {
+  // The stop is told as the reason; that it ended the dwell at the end of the data says nothing more.
+  if (dwell.settling_reason.empty()) return to_string(dwell.ended_by);
+  if (dwell.ended_by == EndedBy::end) return dwell.settling_reason;
+  return std::string(to_string(dwell.ended_by)) + "; " + dwell.settling_reason;
 }
 
 std::string last_words(const WatchState& state, const Truth* truth, double now_s) {

@@ -3,7 +3,7 @@
 //
 //   three masses                                          age 0.1 s · 14:03:22
 //   dwell 1 · measuring, 24.6 s of data · model adequate · 2 warnings, page 2
-//   (what is wrong: no connection, old numbers, paused; alarms that nobody has acknowledged)
+//   (what is wrong: no connection, old numbers, paused; that the dwell has ended; alarms that nobody has acknowledged)
 //
 //   (doubts, coefficients, their trend, limits, warnings, settling, channels: dwell_sections(); then the alarms)
 //
@@ -46,6 +46,9 @@ struct Page {
 // truth may be null. now_s: of the state's clock; clock: the time of day as text.
 [[nodiscard]] Page draw(const WatchState& state, const Controls& controls, const Truth* truth, Size size, double now_s,
                         const std::string& clock);
+
+// Why the dwell in view ended, and why it is still in view: "the run was stopped: the next one begins …".
+[[nodiscard]] std::string why_ended(const Dwell& dwell);
 
 // What is left on the operator's own screen at the end: everything, without pages, old numbers marked as well.
 [[nodiscard]] std::string last_words(const WatchState& state, const Truth* truth, double now_s);

@@ -5,14 +5,14 @@
 #include <utility>
 
 #include "daemon/ctl/json_member.hpp"
+#include "daemon/record/utc_text.hpp"
 
 namespace dwell::ctl {
 namespace {
 
-// Whether there are data that ought to move on: while idle, or where the drive is not seen, there are none.
-bool has_data(const Dwell& dwell) {
-  return std::isfinite(dwell.settled_s) || dwell.state == State::settling || dwell.state == State::measuring;
-}
+// Whether there are data that ought to move on: while idle, or where the drive is not seen, there are none. Those of a
+// dwell that has ended do not: its numbers are a result, see WatchState::ended().
+bool has_data(const Dwell& dwell) { return dwell.state == State::settling || dwell.state == State::measuring; }
 
 // Whether the dwell that came holds other data than the one before.
 bool moved(const Dwell& before, const Dwell& after) {
@@ -35,6 +35,16 @@ std::vector<ChannelState> channel_states(const Json& list) {
     channels.push_back(std::move(channel));
   }
   return channels;
+}
+
+WhyUnverified why_unverified(const Json& verification) {
+  WhyUnverified why;
+  const Json* const dwell = member_of(verification, "dwell");
+  if (dwell != nullptr && dwell->is_number_integer()) why.dwell = dwell->get<int>();
+  const Json* const reasons = member_of(verification, "reasons");
+  if (reasons != nullptr && reasons->is_array() && !reasons->empty() && reasons->front().is_string())
+    why.reason = reasons->front().get<std::string>();
+  return why;
 }
 
 void WatchState::take(DwellView dwell, double now_s) {
@@ -60,6 +70,11 @@ void WatchState::take(AlarmsList alarms, double now_s) {
   heard_s_ = alarms_s_ = now_s;
 }
 
+void WatchState::take_utc(std::int64_t utc_ns, double now_s) {
+  utc_ns_ = utc_ns;
+  utc_s_ = now_s;
+}
+
 void WatchState::take_gpio(std::string lines, double now_s) {
   gpio_ = std::move(lines);
   heard_s_ = gpio_s_ = now_s;
@@ -71,6 +86,19 @@ double WatchState::old_after_s() const {
 }
 
 double WatchState::age_s(double now_s) const { return now_s - moved_s_; }
+
+std::string WatchState::why_unverified() const {
+  if (!dwell_ || !dwell_->model || dwell_->model->verdict != Verdict::not_verified || !unverified_) return {};
+  if (unverified_->dwell && unverified_->dwell != dwell_->dwell.index) return "it is being verified";
+  return unverified_->reason.empty() ? "no reason stated" : unverified_->reason;
+}
+
+double WatchState::ended_ago_s(double now_s) const {
+  if (!ended() || !utc_ns_) return kNaN;
+  const auto start_ns = record::parse_utc(dwell_->run.start_utc);
+  if (!start_ns) return kNaN;
+  return 1e-9 * static_cast<double>(*utc_ns_ - *start_ns) + (now_s - utc_s_) - dwell_->dwell.end_s;
+}
 
 bool WatchState::old(double now_s) const { return !trouble.empty() || stale() || age_s(now_s) > old_after_s(); }
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/ctl/alarm_table.hpp"
@@ -27,6 +28,13 @@ struct ChannelState {
   double age_s = kNaN;  // of its newest reading, when the list was made
 };
 [[nodiscard]] std::vector<ChannelState> channel_states(const nlohmann::ordered_json& list);
+
+// What the service says of why a model has no verdict yet.
+struct WhyUnverified {
+  std::optional<int> dwell;  // that it is about; none: the one in view
+  std::string reason;        // the first; empty: none is stated
+};
+[[nodiscard]] WhyUnverified why_unverified(const nlohmann::ordered_json& verification);
 
 enum class Silence : std::uint8_t {
   service,     // it says nothing at all
@@ -47,6 +55,9 @@ class WatchState {
   // Answers to what is asked beside the stream.
   void take(std::vector<ChannelState> channels, double now_s);
   void take(AlarmsList alarms, double now_s);
+  void take(WhyUnverified why) { unverified_ = std::move(why); }
+  // What time the service has, ns of UTC: how long ago a dwell ended is told by it.
+  void take_utc(std::int64_t utc_ns, double now_s);
   // What is to be known of the GPIO lines, as lines that end with a newline each.
   void take_gpio(std::string lines, double now_s);
   // The dwells that ended before the stream began, or while it was lost.
@@ -58,6 +69,10 @@ class WatchState {
   [[nodiscard]] double silent_s(double now_s) const { return now_s - heard_s_; }
   // Whether the numbers are no longer renewed: by the service's word, for long, or since the connection is gone.
   [[nodiscard]] bool old(double now_s) const;
+  // Whether the dwell in view has ended. Then the run was stopped: its numbers are a result, which is not renewed.
+  [[nodiscard]] bool ended() const { return dwell_ && dwell_->dwell.state == State::complete; }
+  // Since the end of its data, s; NaN: not known.
+  [[nodiscard]] double ended_ago_s(double now_s) const;
   [[nodiscard]] bool silent(double now_s) const { return silent_s(now_s) > old_after_s(); }
   // Who is silent where the numbers are old.
   [[nodiscard]] Silence silence(double now_s) const;
@@ -75,6 +90,9 @@ class WatchState {
   [[nodiscard]] const std::string& gpio() const noexcept { return gpio_; }
   [[nodiscard]] bool gpio_old(double now_s) const { return list_old(gpio_s_, now_s); }
 
+  // Why the model of the dwell in view has no verdict yet; empty: it has one, or nothing is known of it.
+  [[nodiscard]] std::string why_unverified() const;
+
   // Of the dwells that were taken.
   [[nodiscard]] const Trend& trend() const noexcept { return trend_; }
 
@@ -88,6 +106,9 @@ class WatchState {
   [[nodiscard]] bool stale() const { return dwell_ && dwell_->age && dwell_->age->stale; }
 
   std::optional<DwellView> dwell_;
+  std::optional<WhyUnverified> unverified_;
+  std::optional<std::int64_t> utc_ns_;  // of the service, at utc_s_
+  double utc_s_ = kNever;
   double heard_s_ = kNever;  // anything
   double told_s_ = kNever;   // a dwell
   double moved_s_ = kNever;

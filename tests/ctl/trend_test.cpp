@@ -58,6 +58,14 @@ TEST(Trend, ADwellThatWatchFindsMeasuringBeganWithItsData) {
   EXPECT_EQ(line_of_element_1(trend, view_of(1000.0, 60.0), 103.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2 %");
 }
 
+TEST(Trend, ADwellThatHasEndedAndStaysInViewIsNotDrawnOn) {
+  Trend trend;
+  DwellView ended = view_of(1000.0, 30.0);
+  ended.dwell.state = State::complete;
+  for (int i = 0; i <= 60; ++i) trend.take(i <= 30 ? view_of(1000.0, i) : ended, i);
+  EXPECT_EQ(line_of_element_1(trend, ended, 60.0), "      1  ▅▅▅▅▅▅▅▅▅▅▅           ± 2 %");
+}
+
 TEST(Trend, EarlierDwellsStandFromTheirFirstToTheirLastDatum) {
   Trend trend;
   trend.take(view_of(1000.0), 1000.0);

@@ -31,6 +31,23 @@ TEST(WatchCommand, SaysThatTheEstimationIsSilentAndShowsNoneOfItsOldNumbers) {
   EXPECT_EQ(outcome.out.find("kN/m"), std::string::npos) << outcome.out;
 }
 
+TEST(WatchCommand, SaysTheResultOfARunThatWasStoppedOnce) {
+  Dwell dwell = test::sample_dwell();
+  dwell.state = State::complete;
+  dwell.ended_by = EndedBy::end;
+  dwell.settling_reason = "the run was stopped";
+  const std::string ended = dwell_event(to_json(dwell, test::sample_rig(), test::sample_run()));
+  ScriptedServer server(
+      {Reply{test::stream_header() + dwell_event(settling_text()) + ended + ended + ended + ended, true}});
+  const Outcome outcome = run({"watch", "--url", server.url(), "--interval", "0.01", "--limit", "2"});
+  const auto first = outcome.out.find(" · not of now, ended: the run was stopped\n");
+  ASSERT_NE(first, std::string::npos) << outcome.out;
+  const auto numbers = outcome.out.find("kN/m");
+  ASSERT_NE(numbers, std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("complete, ended by", outcome.out.find("complete, ended by") + 1), std::string::npos)
+      << outcome.out;
+}
+
 TEST(WatchCommand, AppendsWhereThereIsNoTerminalAndComesBackAfterARestart) {
   ScriptedServer server({Reply{test::stream_header() + dwell_event(settling_text())},
                          Reply{test::stream_header() + dwell_event(sample_text()), true}});

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "daemon/record/utc_text.hpp"
 #include "tests/ctl/watched.hpp"
 
 namespace dwell::ctl {
@@ -172,6 +173,50 @@ TEST(WatchOld, InterlockAndAlarmsThatAreNotAnsweredAnyLongerAreOfWhenTheyWereHea
   };
   EXPECT_EQ(shown(104.9), "interlock  closed; 1 alarm not acknowledged, page 1");
   EXPECT_EQ(shown(105.1), "when last heard: interlock  closed; when last heard: 1 alarm not acknowledged, page 1");
+}
+
+// As the service shows the last dwell of a run that was stopped while the drive was on.
+DwellView stopped(EndedBy ended_by = EndedBy::end) {
+  DwellView view = chain(1);
+  view.dwell.state = State::complete;
+  view.dwell.ended_by = ended_by;
+  view.dwell.settling_reason = "the run was stopped: the next one begins with \"dwellctl start\"";
+  return view;
+}
+
+TEST(WatchOld, ARunThatWasStoppedLeavesAResultWithTheTimeSinceItsEnd) {
+  WatchState state = watched(stopped());
+  state.take_utc(*record::parse_utc("2026-11-21T08:01:27Z"), 100.0);
+  const Page page = at(state, {}, {40, 120});
+  EXPECT_EQ(page.lines[0].text.substr(page.lines[0].text.find("age")), "age 56 s · 14:03:22");
+  EXPECT_EQ(page.lines[1].text, "dwell 1 · complete, ended by: end, 24.6 s of data");
+  EXPECT_EQ(page.lines[1].style, Style::old);
+  EXPECT_EQ(page.lines[2].text,
+            "NOT OF NOW, ended 56 s ago: the run was stopped: the next one begins with \"dwellctl start\"");
+  EXPECT_EQ(text_of(page).find("OLD NUMBERS"), std::string::npos) << text_of(page);
+  int numbers = 0;
+  for (const TextLine& line : page.lines) {
+    if (line.text.find("± 0") == std::string::npos) continue;
+    ++numbers;
+    EXPECT_EQ(line.style, Style::old) << line.text;
+  }
+  EXPECT_GE(numbers, 2);
+  EXPECT_NE(text_of(page).find("      1  56 s  24.011 ± 0.027 kN/m"), std::string::npos) << text_of(page);
+  EXPECT_NE(last_words(state, nullptr, 100.1).find("NOT OF NOW, ended 56 s ago: the run"), std::string::npos);
+}
+
+TEST(WatchOld, ADwellThatHadEndedBeforeTheRunWasStoppedKeepsItsCause) {
+  EXPECT_EQ(at(watched(stopped(EndedBy::data_lost)), {}, {40, 120}).lines[2].text,
+            "NOT OF NOW, ended: data lost; the run was stopped: the next one begins with \"dwellctl start\"");
+}
+
+TEST(WatchOld, AResultOfAServiceThatFellSilentIsOldAsWell) {
+  WatchState state = watched(stopped());
+  state.take_utc(*record::parse_utc("2026-11-21T08:01:27Z"), 100.0);
+  const Page page = at(state, {}, {40, 120}, 112.0);
+  EXPECT_EQ(page.lines[1].text, "last seen: dwell 1 · complete, ended by: end, 24.6 s of data");
+  EXPECT_EQ(page.lines[2].text, "OLD NUMBERS, from 12 s ago: the service has said nothing for 12 s");
+  EXPECT_EQ(page.lines[3].text.substr(0, 28), "NOT OF NOW, ended 68 s ago: ");
 }
 
 TEST(WatchOld, WithoutAConnectionTheServiceIsTheOneThatIsSilent) {

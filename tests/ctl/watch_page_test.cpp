@@ -264,6 +264,16 @@ TEST(WatchPage, AQuestionTakesThePlaceOfTheKeys) {
   EXPECT_EQ(at(watched(chain(1)), controls, {40, 120}).lines.back().text, "Ctrl-C ends it");
 }
 
+TEST(WatchPage, AModelWithoutAVerdictHasItsReasonBesideIt) {
+  DwellView view = chain(1);
+  view.model = ModelVerdict{Verdict::not_verified, {}, 0.05, kNaN, kNaN};
+  WatchState state = watched(view);
+  EXPECT_EQ(at(state, {}, {40, 120}).lines[1].text, "dwell 1 · measuring, 24.6 s of data · model not verified yet");
+  state.take(WhyUnverified{1, "the transient is too weak"});
+  EXPECT_EQ(at(state, {}, {40, 120}).lines[1].text,
+            "dwell 1 · measuring, 24.6 s of data · model not verified yet: the transient is too weak");
+}
+
 TEST(WatchPage, BeforeTheFirstWordItSaysThatItWaits) {
   WatchState state;
   state.name = "http://bench2:8380";

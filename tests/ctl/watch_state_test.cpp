@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "daemon/record/utc_text.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 
 namespace dwell::ctl {
@@ -98,6 +100,44 @@ TEST(WatchState, AFaultIsNotOldWhileTheServiceSaysSo) {
   fault.end_s = 31.0;
   for (int i = 0; i <= 10; ++i) state.take(make_view(fault, test::sample_rig(), {}), 100.0 + i);
   EXPECT_FALSE(state.old(110.5));
+}
+
+TEST(WatchState, TheDwellOfARunThatWasStoppedIsAResultAsOldAsItsEnd) {
+  WatchState state;
+  DwellView stopped = view_until(31.0);  // of a run that began at 08:00:00
+  stopped.dwell.state = State::complete;
+  for (int i = 0; i <= 50; ++i) state.take(stopped, 100.0 + 0.1 * i);
+  EXPECT_TRUE(state.ended());
+  EXPECT_FALSE(state.old(105.0));
+  EXPECT_TRUE(std::isnan(state.ended_ago_s(105.0))) << "the service's time is not known yet";
+  state.take_utc(*record::parse_utc("2026-11-21T08:01:27Z"), 105.0);
+  EXPECT_DOUBLE_EQ(state.ended_ago_s(105.0), 56.0);
+  EXPECT_DOUBLE_EQ(state.ended_ago_s(106.0), 57.0);
+  EXPECT_TRUE(state.old(108.0));  // the service has fallen silent
+  state.take(view_until(32.0), 109.0);
+  EXPECT_FALSE(state.ended());
+  EXPECT_TRUE(std::isnan(state.ended_ago_s(109.0)));
+}
+
+TEST(WatchState, AModelWithoutAVerdictHasTheFirstReason) {
+  WatchState state;
+  DwellView view = view_until(31.0);
+  view.model = ModelVerdict{Verdict::not_verified, {}, 0.05, kNaN, kNaN};
+  state.take(view, 100.0);
+  EXPECT_EQ(state.why_unverified(), "") << "not known yet";
+  const auto told = [&](const char* json) {
+    state.take(why_unverified(nlohmann::ordered_json::parse(json)));
+    return state.why_unverified();
+  };
+  EXPECT_EQ(told(R"({"dwell":1,"reasons":["the transient is too weak","y1: U is too large"]})"),
+            "the transient is too weak");
+  EXPECT_EQ(told(R"({"dwell":null,"reasons":["its model is being verified"]})"), "its model is being verified");
+  EXPECT_EQ(told(R"({"dwell":7,"reasons":["of the dwell before"]})"), "it is being verified");
+  EXPECT_EQ(told(R"({"dwell":1,"reasons":[]})"), "no reason stated");
+  EXPECT_EQ(told("7"), "no reason stated");
+  view.model->verdict = Verdict::adequate;
+  state.take(view, 101.0);
+  EXPECT_EQ(state.why_unverified(), "");
 }
 
 TEST(WatchState, AChannelGrowsOlderFromWhatTheListSaid) {
