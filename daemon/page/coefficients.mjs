@@ -1,7 +1,7 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
 import { limitOf } from './limits.mjs';
-import { isGeneral, whom } from './wording.mjs';
+import { isGeneral, utcMs, whom } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
 // c_1, r_1 … of an element, as people write them.
@@ -50,29 +50,48 @@ const about = (doubts, k) => doubts.filter((d) => d.elements.length === 0 || d.e
 export class LastNumbers {
   key = null; // of their dwell
   index = null;
-  elements = []; // as in a dwell; where there is a number: when it was seen, and the doubts about it then
-  t = null; // when they were seen last, s of the page's clock
+  elements = []; // as in a dwell; where there is a number, also when it was new (seen) and the doubts about it then
+  t = null; // when the newest of them were new, s of the page's clock
   ended_by = null;
+  #end_s = null; // end of the data that they come from, s on the run's axis
 
-  take(dwell, now) {
+  take(dwell, now, nowMs) {
+    const ended_ms = dwell.state === 'complete' ? utcMs(dwell, dwell.end_s) : null;
+    if (ended_ms !== null) return this.takeEnded(dwell, ended_ms, now, nowMs);
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
-    const before = this.key === keyOf(dwell) ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
-    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: now, doubts: about(dwell.doubts, e.k) } : before.get(e.k) ?? e));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t: now,
-      ended_by: dwell.state === 'complete' ? dwell.ended_by : null });
+    const same = this.key === keyOf(dwell);
+    const t = this.#newAt(dwell, now, nowMs, same);
+    const before = same ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
+    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: t, doubts: about(dwell.doubts, e.k) } : before.get(e.k) ?? e));
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null });
+    this.#end_s = dwell.end_s;
   }
 
-  // A dwell of the service's list: what ended before the page was opened, and how what was seen has ended.
+  // When the numbers that the service tells now were new, s of the page's clock. A service that stood still first tells
+  // its old numbers once more: these must not look new.
+  #newAt(dwell, now, nowMs, same) {
+    const told = now - (dwell.estimate_age_s ?? 0);
+    if (!same) return told;
+    if (dwell.end_s === this.#end_s) return this.t; // nothing new
+    // How far the data lag behind: by the page's clock, and by UTC. A clock that was set makes one of the two large, a
+    // service that stood still makes both large. So the smaller one counts.
+    const behindBefore = now - (this.t + dwell.end_s - this.#end_s);
+    const behindUtc = (nowMs - (utcMs(dwell, dwell.end_s) ?? nowMs)) / 1e3;
+    return Math.min(told, now - Math.max(0, Math.min(behindBefore, behindUtc)));
+  }
+
+  // A dwell that has ended: before the page was opened, or as it was seen. The service cuts its data back to before the
+  // drive changed, so its last numbers and doubts replace those that were told live.
   takeEnded(dwell, ended_ms, now, nowMs) {
-    if (this.key === keyOf(dwell)) {
-      this.ended_by = dwell.ended_by;
-      if (dwell.doubts.length > 0) this.elements = this.elements.map((e) => (e.identifiable ? { ...e, doubts: about(dwell.doubts, e.k) } : e));
-      return;
-    }
-    if (this.t !== null && now - this.t < (nowMs - ended_ms) / 1e3) return;
-    const t = now - (nowMs - ended_ms) / 1e3;
+    const same = this.key === keyOf(dwell);
+    const none = dwell.settled_s === null || dwell.elements.length === 0;
+    const t = same ? Math.min(now, this.t + dwell.end_s - this.#end_s) : now - (nowMs - ended_ms) / 1e3;
+    if (!same && (none || (this.t !== null && this.t > t))) return;
+    const elements = !none ? dwell.elements
+      : this.elements.map(({ k }) => ({ k, identifiable: false, reason: 'too few of its data count' }));
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by,
-      elements: dwell.elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k) })) });
+      elements: elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k) })) });
+    this.#end_s = dwell.end_s;
   }
 
   // They hold after the end of the dwell, and after a moment in which there were no numbers to be doubted.
@@ -127,7 +146,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
     };
   }) });
 
-  if (dwell.settled_s !== null && dwell.elements.length > 0)
+  if (dwell.state !== 'complete' && dwell.settled_s !== null && dwell.elements.length > 0)
     return shown(dwell.elements, 'measured', `dwell ${dwell.index}`);
 
   const m = dwell.motion;
@@ -141,9 +160,13 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
   if (last.t === null) return none(dwell.settling_reason || 'nothing has been measured yet');
   const gone = old || broken || dwell.state === 'fault';
   const lastAge = ageText(now - last.t);
+  // A dwell that has ended is told on only after the run was stopped, with that as its reason. If the stop ended it, its
+  // own cause, the end of the data, says nothing more.
+  const stopped = dwell.state === 'complete' && last.key === keyOf(dwell) ? dwell.settling_reason : '';
+  const causes = [stopped && last.ended_by === 'end' ? '' : last.ended_by, stopped].filter(Boolean);
   return {
     source: 'last',
-    title: `last dwell: ${last.index}, ended ${lastAge} ago${last.ended_by ? `: ${last.ended_by}` : ''}${
+    title: `last dwell: ${last.index}, ended ${lastAge} ago${causes.length > 0 ? `: ${causes.join('; ')}` : ''}${
       last.doubts().map((d) => `; do not rely on ${whom([d])}: ${d.what}`).join('')}`,
     reason: null,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',

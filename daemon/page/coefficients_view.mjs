@@ -1,4 +1,4 @@
-// The coefficients on the page: coefficients.js decides what stands there, this puts it there.
+// The coefficients on the page: coefficients.mjs decides what stands there, this puts it there.
 import { budgetOf } from './budget.mjs';
 import { COEFFICIENTS, coefficientsOf, generalWarnings, subscript } from './coefficients.mjs';
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
@@ -8,6 +8,7 @@ import { percentText } from './number.mjs';
 const $ = (id) => document.getElementById(id);
 
 const TREND = { width: 160, height: 32 };
+const SHORT = 36; // letters: a longer text of a deviation takes several lines
 const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
 
 // Parts of a number apart, so that they can be aligned and the unit stand smaller.
@@ -47,7 +48,8 @@ function renewTrend(node, cell, view, source) {
   setAttributes(trend.children[1], { d: paths?.line ?? '' });
   const moved = source === 'measured' ? view.history.deviation(cell.of[0], k, view.dwell) : null;
   setText(deviation, moved?.text ?? '');
-  setAttributes(deviation, { class: moved?.beyond ? 'deviation beyond' : 'deviation' });
+  const long = (moved?.text.length ?? 0) > SHORT;
+  setAttributes(deviation, { class: `deviation${moved?.beyond ? ' beyond' : ''}${long ? ' long' : ''}` });
 }
 
 function renewLimit(node, { limit, struck }) {
@@ -104,7 +106,7 @@ function legendOf(shown, dwell) {
   const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
   for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
   if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
-    parts.push('struck through: no longer renewed, and from so long ago');
+    parts.push('struck through: no longer renewed; its age stands beside it');
   if (shown.source !== 'last' && dwell.unstated.length > 0)
     parts.push(`± covers noise, clock and what the rig file states; not stated: ${dwell.unstated.join(', ')}`);
   return `${parts.join('. ')}.`;

@@ -42,7 +42,7 @@ export async function openDwell(brief) {
     const dwell = await answer.json();
     if (!answer.ok) throw new Error(dwell.error);
     // Indices begin anew with each run: the service has only those of the newest.
-    if (dwell.start_utc !== brief.start_utc) throw new Error('it is of an earlier run: dwellctl show RUN.dwell has it');
+    if (dwell.start_utc !== brief.start_utc) throw new Error('it belongs to an earlier run. Download the file of that run under Runs, then run dwellctl show FILE');
     $('dwell-content').replaceChildren(...contentOf(dwell));
   } catch (failure) {
     $('dwell-content').replaceChildren(h('p', {}, `It cannot be shown: ${failure.message}`));

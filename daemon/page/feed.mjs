@@ -4,7 +4,7 @@ import { applyChange } from './change.mjs';
 import { keyOf, LastNumbers } from './coefficients.mjs';
 import { Freshness } from './freshness.mjs';
 import { History } from './history.mjs';
-import { utcMs } from './wording.mjs';
+import { NOT_VERIFIED, utcMs } from './wording.mjs';
 
 const ASK_MS = 1000;
 const ANSWER_MS = 2000; // then the question is given up
@@ -23,7 +23,9 @@ export class Feed {
   alarms = null;
   events = [];
   dwells = []; // summaries of finished ones, oldest first
-  runs = [];
+  runs = []; // the newest
+  runsTotal = 0; // how many the service has
+  verification = null; // the newest of the run; asked for while the dwell's model has no verdict, for the reason
   last = new LastNumbers();
   history = new History();
   fresh = new Freshness();
@@ -87,9 +89,9 @@ export class Feed {
     this.#spoke_s = now;
     this.dwell = dwell;
     this.fresh.tookDwell(dwell, now);
-    this.last.take(dwell, now);
+    this.last.take(dwell, now, this.nowMs());
     this.history.take(dwell, this.nowMs());
-    const told = `${dwell.start_utc} ${dwell.index} ${dwell.state}`;
+    const told = `${dwell.start_utc} ${dwell.index} ${dwell.state} ${dwell.model?.verdict}`;
     if (told !== this.#told) this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
     this.#told = told;
     this.#changed();
@@ -148,12 +150,12 @@ export class Feed {
     this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells].slice(-KEPT_DWELLS);
     for (const dwell of list.dwells) {
       const ended = utcMs(dwell, dwell.end_s);
-      if (dwell.elements.length > 0 && ended !== null) {
-        this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
-        this.history.takeEnded(dwell, ended);
-      }
+      if (ended === null) continue;
+      this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
+      if (dwell.elements.length > 0) this.history.takeEnded(dwell, ended);
     }
-    this.runs = (await this.#get('/api/v1/runs?count=20')).runs;
+    if (this.dwell?.model?.verdict === NOT_VERIFIED) this.verification = await this.#get('/api/v1/verification');
+    ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
   }
 }
 

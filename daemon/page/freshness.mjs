@@ -1,7 +1,8 @@
 // What is known of how old everything on the page is, by the page's own clock: a service that says nothing cannot say
 // that it says nothing. Pure: instants are seconds of one clock, given by the caller.
 
-const hasData = (dwell) => dwell.settled_s !== null || dwell.state === 'settling' || dwell.state === 'measuring';
+// Whether the dwell's data must go on. Those of a dwell that has ended do not: its numbers are a result (coefficients.mjs).
+const hasData = (dwell) => dwell.state === 'settling' || dwell.state === 'measuring';
 
 const moved = (before, after) => before.index !== after.index || before.state !== after.state ||
   before.end_s !== after.end_s;

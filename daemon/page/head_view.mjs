@@ -32,12 +32,12 @@ function sinceText(view) {
 // What stands behind the state, in this order; what is not known is left out.
 function factsOf(view) {
   const { dwell, health } = view;
-  const model = modelOf(dwell?.model);
+  const model = modelOf(dwell, view.verification);
   const facts = [
     ['model', model?.text, model?.tone],
     ['since', sinceText(view)],
     ['frequency', dwell && frequencyText(dwell)],
-    ['dwell', dwell?.index ? String(dwell.index) : null],
+    ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],
     ['run', runText(health)],
   ];
   return facts.filter(([, text]) => text).map(([name, text, tone]) => ({ name, text, tone: tone ?? 'calm' }));

@@ -1,7 +1,7 @@
 // How each coefficient has moved over the last hour, and against the dwell before. Pure.
 import { keyOf } from './coefficients.mjs';
 import { utcMs } from './wording.mjs';
-import { isNumber, numberText } from './number.mjs';
+import { instantText, isNumber, numberText } from './number.mjs';
 
 export const HOUR_MS = 3600_000;
 const MINUTE_MS = 60_000;
@@ -15,8 +15,9 @@ export const ROOM = 720;
 const COLUMNS = { stiffness: 0, damping: 2 };
 const WIDTH = 4;
 
-// A state of a dwell. row: where its numbers stand; end: the dwell ended with it; dwell: { key, index, ended }.
-const makePoint = (row) => ({ row, ms: NaN, from: NaN, end: false, dwell: null }); // from: since when its data count
+// A state of a dwell. row: where its numbers stand; ms: when it was so, UTC; from: since when its data count, UTC in ms;
+// dwell: { key, index, run: its start_utc, ended: the service's list has told the end }.
+const makePoint = (row) => ({ row, ms: NaN, from: NaN, dwell: null });
 
 export class History {
   #spare = Array.from({ length: ROOM }, (_, row) => makePoint(row)).reverse();
@@ -27,6 +28,9 @@ export class History {
 
   take(dwell, ms) {
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
+    // The last dwell of a run that was stopped stays in view.
+    if (dwell.state === 'complete') return this.takeEnded(dwell, utcMs(dwell, dwell.end_s) ?? ms);
+    if (this.#live.dwell && this.#live.dwell.key !== keyOf(dwell)) this.#keepLive();
     this.#write(this.#live, dwell, ms);
     const before = this.#points.findLast((p) => p.dwell === this.#live.dwell);
     if (before && ms - before.ms < LIVE_MS) return;
@@ -36,9 +40,25 @@ export class History {
   // A dwell of the service's list, with UTC of its end.
   takeEnded(dwell, ms) {
     if (dwell.settled_s === null || this.#dwellOf(dwell)?.ended) return;
-    const before = this.#points.findLast((p) => p.dwell.key === keyOf(dwell));
-    if (before && ms - before.ms < LIVE_MS) this.#forget(this.#points.indexOf(before));
+    const newestPoint = () => this.#points.findLastIndex((p) => p.dwell.key === keyOf(dwell));
+    // Its data were cut back to before the drive changed: what was told live beyond them counts no longer.
+    while (this.#points[newestPoint()]?.ms > ms) this.#forget(newestPoint());
+    const before = newestPoint();
+    if (before >= 0 && ms - this.#points[before].ms < LIVE_MS) this.#forget(before);
     this.#keep(dwell, ms, true);
+  }
+
+  // Keeps the newest state of a dwell when the service tells of another one. A new run empties the service's list, which
+  // then never tells how the dwell before ended.
+  #keepLive() {
+    const { dwell, ms } = this.#live;
+    const before = this.#points.findLast((p) => p.dwell === dwell);
+    if (dwell.ended || (before && before.ms >= ms)) return;
+    const point = this.#roomFor(ms);
+    if (!point) return;
+    Object.assign(point, this.#live, { row: point.row });
+    this.#numbers.copyWithin(this.#at(point, 1), this.#at(this.#live, 1), this.#at(this.#live, this.#elements + 1));
+    this.#insert(point);
   }
 
   #dwellOf(dwell) {
@@ -53,19 +73,28 @@ export class History {
   }
 
   #keep(dwell, ms, end) {
+    const point = this.#roomFor(ms);
+    if (!point) return;
+    this.#write(point, dwell, ms);
+    point.dwell.ended ||= end;
+    this.#insert(point);
+  }
+
+  // A point that the caller writes and inserts. null: it is older than an hour, or than all points of a full list.
+  #roomFor(ms) {
     const newest = Math.max(ms, this.#points.at(-1)?.ms ?? ms);
     while (this.#points[0]?.ms <= newest - HOUR_MS) this.#forget(0);
-    if (ms <= newest - HOUR_MS || (this.#spare.length === 0 && ms < this.#points[0].ms)) return;
+    if (ms <= newest - HOUR_MS || (this.#spare.length === 0 && ms < this.#points[0].ms)) return null;
     if (this.#spare.length === 0) this.#forget(0);
-    const point = this.#spare.pop();
-    this.#write(point, dwell, ms);
-    point.end = end;
-    point.dwell.ended ||= end;
-    this.#points.splice(this.#points.findLastIndex((p) => p.ms <= ms) + 1, 0, point);
+    return this.#spare.pop();
+  }
+
+  #insert(point) {
+    this.#points.splice(this.#points.findLastIndex((p) => p.ms <= point.ms) + 1, 0, point);
   }
 
   #write(point, dwell, ms) {
-    point.dwell = this.#dwellOf(dwell) ?? { key: keyOf(dwell), index: dwell.index, ended: false };
+    point.dwell = this.#dwellOf(dwell) ?? { key: keyOf(dwell), index: dwell.index, run: dwell.start_utc, ended: false };
     point.ms = ms;
     point.from = utcMs(dwell, dwell.settled_s) ?? ms;
     this.#widen(Math.max(...dwell.elements.map((e) => e.k)));
@@ -113,21 +142,25 @@ export class History {
     return list;
   }
 
-  // Against the dwell that ended before: { text, beyond }, beyond: by more than both U95 together; null: there is none.
+  // How the coefficient differs from that of the settled dwell before: { text, beyond }. beyond: by more than both U95
+  // together. null: there is nothing to say.
   deviation(coefficient, k, dwell) {
     const element = dwell.elements.find((e) => e.k === k);
     const now = element?.identifiable ? element[coefficient] : null;
     const key = keyOf(dwell);
-    const before = this.#points.findLast((p) => p.end && p.dwell.key !== key && this.#numberOf(p, coefficient, k));
+    const before = this.#points.findLast((p) => p.dwell.key !== key);
     if (!before || !now || !isNumber(now.value)) return null;
+    const { index, run } = before.dwell;
+    const which = `dwell ${index}${run === dwell.start_utc ? '' : ` of an earlier run (${instantText(before.ms, this.#live.ms)})`}`;
     const was = this.#numberOf(before, coefficient, k);
+    if (!was) return { beyond: false, text: `nothing to compare with: ${which} has no number` };
     if (was.value === 0) return null;
     const change = (now.value - was.value) / Math.abs(was.value);
     const U = Math.hypot(now.U95, was.U95) / Math.abs(was.value);
     const beyond = Math.abs(change) > U;
     const sign = change < 0 ? '\u2212' : '+';
     const { value, u } = numberText(100 * Math.abs(change), 100 * U, '%');
-    return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since dwell ${before.dwell.index}` };
+    return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since ${which}` };
   }
 }
 

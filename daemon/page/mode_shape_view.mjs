@@ -68,8 +68,8 @@ export function showModeShape(view) {
   setText($('shape-bar-text'), plainText(bar, shape.unit, 1));
   setAttributes($('shape-bar-text'), { x: 14 + REACH * bar / (reach || 1) });
   const hidden = shape.nodes.filter((n) => !n.known).map((n) => (n.at === 0 ? 'table' : `m${n.at}`));
-  setText($('shape-note'), `At ${plainText(shape.frequency_hz, 'Hz', 4)}, slowed ${plainText(PERIOD_S * shape.frequency_hz, '', 2)} times. Displacements are drawn to the bar, ${
-    shape.unit === 'm' ? 'distances between masses not to scale' : 'angles as if they were lengths'}.${hidden.length ? ` Dashed: no channel tells of ${hidden.join(', ')}.` : ''}`);
+  setText($('shape-note'), `At ${plainText(shape.frequency_hz, 'Hz', 4)}, slowed ${plainText(PERIOD_S * shape.frequency_hz, '', 2)} times. The bar is the scale of displacements; ${
+    shape.unit === 'm' ? 'distances between masses are not to scale' : 'angles are drawn as if they were lengths'}.${hidden.length ? ` Dashed: no channel tells of ${hidden.join(', ')}.` : ''}`);
   showHarmonics(dwell);
   place();
 }

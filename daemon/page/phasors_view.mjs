@@ -52,6 +52,12 @@ function rowsOf(view) {
   });
 }
 
+// What is to be known of all these numbers.
+function noteOf(dwell) {
+  if (dwell.state === 'complete') return `Of dwell ${dwell.index}, which has ended: not of now.`;
+  return dwell.settled_s === null ? 'Not settled: part of the transient is in these numbers, so they have no ±.' : '';
+}
+
 function showNotes(dwell) {
   const texts = channelWarnings(dwell);
   show($('phasor-notes'), texts.length > 0);
@@ -67,7 +73,9 @@ export function showPhasors(view) {
   const units = polar.scales.map((scale) => scale.unit);
   const arrows = placeLabels(polar.arrows, LABEL.gap, RADIUS);
   show($('polar'), arrows.length > 0);
-  setAttributes($('polar'), { class: view.fresh.dwellOld(view.now) ? 'old' : '' });
+  const ended = view.dwell.state === 'complete';
+  setAttributes($('polar'), { class: ended || view.fresh.dwellOld(view.now) ? 'old' : '' });
+  setAttributes($('phasors'), { 'data-ended': ended });
   keyed($('arrows'), arrows, (arrow) => arrow.channel, makeArrow, (node, arrow) => renewArrow(node, arrow, units));
   const small = polar.arrows.every((a) => a.radial < 2.5 && a.tangential < 2.5);
   const strokes = ['solid', 'dashed', 'dotted', 'dash-dotted'];
@@ -76,8 +84,7 @@ export function showPhasors(view) {
     small ? '; all are smaller than the dots' : ''}.`);
   showNotes(view.dwell);
   const rows = rowsOf(view);
-  setText($('phasors-note'), view.dwell.settled_s === null && arrows.length > 0
-    ? 'Not settled: part of the transient is in these numbers, so they have no ±.' : '');
+  setText($('phasors-note'), arrows.length > 0 ? noteOf(view.dwell) : '');
   keyed($('phasor-rows'), rows, (row) => `${row.key} ${row.reason !== undefined}`,
     (row) => (row.reason !== undefined ? h('tr', {}, h('th', { scope: 'row' }, row.key), h('td', { colspan: 4, class: 'words' }))
       : h('tr', {}, h('th', { scope: 'row' }, row.key), ...Array.from({ length: 4 }, () => h('td', {}, h('span', {}))))),

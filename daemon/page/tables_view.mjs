@@ -1,8 +1,9 @@
 // Channels, devices, events, dwells and runs: tables that are renewed where something changed.
 import { openDwell } from './dwell_view.mjs';
 import { COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
-import { h, keyed, setAttributes, setText, show } from './dom.mjs';
+import { h, keyed, readable, setAttributes, setText, show } from './dom.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
+import { noDwellsText, olderRunsText, runOf } from './runs.mjs';
 import { utcMs } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -58,8 +59,10 @@ function coefficientCells(dwell) {
 }
 
 let heads = '';
-function showDwells({ dwells, nowMs }) {
-  show($('dwells'), dwells.length > 0);
+function showDwells({ dwells, dwell, runs, health, nowMs }) {
+  show($('dwells'), health !== null);
+  show($('dwells-table'), dwells.length > 0);
+  setText($('dwells-none'), noDwellsText(dwells, runs));
   const ks = [...new Set(dwells.flatMap((d) => d.elements.map((e) => e.k)))].sort((a, b) => a - b);
   if (ks.join() !== heads) {
     heads = ks.join();
@@ -76,15 +79,34 @@ function showDwells({ dwells, nowMs }) {
       d.table ? plainText(d.table.amplitude, d.table.unit, 4) : NO_NUMBER,
       ...COEFFICIENTS.flatMap(({ letter }) => ks.map((k) => doubted + (numbers.get(letter + subscript(k)) ?? NO_NUMBER))),
       d.ended_by].map((text) => h('td', {}, text)));
-  }, (node, d) => setText(node.children[1], instantText(utcMs(d, d.end_s), nowMs)));
+  }, (node, d) => {
+    const earlier = dwell !== null && d.start_utc !== dwell.start_utc;
+    setText(node.firstChild.firstChild, earlier ? `${d.index}, earlier run` : String(d.index));
+    setText(node.children[1], instantText(utcMs(d, d.end_s), nowMs));
+  });
 }
 
-function showRuns({ runs, nowMs }) {
+const RUN_FILE = 3; // column of the link, as index.html has them: run, state, audit, file …
+
+function makeRun({ name, href, run }) {
+  const file = href ? h('a', { href, download: name, 'aria-label': `Download run ${run}, ${name}` }) : h('span', {});
+  return h('tr', {}, h('th', { scope: 'row' }), ...Array.from({ length: 8 }, (_, i) =>
+    (i + 1 === RUN_FILE ? h('td', { class: 'words' }, file, h('span', { class: 'file', title: readable(name) }, name))
+      : h('td', i + 1 === RUN_FILE - 1 ? { class: 'words' } : {}, h('span', {})))));
+}
+
+function showRuns({ runs, runsTotal, nowMs }) {
   show($('runs'), runs.length > 0);
-  fillRows($('run-rows'), [...runs].reverse().map((r) => ({ key: r.file, struck: false,
-    tone: r.state === 'unreadable' ? 'alarm' : r.state === 'cut off' ? 'care' : 'calm',
-    cells: [String(r.run), r.label || NO_NUMBER, dateText(r.begun, nowMs), dateText(r.ended, nowMs), r.state === 'unreadable' ? '▲ unreadable' : r.state,
-      count(r.dwells), `${(r.bytes / 1e6).toFixed(1)} MB`] })));
+  setText($('runs-older'), olderRunsText(runs.length, runsTotal));
+  const rows = [...runs].reverse().map((r) => {
+    const words = runOf(r);
+    return { ...words, run: r.run, cells: [words.tone === 'alarm' ? `▲ ${r.run}` : String(r.run), words.state, words.audit, words.href ? 'download' : words.why || NO_NUMBER,
+      r.label || NO_NUMBER, dateText(r.begun, nowMs), dateText(r.ended, nowMs), count(r.dwells), `${(r.bytes / 1e6).toFixed(1)} MB`] };
+  });
+  keyed($('run-rows'), rows, (row) => `${row.name} ${row.href !== null}`, makeRun, (node, row) => {
+    setAttributes(node, { 'data-tone': row.tone });
+    row.cells.forEach((text, i) => setText(i === 0 ? node.firstChild : node.children[i].firstChild, text));
+  });
 }
 
 let newest = null;

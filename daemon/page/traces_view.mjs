@@ -16,6 +16,7 @@ const FINEST_LIVE_S = 0.02;
 // While live, more bins than the view holds: the newest reading has moved on when the question arrives. Too few to get
 // bins a quarter as wide, which the stream could not go on with; so no less than LIVE_LEAST is in view.
 const SPARE_BINS = 25;
+const MOST_BINS = 4000; // the service refuses a question for more
 const LIVE_LEAST = 0.5; // s
 const DRAG_PX = 4; // less is a click
 const ANSWER_MS = 5000; // then a question is given up …
@@ -27,6 +28,11 @@ const ORIGIN_MOVED_MS = 1000;
 const whyText = (error) => (error.name === 'TimeoutError' || error instanceof TypeError
   ? 'The traces in view are not complete: no answer of the service; asking again.' : error.message);
 const durationText = (s) => (s < 1 ? `${Number((1e3 * s).toPrecision(3))} ms` : `${Number(s.toPrecision(3))} s`);
+
+async function ask(query) {
+  const answer = await fetch(`/api/v1/traces?${query}`, { cache: 'no-store', signal: AbortSignal.timeout(ANSWER_MS) });
+  return { answer, value: await answer.json() };
+}
 
 export class TracesView {
   #plot = new TracePlot($('trace-plot'));
@@ -249,7 +255,7 @@ export class TracesView {
   }
   // As many as the plot has pixels; while live a width that the stream can go on with.
   #bins() {
-    const most = Math.max(2, Math.min(4000, Math.round(2 * this.#plot.width)));
+    const most = Math.max(2, Math.min(MOST_BINS - SPARE_BINS, Math.round(2 * this.#plot.width)));
     if (!this.#live) return most;
     let step = FINEST_LIVE_S;
     while (this.#span_s / step > most) step *= RATIO;
@@ -263,14 +269,18 @@ export class TracesView {
     const less = $('trace-less').checked ? '&less=steady' : '';
     const { from_s, to_s } = this.#view;
     const stretch = this.#live ? `from=${-this.#span_s}` : `from=${from_s}&to=${Math.max(to_s, from_s)}`;
-    const answer = await fetch(`/api/v1/traces?${stretch}&points=${points}${less}`, { cache: 'no-store', signal: AbortSignal.timeout(ANSWER_MS) });
-    const value = await answer.json();
+    let { answer, value } = await ask(`${stretch}&points=${points}${less}`);
+    const refused = answer.ok ? null : value.error;
+    // After a restart the service's time axis begins anew, and may not reach this stretch yet. The answer with one bin
+    // tells the new origin.
+    if (answer.status === 400 && !this.#live) ({ answer, value } = await ask('points=1'));
     if (!answer.ok) throw new Error(value.error);
     const origin_ms = Date.parse(value.origin_utc);
     const moved = Math.abs(origin_ms - this.#origin_ms) > ORIGIN_MOVED_MS;
     this.#origin_ms = origin_ms;
     if (value.newest_s > this.#newest_s || moved) this.#came_s = this.#clock.now();
     this.#newest_s = value.newest_s;
+    if (!moved && refused !== null) throw new Error(refused);
     if (!moved) return value;
     this.#last = [];
     this.#again = true;

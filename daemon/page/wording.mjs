@@ -13,6 +13,8 @@ export function whom(doubts) {
   return `${ks.length > 1 ? 'elements' : 'element'} ${ks.join(', ')}`;
 }
 
+export const NOT_VERIFIED = 'not verified yet'; // as the service says it
+
 // More elements than these are counted, not named.
 const NAMED = 6;
 function withheldText(elements) {
@@ -52,14 +54,23 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
     if (dwell.doubts.length === 0) return state;
     return { ...state, tone: 'alarm', doubted: true, detail: `${state.detail}; do not rely on ${whom(dwell.doubts)}` };
   }
-  if (dwell.state === 'complete') return said('complete', 'complete', `ended by: ${dwell.ended_by}`);
+  if (dwell.state === 'complete') return said('complete', 'complete', dwell.settling_reason || `ended by: ${dwell.ended_by}`);
   return said('idle', 'idle', dwell.settling_reason || 'the table does not move');
 }
 
+// Why a dwell's model has no verdict yet. verification: the newest of the run, which may be of a dwell before.
+function unverifiedText(dwell, verification) {
+  if (!verification) return 'no reason known yet';
+  if (verification.dwell !== null && verification.dwell !== dwell.index) return 'it is being verified';
+  return verification.reasons[0] ?? 'no reason stated';
+}
+
 // The verdict on the model, or null where there is none. A verdict that is still to come is no trouble.
-export function modelOf(model) {
+export function modelOf(dwell, verification) {
+  const model = dwell?.model;
   if (!model) return null;
   let text = model.verdict;
+  if (model.verdict === NOT_VERIFIED) text += `: ${unverifiedText(dwell, verification)}`;
   if (isNumber(model.seen)) text += `, off by ${percentText(model.seen)} ± ${percentText(model.U)}`;
   text += ` (accuracy asked for: ${percentText(model.asked)})`;
   if (model.consistent === false) text += '; not consistent: more is left than noise and stated uncertainties explain, ± may be too small';
@@ -84,6 +95,7 @@ export function utcMs(dwell, t_s) {
 export function sinceMs(dwell, events) {
   if (dwell.state === 'settling') return utcMs(dwell, dwell.start_s);
   if (dwell.state === 'measuring') return utcMs(dwell, dwell.verdict_s);
+  if (dwell.state === 'complete') return utcMs(dwell, dwell.end_s);
   const newest = events.findLast((event) => event.kind === 'state');
   return newest?.state === dwell.state && newest.utc ? Date.parse(newest.utc) : null;
 }
@@ -106,12 +118,20 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   if (channels && fresh.answersOld(now))
     add('alarm', `channels, devices and alarms are ${ageText(fresh.answersAge_s(now))} old: the service does not tell of them`);
   const alike = new Map();
+  const quiet = new Set(); // troubles' names of the channels whose own status is no trouble
   for (const channel of channels ?? []) {
-    if (channel.status === 'ok' || channel.status === 'held' || channel.status === 'gated') continue;
+    if (channel.status === 'ok' || channel.status === 'held' || channel.status === 'gated') {
+      quiet.add(`channel:${channel.name}`);
+      continue;
+    }
     const why = !channel.reason ? channel.status : channel.reason.startsWith(channel.status) ? channel.reason : `${channel.status}, ${channel.reason}`;
     alike.set(why, [...(alike.get(why) ?? []), channel.name]);
   }
   for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);
+  // Of the service's troubles only those that the page tells nowhere else: of a channel whose own status is fine, and of
+  // the dwell while it is measured. Others stand in the state, beside a number, or are added here below.
+  for (const trouble of health?.troubles ?? [])
+    if (quiet.has(trouble.name) || (trouble.name === 'dwell' && dwell.state === 'measuring')) add('alarm', trouble.text);
   for (const [name, line] of Object.entries(health?.gpio ?? {})) {
     if (!line.works) add('alarm', `GPIO ${name}: ${line.reason ?? 'does not work'}`);
     else if (name === 'interlock' && line.level === 0) add('alarm', 'interlock open: the shaker may not run');

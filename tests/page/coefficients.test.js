@@ -3,17 +3,24 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
 import { joined } from '../../daemon/page/number.mjs';
+import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
+
+// s of the page's clock: when the data of dwellOf() are new.
+const AT = 101;
+const utcAt = (now) => utcMs(dwellOf(), dwellOf().end_s) + 1e3 * (now - AT);
+// The page takes a dwell at an instant.
+function tell(view, dwell, now) {
+  Object.assign(view, { dwell, now });
+  view.fresh.tookDwell(dwell, now);
+  view.last.take(dwell, now, utcAt(now));
+}
+const newView = () => ({ fresh: toldFreshness(), last: new LastNumbers(), now: AT, broken: false });
 
 // The page after it was given these dwells a second apart, the last one just now.
 function after(...dwells) {
-  const view = { fresh: toldFreshness(), last: new LastNumbers(), now: 100, broken: false };
-  for (const dwell of dwells) {
-    view.now += 1;
-    view.dwell = dwell;
-    view.fresh.tookDwell(dwell, view.now);
-    view.last.take(dwell, view.now);
-  }
+  const view = newView();
+  dwells.forEach((dwell, i) => tell(view, dwell, AT + i));
   return view;
 }
 const text = (cell) => `${cell.symbol} ${cell.number ? joined(cell.number) : 'none'}${cell.struck ? `, ${cell.struck} old` : ''}`;
@@ -64,8 +71,105 @@ test('the device has died: the last numbers, struck through', () => {
 test('the drive has stopped: the last numbers hold, as those of a dwell that ended', () => {
   const view = after(dwellOf(), dwellOf({ state: 'complete', ended_by: 'drive stopped' }), idleOf());
   const shown = coefficientsOf(view);
-  assert.equal(shown.title, 'last dwell: 3, ended 1.0 s ago: drive stopped');
+  assert.equal(shown.title, 'last dwell: 3, ended 2.0 s ago: drive stopped');
   assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
+});
+
+// As the service shows the last dwell of a run that an operator stopped while the drive is on.
+const WHY = 'the run was stopped: the next one begins with "dwellctl start", or with the drive once it has rested';
+const stoppedOf = (changes) => dwellOf({ state: 'complete', ended_by: 'end', settling_reason: WHY, estimate_age_s: 0.1, stale: false, ...changes });
+
+test('the run was stopped: its numbers are a result, with the time since their end and the reason', () => {
+  const view = after(dwellOf());
+  for (let s = 1; s <= 56; ++s) tell(view, stoppedOf(), AT + s);
+  const shown = coefficientsOf(view);
+  assert.equal(shown.source, 'last');
+  assert.equal(shown.title, `last dwell: 3, ended 56 s ago: ${WHY}`);
+  assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m', 'not struck: data are not expected');
+  assert.equal(texts(coefficientsOf({ ...view, broken: true }))[0], 'c₁ 24.000 ± 0.024 kN/m, 56 s old', 'as of any last dwell while a channel is dead');
+});
+
+test('a page that is opened after the run was stopped counts from the end of the data', () => {
+  const view = newView();
+  tell(view, stoppedOf(), AT + 40);
+  assert.match(coefficientsOf(view).title, /^last dwell: 3, ended 40 s ago: the run was stopped/);
+});
+
+test('a dwell that had ended before the run was stopped keeps its own cause', () => {
+  const view = after(dwellOf(), stoppedOf({ ended_by: 'data lost' }));
+  assert.match(coefficientsOf(view).title, /ago: data lost; the run was stopped: /);
+  const none = after(dwellOf({ index: 2 }), stoppedOf({ ended_by: 'end', settled_s: null, elements: [] }));
+  assert.equal(coefficientsOf(none).title, 'last dwell: 2, ended 1.0 s ago', 'the stop ended dwell 3, which never settled');
+});
+
+// The service cuts a dwell back to before the drive stopped; the live numbers of the last seconds hold data of after it.
+test('the end of a dwell replaces its live numbers: one dwell, one number', () => {
+  const [first, second] = dwellOf().elements;
+  const doubts = [{ elements: [1], what: 'the phase wanders' }];
+  const live = dwellOf({ end_s: 23, doubts, elements: [{ ...first, stiffness: { ...first.stiffness, value: 25678 } }, second] });
+  const withheld = { k: 2, identifiable: false, reason: 'y2 is disconnected', stiffness: null, damping: null };
+  const final = { ended_by: 'drive stopped', state: 'complete', elements: [first, withheld] };
+  for (const how of ['list', 'stream']) {
+    const view = after(live);
+    if (how === 'list') view.last.takeEnded(dwellOf(final), utcAt(AT - 1), AT + 9, utcAt(AT + 9));
+    else tell(view, dwellOf(final), AT + 9);
+    tell(view, idleOf(), AT + 9);
+    const shown = coefficientsOf(view);
+    assert.deepEqual(texts({ elements: shown.elements.slice(0, 1) }), ['c₁ 24.000 ± 0.024 kN/m', 'r₁ 60.00 ± 0.60 N·s/m'], how);
+    assert.equal(shown.elements[1].reason, 'y2 is disconnected', how);
+    assert.equal(shown.title, 'last dwell: 3, ended 10 s ago: drive stopped', `${how}: the doubts were about the live numbers`);
+  }
+});
+
+test('a dwell of which nothing is left at its end has no numbers', () => {
+  for (const how of ['list', 'stream']) {
+    const view = after(dwellOf());
+    const final = dwellOf({ ended_by: 'drive stopped', state: 'complete', settled_s: null, elements: [], end_s: 11 });
+    if (how === 'list') view.last.takeEnded(final, utcAt(AT - 11), AT + 1, utcAt(AT + 1));
+    else tell(view, final, AT + 1);
+    tell(view, idleOf(), AT + 1);
+    assert.deepEqual(coefficientsOf(view).elements.map((e) => e.reason), Array(2).fill('too few of its data count'), how);
+  }
+});
+
+// After SIGSTOP and SIGCONT the service tells what it knew, then the little that its drivers had read before.
+const afterStandingStill = [
+  ['tells the same', [[{ stale: true, estimate_age_s: 10 }, 111]]],
+  ['tells the same as if it were of now', [[{}, 111]]],
+  ['tells a little more, and the end', [[{ end_s: 22.05 }, 111], [{ end_s: 22.1, state: 'complete', ended_by: 'data lost' }, 111.05]]],
+  ['tells of the end alone', [[{ end_s: 22.1, state: 'complete', ended_by: 'data lost' }, 111.05]]],
+];
+for (const [what, told] of afterStandingStill) {
+  test(`a service that stood still and ${what}: the numbers stay as old as they are`, () => {
+    const view = newView();
+    for (let s = 5; s >= 0; --s) tell(view, dwellOf({ end_s: 22 - s }), AT - s);
+    for (const [changes, now] of told) tell(view, dwellOf(changes), now);
+    tell(view, idleOf({ state: 'fault', settling_reason: 'the drive is not seen: y0 is silent' }), 111.5);
+    const shown = coefficientsOf(view);
+    assert.match(shown.title, /^last dwell: 3, ended 10 s ago/);
+    assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m, 10 s old');
+  });
+}
+
+test('a clock that is set makes no number old', () => {
+  for (const clock of ['of the service', 'of the page']) {
+    const view = newView();
+    for (let s = 0; s < 5; ++s) {
+      const jump = s < 2 ? 0 : 3600;
+      const [now, nowMs] = [AT + s + (clock === 'of the page' ? jump : 0), utcAt(AT + s) + (clock === 'of the service' ? 1e3 * jump : 0)];
+      view.last.take(dwellOf({ end_s: 22 + s }), now, nowMs);
+      assert.ok(now - view.last.t < 1e-9, `${clock}: ${now - view.last.t} s`);
+    }
+  }
+});
+
+test('data that come late for a while are of now again when they have caught up', () => {
+  const view = newView();
+  view.last.take(dwellOf(), AT, utcAt(AT));
+  view.last.take(dwellOf({ end_s: 22.1 }), AT + 2, utcAt(AT + 2));
+  assert.ok(Math.abs(AT + 2 - view.last.t - 1.9) < 1e-6);
+  view.last.take(dwellOf({ end_s: 24.5 }), AT + 2.5, utcAt(AT + 2.5));
+  assert.ok(Math.abs(AT + 2.5 - view.last.t) < 1e-6);
 });
 
 test('a page that is opened later knows the last dwell from the list', () => {

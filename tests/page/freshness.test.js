@@ -63,6 +63,15 @@ test('while idle there are no data that could stand still', () => {
   assert.equal(fresh.dwellOld(100), false);
 });
 
+test('the dwell of a run that was stopped has no data that could stand still', () => {
+  const fresh = toldFreshness();
+  fresh.tookDwell(dwellOf(), 0);
+  for (let t = 1; t < 100; t += 1) fresh.tookDwell(dwellOf({ state: 'complete', ended_by: 'end', estimate_age_s: 0.1, stale: false }), t);
+  assert.equal(fresh.dwellOld(100), false);
+  fresh.tookDwell(dwellOf({ state: 'complete', ended_by: 'end', estimate_age_s: 4, stale: true }), 101);
+  assert.equal(fresh.dwellOld(101), true, 'a service that no longer works');
+});
+
 test('a rig that is renewed every ten seconds is not old after five', () => {
   const fresh = toldFreshness();
   for (let t = 0; t <= 60; t += 10) fresh.tookDwell(dwellOf({ end_s: t }), t);

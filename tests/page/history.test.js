@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
 import { History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
 import { placeLabels, polarOf } from '../../daemon/page/polar.mjs';
+import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, settlingOf } from './sample.js';
 
 const at = Date.parse('2026-11-23T07:00:00Z');
@@ -30,6 +31,15 @@ test('the end of a dwell takes the place of its last point, so that short dwells
     history.takeEnded(withStiffness(24000 + i, { index: i }), at + 8000 * i + 7000);
   }
   assert.deepEqual(history.of('stiffness', 1, at + 60_000).map((p) => p.value), [24001, 24002, 24003, 24004, 24005]);
+});
+
+test('a dwell that has ended and stays in view is not drawn on, and what was counted beyond its end is left out', () => {
+  const history = new History();
+  const counted = utcMs(dwellOf(), dwellOf().end_s);
+  for (let s = -30; s <= 30; s += 1) history.take(withStiffness(s > 0 ? 25000 : 24000), counted + 1e3 * s);
+  for (let s = 31; s <= 90; s += 1) history.take(withStiffness(24001, { state: 'complete', ended_by: 'end' }), counted + 1e3 * s);
+  const points = history.of('stiffness', 1, counted + 90_000);
+  assert.deepEqual(points.map((p) => [(p.ms - counted) / 1e3, p.value]), [[-30, 24000], [-20, 24000], [-10, 24000], [0, 24001]]);
 });
 
 test('there is room for so many points; more dwells than that in an hour push the oldest out', () => {
@@ -67,6 +77,40 @@ test('the deviation is told against the dwell before, with both uncertainties', 
     { beyond: false, text: '+0.05 ± 0.14 % since dwell 2' });
   assert.deepEqual(history.deviation('stiffness', 1, withStiffness(23000)),
     { beyond: true, text: 'moved by \u22124.17 ± 0.14 % since dwell 2' });
+});
+
+// Of another run: its dwells are numbered from 1 again.
+const EARLIER = '2026-11-23T06:00:00.000000Z';
+
+test('the deviation is told against the newest dwell before, though the list has not told its end', () => {
+  const history = new History();
+  history.takeEnded(withStiffness(20000, { index: 1 }), at);
+  // Dwell 2 is seen for 18 s. A new run begins at once, and the service's list is empty.
+  for (let s = 0; s <= 18; s += 1) history.take(withStiffness(23900 + s, { index: 2 }), at + 60_000 + 1e3 * s);
+  history.take(withStiffness(24012), at + 80_000);
+  assert.deepEqual(history.of('stiffness', 1, at + 80_000).map((p) => p.value), [20000, 23900, 23910, 23918, 24012]);
+  assert.match(history.deviation('stiffness', 1, withStiffness(24012)).text, /^moved by \+0\.39 ± 0\.14 % since dwell 2$/);
+  history.takeEnded(withStiffness(23919, { index: 2 }), at + 79_000);
+  assert.deepEqual(history.of('stiffness', 1, at + 80_000).map((p) => p.value), [20000, 23900, 23910, 23919, 24012], 'the end replaces what was seen last');
+});
+
+test('a dwell of an earlier run is named as such, with when it was', () => {
+  const history = new History();
+  history.take(withStiffness(24000, { index: 3, start_utc: EARLIER }), at);
+  history.take(withStiffness(23000, { index: 1 }), at + 60_000);
+  assert.match(history.deviation('stiffness', 1, withStiffness(23000, { index: 1 })).text,
+    /^moved by \u22124\.17 ± 0\.14 % since dwell 3 of an earlier run \(\d\d:\d\d:\d\d\)$/);
+});
+
+test('a dwell before that has no such number is not passed over in silence', () => {
+  const history = new History();
+  history.takeEnded(withStiffness(20000, { index: 1 }), at);
+  const dwell = dwellOf({ index: 2 });
+  dwell.elements[0] = { k: 1, identifiable: false, reason: 'y1: stuck', stiffness: null, damping: null };
+  history.takeEnded(dwell, at + 60_000);
+  assert.deepEqual(history.deviation('stiffness', 1, withStiffness(24012)),
+    { beyond: false, text: 'nothing to compare with: dwell 2 has no number' });
+  assert.match(history.deviation('stiffness', 2, withStiffness(24012)).text, /since dwell 2$/);
 });
 
 test('a trend is drawn within its box, dwells apart', () => {

@@ -2,6 +2,7 @@
 // keyboard.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
+import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { check } from './accessible.js';
@@ -222,6 +223,87 @@ test('an operator logs in, starts a run, stops it and logs out, by keyboard', as
   await page.waitForSelector('#operate-login:not([hidden])');
   const refused = await page.request.post(`${bench.url}/api/v1/rearm`, { data: {} });
   assert.equal(refused.status(), 401);
+  await page.close();
+});
+
+test('a closed run is downloaded as it lies on the disk, with its audit beside it; one that goes on is not offered', async () => {
+  const page = await open('desk');
+  const order = (verb, data) => page.request.post(`${bench.url}/api/v1/${verb}`, { data, headers: { authorization: `Bearer ${TOKEN}` } });
+  assert.equal((await order('start', { label: 'to download' })).status(), 200);
+  const row = page.locator('#run-rows tr', { hasText: 'to download' });
+  await row.locator('td', { hasText: '– not audited: the run goes on' }).waitFor();
+  assert.equal(await row.locator('a').count(), 0);
+  assert.match(await page.locator('#dwells-none').innerText(), /^(No dwell of this run has ended yet\. Those of earlier runs|$)/);
+  assert.equal((await order('stop', {})).status(), 200);
+  await row.locator('td', { hasText: '✓ intact' }).waitFor({ timeout: 2 * PATIENCE_MS });
+  const [download] = await Promise.all([page.waitForEvent('download'), row.locator('a').click()]);
+  const name = download.suggestedFilename();
+  assert.match(name, /^clamped-bench-three-masses-\d+-\d{8}T\d{6}Z\.dwell$/);
+  assert.ok((await readFile(await download.path())).equals(await readFile(join(bench.folder, 'runs', name))));
+  await check(page, 'runs-desk');
+  await page.setViewportSize(SIZES.phone);
+  await check(page, 'runs-phone');
+  await page.close();
+});
+
+test('a run that was stopped while the drive is on: its numbers are those of a dwell that has ended', async () => {
+  const order = (verb, data) => fetch(`${bench.url}/api/v1/${verb}`, { method: 'POST', body: JSON.stringify(data),
+    headers: { authorization: `Bearer ${TOKEN}`, 'content-type': 'application/json' } });
+  const page = await open('desk');
+  assert.equal((await order('start', { label: 'to stop' })).status, 200);
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  assert.equal((await order('stop', {})).status, 200);
+  await page.waitForSelector('#state[data-kind=complete]');
+  assert.match(await page.locator('#detail').innerText(), /^the run was stopped: the next one begins/);
+  const later = await open('desk'); // opened only now: both count from the end of the data
+  for (const shown of [page, later]) {
+    await shown.locator('#coefficients[data-source=last] #coefficients-from', { hasText: /^not of now · last dwell: \d+, ended (?:[4-9]\.\d|\d\d+) s ago: the run was stopped: / }).waitFor();
+    assert.match(await shown.locator('#facts').innerText(), /since\s+[\d:]+ \([\d.]+ s\)/);
+    assert.match(await shown.locator('#phasors-note').innerText(), /^Of dwell \d+, which has ended: not of now\.$/);
+    assert.equal(await shown.locator('.coefficient .struck').count(), 0, 'data are not expected');
+    assert.doesNotMatch(await shown.locator('#troubles').innerText(), /old numbers/);
+  }
+  await check(page, 'stopped-desk');
+  await later.close();
+  bench.rig.signal('SIGSTOP');
+  await page.locator('#troubles li', { hasText: /^channels y0, y1, y2, y3, reaction: / }).waitFor();
+  await page.waitForFunction(() => !document.querySelector('.coefficient .number:not(.struck)'));
+  bench.rig.signal('SIGCONT');
+  await page.waitForFunction(() => !document.querySelector('.coefficient .number.struck'));
+  await page.close();
+});
+
+test('a table of runs says that there are older ones, and every row names its file', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.route('**/api/v1/runs?*', async (route) => {
+    const answer = await (await route.fetch()).json();
+    const cutOff = { ...answer.runs[0], run: 7, file: 'bench-7.dwell', state: 'cut off', download: null, no_download: 'the run was cut off: copy both files' };
+    await route.fulfill({ json: { ...answer, total: answer.runs.length + 38, runs: [...answer.runs, cutOff] } });
+  });
+  await page.goto(bench.url);
+  await page.locator('#runs-older', { hasText: /^The newest \d+ of \d+ runs\. / }).waitFor();
+  const names = await page.locator('#run-rows tr .file').allInnerTexts();
+  assert.equal(names.length, await page.locator('#run-rows tr').count());
+  for (const name of names) assert.match(name, /\.dwell$/);
+  assert.ok(names.includes('bench-7.dwell'));
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
+test('an empty table of dwells says where those of earlier runs are', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.route('**/api/v1/dwells?*', async (route) => route.fulfill({ json: { rig: 'x', total: 0, forgotten: 0, next: null, dwells: [] } }));
+  await page.route('**/api/v1/runs?*', async (route) => {
+    const answer = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, dwells: 3 })) } });
+  });
+  await page.goto(bench.url);
+  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. Those of earlier runs are in their files: see Runs\.$/ }).waitFor();
+  assert.equal(await page.locator('#dwells-table').isVisible(), false);
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.close();
 });
 

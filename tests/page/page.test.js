@@ -117,6 +117,13 @@ test('the drive stops: idle, and the last dwell stays with how it ended', async 
   await kind(page, 'idle');
   await page.waitForSelector('#coefficients[data-source=last] .element');
   assert.equal(await page.locator('.coefficient .struck').count(), 0);
+  // The live numbers of the last seconds hold data of after the stop: those of the ended dwell have replaced them.
+  await page.waitForFunction(() => {
+    const plain = (node) => node.textContent.replace(/\s+/g, ' ').trim();
+    const numbers = [...document.querySelectorAll('.coefficient .number')].map(plain);
+    const row = document.querySelector('#dwell-rows tr');
+    return numbers.length === 8 && row !== null && numbers.every((number) => [...row.cells].some((cell) => plain(cell) === number));
+  });
   bench.rig.say('start');
   await kind(page, 'measuring');
   await closePage(page);

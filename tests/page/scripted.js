@@ -139,7 +139,7 @@ export class ScriptedService {
       case 'events': return this.#events(from);
       case 'dwells': return { dwells: this.#dwells(from) };
       case 'traces': return { ...this.#traces(), origin_utc: this.#utc(0), from_s: Math.max(0, this.#s - STEP_S), newest_s: this.#s, less_dwell: null };
-      default: return { runs: [] };
+      default: return { runs: [], total: 0 };
     }
   }
 

@@ -22,6 +22,7 @@ test('the state is one word, what belongs to it, and a colour only where it is a
   assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known');
   assert.equal(said(viewOf(dwellOf())), 'measuring calm: measuring, 10.0 s of data');
   assert.equal(said(viewOf(idleOf())), 'idle calm: idle, the table does not move');
+  assert.equal(said(viewOf(dwellOf({ state: 'complete', ended_by: 'end', settling_reason: 'the run was stopped' }))), 'complete calm: complete, the run was stopped');
   assert.equal(said(viewOf(idleOf({ state: 'fault', settling_reason: 'y0 is timeout' }))), 'fault alarm: fault, y0 is timeout');
   assert.equal(said(viewOf(dwellOf(), { health: { status: 'fault', reason: 'thread estimate stands still' } })),
     'fault alarm: service fault, thread estimate stands still');
@@ -62,14 +63,37 @@ test('channels that are no longer told of are a trouble, though the stream goes 
   assert.deepEqual(troubles({ ...view, now: 102 }), []);
 });
 
+// A channel that was stuck and moves again: its own status is no trouble, but the dwell does not use it.
+test('what the service holds against a channel that seems well stands in the head, once', () => {
+  const channels = [{ name: 'y1', status: 'ok', reason: null }, { name: 'y2', status: 'gated', reason: 'left out' }, { name: 'y3', status: 'timeout', reason: null }];
+  const health = { log: { failing: false }, troubles: [{ name: 'channel:y2', text: 'channel y2 does not count in this dwell: left out', degrades: true },
+    { name: 'channel:y3', text: 'channel y3: timeout', degrades: true }, { name: 'limit:stiffness:2', text: 'limit violated', degrades: true },
+    { name: 'dwell', text: 'no coefficients: too few sync pulses', degrades: true }, { name: 'clock', text: 'not synchronized', degrades: false }] };
+  const texts = (dwell) => troubles(viewOf(dwell, { health, channels })).map((t) => `${t.tone}: ${t.text}`);
+  assert.deepEqual(texts(dwellOf()), ['alarm: channel y3: timeout', 'alarm: channel y2 does not count in this dwell: left out',
+    'alarm: no coefficients: too few sync pulses']);
+  assert.ok(!texts(idleOf({ state: 'fault' })).some((text) => /sync/.test(text)), 'the state says it');
+});
+
 test('the model is told with figures, and colours only where it is not good', () => {
   const model = { verdict: 'adequate', consistent: true, asked: 0.05, seen: 0.012, U: 0.004 };
-  assert.deepEqual(modelOf(model), { text: 'adequate, off by 1.2 % ± 0.4 % (accuracy asked for: 5 %)', tone: 'calm' });
-  assert.equal(modelOf({ ...model, verdict: 'not adequate' }).tone, 'care');
-  assert.equal(modelOf({ ...model, consistent: false }).tone, 'care');
-  assert.deepEqual(modelOf({ verdict: 'not verified yet', consistent: null, asked: 0.05, seen: null, U: null }),
-    { text: 'not verified yet (accuracy asked for: 5 %)', tone: 'calm' });
+  const of = (verdict, verification) => modelOf(dwellOf({ model: verdict }), verification);
+  assert.deepEqual(of(model), { text: 'adequate, off by 1.2 % ± 0.4 % (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.equal(of({ ...model, verdict: 'not adequate' }).tone, 'care');
+  assert.equal(of({ ...model, consistent: false }).tone, 'care');
+  assert.equal(modelOf(dwellOf()), null);
   assert.equal(modelOf(null), null);
+});
+
+test('a model without a verdict has the first reason beside it', () => {
+  const dwell = dwellOf({ model: { verdict: 'not verified yet', consistent: null, asked: 0.05, seen: null, U: null } });
+  const said = (verification) => modelOf(dwell, verification);
+  assert.deepEqual(said({ dwell: 3, reasons: ['the transient is too weak', 'y1: U is too large'] }),
+    { text: 'not verified yet: the transient is too weak (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.match(said({ dwell: null, reasons: ['the dwell has just settled: its model is being verified'] }).text, /: the dwell has just settled/);
+  assert.match(said({ dwell: 2, reasons: ['of the dwell before'] }).text, /^not verified yet: it is being verified \(/);
+  assert.match(said({ dwell: 3, reasons: [] }).text, /: no reason stated \(/);
+  assert.match(said(null).text, /: no reason known yet \(/);
 });
 
 test('the frequency has its ± once the dwell has settled', () => {
@@ -82,6 +106,7 @@ test('since when: from the dwell, while idle from the events', () => {
   const at = Date.parse('2026-11-23T07:00:00Z');
   assert.equal(sinceMs(dwellOf(), []), at + 12500);
   assert.equal(sinceMs(settlingOf(), []), at + 10000);
+  assert.equal(sinceMs(dwellOf({ state: 'complete' }), []), at + 22000);
   assert.equal(sinceMs(idleOf(), []), null);
   const events = [{ kind: 'state', state: 'settling', utc: '2026-11-23T06:00:00Z' }, { kind: 'state', state: 'idle', utc: '2026-11-23T07:00:07Z' }];
   assert.equal(sinceMs(idleOf(), events), at + 7000);

@@ -1,0 +1,41 @@
+// What the page says of recorded runs: whether their files were altered, and whether they can be downloaded. Pure.
+import { secondsText } from './number.mjs';
+
+// { tone, text } of an audit. Each state has a word and a shape; only an abnormal one has a colour.
+export function auditOf({ audit }) {
+  if (!audit) return { tone: 'calm', text: '– not known' };
+  const known = audit.trusted === false ? ', key not trusted' : '';
+  switch (audit.state) {
+    case 'intact': return { tone: known ? 'care' : 'calm', text: `${known ? '◆' : '✓'} intact${known}` };
+    case 'open': return { tone: 'care', text: `◇ open${audit.until_s === null ? '' : ` until ${secondsText(audit.until_s)}`}${known}` };
+    case 'tampered': return { tone: 'alarm', text: `▲ tampered: ${audit.where}` };
+    case 'waiting': return { tone: 'calm', text: '… waits to be audited' };
+    default: return { tone: 'calm', text: `– not audited: ${audit.reason}` };
+  }
+}
+
+// States that ask for an eye: tone and shape.
+const ABNORMAL = { unreadable: ['alarm', '▲ '], removed: ['alarm', '▲ '], 'cut off': ['care', '◆ '] };
+
+const TONES = ['calm', 'care', 'alarm'];
+const graver = (a, b) => (TONES.indexOf(a) > TONES.indexOf(b) ? a : b);
+
+// { state, audit, tone, href, name, why } for the table. href: where the file is downloaded; null: it cannot be, and why
+// says the reason. tone: the graver one of state and audit.
+export function runOf(run) {
+  const [own, shape] = ABNORMAL[run.state] ?? ['calm', ''];
+  const audit = auditOf(run);
+  return { state: shape + run.state, audit: audit.text, tone: graver(own, audit.tone),
+    href: run.download ?? null, name: run.file, why: run.download ? '' : run.no_download ?? '' };
+}
+
+// Under a table of `shown` runs, the newest of `total`; '': it has all of them.
+export const olderRunsText = (shown, total) =>
+  (shown < total ? `The newest ${shown} of ${total} runs. Older ones: dwellctl runs, or dwellctl runs FOLDER where they are recorded.` : '');
+
+// Why the table of dwells is empty; '': it is not. With each run the service's list begins anew.
+export function noDwellsText(dwells, runs) {
+  if (dwells.length > 0) return '';
+  const earlier = runs.some((run) => run.dwells > 0);
+  return `No dwell of this run has ended yet.${earlier ? ' Those of earlier runs are in their files: see Runs.' : ''}`;
+}

@@ -1,0 +1,41 @@
+// What the page says of recorded runs.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { auditOf, noDwellsText, olderRunsText, runOf } from '../../daemon/page/runs.mjs';
+
+const audit = (state, more = {}) => ({ audit: { state, where: null, until_s: null, trusted: true, utc: null, reason: null, ...more } });
+const said = (run) => Object.values(auditOf(run)).join(': ');
+
+test('each verdict has a word and a shape, and a colour only where it is abnormal', () => {
+  assert.equal(said(audit('intact')), 'calm: ✓ intact');
+  assert.equal(said(audit('intact', { trusted: false })), 'care: ◆ intact, key not trusted');
+  assert.equal(said(audit('open', { until_s: 12.34 })), 'care: ◇ open until 12.3 s');
+  assert.equal(said(audit('tampered', { where: 'entry 5: its head does not follow' })), 'alarm: ▲ tampered: entry 5: its head does not follow');
+  assert.equal(said(audit('waiting', { trusted: null, reason: 'it waits for its turn' })), 'calm: … waits to be audited');
+  assert.equal(said(audit('not audited', { trusted: null, reason: 'the run goes on' })), 'calm: – not audited: the run goes on');
+  assert.equal(said({}), 'calm: – not known');
+});
+
+test('a run that is closed can be downloaded, any other has the reason', () => {
+  const run = { run: 3, file: 'rig-3-20261123T031217Z.dwell', state: 'closed', download: '/api/v1/runs/rig-3-20261123T031217Z.dwell', no_download: null, ...audit('intact') };
+  assert.deepEqual(runOf(run), { state: 'closed', audit: '✓ intact', tone: 'calm', href: run.download, name: run.file, why: '' });
+  const going = runOf({ ...run, state: 'recording', download: null, no_download: 'the run goes on', ...audit('not audited', { reason: 'the run goes on' }) });
+  assert.deepEqual([going.href, going.why, going.tone], [null, 'the run goes on', 'calm']);
+  assert.equal(runOf({ ...run, state: 'unreadable', ...audit('tampered', { where: 'no database' }) }).state, '▲ unreadable');
+  const removed = runOf({ ...run, state: 'removed', download: null, no_download: 'its file was removed', ...audit('not audited', { reason: 'its file was removed' }) });
+  assert.deepEqual([removed.state, removed.tone, removed.href, removed.why], ['▲ removed', 'alarm', null, 'its file was removed']);
+  assert.equal(runOf({ ...run, state: 'cut off', ...audit('waiting') }).tone, 'care');
+  assert.equal(runOf({ ...run, ...audit('tampered', { where: 'entry 2' }) }).tone, 'alarm');
+});
+
+test('an empty table of dwells says that a new run has begun it anew', () => {
+  assert.equal(noDwellsText([{}], []), '');
+  assert.equal(noDwellsText([], [{ dwells: 0 }]), 'No dwell of this run has ended yet.');
+  assert.equal(noDwellsText([], [{ dwells: 4 }, { dwells: 0 }]), 'No dwell of this run has ended yet. Those of earlier runs are in their files: see Runs.');
+});
+
+test('runs that are not in the table are told of', () => {
+  assert.equal(olderRunsText(20, 20), '');
+  assert.equal(olderRunsText(0, 0), '');
+  assert.match(olderRunsText(20, 57), /^The newest 20 of 57 runs\. /);
+});
