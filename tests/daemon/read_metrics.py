@@ -1,14 +1,22 @@
 # Served metrics as Prometheus' Python client reads them; the manual names each of them, the dashboard no other:
 # read_metrics.py DASHBOARD MANUAL METRICS…
+# promtool checks them as well where $DWELL_PROMTOOL names it or the system has it: its names, units and texts by convention.
 import json
+import os
 import re
+import shutil
+import subprocess
 import sys
 
 from prometheus_client.parser import text_string_to_metric_families
 
+promtool = os.environ.get("DWELL_PROMTOOL") or shutil.which("promtool")
 served = set()
 for path in sys.argv[3:]:
     families = list(text_string_to_metric_families(open(path, encoding="utf-8").read()))
+    if promtool:
+        check = subprocess.run([promtool, "check", "metrics"], stdin=open(path), capture_output=True, text=True)
+        assert check.returncode == 0, (path, check.stdout, check.stderr)
     names = [family.name for family in families]
     assert len(names) == len(set(names)), ("a family comes twice", names)
     for family in families:
