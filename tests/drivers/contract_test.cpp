@@ -312,7 +312,9 @@ TEST_P(DriverContract, ChecksEveryMistakeAndNothingThatIsRight) {
 
 TEST_P(DriverContract, ProbesEveryChannelOnce) {
   device_->come();
-  const auto present = probe(table_, *given_.settings());
+  Given patient = device_->given();
+  patient.set_device("timeout", 2.0);  // a busy machine may hold up the device that answers
+  const auto present = probe(table_, *patient.settings());
   ASSERT_EQ(present.size(), 2U);
   EXPECT_EQ(present.at(0).error + present.at(1).error, "");
   EXPECT_EQ(present.at(0).raw, 1.0);
