@@ -60,6 +60,7 @@ std::string no_download(const ServiceView& view, const ListedRun& run) {
   if (run.state == "cut off")
     return "the run was cut off: a part of it may be in a -wal file; copy both files from the recording directory";
   if (run.state != "closed") return "its file cannot be read as a run; copy it from the recording directory";
+  if (run.linked) return "its file is a link, and none is followed; copy it from where the link leads";
   if (!is_plain_name(run.file)) return "its name has unusual characters; copy it from the recording directory";
   return view.recorder ? "" : "this service does not record";
 }

@@ -146,6 +146,7 @@ TEST_F(RecorderJsonTest, GivesTheFileOfAClosedRunOfTheListAndOfNothingElse) {
   auto list = std::make_shared<record::ListedRuns>(*runs);
   (*list)[247].state = "cut off";
   (*list)[248].file = "be\"nch-249-20261123T031217Z.dwell";
+  (*list)[9].linked = true;
   runs = list;
   recording->recording = true;
   recording->run = list->back();
@@ -164,6 +165,11 @@ TEST_F(RecorderJsonTest, GivesTheFileOfAClosedRunOfTheListAndOfNothingElse) {
     EXPECT_EQ(refused(other).substr(0, 34), "404 there is no run of this name: ") << other;
   EXPECT_EQ(refused("bench-250-20261123T031217Z.dwell").substr(0, 22), "409 the run goes on: i");
   EXPECT_EQ(refused("bench-248-20261123T031217Z.dwell").substr(0, 23), "409 the run was cut off");
+  const std::string link = refused("bench-10-20261123T031217Z.dwell");
+  EXPECT_EQ(link.substr(0, 22), "409 its file is a link");
+  const Parsed listed = answer("from=10&count=1")["runs"][0];
+  EXPECT_TRUE(listed["download"].is_null()) << "what is refused is not offered";
+  EXPECT_EQ("409 " + listed["no_download"].get<std::string>(), link);
   EXPECT_EQ(refused("be\"nch-249-20261123T031217Z.dwell").substr(0, 25), "409 its name has unusual ");
 }
 
