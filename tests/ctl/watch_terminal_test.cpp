@@ -224,6 +224,28 @@ TEST(WatchOnATerminal, DwellsThatEndedWhileTheConnectionWasLostAreAskedFor) {
   EXPECT_NE(server.requests().at(9).find("GET /api/v1/dwells?brief=1"), std::string::npos);
 }
 
+TEST(WatchOnATerminal, AtAnIdleRigTheLastDwellAndSinceWhenAreAskedFor) {
+  Dwell idle;
+  idle.state = State::idle;
+  std::vector<Reply> replies = stream_and_dwells();
+  replies.front().text = test::stream_header() + dwell_event(to_json(idle, test::sample_rig(), test::sample_run()));
+  replies.push_back({test::http_reply(
+      200, R"({"events":[{"utc":"2026-11-23T07:59:48Z","text":"state measuring -> idle, dwell 4: stopped"},)"
+           R"({"utc":"2026-11-23T07:59:50Z","text":"run 3 ended"}]})")});
+  Dwell last = test::sample_dwell();
+  last.state = State::complete;
+  last.ended_by = EndedBy::drive_stopped;
+  replies.push_back(
+      {test::http_reply(200, R"({"dwells":[)" + to_json(last, test::sample_rig(), test::sample_run()) + "]}")});
+  ScriptedServer server(replies);
+  OnTerminal watch({"watch", "--url", server.url()});
+  ASSERT_TRUE(watch.await("not of now")) << watch.out();
+  EXPECT_TRUE(watch.await("drive stopped")) << watch.out();
+  EXPECT_NE(watch.out().find("since "), std::string::npos) << watch.out();
+  EXPECT_NE(server.requests().at(5).find("GET /api/v1/events"), std::string::npos);
+  EXPECT_NE(server.requests().at(6).find("GET /api/v1/dwells?count=1"), std::string::npos);
+}
+
 TEST(WatchOnATerminal, RearmAsksFirstAndGoesThroughTheControlSocket) {
   const test::TemporaryFolder folder;
   ScriptedServer control({Reply{"{\"done\":true}\n", true}}, folder.path("control"));
