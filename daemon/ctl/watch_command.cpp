@@ -323,10 +323,11 @@ class Watch {
         }
         break;
       case Key::next:
-        if (page_.page + 1 < page_.pages) controls_.page = page_.page + 1;
+        controls_.page = std::min(controls_.page + 1, page_.pages - 1);
         break;
       case Key::back:
-        if (page_.page > 0) controls_.page = page_.page - 1;
+        // Beyond the last page stands the last one.
+        controls_.page = std::max<std::size_t>(std::min(controls_.page, page_.pages - 1), 1) - 1;
         break;
       case Key::rearm:
         if (controls_.may_rearm) controls_.question = "rearm: end this dwell here and settle anew?";

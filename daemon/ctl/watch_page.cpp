@@ -94,13 +94,6 @@ std::string why_old(const WatchState& state, double now_s) {
   return {};
 }
 
-// ": limit violated: …", as the page has it; cut to what is left of the line.
-std::string first_alarm(const AlarmsList& list, const std::string& where, std::size_t columns) {
-  constexpr std::size_t kBefore = sizeof "when last heard: 99 alarms not acknowledged: ";
-  if (list.alarms.empty() || columns < kBefore + where.size() + 10) return {};
-  return ": " + clipped(printable(list.alarms.front().text), columns - kBefore - where.size());
-}
-
 // What an operator must know before reading any number. where: of the list of alarms, ", page 2" or nothing.
 std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, const std::string& where,
                              std::size_t columns, double now_s) {
@@ -125,11 +118,15 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, heard(state.gpio_old(now_s)) + gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
-  if (const std::size_t count = state.alarms().unacknowledged; count > 0)
-    add(lines,
-        heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
-            " not acknowledged" + where + first_alarm(state.alarms(), where, columns),
-        columns, Style::alarm);
+  if (const std::size_t count = state.alarms().unacknowledged; count > 0) {
+    std::string text = heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
+                       " not acknowledged" + where;
+    // The first of them as far as the line goes; the list tells all.
+    constexpr std::size_t kLeast = 12;
+    if (!state.alarms().alarms.empty() && columns > width(text) + kLeast)
+      text += ": " + clipped(printable(state.alarms().alarms.front().text), columns - width(text) - 2);
+    add(lines, text, columns, Style::alarm);
+  }
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
 }

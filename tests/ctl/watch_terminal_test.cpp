@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
@@ -61,10 +62,11 @@ class OnTerminal {
   OnTerminal(const OnTerminal&) = delete;
   OnTerminal& operator=(const OnTerminal&) = delete;
 
-  // Reads until the text has been written; false: it never was.
+  // Reads until the text has been written; false: it never was. watch goes on to write, so silence alone is no end.
   bool await(const std::string& text) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     while (out_.find(text) == std::string::npos)
-      if (!read()) return false;
+      if (!read() || std::chrono::steady_clock::now() > deadline) return false;
     return true;
   }
   // Forgets what was written so far.
@@ -175,6 +177,18 @@ TEST(WatchOnATerminal, AnotherSizeIsDrawnAtOnce) {
   EXPECT_TRUE(watch.await("page 1 of ")) << watch.out();
   watch.forget();
   watch.type("n");
+  EXPECT_TRUE(watch.await("page 2 of ")) << watch.out();
+}
+
+TEST(WatchOnATerminal, OfKeysTypedTogetherEachTurnsAPage) {
+  ScriptedServer server({measuring()});
+  OnTerminal watch({"watch", "--url", server.url()});
+  ASSERT_TRUE(watch.await("q quit")) << watch.out();
+  watch.resize(12, 40);
+  ASSERT_TRUE(watch.await("page 1 of 21")) << "drawn at the new size: " << watch.out();
+  watch.type("nnn");
+  EXPECT_TRUE(watch.await("page 4 of ")) << watch.out();
+  watch.type("bb");
   EXPECT_TRUE(watch.await("page 2 of ")) << watch.out();
 }
 
