@@ -13,8 +13,6 @@ namespace {
 // The shortest line, s: a point in each block.
 constexpr double kLeast_s = Trend::kEvery_s * static_cast<double>(Trend::kBlocks);
 
-bool has_coefficients(const Dwell& dwell) { return std::isfinite(dwell.settled_s) && !dwell.elements.empty(); }
-
 struct Line {
   std::string blocks;
   std::string reach;  // "± 0.20 %"
@@ -33,6 +31,8 @@ Line line_of(const std::vector<double>& values, const Coefficient& newest) {
 }
 
 }  // namespace
+
+bool has_coefficients(const Dwell& dwell) { return std::isfinite(dwell.settled_s) && !dwell.elements.empty(); }
 
 std::string sparkline(const std::vector<double>& values, double middle, double reach) {
   constexpr const char* kHeights[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
@@ -116,7 +116,7 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
   section.name = kTrend;
   if (!has_coefficients(view.dwell) || points_.size() < 2) return section;
   const double reach_s = std::clamp(now_s - points_.front().from_s, kLeast_s, kSpan_s);
-  const bool wide = columns >= 80;
+  const bool wide = columns >= kWide;
   for (std::size_t i = 0; i < view.dwell.elements.size(); ++i) {
     const ElementEstimate& element = view.dwell.elements[i];
     if (!element.identifiable) continue;
@@ -126,7 +126,7 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
     const Line c = line(&Point::stiffness, element.stiffness), r = line(&Point::damping, element.damping);
     const std::string left = pad_left(std::to_string(element.k), 7) + "  " + c.blocks + "  " + c.reach;
     if (wide) {
-      section.body.push_back({pad_right(left, 43) + r.blocks + "  " + r.reach, Style::plain});
+      section.body.push_back({pad_right(left, kDampingAt) + r.blocks + "  " + r.reach, Style::plain});
     } else {
       section.body.push_back({left, Style::plain});
       section.body.push_back({"     r   " + r.blocks + "  " + r.reach, Style::plain});
@@ -134,12 +134,10 @@ Section Trend::section(const DwellView& view, double now_s, std::size_t columns)
   }
   if (section.body.empty()) return section;
   std::vector<std::string> title =
-      wrapped("trend of the last " + age_text(reach_s) +
-                  "; middle: newest value, whole height: ± the percentage beside, at least twice U95",
-              columns);
+      wrapped("trend of the last " + age_text(reach_s) + "; middle: newest value, height: ± the % beside", columns);
   for (std::string& text : title) section.head.push_back({std::move(text), Style::hint});
   section.head.push_back(
-      {wide ? pad_right("element  stiffness", 43) + "damping" : "element  stiffness, damping", Style::title});
+      {wide ? pad_right("element  stiffness", kDampingAt) + "damping" : "element  stiffness, damping", Style::title});
   return section;
 }
 

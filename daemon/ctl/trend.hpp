@@ -1,6 +1,6 @@
 // How each coefficient has moved over the last hour, drawn as a line of block characters:
 //
-//   trend of the last 12 min; middle: newest value, whole height: ± the percentage beside, at least twice U95
+//   trend of the last 12 min; middle: newest value, height: ± the % beside
 //   element  stiffness                       damping
 //         1  ▄▄▄▄▅▅▄▄▄▄▅▄▄▄▄▄▄▄▄▄  ± 0.20 %  ▃▃▃▄▄▄▄▄▅▅▅▄▄▄▄▄▄▄▄▄  ± 2.6 %
 //
@@ -25,11 +25,16 @@ namespace dwell::ctl {
 
 inline constexpr std::string_view kTrend = "trend";
 
+// Whether the dwell has settled and tells of its elements.
+[[nodiscard]] bool has_coefficients(const Dwell& dwell);
+
 class Trend {
  public:
   static constexpr double kSpan_s = 3600.0;  // older points are dropped
   // Blocks of a line: two lines of 20 with their percentages fit beside each other in 80 columns.
   static constexpr std::size_t kBlocks = 20;
+  // Where damping begins in a line of both, on a terminal of kWide columns or more.
+  static constexpr std::size_t kWide = 80, kDampingAt = 43;
   // Between two points that are kept: the shortest line, of a minute, has one in each block; an hour has 1200.
   static constexpr double kEvery_s = 3.0;
 

@@ -122,7 +122,8 @@ class Watch {
     connected_ = true;
     state_.trouble.clear();
     knows_earlier_ = false;  // dwells may have ended while there was no stream
-    ask_at_ = in(kAsk);      // the stream's first word comes first
+    knows_since_ = knows_last_ = false;
+    ask_at_ = in(kAsk);  // the stream's first word comes first
     if (!wakeups_) wakeups_.emplace();
     if (service_.json || terminal_ || !Terminal::there()) return;
     terminal_.emplace();
@@ -173,6 +174,10 @@ class Watch {
     const auto& before = state_.dwell();
     const bool changed = !before || before->dwell.state != view->dwell.state ||
                          before->dwell.index != view->dwell.index || estimated_anew(*before, *view);
+    if (changed) {
+      knows_before_ = before && before->dwell.index == view->dwell.index && knows_before_;
+      knows_since_ = knows_last_ = false;
+    }
     state_.take(std::move(*view), now_s());
     const Dwell& dwell = state_.dwell()->dwell;
     const auto& age = state_.dwell()->age;
@@ -215,6 +220,9 @@ class Watch {
     if (const auto utc_ns = record::parse_utc(text_member(value, "utc"))) state_.take_utc(*utc_ns, now_s());
     ask_earlier(text_member(value, "utc"), limits);
     ask_unverified(limits);
+    ask_since(limits);
+    ask_last(limits);
+    state_.take_run(run_text(value));
     if (value.is_object() && value.contains("gpio")) state_.take_gpio(gpio_text(value), now_s());
     if (value.is_object() && value.contains("rig") && value["rig"].is_string()) {
       state_.name = value["rig"].get<std::string>();
@@ -229,17 +237,47 @@ class Watch {
       state_.take(why_unverified(Json::parse(answer->body, nullptr, false)));
   }
 
-  // Once for each stream: the dwells of the last hour, for the trend. utc: the service's now.
+  // Once for each state of which the dwell does not tell since when it is so.
+  void ask_since(const HttpLimits& limits) {
+    if (knows_since_ || !state_.dwell() || state_.since_utc_ns()) return;
+    knows_since_ = true;
+    const State state = state_.dwell()->dwell.state;
+    if (const auto answer = http_get(url_, "/api/v1/events", limits))
+      if (const auto utc_ns = state_since(Json::parse(answer->body, nullptr, false), state))
+        state_.take_since(state, *utc_ns);
+  }
+
+  // Once for each time without a dwell: how the last one ended.
+  void ask_last(const HttpLimits& limits) {
+    if (knows_last_ || !state_.dwell()) return;
+    const State state = state_.dwell()->dwell.state;
+    knows_last_ = true;
+    if (state != State::idle && state != State::fault) return;
+    const auto answer = http_get(url_, "/api/v1/dwells?count=1", limits);
+    const Json list = answer ? Json::parse(answer->body, nullptr, false) : Json();
+    const Json* const dwells = member_of(list, "dwells");
+    if (dwells == nullptr || !dwells->is_array() || dwells->empty()) return;
+    if (auto last = parse_dwell(dwells->back().dump())) state_.take_last(std::move(*last), now_s());
+  }
+
+  // Once for each stream: the dwells of the last hour, for the trend. Once for each dwell that begins: how the one
+  // before ended, for the deviation from it. utc: the service's now.
   void ask_earlier(const std::string& utc, const HttpLimits& limits) {
-    if (knows_earlier_) return;
+    if (knows_earlier_ && knows_before_) return;
     const auto answer = [&](const std::string& path) -> std::optional<Json> {
       const auto answered = http_get(url_, path, limits);
       if (!answered) return std::nullopt;
       return Json::parse(answered->body, nullptr, false);
     };
+    if (knows_earlier_) {
+      const auto newest = answer("/api/v1/dwells?brief=1&count=1");
+      if (newest) state_.take(earlier_dwells(*newest, utc, Trend::kSpan_s), now_s());
+      knows_before_ = newest.has_value();
+      return;
+    }
     const auto dwells = ask_earlier_dwells(answer, utc, Trend::kSpan_s);
     if (dwells) state_.take(*dwells, now_s());
-    knows_earlier_ = dwells.has_value();
+    knows_earlier_ = knows_before_ = dwells.has_value();
   }
 
   // Signals and keys. true: the operator ends it.
@@ -285,10 +323,11 @@ class Watch {
         }
         break;
       case Key::next:
-        if (page_.page + 1 < page_.pages) controls_.page = page_.page + 1;
+        controls_.page = std::min(controls_.page + 1, page_.pages - 1);
         break;
       case Key::back:
-        if (page_.page > 0) controls_.page = page_.page - 1;
+        // Beyond the last page stands the last one.
+        controls_.page = std::max<std::size_t>(std::min(controls_.page, page_.pages - 1), 1) - 1;
         break;
       case Key::rearm:
         if (controls_.may_rearm) controls_.question = "rearm: end this dwell here and settle anew?";
@@ -365,7 +404,10 @@ class Watch {
   Page page_;                  // as last shown
   SteadyClock::time_point shown_;
   bool connected_ = false;
-  bool knows_earlier_ = false;  // the dwells of before
+  bool knows_earlier_ = false;  // the dwells of the last hour …
+  bool knows_before_ = false;   // … and how the one before that in view ended
+  bool knows_since_ = false;    // since when the state is so, or that nobody tells it
+  bool knows_last_ = false;     // the last dwell, where there is none now
   bool back_ = false;           // connected again, and not yet said
   std::string said_;            // the status line as last appended
   bool agreed_ = false;         // with the truth

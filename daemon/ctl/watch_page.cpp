@@ -1,9 +1,13 @@
 #include "daemon/ctl/watch_page.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <ctime>
+#include <iterator>
 #include <utility>
 
+#include "daemon/report/limit_text.hpp"
 #include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
 
@@ -35,6 +39,7 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
   TextOptions options;
   options.columns = columns;
   options.truth = truth;
+  options.frequency = options.legend = false;
   if (!current(state, now_s)) options.age = age_of(state, now_s);
   // An old list tells nothing of now.
   if (!state.dwell() || state.channels_age_s(now_s) > WatchState::kListOld_s) return options;
@@ -46,6 +51,34 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
     if (channel->age_s > kOldAfter_s) note.age = age_text(channel->age_s);
   }
   return options;
+}
+
+// An instant of this computer's time zone; with the date where that is not today's.
+std::string instant_text(std::int64_t utc_ns, std::int64_t now_utc_ns) {
+  const auto local = [](std::int64_t ns) {
+    const auto seconds = static_cast<std::time_t>(ns / 1'000'000'000);
+    std::tm time{};
+    localtime_r(&seconds, &time);
+    return time;
+  };
+  const std::tm at = local(utc_ns), now = local(now_utc_ns);
+  const bool today = at.tm_yday == now.tm_yday && at.tm_year == now.tm_year;
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), today ? "%H:%M:%S" : "%Y-%m-%d %H:%M:%S", &at);
+  return text.data();
+}
+
+// What stands behind the state on the page: run, frequency, since when. What is not known is left out.
+std::string facts_of(const WatchState& state, double now_s) {
+  std::vector<std::string> facts{state.run(), frequency_text(state.dwell()->dwell)};
+  const auto since_ns = state.since_utc_ns(), now_ns = state.utc_ns(now_s);
+  if (since_ns && now_ns)
+    facts.push_back("since " + instant_text(*since_ns, *now_ns) + " (" +
+                    age_text(1e-9 * static_cast<double>(*now_ns - *since_ns)) + ")");
+  std::string text;
+  for (const std::string& fact : facts)
+    if (!fact.empty()) text += (text.empty() ? "" : " · ") + fact;
+  return text;
 }
 
 // Why the numbers are old.
@@ -85,11 +118,15 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, heard(state.gpio_old(now_s)) + gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
-  if (const std::size_t count = state.alarms().unacknowledged; count > 0)
-    add(lines,
-        heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
-            " not acknowledged" + where,
-        columns, Style::alarm);
+  if (const std::size_t count = state.alarms().unacknowledged; count > 0) {
+    std::string text = heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
+                       " not acknowledged" + where;
+    // The first of them as far as the line goes; the list tells all.
+    constexpr std::size_t kLeast = 12;
+    if (!state.alarms().alarms.empty() && columns > width(text) + kLeast)
+      text += ": " + clipped(printable(state.alarms().alarms.front().text), columns - width(text) - 2);
+    add(lines, text, columns, Style::alarm);
+  }
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
 }
@@ -156,6 +193,70 @@ void make_room(std::vector<Section>& sections, std::size_t rows) {
   sections.insert(sections.begin() + 2, std::move(more));
 }
 
+// The end of the sections of this name; where there is none, the beginning of all.
+std::vector<Section>::iterator behind(std::vector<Section>& sections, std::string_view name) {
+  const auto last =
+      std::find_if(sections.rbegin(), sections.rend(), [name](const Section& s) { return s.name == name; });
+  return last == sections.rend() ? sections.begin() : last.base();
+}
+
+// While there is no dwell: the coefficients of the last one, as a result.
+void put_last(std::vector<Section>& sections, const WatchState& state, std::size_t columns, double now_s) {
+  const DwellView* const last = state.last();
+  if (last == nullptr) return;
+  const double ago_s = state.last_ago_s(now_s);
+  const std::string ago = std::isfinite(ago_s) ? age_text(ago_s) : "not now";
+  TextOptions options;
+  options.columns = columns;
+  options.age = ago;
+  options.legend = false;
+  std::vector<Section> result;
+  for (Section& section : dwell_sections(*last, options))
+    if (section.name == kCoefficients) result.push_back(std::move(section));
+  if (result.empty()) return;
+  const bool complete = last->dwell.state == State::complete;
+  std::string title = "not of now · last dwell: " + std::to_string(last->dwell.index.value_or(0)) +
+                      (std::isfinite(ago_s) ? (complete ? ", ended " : ", last seen ") + ago + " ago" : "") +
+                      (complete ? std::string(": ") + to_string(last->dwell.ended_by) : "");
+  for (const Doubt& doubt : last->dwell.doubts) title += "; " + doubt_text(doubt);
+  std::vector<TextLine> head;
+  add(head, title, columns, last->dwell.doubts.empty() ? Style::title : Style::alarm);
+  result.front().head.insert(result.front().head.begin(), head.begin(), head.end());
+  sections.insert(behind(sections, kDoubts), std::make_move_iterator(result.begin()),
+                  std::make_move_iterator(result.end()));
+}
+
+// Behind the coefficients: how they moved over the hour, and against the dwell before, in the same columns.
+void put_changes(std::vector<Section>& sections, const WatchState& state, std::size_t columns, double now_s) {
+  Section changes = state.trend().section(*state.dwell(), now_s, columns);
+  Section deviation = state.deviation().section(*state.dwell(), now_s, columns);
+  if (changes.body.empty()) {
+    changes = std::move(deviation);
+  } else if (!deviation.body.empty()) {
+    // The columns' titles stand above the trend.
+    changes.body.insert(changes.body.end(), deviation.head.begin(), deviation.head.end() - 1);
+    changes.body.insert(changes.body.end(), deviation.body.begin(), deviation.body.end());
+  }
+  if (changes.body.empty()) return;
+  if (!current(state, now_s))
+    for (TextLine& line : changes.body) line.style = Style::old;
+  sections.insert(behind(sections, kCoefficients), std::move(changes));
+}
+
+// Below all that concerns the coefficients, as on the page; it may go overleaf alone.
+void put_legend(std::vector<Section>& sections, const DwellView& view, std::size_t columns) {
+  std::vector<TextLine> legend;
+  for (const std::string& text : legend_of({&view.dwell})) add(legend, text, columns, Style::plain);
+  for (const std::string_view name : {kLimits, kDeviation, kTrend, kCoefficients}) {
+    const auto end = behind(sections, name);
+    if (legend.empty() || end == sections.begin()) continue;
+    Section& host = *std::prev(end);
+    host.body.insert(host.body.end(), legend.begin(), legend.end());
+    host.notes += legend.size();
+    return;
+  }
+}
+
 // The verdict on the model, as the page has it in its first line.
 std::string verdict_of(const WatchState& state) {
   const auto& model = state.dwell()->model;
@@ -198,13 +299,9 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   std::vector<Section> sections;
   if (state.dwell()) {
     sections = dwell_sections(*state.dwell(), options_of(state, truth, columns, now_s));
-    // Behind the coefficients, which stand behind the doubts.
-    if (Section trend = state.trend().section(*state.dwell(), now_s, columns); !trend.body.empty()) {
-      if (!current(state, now_s))
-        for (TextLine& line : trend.body) line.style = Style::old;
-      const std::size_t before = sections[0].name == kDoubts ? 2 : 1;
-      sections.insert(sections.begin() + static_cast<std::ptrdiff_t>(before), std::move(trend));
-    }
+    put_last(sections, state, columns, now_s);
+    put_changes(sections, state, columns, now_s);
+    put_legend(sections, *state.dwell(), columns);
   }
   if (Section list = alarms_section(state.alarms(), columns); !list.body.empty()) sections.push_back(std::move(list));
 
@@ -216,7 +313,7 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
   std::vector<TextLine> body;
   std::size_t warnings_page = 0;
   std::size_t alarms_page = 0;
-  std::size_t header_rows = 2;
+  std::size_t header_rows = 3;
   for (int round = 0; round < 2; ++round) {
     const std::size_t around = header_rows + 1 + keys.size();
     const std::size_t rows = size.rows > around ? size.rows - around : 1;
@@ -253,6 +350,8 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     }
     for (TextLine& line : alarms(state, controls, where_of(alarms_page, page.pages), columns, now_s))
       header.push_back(std::move(line));
+    if (const std::string facts = state.dwell() ? facts_of(state, now_s) : ""; !facts.empty())
+      ctl::add(header, facts, columns, current(state, now_s) ? Style::plain : Style::old);
     header_rows = header.size();
   }
 
@@ -282,6 +381,8 @@ std::string last_words(const WatchState& state, const Truth* truth, double now_s
   if (!state.name.empty()) head.body.push_back({printable(state.name), Style::plain});
   for (TextLine& line : alarms(state, {}, {}, kUnlimited, now_s)) head.body.push_back(std::move(line));
   head.body.push_back({(state.old(now_s) ? "last seen: " : "") + headline(*state.dwell()), Style::plain});
+  if (const std::string facts = facts_of(state, now_s); !facts.empty())
+    head.body.push_back({printable(facts), Style::plain});
   sections.insert(sections.begin(), std::move(head));
   if (Section list = alarms_section(state.alarms(), kUnlimited); !list.body.empty())
     sections.push_back(std::move(list));

@@ -47,6 +47,37 @@ WhyUnverified why_unverified(const Json& verification) {
   return why;
 }
 
+std::string run_text(const Json& health) {
+  const Json* const recorder = member_of(health, "recorder");
+  const Json* const going_on = recorder != nullptr ? member_of(*recorder, "run") : nullptr;
+  if (going_on != nullptr && going_on->is_object()) {
+    const std::string label = text_member(*going_on, "label");
+    return "run " + integer_text(*going_on, "run") + (label.empty() ? "" : ", “" + label + "”");
+  }
+  const Json* const run = member_of(health, "run");
+  const Json* const recorded = run != nullptr ? member_of(*run, "recorded") : nullptr;
+  if (recorded == nullptr || !recorded->is_boolean()) return {};
+  return recorded->get<bool>() ? "no run goes on" : "not recorded";
+}
+
+std::optional<std::int64_t> state_since(const Json& events, State state) {
+  const Json* const list = member_of(events, "events");
+  if (list == nullptr || !list->is_array()) return std::nullopt;
+  for (auto event = list->rbegin(); event != list->rend(); ++event) {
+    const std::string text = text_member(*event, "text");
+    if (text.rfind("state ", 0) != 0) continue;
+    // "state BEFORE -> NOW, …": the newest of them tells.
+    const std::string arrow = std::string(" -> ") + to_string(state);
+    const auto at = text.find(arrow);
+    const auto utc_ns = record::parse_utc(text_member(*event, "utc"));
+    if (at == std::string::npos || !utc_ns) return std::nullopt;
+    const auto end = at + arrow.size();
+    if (end < text.size() && text[end] != ',' && text[end] != ':') return std::nullopt;
+    return *utc_ns;
+  }
+  return std::nullopt;
+}
+
 void WatchState::take(DwellView dwell, double now_s) {
   if (!dwell_ || !has_data(dwell.dwell) || moved(dwell_->dwell, dwell.dwell)) {
     // The service may have told the same for minutes before watch began.
@@ -57,6 +88,8 @@ void WatchState::take(DwellView dwell, double now_s) {
   }
   heard_s_ = told_s_ = now_s;
   trend_.take(dwell, now_s);
+  deviation_.take(dwell, now_s);
+  if (has_coefficients(dwell.dwell)) last_ = dwell;
   dwell_ = std::move(dwell);
 }
 
@@ -93,11 +126,43 @@ std::string WatchState::why_unverified() const {
   return unverified_->reason.empty() ? "no reason stated" : unverified_->reason;
 }
 
-double WatchState::ended_ago_s(double now_s) const {
-  if (!ended() || !utc_ns_) return kNaN;
+std::optional<std::int64_t> WatchState::utc_ns(double now_s) const {
+  if (!utc_ns_) return std::nullopt;
+  return *utc_ns_ + static_cast<std::int64_t>(1e9 * (now_s - utc_s_));
+}
+
+std::optional<std::int64_t> WatchState::since_utc_ns() const {
+  if (!dwell_) return std::nullopt;
+  const Dwell& dwell = dwell_->dwell;
+  const double t_s = dwell.state == State::settling    ? dwell.start_s
+                     : dwell.state == State::measuring ? dwell.verdict_s
+                     : dwell.state == State::complete  ? dwell.end_s
+                                                       : kNaN;
   const auto start_ns = record::parse_utc(dwell_->run.start_utc);
-  if (!start_ns) return kNaN;
-  return 1e-9 * static_cast<double>(*utc_ns_ - *start_ns) + (now_s - utc_s_) - dwell_->dwell.end_s;
+  if (start_ns && std::isfinite(t_s)) return *start_ns + static_cast<std::int64_t>(1e9 * t_s);
+  if (since_ && since_->first == dwell.state) return since_->second;
+  return std::nullopt;
+}
+
+double WatchState::data_ago_s(const DwellView& view, double now_s) const {
+  const auto now_ns = utc_ns(now_s);
+  const auto start_ns = record::parse_utc(view.run.start_utc);
+  if (!now_ns || !start_ns) return kNaN;
+  return 1e-9 * static_cast<double>(*now_ns - *start_ns) - view.dwell.end_s;
+}
+
+double WatchState::ended_ago_s(double now_s) const { return ended() ? data_ago_s(*dwell_, now_s) : kNaN; }
+
+const DwellView* WatchState::last() const {
+  const bool none = dwell_ && (dwell_->dwell.state == State::idle || dwell_->dwell.state == State::fault) &&
+                    dwell_->dwell.elements.empty();
+  return none && last_ ? &*last_ : nullptr;
+}
+
+void WatchState::take_last(DwellView dwell, double now_s) {
+  if (!has_coefficients(dwell.dwell)) return;
+  deviation_.take(dwell, now_s);
+  last_ = std::move(dwell);
 }
 
 bool WatchState::old(double now_s) const { return !trouble.empty() || stale() || age_s(now_s) > old_after_s(); }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "daemon/ctl/alarm_table.hpp"
+#include "daemon/ctl/deviation.hpp"
 #include "daemon/ctl/trend.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/report/dwell_view.hpp"
@@ -35,6 +36,13 @@ struct WhyUnverified {
   std::string reason;        // the first; empty: none is stated
 };
 [[nodiscard]] WhyUnverified why_unverified(const nlohmann::ordered_json& verification);
+
+// The run by the service's health, as the page has it: "run 17, “label”", "no run goes on", "not recorded"; empty: not
+// told.
+[[nodiscard]] std::string run_text(const nlohmann::ordered_json& health);
+
+// Since when the service is in this state by the list of its events, ns of UTC; nullopt: they do not tell.
+[[nodiscard]] std::optional<std::int64_t> state_since(const nlohmann::ordered_json& events, State state);
 
 enum class Silence : std::uint8_t {
   service,     // it says nothing at all
@@ -60,8 +68,16 @@ class WatchState {
   void take_utc(std::int64_t utc_ns, double now_s);
   // What is to be known of the GPIO lines, as lines that end with a newline each.
   void take_gpio(std::string lines, double now_s);
-  // The dwells that ended before the stream began, or while it was lost.
-  void take(const std::vector<EarlierDwell>& dwells, double now_s) { trend_.take_earlier(dwells, now_s); }
+  // The newest dwell that has ended, as the service's list has it.
+  void take_last(DwellView dwell, double now_s);
+  void take_run(std::string text) { run_ = std::move(text); }
+  // Since when the service is in this state, where the dwell does not tell it.
+  void take_since(State state, std::int64_t utc_ns) { since_ = {state, utc_ns}; }
+  // The dwells that ended before the stream began, while it was lost, or meanwhile.
+  void take(const std::vector<EarlierDwell>& dwells, double now_s) {
+    trend_.take_earlier(dwells, now_s);
+    deviation_.take_earlier(dwells, now_s);
+  }
 
   // Since the dwell's data last moved on, s; while there are none: since it was published. Infinite: no dwell yet.
   [[nodiscard]] double age_s(double now_s) const;
@@ -95,6 +111,18 @@ class WatchState {
 
   // Of the dwells that were taken.
   [[nodiscard]] const Trend& trend() const noexcept { return trend_; }
+  [[nodiscard]] const Deviation& deviation() const noexcept { return deviation_; }
+
+  // The newest dwell that gave coefficients, while that in view is none (idle, fault); null: none is known.
+  [[nodiscard]] const DwellView* last() const;
+  // Since the end of its data, s; NaN: not known.
+  [[nodiscard]] double last_ago_s(double now_s) const { return last_ ? data_ago_s(*last_, now_s) : kNaN; }
+
+  [[nodiscard]] const std::string& run() const noexcept { return run_; }
+  // When the state in view began, ns of UTC; nullopt: not known.
+  [[nodiscard]] std::optional<std::int64_t> since_utc_ns() const;
+  // The service's time of day, ns of UTC; nullopt: not known.
+  [[nodiscard]] std::optional<std::int64_t> utc_ns(double now_s) const;
 
   std::string name;     // of the rig, or the service's address
   std::string trouble;  // what is wrong with the connection; empty: nothing
@@ -103,9 +131,11 @@ class WatchState {
   [[nodiscard]] bool list_old(double heard_s, double now_s) const {
     return !trouble.empty() || now_s - heard_s > kListOld_s;
   }
+  // How old the dwell's newest data are by the service's clock, s; NaN: not known.
+  [[nodiscard]] double data_ago_s(const DwellView& view, double now_s) const;
   [[nodiscard]] bool stale() const { return dwell_ && dwell_->age && dwell_->age->stale; }
 
-  std::optional<DwellView> dwell_;
+  std::optional<DwellView> dwell_, last_;
   std::optional<WhyUnverified> unverified_;
   std::optional<std::int64_t> utc_ns_;  // of the service, at utc_s_
   double utc_s_ = kNever;
@@ -114,6 +144,9 @@ class WatchState {
   double moved_s_ = kNever;
   double turn_s_[3] = {0.0, 0.0, 0.0};  // times between the last renewals, newest first
   Trend trend_;
+  Deviation deviation_;
+  std::string run_;
+  std::optional<std::pair<State, std::int64_t>> since_;
   std::vector<ChannelState> channels_;
   double channels_s_ = kNever;
   AlarmsList alarms_;

@@ -23,6 +23,7 @@ ChannelWatch::ChannelWatch(double nominal_rate_hz, std::int64_t now_ns)
 
 bool ChannelWatch::sample(std::int64_t t_ns, std::int64_t now_ns) noexcept {
   heard(now_ns);
+  newest_ns_ = std::max(newest_ns_, t_ns);
   if (fault_ == Fault::none || t_ns <= since_ns_) return false;
   fault_ = Fault::none;
   reason_.clear();

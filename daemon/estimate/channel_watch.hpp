@@ -2,6 +2,7 @@
 // instants at which it was said. Virtual time; bound to the estimation thread. No allocation per sample.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -36,6 +37,12 @@ class ChannelWatch {
   [[nodiscard]] Fault fault() const noexcept { return fault_; }
   [[nodiscard]] const std::string& reason() const noexcept { return reason_; }
   [[nodiscard]] std::int64_t since_ns() const noexcept { return since_ns_; }  // when the fault began
+  // Since when nothing usable has come, of a channel that does not deliver: the stamp of its newest sample, or the
+  // beginning of the fault if that was earlier. A fault may be told long after the newest sample: while the service is
+  // stopped, nobody tells it.
+  [[nodiscard]] std::int64_t missing_since_ns() const noexcept {
+    return newest_ns_ < 0 ? since_ns_ : std::min(since_ns_, newest_ns_);
+  }
   [[nodiscard]] std::int64_t heard_ns() const noexcept { return heard_ns_; }  // its newest sample's arrival; -1: never
   [[nodiscard]] double rate_hz() const noexcept { return rate_hz_; }          // over the last second or so
 
@@ -44,7 +51,8 @@ class ChannelWatch {
   std::string reason_ = "nothing received yet";
   std::int64_t since_ns_;
   std::int64_t heard_ns_ = -1;
-  std::int64_t silence_ns_;  // nothing for so long is silence
+  std::int64_t newest_ns_ = -1;  // stamp of the newest sample; -1: none yet
+  std::int64_t silence_ns_;      // nothing for so long is silence
   std::uint64_t samples_ = 0;
   double rate_hz_ = 0.0;
   std::int64_t rate_since_ns_;

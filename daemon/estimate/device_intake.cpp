@@ -72,7 +72,7 @@ void DeviceIntake::take_events() {
   for (StateEvent event; feed_.link->pop_event(event);) {
     for (Heard& channel : channels_) {
       if (event.channel >= 0 && event.channel != channel.index) continue;
-      const std::int64_t stale_ns = event.t_ns - channel.watch.since_ns();
+      const std::int64_t stale_ns = event.t_ns - channel.watch.missing_since_ns();
       if (!channel.watch.said(event.t_ns, event.fault, event.reason.data())) continue;
       admit_state(channel, event.t_ns, event.fault);
       channel.stale = event.fault != Fault::none;
@@ -114,7 +114,7 @@ void DeviceIntake::stop(std::int64_t now_ns) {
 void DeviceIntake::heard(const Record& record, std::int64_t now_ns) {
   Heard& from = channel(record);
   if (from.watch.fault() == Fault::untimely) return from.watch.heard(now_ns);
-  const std::int64_t stale_ns = record.t_ns - from.watch.since_ns();
+  const std::int64_t stale_ns = record.t_ns - from.watch.missing_since_ns();
   if (!from.watch.sample(record.t_ns, now_ns)) return;
   from.recover(stale_ns);
   admit_state(from, record.t_ns, Fault::none);

@@ -2,10 +2,12 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/http_actions.hpp"
+#include "daemon/serve/query.hpp"
 
 namespace dwell {
 namespace {
@@ -13,6 +15,11 @@ namespace {
 // The operator who is known by the token alone.
 record::Person bearer_at(std::string_view address) {
   return {std::nullopt, "http:" + std::string(address) + " by token"};
+}
+
+std::optional<HttpReply> query_refused(const HttpRequest& request, const std::vector<QueryKey>& keys = {}) {
+  const auto fault = query_fault(request.query(), keys);
+  return fault ? std::optional(http_error(400, *fault)) : std::nullopt;
 }
 
 }  // namespace
@@ -34,6 +41,8 @@ std::optional<HttpReply> Http::reading_refused(const HttpRequest& request) const
 
 tl::expected<StreamBegin, HttpReply> Http::begin_stream(const HttpRequest& request) {
   if (auto refused = reading_refused(request)) return tl::unexpected(std::move(*refused));
+  const QueryKey traces{"traces", "traces", [](std::string_view value) { return value.empty(); }};
+  if (auto refused = query_refused(request, {traces})) return tl::unexpected(std::move(*refused));
   stream_.joined();
   return StreamBegin{event_text("dwell", dwell_text_json(content_.now())),
                      content_.rights == nullptr ? std::string() : content_.rights->session_of(request)};
@@ -51,14 +60,19 @@ HttpReply Http::answer(const HttpRequest& request) const {
     return method_refusal("GET, HEAD", "only GET and HEAD: nothing can be changed here");
   }
   if (verb) return method_refusal("POST", "only POST: this path changes something");
+  // The page reads the query of its address itself.
   if (auto file = content_.page.answer(request.path())) return std::move(*file);
-  if (request.path() == "/api/v1/rights" && content_.rights != nullptr) return content_.rights->told(request);
+  if (request.path() == "/api/v1/rights" && content_.rights != nullptr) {
+    if (auto refused = query_refused(request)) return std::move(*refused);
+    return content_.rights->told(request);
+  }
   if (auto refused = reading_refused(request)) return std::move(*refused);
   return http_answer(content_.now(), request.path(), request.query());
 }
 
 HttpReply Http::act(std::string_view verb, const HttpRequest& request) const {
   if (auto foreign = foreign_refusal(request)) return std::move(*foreign);
+  if (auto refused = query_refused(request)) return std::move(*refused);
   if (content_.rights == nullptr) return http_error(403, "nothing can be changed over HTTP");
   if (verb == "login" || verb == "logout") {
     HttpReply reply = verb == "login" ? content_.rights->login(request) : content_.rights->logout(request);

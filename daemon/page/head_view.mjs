@@ -35,10 +35,10 @@ function factsOf(view) {
   const model = modelOf(dwell, view.verification);
   const facts = [
     ['model', model?.text, model?.tone],
-    ['since', sinceText(view)],
-    ['frequency', dwell && frequencyText(dwell)],
-    ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],
     ['run', runText(health)],
+    ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],
+    ['frequency', dwell && frequencyText(dwell)],
+    ['since', sinceText(view)],
   ];
   return facts.filter(([, text]) => text).map(([name, text, tone]) => ({ name, text, tone: tone ?? 'calm' }));
 }

@@ -2,7 +2,7 @@
 import { channelWarnings } from './coefficients.mjs';
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText } from './number.mjs';
-import { placeLabels, polarOf } from './polar.mjs';
+import { placeLabels, polarOf, scalesText } from './polar.mjs';
 
 const $ = (id) => document.getElementById(id);
 const RADIUS = 100;
@@ -69,7 +69,8 @@ export function showPhasors(view) {
   const some = view.dwell !== null && view.dwell.state !== 'idle';
   show($('phasors'), some);
   if (!some) return;
-  const polar = polarOf(view.dwell.phasors, RADIUS);
+  const settled = view.dwell.settled_s !== null;
+  const polar = polarOf(view.dwell.phasors, RADIUS, settled);
   const units = polar.scales.map((scale) => scale.unit);
   const arrows = placeLabels(polar.arrows, LABEL.gap, RADIUS);
   show($('polar'), arrows.length > 0);
@@ -77,11 +78,7 @@ export function showPhasors(view) {
   setAttributes($('polar'), { class: ended || view.fresh.dwellOld(view.now) ? 'old' : '' });
   setAttributes($('phasors'), { 'data-ended': ended });
   keyed($('arrows'), arrows, (arrow) => arrow.channel, makeArrow, (node, arrow) => renewArrow(node, arrow, units));
-  const small = polar.arrows.every((a) => a.radial < 2.5 && a.tangential < 2.5);
-  const strokes = ['solid', 'dashed', 'dotted', 'dash-dotted'];
-  setText($('scales'), arrows.length === 0 ? '' : `Circle: ${polar.scales.map((scale, i) =>
-    `${plainText(scale.full, scale.unit, 3)} (${strokes[i % 4]})`).join(', ')}; phases to ${arrows[0].channel}. Ellipses hold 95 % (k = 2.45)${
-    small ? '; all are smaller than the dots' : ''}.`);
+  setText($('scales'), scalesText(polar, settled));
   showNotes(view.dwell);
   const rows = rowsOf(view);
   setText($('phasors-note'), arrows.length > 0 ? noteOf(view.dwell) : '');

@@ -1,13 +1,14 @@
 // Phasors of all channels in one circle, and how sure each is. Pure: lengths are in units of the picture.
-import { isNumber } from './number.mjs';
+import { isNumber, plainText } from './number.mjs';
 
 // Radius that holds 95 % of a normal distribution in the plane, in standard uncertainties: sqrt(-2 ln 0.05).
 export const ELLIPSE_K = 2.45;
 
 // Every unit has a scale of its own: its largest amplitude is on the circle. Phases are relative to the first valid
 // channel, so that the picture stands still. Phase 0 points right, positive phases turn counter-clockwise.
+// settled: before that part of the transient is in the numbers, which their u does not cover: the ellipses are points.
 // { scales: [{ unit, full }], arrows: [{ channel, unit, x, y, phase, radial, tangential, degrees }], silent: [...] }
-export function polarOf(phasors, radius) {
+export function polarOf(phasors, radius, settled = true) {
   const valid = phasors.filter((p) => p.valid && isNumber(p.amplitude));
   const full = new Map();
   for (const p of valid) full.set(p.unit, Math.max(full.get(p.unit) ?? 0, p.amplitude));
@@ -17,11 +18,21 @@ export function polarOf(phasors, radius) {
     const scale = full.get(p.unit) > 0 ? radius / full.get(p.unit) : 0;
     const length = scale * p.amplitude;
     return { channel: p.channel, unit: p.unit, phase, x: length * Math.cos(phase), y: -length * Math.sin(phase),
-      radial: ELLIPSE_K * p.u_amplitude * scale, tangential: ELLIPSE_K * p.u_relative_phase_rad * length,
+      radial: settled ? ELLIPSE_K * p.u_amplitude * scale : 0, tangential: settled ? ELLIPSE_K * p.u_relative_phase_rad * length : 0,
       degrees: -phase * 180 / Math.PI };
   });
   return { scales: [...full].map(([unit, value]) => ({ unit, full: value })), arrows,
     silent: phasors.filter((p) => !valid.includes(p)).map((p) => ({ channel: p.channel, reason: p.reason ?? 'no reason stated' })) };
+}
+
+const STROKES = ['solid', 'dashed', 'dotted', 'dash-dotted'];
+// What the picture's scales are, and what its ellipses mean. Empty: there is no arrow.
+export function scalesText({ scales, arrows }, settled) {
+  if (arrows.length === 0) return '';
+  const circle = scales.map((scale, i) => `${plainText(scale.full, scale.unit, 3)} (${STROKES[i % 4]})`).join(', ');
+  const small = arrows.every((a) => a.radial < 2.5 && a.tangential < 2.5);
+  const ellipses = settled ? ` Ellipses hold 95 % (k = 2.45)${small ? '; all are smaller than the dots' : ''}.` : '';
+  return `Circle: ${circle}; phases to ${arrows[0].channel}.${ellipses}`;
 }
 
 // Where the labels stand: in a column left or right of the circle, beside their arrow's end, at least `gap` apart and

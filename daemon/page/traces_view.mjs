@@ -51,7 +51,7 @@ export class TracesView {
   #drag = null;
   #due = false;
   #seen = true; // the plot is on the screen
-  #drawn = false; // the newest answer is on it
+  #drawn_s = -Infinity; // when the plot was drawn; -Infinity: not yet with the newest answer
   #clock;
   #came_s = -Infinity; // when the stream last went on, by the page's clock
   #last = []; // of each channel its newest reading seen, s; null: none was
@@ -235,7 +235,7 @@ export class TracesView {
         // Soon after the service has begun the answer is short: there must be room for all that will be in view.
         this.#window = new TraceWindow(answer, this.#live ? Math.ceil(this.#span_s / answer.step_s) + SPARE_BINS : 0);
         this.#joins = true;
-        this.#drawn = false;
+        this.#drawn_s = -Infinity;
         this.#say('');
       }
     } catch (error) {
@@ -334,8 +334,9 @@ export class TracesView {
     show($('trace-readout'), on);
     if (!this.#window) return;
     this.#lanes(this.#window.names.length);
-    if (!this.#seen && this.#drawn) return;
-    this.#drawn = true;
+    // Off the screen once a second: who prints the page, or takes a picture of all of it, must not find what was.
+    if (!this.#seen && this.#clock.now() - this.#drawn_s < 1) return;
+    this.#drawn_s = this.#clock.now();
     const cursors = on ? Object.entries(this.#cursors).map(([name, part]) => [name, this.#view.from_s + part * this.#span_s]) : [];
     this.#plot.draw(this.#window, this.#view, cursors, this.#ages);
     if (on) this.#read(cursors.map(([, t_s]) => t_s));

@@ -46,6 +46,8 @@ ListedRun look_at_run(const std::string& directory, const std::string& name) {
   listed.file = name;
   listed.state = "unreadable";
   listed.bytes = size_of(path) + size_of(path + "-wal");
+  std::error_code failed;
+  listed.linked = std::filesystem::is_symlink(path, failed);
   listed.kept = is_kept(directory, name);
   auto reader = RunReader::open(path);
   if (!reader) return listed;

@@ -23,6 +23,7 @@ struct ListedRun {
   std::uint64_t dwells = 0;   // that have ended in it
   std::string head;           // of its last entry, hexadecimal; empty while it goes on
   bool kept = false;          // protected: retention never deletes it
+  bool linked = false;        // the file is a symbolic link
 };
 
 using ListedRuns = std::vector<ListedRun>;  // oldest first

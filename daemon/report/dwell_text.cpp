@@ -134,7 +134,8 @@ Section below(const Dwell& dwell, const TextOptions& options) {
   std::vector<std::string> texts;
   for (const ElementEstimate& e : dwell.elements)
     if (!e.identifiable) texts.push_back("element " + std::to_string(e.k) + " is not identifiable: " + e.reason);
-  for (std::string& text : legend_of({&dwell})) texts.push_back(std::move(text));
+  if (options.legend)
+    for (std::string& text : legend_of({&dwell})) texts.push_back(std::move(text));
   return paragraphs(texts, options.columns, 2, Style::plain);
 }
 
@@ -179,6 +180,7 @@ std::vector<Section> element_sections(const DwellView& view, const TextOptions& 
       sections = {take_first(table.sections(options.columns), rest)};
     }
   }
+  for (Section& section : sections) section.name = kCoefficients;
   append_notes(sections.back(), below(dwell, options));
   return sections;
 }
@@ -214,11 +216,8 @@ Section verdict_section(const DwellView& view, const TextOptions& options) {
                  " expected from the coefficients";
   }
   if (!transient.empty()) texts.push_back("transient  " + transient);
-  if (std::isfinite(d.frequency_hz.value)) {
-    const NumberText frequency = settled(d) ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
-                                            : number_text(d.frequency_hz.value, "Hz", kProvisional + 1);
-    texts.push_back("frequency  " + join(frequency) + (settled(d) ? "" : " so far"));
-  }
+  if (const std::string frequency = frequency_text(d); options.frequency && !frequency.empty())
+    texts.push_back("frequency  " + frequency);
   if (const std::string text = agreement_text(view); settled(d) && !text.empty() && !contradicts(view))
     texts.push_back("agreement  " + text);
   if (view.model) texts.push_back("model      " + model_text(*view.model));
@@ -319,6 +318,12 @@ std::vector<std::string> legend_of(const std::vector<const Dwell*>& dwells) {
     texts.push_back("± covers only noise, clock and what the rig file states; not stated: " + list_of(unstated));
   }
   return texts;
+}
+
+std::string frequency_text(const Dwell& d) {
+  if (!std::isfinite(d.frequency_hz.value)) return {};
+  if (!settled(d)) return join(number_text(d.frequency_hz.value, "Hz", kProvisional + 1)) + " so far";
+  return join(number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz"));
 }
 
 std::string headline(const DwellView& view) {

@@ -31,6 +31,8 @@ struct TextOptions {
   const Truth* truth = nullptr;      // shown beside the measured, with the deviation in standard uncertainties
   std::string age;  // "778 s": the whole dwell is so old; its numbers are marked with it. Empty: it is not
   std::vector<ChannelNote> channels;  // one per channel, or none
+  bool frequency = true;              // false: it stands elsewhere, see frequency_text()
+  bool legend = true;                 // false: it stands elsewhere, see legend_of()
 };
 
 // Marks that stand behind the text of a coefficient: " n.s." not significant, " ?" not to be relied on.
@@ -46,8 +48,12 @@ struct TextOptions {
 // One line without its end: "dwell 3 · measuring, 24.6 s of data".
 [[nodiscard]] std::string headline(const DwellView& view);
 
+// "4.000300 ± 0.000039 Hz"; "4.000 Hz so far" before the dwell has settled; empty: not known.
+[[nodiscard]] std::string frequency_text(const Dwell& dwell);
+
 // Names of sections.
 inline constexpr std::string_view kDoubts = "doubts";
+inline constexpr std::string_view kCoefficients = "coefficients";
 inline constexpr std::string_view kWarnings = "warnings";
 
 // Everything but the headline, in the order stated above; no section is empty. `age` stands as a column in both tables

@@ -71,6 +71,7 @@ std::string violation_text(const JudgedLimit& limit, const Dwell& dwell, Motion 
 
 Section limit_section(const DwellView& view, const TextOptions& options) {
   Section section;
+  section.name = kLimits;
   if (view.dwell.elements.empty()) return section;
   std::string kept;
   std::vector<std::pair<std::string, std::string>> none;  // by reason: of which

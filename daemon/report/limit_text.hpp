@@ -4,10 +4,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "daemon/report/dwell_text.hpp"
 
 namespace dwell {
+
+// The name of the section.
+inline constexpr std::string_view kLimits = "limits";
 
 // "stiffness of element 2".
 [[nodiscard]] std::string limited_text(const JudgedLimit& limit);

@@ -17,6 +17,7 @@
 #include "daemon/serve/events_json.hpp"
 #include "daemon/serve/metrics.hpp"
 #include "daemon/serve/page_query.hpp"
+#include "daemon/serve/query.hpp"
 #include "daemon/serve/recorder_json.hpp"
 #include "daemon/serve/traces_json.hpp"
 
@@ -202,7 +203,7 @@ const FinishedDwells& finished(const ServiceView& view) {
 
 // Oldest first: those from an index on, or the newest; as many as one answer may hold.
 HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kDwellsPerAnswer, "INDEX", true);
+  const auto page = page_of(query, kDwellsPerAnswer, {"INDEX", true});
   if (!page) return http_error(400, page.error());
   const FinishedDwells& all = finished(view);
   std::vector<std::string> texts;
@@ -290,22 +291,15 @@ std::string check_answer(const ServiceView& view) {
   return dump(Json{{"rig", view.rig.name}, {"channels", std::move(list)}});
 }
 
-}  // namespace
-
-std::string dwell_text_json(const ServiceView& view) { return to_json(live_dwell(view)); }
-
-HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query) {
+// Of the paths that take no query.
+HttpReply unasked_answer(const ServiceView& view, std::string_view path) {
   if (path == "/api/v1/dwell") return {200, dwell_text_json(view)};
-  if (path == "/api/v1/dwells") return dwells_answer(view, query);
   constexpr std::string_view kOne = "/api/v1/dwells/";
   if (path.substr(0, kOne.size()) == kOne) return dwell_answer(view, path.substr(kOne.size()));
   if (path == "/api/v1/channels") return {200, dump({{"channels", channels_json(view)}})};
   if (path == "/metrics") return {200, metrics_text(view), kExpositionType};
   if (path == "/api/v1/verification") return verification_answer(view);
-  if (path == "/api/v1/events") return events_answer(view, query);
   if (path == "/api/v1/alarms") return alarms_answer(view);
-  if (path == "/api/v1/traces") return traces_answer(view, query);
-  if (path == "/api/v1/runs") return runs_answer(view, query);
   if (path.substr(0, kRunFiles.size()) == kRunFiles) return run_file_answer(view, path.substr(kRunFiles.size()));
   if (path == "/api/v1/health")
     return {view.health.status == Health::Status::fault ? 503 : 200, dump(health_json(view))};
@@ -314,6 +308,21 @@ HttpReply http_answer(const ServiceView& view, std::string_view path, std::strin
       "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
       "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/runs/FILE, /api/v1/events, /api/v1/alarms, "
       "/api/v1/traces, /api/v1/health, /api/v1/rights, /api/v1/stream and /metrics");
+}
+
+}  // namespace
+
+std::string dwell_text_json(const ServiceView& view) { return to_json(live_dwell(view)); }
+
+HttpReply http_answer(const ServiceView& view, std::string_view path, std::string_view query) {
+  if (path == "/api/v1/dwells") return dwells_answer(view, query);
+  if (path == "/api/v1/events") return events_answer(view, query);
+  if (path == "/api/v1/traces") return traces_answer(view, query);
+  if (path == "/api/v1/runs") return runs_answer(view, query);
+  HttpReply reply = unasked_answer(view, path);
+  if (reply.status == 404) return reply;
+  if (const auto fault = query_fault(query, {})) return http_error(400, *fault);
+  return reply;
 }
 
 std::string control_answer(const ServiceView& view, std::string_view line, const Operate& operate) {

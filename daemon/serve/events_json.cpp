@@ -8,7 +8,7 @@ namespace dwell {
 
 // Oldest first: those from a number on, or the newest.
 HttpReply events_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kEventsPerAnswer, "NUMBER");
+  const auto page = page_of(query, kEventsPerAnswer, {"NUMBER"});
   if (!page) return http_error(400, page.error());
   static const NewestLines kNone;
   const NewestLines& all = view.events != nullptr ? *view.events : kNone;

@@ -19,9 +19,9 @@
 #include <utility>
 
 #include "daemon/serve/awaited_address.hpp"
+#include "daemon/serve/downloads.hpp"
 #include "daemon/serve/event_loop.hpp"
 #include "daemon/serve/event_queue.hpp"
-#include "daemon/serve/file_reader.hpp"
 #include "daemon/serve/http_request.hpp"
 #include "daemon/serve/http_server.hpp"
 #include "daemon/serve/listener.hpp"
@@ -45,7 +45,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
         handler(std::move(answers)),
         begin_stream(std::move(begins)),
         listener(loop),
-        files(loop) {}
+        downloads(loop, options.downloads) {}
 
   void welcome(tcp::socket socket);
   bool make_room();
@@ -57,8 +57,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   const Handler handler;
   const BeginStream begin_stream;
   Listener<tcp> listener;
-  FileReader files;
-  std::size_t downloads = 0;  // under way
+  Downloads downloads;
   std::unordered_set<HttpConnection*> connections;
   std::unordered_set<HttpConnection*> streams;
   AwaitedAddress address{options.host, false};
@@ -245,64 +244,34 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void begin_file(HttpReply reply, bool head_alone, bool keep_alive) {
-    if (server_->downloads >= server_->options.downloads)
-      return answer(http_error(503, std::to_string(server_->downloads) +
-                                        " files are being downloaded, no more are allowed at once; try again later"),
-                    head_alone, keep_alive);
-    ++server_->downloads;
-    const std::shared_ptr<void> share(nullptr, [server = server_](void*) { --server->downloads; });
     phase_ = Phase::answered;
-    stream_.expires_never();  // the disk has no deadline: a download whose disk hangs keeps its place
-    std::string path = reply.file;
-    server_->files.open(std::move(path), [self = shared_from_this(), reply = std::move(reply), head_alone, keep_alive,
-                                          share](tl::expected<FileReader::Opened, HttpReply> opened) {
-      self->or_close([&] {
-        if (!opened) return self->answer(std::move(opened.error()), head_alone, keep_alive);
-        self->send_file(reply, std::move(*opened), head_alone, keep_alive, share);
-      });
-    });
+    const std::string path = reply.file;
+    const auto self = shared_from_this();
+    server_->downloads.begin(path, head_alone,
+                             {stream_, server_->options.request_time,
+                              [self, reply = std::move(reply), keep_alive](std::uint64_t bytes) {
+                                return self->head_of_file(reply, bytes, keep_alive);
+                              },
+                              [self, head_alone, keep_alive](HttpReply refusal) {
+                                self->answer(std::move(refusal), head_alone, keep_alive);
+                              },
+                              [self, keep_alive] {
+                                self->served_ = true;
+                                keep_alive ? self->read() : self->shut();
+                              },
+                              [self] { self->leave(); }});
   }
 
-  void send_file(const HttpReply& reply, FileReader::Opened opened, bool head_alone, bool keep_alive,
-                 const std::shared_ptr<void>& share) {
+  [[nodiscard]] std::string head_of_file(const HttpReply& reply, std::uint64_t bytes, bool keep_alive) const {
     http::response<http::empty_body> response(http::status::ok, 11);
     set_fields(response, reply);
     response.set(http::field::content_disposition, "attachment; filename=\"" + reply.file_name + "\"");
     response.keep_alive(keep_alive);
-    response.content_length(opened.bytes);
+    response.content_length(bytes);
     std::ostringstream head;
     head.exceptions(std::ios::badbit);  // as in begin_stream()
     head << response.base();
-    send_piece(head.str(), {std::move(opened.file), head_alone ? 0 : opened.bytes}, keep_alive, share);
-  }
-
-  // rest: the file, and how many bytes follow this piece. share: the place among the downloads, free with its last
-  // copy.
-  void send_piece(std::string piece, FileReader::Opened rest, bool keep_alive, const std::shared_ptr<void>& share) {
-    stream_.expires_after(server_->options.request_time);
-    const auto bytes = std::make_shared<const std::string>(std::move(piece));
-    asio::async_write(
-        stream_, asio::buffer(*bytes),
-        [self = shared_from_this(), bytes, rest, keep_alive, share](const error_code& error, std::size_t) {
-          if (error) return;
-          self->or_close([&] { self->send_rest(rest, keep_alive, share); });
-        });
-  }
-
-  void send_rest(const FileReader::Opened& rest, bool keep_alive, const std::shared_ptr<void>& share) {
-    if (rest.bytes == 0) {
-      served_ = true;
-      return keep_alive ? read() : shut();
-    }
-    stream_.expires_never();
-    server_->files.read(rest.file, [self = shared_from_this(), rest, keep_alive, share](std::string piece) {
-      // Fewer bytes than were announced tell the client that the file is not complete.
-      if (piece.empty() || piece.size() > rest.bytes) return self->leave();
-      self->or_close([&] {
-        const std::uint64_t left = rest.bytes - piece.size();
-        self->send_piece(std::move(piece), {rest.file, left}, keep_alive, share);
-      });
-    });
+    return head.str();
   }
 
   // Says that nothing more comes, then reads for up to a second what the client still sends. Closing with bytes unread

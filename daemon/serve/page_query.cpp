@@ -1,8 +1,10 @@
 #include "daemon/serve/page_query.hpp"
 
 #include <charconv>
+#include <vector>
 
 #include "daemon/serve/next_part.hpp"
+#include "daemon/serve/query.hpp"
 
 namespace dwell {
 
@@ -13,30 +15,27 @@ std::optional<int> integer_of(std::string_view text) {
   return number;
 }
 
-tl::expected<Page, std::string> page_of(std::string_view query, std::size_t most, std::string_view index,
-                                        bool may_be_brief) {
-  Page page{std::nullopt, most, false};
-  bool counted = false;
-  while (!query.empty()) {
-    const std::string_view term = next_part(query, '&');
-    std::string_view value = term;
-    const std::string_view key = next_part(value, '=');
-    const auto number = integer_of(value);
-    const bool again = (key == "from" && page.from) || (key == "count" && counted) || (key == "brief" && page.brief);
-    if (key == "from" && !again && number && *number >= 0) {
-      page.from = number;
-    } else if (key == "count" && !again && number && *number >= 1 && static_cast<std::size_t>(*number) <= most) {
-      page.count = static_cast<std::size_t>(*number);
-      counted = true;
-    } else if (key == "brief" && !again && may_be_brief && number == 1) {
-      page.brief = true;
-    } else {
-      return tl::unexpected("\"" + std::string(term) +
-                            "\" is not understood: " + (again ? std::string(key) + " is given twice; " : "") +
-                            "expected from=" + std::string(index) + " (0 or more), count=1 to " + std::to_string(most) +
-                            (may_be_brief ? ", brief=1" : "") + ", or several joined by &");
-    }
-  }
+tl::expected<Page, std::string> page_of(std::string_view query, std::size_t most, const PageKeys& keys) {
+  Page page;
+  page.count = most;
+  const std::string index(keys.index);
+  std::vector<QueryKey> understood;
+  understood.push_back({"from", "from=" + index + " (0 or more)" + (keys.file ? " or from=" + index + ":FILE" : ""),
+                        [&](std::string_view value) {
+                          const std::string_view number = keys.file ? next_part(value, ':') : value;
+                          page.from = integer_of(number);
+                          if (keys.file) page.from_file = percent_decoded(value);
+                          return page.from && *page.from >= 0;
+                        }});
+  understood.push_back({"count", "count=1 to " + std::to_string(most), [&](std::string_view value) {
+                          const auto number = integer_of(value);
+                          if (!number || *number < 1 || static_cast<std::size_t>(*number) > most) return false;
+                          page.count = static_cast<std::size_t>(*number);
+                          return true;
+                        }});
+  if (keys.brief)
+    understood.push_back({"brief", "brief=1", [&](std::string_view value) { return page.brief = value == "1"; }});
+  if (auto fault = query_fault(query, understood)) return tl::unexpected(std::move(*fault));
   return page;
 }
 

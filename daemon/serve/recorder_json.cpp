@@ -1,11 +1,14 @@
 #include "daemon/serve/recorder_json.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "daemon/report/json_parts.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/page_query.hpp"
+#include "daemon/serve/query.hpp"
 
 namespace dwell {
 namespace {
@@ -57,6 +60,7 @@ std::string no_download(const ServiceView& view, const ListedRun& run) {
   if (run.state == "cut off")
     return "the run was cut off: a part of it may be in a -wal file; copy both files from the recording directory";
   if (run.state != "closed") return "its file cannot be read as a run; copy it from the recording directory";
+  if (run.linked) return "its file is a link, and none is followed; copy it from where the link leads";
   if (!is_plain_name(run.file)) return "its name has unusual characters; copy it from the recording directory";
   return view.recorder ? "" : "this service does not record";
 }
@@ -84,6 +88,13 @@ Json audit_json(const ServiceView& view, const ListedRun& run, std::size_t back)
           {"trusted", verdict.trusted},
           {"utc", json_text(verdict.utc)},
           {"reason", nullptr}};
+}
+
+// Where the next answer begins, for ?from=. Copies of a run have the same number: behind the first of them the number
+// alone would lead back to it. next: not the first of the list.
+Json next_json(ListedRuns::const_iterator next) {
+  if (std::prev(next)->run != next->run) return next->run;
+  return std::to_string(next->run) + ":" + percent_encoded(next->file);
 }
 
 }  // namespace
@@ -120,15 +131,18 @@ Json recorder_json(const ServiceView& view) {
           {"alarms", std::move(alarms)}};
 }
 
-// Oldest first: those from a run's number on, or the newest.
+// Oldest first: those from a run on, or the newest.
 HttpReply runs_answer(const ServiceView& view, std::string_view query) {
-  const auto page = page_of(query, kRunsPerAnswer, "RUN");
+  const auto page = page_of(query, kRunsPerAnswer, {"RUN", false, true});
   if (!page) return http_error(400, page.error());
   static const ListedRuns kNone;
   const ListedRuns& all = view.runs ? *view.runs : kNone;
   const auto count = static_cast<std::ptrdiff_t>(std::min(page->count, all.size()));
   auto first = all.end() - count;
-  if (page->from) first = std::find_if(all.begin(), all.end(), [&](const auto& r) { return r.run >= *page->from; });
+  if (page->from)
+    first = std::find_if(all.begin(), all.end(), [&](const ListedRun& run) {
+      return std::tie(run.run, run.file) >= std::make_tuple(std::int64_t{*page->from}, page->from_file);
+    });
   const auto last = first + std::min(count, all.end() - first);
   Json runs = Json::array();
   for (auto run = first; run != last; ++run) {
@@ -143,7 +157,7 @@ HttpReply runs_answer(const ServiceView& view, std::string_view query) {
   }
   return {200, dump(Json{{"rig", view.rig.name},
                          {"total", all.size()},
-                         {"next", last == all.end() ? Json(nullptr) : Json(last->run)},
+                         {"next", last == all.end() ? Json(nullptr) : next_json(last)},
                          {"runs", std::move(runs)}})};
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "daemon/serve/next_part.hpp"
+#include "daemon/serve/query.hpp"
 #include "daemon/serve/traces_json.hpp"
 
 namespace dwell {
@@ -18,27 +19,12 @@ bool number_of(std::string_view text, Number& to) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-int hex(char c) {
-  const std::string_view digits = "0123456789abcdef";
-  const auto at = digits.find(static_cast<char>(c >= 'A' && c <= 'F' ? c + ('a' - 'A') : c));
-  return at == std::string_view::npos ? -1 : static_cast<int>(at);
-}
-
-// %20 and the like as the bytes they stand for.
-std::string decoded(std::string_view text) {
-  std::string bytes;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool code = text[i] == '%' && i + 2 < text.size() && hex(text[i + 1]) >= 0 && hex(text[i + 2]) >= 0;
-    bytes += code ? static_cast<char>(16 * hex(text[i + 1]) + hex(text[i + 2])) : text[i];
-    if (code) i += 2;
-  }
-  return bytes;
-}
+bool seconds_of(std::string_view text, double& to_s) { return number_of(text, to_s) && std::isfinite(to_s); }
 
 std::optional<std::vector<std::size_t>> channels_of(std::string_view names, const Rig& rig) {
   std::vector<std::size_t> channels;
   while (!names.empty()) {
-    const std::string name = decoded(next_part(names, ','));
+    const std::string name = percent_decoded(next_part(names, ','));
     const auto found = std::find_if(rig.channels.begin(), rig.channels.end(),
                                     [&](const Channel& channel) { return channel.name == name; });
     const auto index = static_cast<std::size_t>(found - rig.channels.begin());
@@ -54,40 +40,22 @@ std::optional<std::vector<std::size_t>> channels_of(std::string_view names, cons
 
 tl::expected<TracesQuery, std::string> traces_query(std::string_view query, const Rig& rig) {
   TracesQuery asked;
-  const auto not_understood = [](std::string_view term, std::string_view why = "") {
-    return tl::unexpected("\"" + std::string(term) + "\" is not understood: " + std::string(why) +
-                          "expected from=SECONDS, to=SECONDS (negative: before the newest reading), points=1 to " +
-                          std::to_string(kMostTracePoints) +
-                          ", channels=NAME,NAME, less=steady, or several joined by &");
-  };
-  std::vector<std::string_view> given;
-  while (!query.empty()) {
-    const std::string_view term = next_part(query, '&');
-    std::string_view value = term;
-    const std::string_view key = next_part(value, '=');
-    if (std::find(given.begin(), given.end(), key) != given.end())
-      return not_understood(term, std::string(key) + " is given twice; ");
-    given.push_back(key);
-    if (key == "from" || key == "to") {
-      double seconds = 0.0;
-      if (!number_of(value, seconds) || !std::isfinite(seconds)) return not_understood(term);
-      if (key == "from")
-        asked.from_s = seconds;
-      else
-        asked.to_s = seconds;
-    } else if (key == "points") {
-      if (!number_of(value, asked.points) || asked.points < 1 || asked.points > kMostTracePoints)
-        return not_understood(term);
-    } else if (key == "channels") {
-      auto channels = channels_of(value, rig);
-      if (!channels) return not_understood(term);
-      asked.channels = std::move(*channels);
-    } else if (key == "less" && value == "steady") {
-      asked.less_steady = true;
-    } else {
-      return not_understood(term);
-    }
-  }
+  const std::vector<QueryKey> understood{
+      {"from", "from=SECONDS", [&](std::string_view value) { return seconds_of(value, asked.from_s); }},
+      {"to", "to=SECONDS (negative: before the newest reading)",
+       [&](std::string_view value) { return seconds_of(value, asked.to_s.emplace()); }},
+      {"points", "points=1 to " + std::to_string(kMostTracePoints),
+       [&](std::string_view value) {
+         return number_of(value, asked.points) && asked.points >= 1 && asked.points <= kMostTracePoints;
+       }},
+      {"channels", "channels=NAME,NAME",
+       [&](std::string_view value) {
+         auto channels = channels_of(value, rig);
+         if (channels) asked.channels = std::move(*channels);
+         return channels.has_value();
+       }},
+      {"less", "less=steady", [&](std::string_view value) { return asked.less_steady = value == "steady"; }}};
+  if (auto fault = query_fault(query, understood)) return tl::unexpected(std::move(*fault));
   if (asked.channels.empty()) {
     asked.channels.resize(rig.channels.size());
     std::iota(asked.channels.begin(), asked.channels.end(), std::size_t{0});

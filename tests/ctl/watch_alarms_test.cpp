@@ -92,7 +92,9 @@ TEST(WatchAlarms, ThoseThatNobodyKnowsOfAreCountedOnTopWithThePageOfTheList) {
     const auto line = line_with(page, "2 alarms not acknowledged, page ");
     ASSERT_TRUE(line);
     EXPECT_EQ(line->style, Style::alarm);
-    const std::size_t at = std::stoul(line->text.substr(line->text.rfind(' ')));
+    const std::size_t at = std::stoul(line->text.substr(line->text.find("page ") + 5));
+    EXPECT_NE(line->text.find(": ", line->text.find("page ")), std::string::npos)
+        << "the first of them: " << line->text;
     EXPECT_TRUE(line_with(pages.at(at - 1), "unacknowledged: channel:y1, 7 times"));
   }
 }

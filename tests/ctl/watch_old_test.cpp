@@ -20,6 +20,7 @@ TEST(WatchOld, NumbersOfAServiceThatHasGoneAreGreyAndMarkedWithTheirAge) {
 last seen: dwell 1 · measuring, 24.6 s of data
 NO CONNECTION: trying again, http://bench2:8380: Connection refused
 OLD NUMBERS, from 778 s ago: the service has said nothing for 778 s
+4.000300 ± 0.000039 Hz
 
 element    age  stiffness            damping             most of u²(c)
       1  778 s  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1
@@ -31,7 +32,6 @@ element    age  stiffness            damping             most of u²(c)
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed
 transient  decayed in 5.90 s; 5.70 s expected from the coefficients
-frequency  4.000300 ± 0.000039 Hz
 
 channel     age  amplitude             phase to y0        mean          harmonic
 y0        778 s  5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
@@ -62,6 +62,7 @@ TEST(WatchOld, OnlyTheStaleChannelIsGrey) {
       text_of(page),
       R"(bench 2                                                                                             age 0.1 s · 14:03:22
 dwell 1 · measuring, 24.6 s of data
+4.000300 ± 0.000039 Hz
 
 element  stiffness            damping             most of u²(c)     most of u²(r)
       1  24.011 ± 0.027 kN/m  60.20 ± 0.79 N·s/m  60 % scale of y1  85 % delay of y0
@@ -73,7 +74,6 @@ element  stiffness            damping             most of u²(c)     most of u²
 settled    data count from 6.42 s to 31.00 s, first said at 7.10 s
 reason     0.2 % of the transient is left, 0.5 % allowed
 transient  decayed in 5.90 s; 5.70 s expected from the coefficients
-frequency  4.000300 ± 0.000039 Hz
 
 channel    age  amplitude             phase to y0        mean          harmonic
 y0              5.00000 ± 0.00020 mm       0          °  1.20000 mm  0.2 % (2f)
@@ -110,10 +110,10 @@ TEST(WatchOld, PausedNumbersGrowOldAndTheScreenSaysThatItIsPaused) {
   controls.paused_s = 100.1;
   const Page soon = at(watched(chain(1)), controls, kUsual, 101.1);
   EXPECT_EQ(soon.lines[2].text, "PAUSED for 1.0 s; space goes on");
-  EXPECT_EQ(soon.lines[5].style, Style::plain);
+  EXPECT_EQ(soon.lines[6].style, Style::plain);
   const Page later = at(watched(chain(1)), controls, kUsual, 120.1);
   EXPECT_EQ(later.lines[3].text, "OLD NUMBERS, from 20 s ago: paused");
-  EXPECT_EQ(later.lines[6].style, Style::old);
+  EXPECT_EQ(later.lines[7].style, Style::old);
   EXPECT_EQ(later.lines.back().text, "space go on  q quit");
 }
 

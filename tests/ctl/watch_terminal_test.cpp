@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
@@ -61,10 +62,11 @@ class OnTerminal {
   OnTerminal(const OnTerminal&) = delete;
   OnTerminal& operator=(const OnTerminal&) = delete;
 
-  // Reads until the text has been written; false: it never was.
+  // Reads until the text has been written; false: it never was. watch goes on to write, so silence alone is no end.
   bool await(const std::string& text) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     while (out_.find(text) == std::string::npos)
-      if (!read()) return false;
+      if (!read() || std::chrono::steady_clock::now() > deadline) return false;
     return true;
   }
   // Forgets what was written so far.
@@ -178,6 +180,18 @@ TEST(WatchOnATerminal, AnotherSizeIsDrawnAtOnce) {
   EXPECT_TRUE(watch.await("page 2 of ")) << watch.out();
 }
 
+TEST(WatchOnATerminal, OfKeysTypedTogetherEachTurnsAPage) {
+  ScriptedServer server({measuring()});
+  OnTerminal watch({"watch", "--url", server.url()});
+  ASSERT_TRUE(watch.await("q quit")) << watch.out();
+  watch.resize(12, 40);
+  ASSERT_TRUE(watch.await("page 1 of 21")) << "drawn at the new size: " << watch.out();
+  watch.type("nnn");
+  EXPECT_TRUE(watch.await("page 4 of ")) << watch.out();
+  watch.type("bb");
+  EXPECT_TRUE(watch.await("page 2 of ")) << watch.out();
+}
+
 TEST(WatchOnATerminal, PauseHoldsTheNumbersAndGoesOn) {
   ScriptedServer server({measuring()});
   OnTerminal watch({"watch", "--url", server.url()});
@@ -222,6 +236,28 @@ TEST(WatchOnATerminal, DwellsThatEndedWhileTheConnectionWasLostAreAskedFor) {
   OnTerminal watch({"watch", "--url", server.url()});
   ASSERT_TRUE(watch.await("trend of the last 50 min")) << watch.out();
   EXPECT_NE(server.requests().at(9).find("GET /api/v1/dwells?brief=1"), std::string::npos);
+}
+
+TEST(WatchOnATerminal, AtAnIdleRigTheLastDwellAndSinceWhenAreAskedFor) {
+  Dwell idle;
+  idle.state = State::idle;
+  std::vector<Reply> replies = stream_and_dwells();
+  replies.front().text = test::stream_header() + dwell_event(to_json(idle, test::sample_rig(), test::sample_run()));
+  replies.push_back({test::http_reply(
+      200, R"({"events":[{"utc":"2026-11-23T07:59:48Z","text":"state measuring -> idle, dwell 4: stopped"},)"
+           R"({"utc":"2026-11-23T07:59:50Z","text":"run 3 ended"}]})")});
+  Dwell last = test::sample_dwell();
+  last.state = State::complete;
+  last.ended_by = EndedBy::drive_stopped;
+  replies.push_back(
+      {test::http_reply(200, R"({"dwells":[)" + to_json(last, test::sample_rig(), test::sample_run()) + "]}")});
+  ScriptedServer server(replies);
+  OnTerminal watch({"watch", "--url", server.url()});
+  ASSERT_TRUE(watch.await("not of now")) << watch.out();
+  EXPECT_TRUE(watch.await("drive stopped")) << watch.out();
+  EXPECT_NE(watch.out().find("since "), std::string::npos) << watch.out();
+  EXPECT_NE(server.requests().at(5).find("GET /api/v1/events"), std::string::npos);
+  EXPECT_NE(server.requests().at(6).find("GET /api/v1/dwells?count=1"), std::string::npos);
 }
 
 TEST(WatchOnATerminal, RearmAsksFirstAndGoesThroughTheControlSocket) {

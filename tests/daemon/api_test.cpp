@@ -193,8 +193,21 @@ TEST_F(ApiTest, FinishedDwellsComeInBoundedPortions) {
             "400 \"count=201\" is not understood: expected from=NUMBER (0 or more), count=1 to 200, or several joined "
             "by &");
   EXPECT_EQ(why("/api/v1/runs", "from=1&from=2"),
-            "400 \"from=2\" is not understood: from is given twice; expected from=RUN (0 or more), count=1 to 100, or "
-            "several joined by &");
+            "400 \"from=2\" is not understood: from is given twice; expected from=RUN (0 or more) or from=RUN:FILE, "
+            "count=1 to 100, or several joined by &");
+}
+
+// A slip of the pen must not look like an answer to it.
+TEST_F(ApiTest, AQueryIsRefusedWhereNoneIsExpected) {
+  finish(3);
+  for (const char* path : {"/api/v1/dwell", "/api/v1/dwells/2", "/api/v1/channels", "/metrics", "/api/v1/verification",
+                           "/api/v1/alarms", "/api/v1/health"}) {
+    EXPECT_NE(http_answer(view(), path, "").status, 400) << path;
+    const HttpReply reply = http_answer(view(), path, "foo=1");
+    EXPECT_EQ(reply.status, 400) << path;
+    EXPECT_EQ(Json::parse(reply.body)["error"], "\"foo=1\" is not understood: expected no query here") << path;
+  }
+  EXPECT_EQ(http_answer(view(), "/nowhere", "foo=1").status, 404);
 }
 
 TEST_F(ApiTest, AnAnswerOfManyLargeDwellsStaysWithinItsBytesAndSaysHowToGoOn) {

@@ -34,6 +34,15 @@ TEST(ChannelWatch, GivesASlowChannelTwentyOfItsIntervals) {
   EXPECT_TRUE(watch.fell_silent(5100 * kMs_ns));
 }
 
+TEST(ChannelWatch, IsMissingSinceItsNewestSampleHoweverLateTheFaultIsTold) {
+  ChannelWatch watch(500.0, 0);
+  EXPECT_EQ(watch.missing_since_ns(), 0) << "it has never delivered";
+  watch.sample(5 * kMs_ns, 6 * kMs_ns);
+  watch.said(20'000 * kMs_ns, Fault::timeout, "no answer within 0.1 s");
+  watch.said(21'000 * kMs_ns, Fault::exception, "exception 2");
+  EXPECT_EQ(watch.missing_since_ns(), 5 * kMs_ns);
+}
+
 TEST(ChannelWatch, ASampleOlderThanTheFaultIsNoProofOfRecovery) {
   ChannelWatch watch(500.0, 0);
   watch.sample(5 * kMs_ns, 6 * kMs_ns);

@@ -84,6 +84,31 @@ TEST_F(DeviceIntakeTest, ADriverThatDoesNotTurnIsFoundAndToldOfOnce) {
   EXPECT_EQ(shown.channels[1].reason, "its driver hangs: no turn of its thread for 3.0 s");
 }
 
+// Stopped by SIGSTOP, by a debugger, or with the computer suspended: the fault is found when the service goes on, and
+// the next reading comes a moment later.
+TEST_F(DeviceIntakeTest, TheTimeForWhichTheServiceItselfWasStoppedCountsAsNotDelivered) {
+  const auto turn = [this] {
+    link.turn(now_ns);
+    push(now_ns + 1 * kMs_ns);
+    now_ns += 10 * kMs_ns;
+    intake->take(now_ns);
+    intake->find_faults(now_ns);
+    (void)stream();
+  };
+  turn();
+  now_ns += 100 * kSecond_ns;  // so that the log has room for the line
+  link.turn(now_ns);
+  turn();
+  push(now_ns);  // waits in the ring while the service is stopped
+  now_ns += 20 * kSecond_ns;
+  intake->take(now_ns);
+  intake->find_faults(now_ns);
+  (void)stream();
+  turn();
+  const std::string last = log.lines().back();
+  EXPECT_NE(last.find("y0, y1 delivering again after 20.0 s"), std::string::npos) << last;
+}
+
 TEST_F(DeviceIntakeTest, ARecordingPlayedToItsEndHasNothingLeftToTurnFor) {
   link.state(-1, DWELL_FAULT_END_OF_DATA, nullptr);
   intake->take(now_ns);

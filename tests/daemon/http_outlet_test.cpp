@@ -105,6 +105,20 @@ TEST_F(HttpOutletTest, ReadingAndChangingHaveTheirMethods) {
   thread.reset();
 }
 
+TEST_F(HttpOutletTest, TheStreamIsAskedForTracesAndForNothingElse) {
+  const auto status_of = [this](const std::string& target) {
+    test::Client client = test::Client::tcp(http->server().port());
+    client.send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    return client.until("\r\n\r\n").substr(9, 3);
+  };
+  EXPECT_EQ(status_of("/api/v1/stream"), "200");
+  EXPECT_EQ(status_of("/api/v1/stream?traces"), "200");
+  for (const char* query : {"trace", "traces=1", "traces&traces", "from=3"})
+    EXPECT_EQ(status_of(std::string("/api/v1/stream?") + query), "400") << query;
+  EXPECT_EQ(status_of("/?kiosk"), status_of("/")) << "the page reads its own address";
+  thread.reset();
+}
+
 TEST_F(HttpOutletTest, AnswersFromHowTheServiceStandsAtThatMoment) {
   test::Client client = test::Client::tcp(http->server().port());
   client.send("GET /api/v1/dwell HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
@@ -160,6 +174,20 @@ TEST_F(GuardedHttpTest, WhoShowsTheTokenMayAndIsRecordedByAddress) {
   EXPECT_TRUE(done.empty());
   EXPECT_EQ(post(json + token), 200);
   EXPECT_EQ(done, std::vector<std::string>{"mine by http:127.0.0.1 by token"});
+}
+
+TEST_F(GuardedHttpTest, AnOrderInTheQueryIsRefusedNotIgnored) {
+  const auto status_of = [this](const std::string& line) {
+    test::Client client = test::Client::tcp(http->server().port());
+    client.send(line + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nAuthorization: Bearer " +
+                kGuard + "\r\nContent-Length: 16\r\n\r\n{\"label\":\"mine\"}");
+    return test::read_answer(client).status;
+  };
+  EXPECT_EQ(status_of("POST /api/v1/start?label=yours"), 400);
+  EXPECT_TRUE(done.empty());
+  EXPECT_EQ(status_of("POST /api/v1/start"), 200);
+  EXPECT_EQ(status_of("GET /api/v1/rights?x"), 400);
+  EXPECT_EQ(status_of("GET /api/v1/rights"), 200);
 }
 
 TEST_F(GuardedHttpTest, ABrowserLogsInAndActsByItsCookie) {

@@ -58,6 +58,38 @@ TEST_F(RecorderJsonTest, RunsComeInBoundedPortionsTheNewestFirstAsked) {
     EXPECT_EQ(get("/api/v1/runs", wrong).status, 400) << wrong;
 }
 
+// Somebody has copied a run's file within the directory: all have the number of the first.
+TEST_F(RecorderJsonTest, PortionsGoOnThroughCopiesOfOneRunToTheEnd) {
+  auto list = std::make_shared<record::ListedRuns>();
+  for (const auto& [number, file] :
+       std::vector<std::pair<int, std::string>>{{1, "a"}, {2, "a"}, {2, "b & c"}, {2, "d"}, {2, "e"}, {3, "a"}}) {
+    record::ListedRun run;
+    run.run = number;
+    run.file = file + "-" + std::to_string(number) + "-20261123T031217Z.dwell";
+    list->push_back(run);
+  }
+  runs = list;
+  for (const int count : {1, 2, 3, 5, 6}) {
+    std::vector<std::string> seen;
+    std::string from = "0";
+    for (int portions = 0; !from.empty(); ++portions) {
+      ASSERT_LT(portions, 7) << "of " << count;
+      const Parsed portion = answer(("from=" + from + "&count=" + std::to_string(count)).c_str());
+      for (const Parsed& run : portion["runs"]) seen.push_back(run["file"]);
+      const Parsed& next = portion["next"];
+      from = next.is_null() ? "" : next.is_string() ? next.get<std::string>() : next.dump();
+    }
+    ASSERT_EQ(seen.size(), list->size()) << "in portions of " << count;
+    for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], (*list)[i].file);
+  }
+  EXPECT_EQ(answer("from=1&count=1")["next"], 2) << "a number where that leads on";
+  EXPECT_EQ(answer("from=1&count=2")["next"], "2:b%20%26%20c-2-20261123T031217Z.dwell");
+  EXPECT_EQ(answer("from=2:c&count=1")["runs"][0]["file"], "d-2-20261123T031217Z.dwell")
+      << "the file may have been deleted";
+  for (const char* wrong : {"from=:a", "from=2:a&from=3", "from=x:a"})
+    EXPECT_EQ(get("/api/v1/runs", wrong).status, 400) << wrong;
+}
+
 TEST_F(RecorderJsonTest, ARunThatGoesOnIsListedAsItStandsNow) {
   recording.emplace();
   recording->recording = true;
@@ -114,6 +146,7 @@ TEST_F(RecorderJsonTest, GivesTheFileOfAClosedRunOfTheListAndOfNothingElse) {
   auto list = std::make_shared<record::ListedRuns>(*runs);
   (*list)[247].state = "cut off";
   (*list)[248].file = "be\"nch-249-20261123T031217Z.dwell";
+  (*list)[9].linked = true;
   runs = list;
   recording->recording = true;
   recording->run = list->back();
@@ -132,6 +165,11 @@ TEST_F(RecorderJsonTest, GivesTheFileOfAClosedRunOfTheListAndOfNothingElse) {
     EXPECT_EQ(refused(other).substr(0, 34), "404 there is no run of this name: ") << other;
   EXPECT_EQ(refused("bench-250-20261123T031217Z.dwell").substr(0, 22), "409 the run goes on: i");
   EXPECT_EQ(refused("bench-248-20261123T031217Z.dwell").substr(0, 23), "409 the run was cut off");
+  const std::string link = refused("bench-10-20261123T031217Z.dwell");
+  EXPECT_EQ(link.substr(0, 22), "409 its file is a link");
+  const Parsed listed = answer("from=10&count=1")["runs"][0];
+  EXPECT_TRUE(listed["download"].is_null()) << "what is refused is not offered";
+  EXPECT_EQ("409 " + listed["no_download"].get<std::string>(), link);
   EXPECT_EQ(refused("be\"nch-249-20261123T031217Z.dwell").substr(0, 25), "409 its name has unusual ");
 }
 

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { adviceOn, budgetOf } from '../../daemon/page/budget.mjs';
 import { History, HOUR_MS, ROOM, trendPaths } from '../../daemon/page/history.mjs';
-import { placeLabels, polarOf } from '../../daemon/page/polar.mjs';
+import { placeLabels, polarOf, scalesText } from '../../daemon/page/polar.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, settlingOf } from './sample.js';
 
@@ -136,6 +136,15 @@ test('phases are relative to the first channel, each unit has its own scale, ell
   assert.ok(Math.abs(y1.tangential - 2.45 * 0.02 * 50) < 1e-9);
   assert.deepEqual(polar.silent, [{ channel: 'y2', reason: 'stale' }]);
   assert.deepEqual(polarOf([], 100).arrows, []);
+});
+
+test('before the dwell has settled no ellipse is drawn, and none is spoken of', () => {
+  const phasors = [phasor('y0', 0.004, 1), phasor('y1', 0.002, 1)];
+  const polar = polarOf(phasors, 100, false);
+  for (const arrow of polar.arrows) assert.deepEqual([arrow.radial, arrow.tangential], [0, 0]);
+  assert.equal(scalesText(polar, false), 'Circle: 4.00 mm (solid); phases to y0.');
+  assert.equal(scalesText(polarOf(phasors, 100), true), 'Circle: 4.00 mm (solid); phases to y0. Ellipses hold 95 % (k = 2.45).');
+  assert.equal(scalesText(polarOf([], 100), true), '');
 });
 
 test('labels do not overlap and stay beside the circle', () => {

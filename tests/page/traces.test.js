@@ -38,9 +38,17 @@ async function saved() {
   return (await readFile(await download.path(), 'utf8')).trimEnd().split('\n').map((line) => line.split(','));
 }
 
+test('off the screen they go on as well: who prints the page, or takes a picture of all of it, finds what is', async () => {
+  await said('in view, live: readings, least and greatest in ');
+  await page.evaluate(() => window.scrollTo(0, 0));
+  assert.ok(await page.evaluate(() => document.querySelector('#trace-plot').getBoundingClientRect().top > window.innerHeight), 'it is off the screen');
+  const before = await picture();
+  await until(async () => await picture() !== before);
+});
+
 test('they move while they are live, and stand still while paused', async () => {
   await said('in view, live: readings, least and greatest in ');
-  await page.locator('#trace-plot').scrollIntoViewIfNeeded(); // nothing is drawn that nobody sees
+  await page.locator('#trace-plot').scrollIntoViewIfNeeded(); // off the screen it is drawn once a second
   const before = await picture();
   await until(async () => await picture() !== before);
   await page.click('#trace-pause');

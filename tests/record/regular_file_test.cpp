@@ -75,6 +75,16 @@ TEST(RegularFile, AFullDiskAndAFullQuotaReadAlike) {
   EXPECT_EQ(system_text(EACCES), "Permission denied");
 }
 
+TEST(RunList, SaysOfAFileThatItIsALink) {
+  const Scratch scratch;
+  const std::string first = "rig-1-20260101T000000Z.dwell", second = "rig-2-20260101T000000Z.dwell";
+  write_sample(scratch.path(first), {});
+  ASSERT_EQ(::symlink(scratch.path(first).c_str(), scratch.path(second).c_str()), 0);
+  EXPECT_FALSE(look_at_run(scratch.path(), first).linked);
+  EXPECT_TRUE(look_at_run(scratch.path(), second).linked);
+  EXPECT_EQ(look_at_run(scratch.path(), second).state, "closed");
+}
+
 TEST(RegularFile, ALinkToAFileIsOpenedAndADirectoryIsNot) {
   const Scratch scratch;
   const std::string file = scratch.write("file", "x"), link = scratch.path("link");
