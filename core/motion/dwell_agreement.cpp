@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/wording.hpp"
+
 namespace dwell {
 namespace {
 
@@ -11,6 +13,9 @@ namespace {
 constexpr double kLeastPart = 0.1;
 // How often noise alone may make one of all coefficients contradict.
 constexpr double kByChance = 0.05;
+// … and how often it may make a healthy dwell doubted. Halved: real changes of 3 u go unseen a little more often. Doubled: a
+// healthy recording in 500 is doubted.
+constexpr double kDoubtedByChance = 1e-3;
 
 // Variance of a dwell's coefficient by what its own readings scatter.
 double noise_variance(const Coefficient& coefficient, const std::vector<BudgetShare>& budget,
@@ -44,6 +49,28 @@ std::vector<Agreement> differences(const MotionEstimate& motion, const Dwell& dw
   return all;
 }
 
+// How often noise alone makes one of so many coefficients differ by so much, at most (Bonferroni).
+double chance_of(const Agreement& one, std::size_t coefficients) {
+  return static_cast<double>(coefficients) * std::erfc(std::sqrt(2.0) * one.e_n);
+}
+
+std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dwell& dwell) {
+  const std::vector<Agreement> all = differences(motion, dwell);
+  Objection out;
+  const Agreement* largest = nullptr;
+  for (const Agreement& one : all) {
+    if (!(one.over_U > 1 && chance_of(one, all.size()) < kDoubtedByChance)) continue;
+    if (out.elements.empty() || out.elements.back() != one.element) out.elements.push_back(one.element);
+    if (largest == nullptr || one.over_U > largest->over_U) largest = &one;
+  }
+  if (largest == nullptr) return std::nullopt;
+  out.what = "any motion: from " + brief(motion.start_s, 4) + " s to " + brief(motion.end_s, 4) + " s the " +
+             to_string(largest->kind) + " of element " + std::to_string(largest->element) +
+             " differs from this dwell's by " + brief(largest->over_U, 2) +
+             " of the joint U of both: the rig, a transducer or a clock may have changed on the way";
+  return out;
+}
+
 // Whether the term that explains the readings leaves every coefficient of the dwell within its U95. Not where nothing
 // explains them, or what the term moves is not known.
 bool moves_little(const MotionEstimate& motion, const Dwell& dwell) {
@@ -63,16 +90,16 @@ bool moves_little(const MotionEstimate& motion, const Dwell& dwell) {
 
 std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion) {
   const bool inside = dwell.settled_s < motion.end_s && motion.start_s < dwell.end_s;
-  if (!motion.contradicted || !inside) return std::nullopt;
-  return Objection{"any motion: " + motion.reason, !moves_little(motion, dwell)};
+  if (!inside) return std::nullopt;
+  if (!motion.contradicted) return contradiction_of(motion, dwell);
+  return Objection{"any motion: " + motion.reason, !moves_little(motion, dwell), {}};
 }
 
 std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell) {
   std::vector<Agreement> all = differences(motion, dwell);
   if (all.empty()) return std::nullopt;
   for (Agreement& one : all) {
-    const double by_chance = static_cast<double>(all.size()) * std::erfc(std::sqrt(2.0) * one.e_n);
-    one.contradicts = one.over_U > 1 && by_chance < kByChance;
+    one.contradicts = one.over_U > 1 && chance_of(one, all.size()) < kByChance;
   }
   Agreement named = *std::max_element(all.begin(), all.end(), [](const Agreement& a, const Agreement& b) {
     return std::pair(a.contradicts, a.over_U) < std::pair(b.contradicts, b.over_U);

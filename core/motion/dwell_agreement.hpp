@@ -11,6 +11,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/result/motion.hpp"
 
@@ -21,14 +22,19 @@ namespace dwell {
 // some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
 
-// What speaks against a dwell where the readings of a stretch that it lies in contradict the chain: its coefficients
-// rest on the same chain. One steady frequency cannot show that by itself.
+// What any motion holds against a dwell whose data lie in its stretch:
+//
+// - the readings contradict the chain: the dwell's coefficients rest on the same chain. One steady frequency cannot show
+//   that by itself;
+// - it has coefficients, and some contradict the dwell's beyond doubt: the rig, a transducer or a clock changed on the
+//   way, and each dwell by itself looks well.
 struct Objection {
-  std::string what;   // "any motion: the chain of the rig file does not explain y1; …"
-  bool grave = true;  // false: the term that explains it moves no coefficient by more than its U95
+  std::string what;           // "any motion: the chain of the rig file does not explain y1; …"
+  bool grave = true;          // false: the term that explains it moves no coefficient by more than its U95
+  std::vector<int> elements;  // k of those concerned, ascending; empty: all
 };
 
-// nullopt: the chain is not contradicted, or not where the dwell's data lie. Thread-safe; allocates.
+// nullopt: neither is so. Thread-safe; allocates.
 [[nodiscard]] std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion);
 
 }  // namespace dwell

@@ -31,7 +31,7 @@ void object(const MotionEstimate& motion, std::vector<Dwell>& dwells) {
     if (objection->grave) {
       // The doubts stand first among the warnings.
       dwell.warnings.insert(dwell.warnings.begin() + static_cast<std::ptrdiff_t>(dwell.doubts.size()), objection->what);
-      dwell.doubts.push_back({{}, objection->what});
+      dwell.doubts.push_back({objection->elements, objection->what});
     } else {
       dwell.warnings.push_back(objection->what);
     }

@@ -109,6 +109,24 @@ TEST(ObjectionToADwell, IsGraveWhereNothingExplainsTheReadingsOrWhatDoesMovesACo
   EXPECT_FALSE(objection_to(neither.dwell, neither.motion)->grave);
 }
 
+// Two differences, each above e_n = 1.74 by chance in 5e-4 of all cases: erfc(√2 · 1.74) = 5e-4.
+TEST(ObjectionToADwell, IsThatACoefficientContradictsItsOwnBeyondDoubt) {
+  const auto objected = [](double e_n) {
+    Pair pair = same_data(1000.0, 1000.0 + 2 * e_n);
+    pair.motion.elements[0].stiffness.U95 = pair.dwell.elements[0].stiffness.U95 = 0.1;
+    return objection_to(pair.dwell, pair.motion);
+  };
+  EXPECT_FALSE(objected(1.73));
+  const auto objection = objected(1.75);
+  ASSERT_TRUE(objection);
+  EXPECT_TRUE(objection->grave);
+  EXPECT_EQ(objection->elements, std::vector<int>{1});
+  EXPECT_NE(objection->what.find("the stiffness of element 1 differs from this dwell's by 25 of the joint U"),
+            std::string::npos)
+      << objection->what;
+  EXPECT_FALSE(objection_to(same_data(1000.0, 1005.0).dwell, same_data(1000.0, 1005.0).motion)) << "within the joint U";
+}
+
 TEST(ObjectionToADwell, IsNoneWhereOnlyTheReadingsAreTooFewOrTheDwellIsNotInTheStretch) {
   Pair few = contradicted({});
   few.motion.contradicted = false;
