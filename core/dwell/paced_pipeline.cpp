@@ -56,7 +56,7 @@ std::size_t PacedPipeline::push_in_block(std::span<const Record> records) noexce
   changes_ = kNothing;
   const std::size_t n = pipeline_.push_in_block(records);
   for (const Record& record : records.first(n)) {
-    earn(record.t_ns);
+    if (record.t_ns != newest_ns_) earn(record.t_ns);
     count(record);
   }
   return n;

@@ -85,11 +85,11 @@ void Pipeline::Impl::advance() {
 void Pipeline::Impl::sample(const Record& record) {
   const int c = record.channel;
   if (c >= live.count()) return;
-  live.sample(record, omega(), [&](const LiveChannel::Reading& reading) { take(c, reading); });
+  live.sample(record, omega(),
+              [&](LiveChannel& channel, const LiveChannel::Reading& reading) { take(c, channel, reading); });
 }
 
-void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
-  LiveChannel& channel = live[c];
+void Pipeline::Impl::take(int c, LiveChannel& channel, const LiveChannel::Reading& reading) {
   if (channel.stuck(period_s()) && !states.at_rest()) return channel.leave_out_stuck();
   const bool first = !channel.has_counted();
   const double value = channel.count(reading);

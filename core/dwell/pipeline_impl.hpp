@@ -99,8 +99,8 @@ struct Pipeline::Impl {
   void advance();
 
   void sample(const Record& record);
-  // Takes a reading that counts.
-  void take(int c, const LiveChannel::Reading& reading);
+  // Takes a reading of channel c, live[c], that counts.
+  void take(int c, LiveChannel& channel, const LiveChannel::Reading& reading);
   // A GPIO edge. If the interlock opens, the dwell ends at once. Nothing begins until it closes; earlier data do not
   // count.
   void edge(const Record& record);
@@ -206,9 +206,10 @@ struct Pipeline::Impl {
   [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
   // Warns where hum cannot be told from a harmonic.
   void warn_of_hum(double seconds, Dwell& dwell) const;
-  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
-  // dwell_steadiness.cpp: changes within blocks [from, to), whose sums `totals` holds.
-  void look_within(int from, int to, double seconds, std::vector<ChannelResult>& results) const;
+  // fits: of data.totals().
+  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now, HarmonicFits& fits) const;
+  // dwell_steadiness.cpp: changes within blocks [from, to), whose sums data.totals() holds.
+  void look_within(int from, int to, double seconds, HarmonicFits& fits, std::vector<ChannelResult>& results) const;
   [[nodiscard]] double turned_by_refresh(int c, const HarmonicFit& fit) const;
   [[nodiscard]] double variance_since_fitted(const HarmonicFit& table) const;
   void look_at_settling(std::vector<ChannelResult>& results) const;

@@ -32,13 +32,16 @@ ChannelIntake::ChannelIntake(const Channel& channel)
 
 ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcept {
   const double raw = reading.value, before = times_.add(reading.t_ns, raw);
-  const bool code = judged_ && codes_.has(raw);
-  overrange_now_ = code || numbers_.beyond_range(raw);
-  if (overrange_now_) {
-    left_.beyond_range(code);
-    return Says::leave;
+  overrange_now_ = false;
+  if (!codes_.amid(raw)) {
+    const bool code = judged_ && codes_.has(raw);
+    overrange_now_ = code || numbers_.beyond_range(raw);
+    if (overrange_now_) {
+      left_.beyond_range(code);
+      return Says::leave;
+    }
+    codes_.see(raw);
   }
-  codes_.see(raw);
   if (!judged_) return Says::take;
 
   if (const auto interval = times_.mean_interval(); interval.span_ns > 0) sampled_ = {omega, interval};

@@ -15,6 +15,8 @@ class EndCodes {
     if (!(raw > largest_ || raw < smallest_)) return false;
     return std::find(std::begin(kCodes), std::end(kCodes), raw) != std::end(kCodes);
   }
+  // Whether the reading lies between good ones. Then it is one as well, and see() changes nothing.
+  [[nodiscard]] bool amid(double raw) const noexcept { return raw <= largest_ && raw >= smallest_; }
   // Takes in a reading that is no code.
   void see(double raw) noexcept {
     largest_ = std::max(largest_, raw);

@@ -43,12 +43,13 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   median_half_ns_ *= reading.half_ns > median_half_ns_ ? 1 + learn : 1 - learn;
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;
   const auto counts = [&](bool certain) {
-    uncertain_ += certain ? 0 : 1;
-    uncertain_in_hold_ += certain ? 0 : 1;
-    return certain ? Says::take : Says::uncertain;
+    if (certain) return Says::take;
+    ++uncertain_;
+    ++uncertain_in_hold_;
+    return Says::uncertain;
   };
   const bool by_far = reading.half_ns > kByFar * median_half_ns_;
-  by_far_ += kLearnRare * ((by_far ? 1.0 : 0.0) - by_far_);
+  if (by_far || by_far_ > 0) by_far_ += kLearnRare * ((by_far ? 1.0 : 0.0) - by_far_);
   if (!(predicted.gain > 0) || !std::isfinite(step)) {
     if (predictor_.full()) predictor_.restart();  // a pause, or too few readings a period: begin anew
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);

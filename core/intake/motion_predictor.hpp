@@ -26,8 +26,12 @@ class MotionPredictor {
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
     const std::int64_t gap_ns = t_ns - points_.back().t_ns;
-    even_ = gap_ns == gap_ns_ ? std::min(even_ + 1, kPoints) : 1;
-    gap_ns_ = gap_ns;
+    if (gap_ns != gap_ns_) {
+      gap_ns_ = gap_ns;
+      even_ = 1;
+    } else if (even_ < kPoints) {
+      ++even_;
+    }
     std::move(points_.begin() + 1, points_.end(), points_.begin());
     points_.back() = {t_ns, value};
     if (held_ < kPoints) ++held_;

@@ -35,6 +35,8 @@ class ReadingTimes {
   }
   // The mean interval, s; 0: not known.
   [[nodiscard]] double interval_s() const noexcept { return mean_interval().s(); }
+  // Whether the newest reading equals the one before.
+  [[nodiscard]] bool repeats() const noexcept { return changed_ns_ != newest_ns_; }
   // For how long the reading has been the same, s.
   [[nodiscard]] double same_for_s() const noexcept {
     return changed_ns_ == INT64_MIN ? 0.0 : 1e-9 * static_cast<double>(newest_ns_ - changed_ns_);

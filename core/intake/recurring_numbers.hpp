@@ -47,8 +47,9 @@ class RecurringNumbers {
   // Whether a register is held: with few readings a period, more are identical than chance brings. pairs: of
   // consecutive readings; changes: pairs that differ.
   [[nodiscard]] bool held_by_few(std::int64_t pairs, std::int64_t changes) const noexcept {
-    return 10 * recurring_ < changes && changes <= kFewChanges * turns_ && pairs <= 2 * kFewChanges * turns_ &&
-           3 * same_inside_ > pairs && beyond_chance(same_inside_, static_cast<double>(recurring_));
+    // First what nearly every channel fails.
+    return 3 * same_inside_ > pairs && 10 * recurring_ < changes && changes <= kFewChanges * turns_ &&
+           pairs <= 2 * kFewChanges * turns_ && beyond_chance(same_inside_, static_cast<double>(recurring_));
   }
 
   // How many readings, other than at an extreme, were one of the last numbers again amid a motion that went on: it

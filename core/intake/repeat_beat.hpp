@@ -16,7 +16,8 @@ class RepeatBeat {
  public:
   // Another reading.
   void next() noexcept {
-    if (++since_ > kSilent * beat_) found_ = false;
+    since_ += 1.0;
+    if (found_ && since_ > kSilent * beat_) found_ = false;
   }
   // The newest reading ends a repeat between two jumps; beside: the smaller of them. onwards: both go the same way.
   // step: of the rounding. density: of the differences near 0, per `beside`.

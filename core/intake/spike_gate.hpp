@@ -13,6 +13,11 @@ class SpikeGate {
   // Whether this reading lies outside the range of this period and the last by more than 1.5 times that range, as no
   // harmonic motion does. false if the two readings before did as well: then it is another motion. Any unit.
   bool spike(double value) noexcept {
+    if (value >= now_.low && value <= now_.high) {  // most readings: within this period's range, which stays
+      in_row_ = 0;
+      ++now_.count;
+      return false;
+    }
     const double low = std::min(before_.low, now_.low), high = std::max(before_.high, now_.high);
     const double room = kRoom * (high - low);
     if (before_.count >= kFewest && room > 0 && (value < low - room || value > high + room) && in_row_ < kMostInRow) {
