@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "core/base/angle.hpp"
@@ -29,6 +30,15 @@ class SamplingRegularity {
     lost_ = 0;
     if (n_ < kMost) weight_ = 1 / ++n_;
     learn(step_s);
+  }
+  // So many steps of the same length.
+  void add_evenly(double step_s, std::size_t steps) noexcept {
+    // A mean of nothing but such steps stays as it is.
+    if (n_ >= kMost && step_s == mean_s_ && variance_ == 0) {
+      lost_ = 0;
+      return;
+    }
+    for (std::size_t i = 0; i < steps; ++i) add(step_s);
   }
   // Distance of f_hz from the line or its nearest alias, Hz. An alias that jitter spreads by 3 rad is left out.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {

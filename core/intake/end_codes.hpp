@@ -22,6 +22,9 @@ class EndCodes {
     largest_ = std::max(largest_, raw);
     smallest_ = std::min(smallest_, raw);
   }
+  // The good readings so far.
+  [[nodiscard]] double highest() const noexcept { return largest_; }
+  [[nodiscard]] double lowest() const noexcept { return smallest_; }
   // The largest magnitude of the readings that are no codes.
   [[nodiscard]] double largest() const noexcept { return std::max(std::abs(largest_), std::abs(smallest_)); }
 

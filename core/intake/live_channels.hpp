@@ -39,6 +39,9 @@ class LiveChannels {
     channel.judge(record, omega_rad_s, [&](const LiveChannel::Reading& reading) { take(channel, reading); });
   }
 
+  // A sample that LiveChannel::take_plain() has judged before.
+  void plain_sample(const Record& record) noexcept { transactions_.sample(record); }
+
   // As LiveChannel, for each channel.
   void begin_hold() noexcept;
   void begin_to_count() noexcept;
