@@ -45,7 +45,7 @@ class Pipeline {
   // 3 + 4 modes)²/2 multiplications each. 0.1 s if four are enough, some seconds for sixteen full rings.
   std::uint8_t push(const Record& record) noexcept;
   // Takes the first records as push() would one by one, as long as they are samples or ticks within the open block:
-  // none of them changes a state or ends a dwell. Returns how many; 0: push() must take the next one. Half the cost of
+  // none of them changes a state or ends a dwell. Returns how many; 0: push() must take the next one. Cheaper than
   // push() where nearly all readings are plain (plain_run.hpp): give it all records at hand. Real-time safe.
   std::size_t push_in_block(std::span<const Record> records) noexcept;
 

@@ -44,7 +44,7 @@ class ChannelIntake {
   // Begins a run of plain readings after the newest one, or closes it: the next reading cannot be plain.
   void begin(PlainRun& run, double omega) const noexcept;
   // Judges the first readings of a run begun since the newest judge() or take_plain(): those that judge() would take as
-  // they are. Shortens the run to them. Costs a third of judge() for each.
+  // they are. Shortens the run to them.
   void take_plain(PlainRun& run, double omega) noexcept;
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
 
