@@ -33,10 +33,11 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
   Refined result{.omega = within_search(rig, sums.omega())};
   sums.turned(result.omega, t_ref_ns, out);
   for (int step = 0; step < kRefinements; ++step) {
+    HarmonicFits fits(out, H);
     double score = 0.0, information = 0.0, longest = 0.0;
     for (std::size_t c = 0; c < rig.channels.size(); ++c) {
       if (rig.channels[c].measures == Quantity::auxiliary) continue;
-      const HarmonicFit fit = fit_harmonics(out, static_cast<int>(c), H, 0.0);
+      const HarmonicFit fit = fits.fit(static_cast<int>(c), 0.0);
       if (!fit.usable) continue;
       score += fit.score;
       information += fit.information;

@@ -95,8 +95,9 @@ HarmonicFit CountedData::fit(int channel, int from, int to, double omega, std::i
 
 void CountedData::fit_all(int from, int to, std::int64_t t_ns, std::vector<HarmonicFit>& fits) const noexcept {
   blocks_.sum(from, to, omega_, t_ns, window_);
+  HarmonicFits of_window(window_, H());
   for (int c = 0; c < channels_.count(); ++c)
-    fits[static_cast<std::size_t>(c)] = fit_harmonics(window_, c, H(), blocks_.reference(c));
+    fits[static_cast<std::size_t>(c)] = of_window.fit(c, blocks_.reference(c));
 }
 
 HarmonicFit CountedData::fit_now(int channel, int from, bool counting, std::int64_t t_ns) const noexcept {
@@ -232,10 +233,6 @@ Refined CountedData::gather(int from, int to, bool with_open, std::int64_t now_n
 std::vector<std::vector<PhasorStretch>> CountedData::stretches(int from, int to,
                                                                std::span<const HarmonicFit* const> fits) const {
   return phasor_stretches(blocks_, from, to, H(), fits, totals_.omega(), totals_.t_ref_ns(), window_);
-}
-
-PhasorSlope CountedData::slope(int channel, const HarmonicFit& fit) const noexcept {
-  return fit_slope(totals_, channel, H(), fit, blocks_.reference(channel));
 }
 
 }  // namespace dwell

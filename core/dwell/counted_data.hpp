@@ -100,7 +100,6 @@ class CountedData {
   // Allocates.
   [[nodiscard]] std::vector<std::vector<PhasorStretch>> stretches(int from, int to,
                                                                   std::span<const HarmonicFit* const> fits) const;
-  [[nodiscard]] PhasorSlope slope(int channel, const HarmonicFit& fit) const noexcept;
 
  private:
   [[nodiscard]] int H() const noexcept { return rig_.excitation.harmonics; }

@@ -120,10 +120,10 @@ double Pipeline::Impl::quantization_u(int c, const HarmonicFit& fit, const Total
   return step / std::sqrt(12.0) * std::sqrt(2 / in_period);
 }
 
-ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now) const {
+ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now, HarmonicFits& fits) const {
   const LiveChannel& channel = live[c];
   ChannelResult result;
-  result.fit = fit_harmonics(data.totals(), c, harmonics(), blocks().reference(c));
+  result.fit = fits.fit(c, blocks().reference(c));
   result.dof = result.fit.samples - (2 * harmonics() + 1);
   if (channel.stuck(period_s()))
     result.withheld = "stuck at one reading";
@@ -195,13 +195,14 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
   dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
   std::vector<ChannelResult> results;
+  HarmonicFits fits(data.totals(), harmonics());
   for (int c = 0; c < live.count(); ++c) {
-    results.push_back(result_of(c, up_to_now));
+    results.push_back(result_of(c, up_to_now, fits));
     if (out_of_search()) results.back().withheld = "the drive is outside the search range";
   }
   const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
                               (from < blocks().count() ? blocks().block(from).begin_ns : now_ns));
-  if (settled) look_within(from, to, seconds, results);
+  if (settled) look_within(from, to, seconds, fits, results);
   for (ChannelResult& result : results)
     for (int h = 1; h <= harmonics(); ++h)
       result.fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));

@@ -52,15 +52,16 @@ double Pipeline::Impl::turned_by_refresh(int c, const HarmonicFit& fit) const {
   return std::norm(omega() * live[c].intake().widest_refresh_half_s() * fit.X[0]) / 3;
 }
 
-void Pipeline::Impl::look_within(int from, int to, double seconds, std::vector<ChannelResult>& results) const {
-  std::vector<const HarmonicFit*> fits;
-  for (const ChannelResult& result : results) fits.push_back(&result.fit);
-  auto stretches = data.stretches(from, to, fits);
+void Pipeline::Impl::look_within(int from, int to, double seconds, HarmonicFits& fits,
+                                 std::vector<ChannelResult>& results) const {
+  std::vector<const HarmonicFit*> of_channels;
+  for (const ChannelResult& result : results) of_channels.push_back(&result.fit);
+  auto stretches = data.stretches(from, to, of_channels);
   const Complex turn = std::polar(1.0, data.bend(data.totals().t_ref_ns()));
   for (int c = 0; c < live.count(); ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
     result.stretches = std::move(stretches[static_cast<std::size_t>(c)]);
-    result.slope = data.slope(c, result.fit);
+    result.slope = fits.slope(c, result.fit, blocks().reference(c));
     // Such errors of the instants are not those of the drive: they count as noise of each stretch, and at either end.
     if (const double turned = turned_by_refresh(c, result.fit); turned > 0) {
       for (PhasorStretch& stretch : result.stretches) stretch.add_variance(turned);

@@ -55,9 +55,11 @@ std::size_t PacedPipeline::push_in_block(std::span<const Record> records) noexce
   if (count_ > 0) return 0;
   changes_ = kNothing;
   const std::size_t n = pipeline_.push_in_block(records);
+  std::uint64_t* const taken = taken_.data();
+  const std::size_t channels = taken_.size();
   for (const Record& record : records.first(n)) {
-    earn(record.t_ns);
-    count(record);
+    if (record.t_ns != newest_ns_) earn(record.t_ns);
+    if (record.kind == Kind::sample && record.channel < channels) ++taken[record.channel];
   }
   return n;
 }

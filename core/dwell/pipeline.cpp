@@ -46,18 +46,51 @@ void Pipeline::Impl::take_record(const Record& record) {
   }
 }
 
-[[gnu::flatten]] std::size_t Pipeline::Impl::take_in_block(std::span<const Record> records) {
-  if (!blocks().is_open()) return 0;
+std::size_t Pipeline::Impl::gather_in_block(std::span<const Record> records, std::size_t most) {
   const std::int64_t end_ns = std::min(blocks().open_end_ns(), Pipeline::kLatest_ns);
+  const auto channels = static_cast<std::size_t>(live.count());
+  PlainRun* const run_of = runs.data();
+  for (std::size_t c = 0; c < channels; ++c) live[static_cast<int>(c)].begin(run_of[c], omega());
+  std::int64_t newest_ns = now_ns;
   std::size_t n = 0;
-  for (; n < records.size(); ++n) {
-    const Record& record = records[n];
+  for (const Record& record : records.first(std::min(records.size(), most))) {
     const bool sampled = record.kind == Kind::sample;
-    if ((!sampled && record.kind != Kind::tick) || record.t_ns < now_ns || record.t_ns >= end_ns) break;
-    now_ns = record.t_ns;
-    if (sampled) sample(record);
+    if ((!sampled && record.kind != Kind::tick) || record.t_ns < newest_ns || record.t_ns >= end_ns) break;
+    newest_ns = record.t_ns;
+    if (sampled && record.channel < channels)
+      run_of[record.channel].add(record.t_ns, record.value, record.t_half_ns, record.flags != 0);
+    ++n;
   }
   return n;
+}
+
+// The judgements of a channel depend on its own readings alone, and on ω, which stays within a block. So the plain
+// readings of a channel are judged at once, ahead of the other channels' earlier ones. All else goes in the stream's
+// order. The result is that of push().
+[[gnu::flatten]] std::size_t Pipeline::Impl::take_in_block(std::span<const Record> records) {
+  if (!blocks().is_open()) return 0;
+  PlainRun* const run_of = runs.data();
+  const std::size_t channels = runs.size(), most = PlainRun::kMost * std::max<std::size_t>(channels, 1);
+  std::size_t taken = 0;
+  for (std::size_t n = most; n == most; taken += n) {
+    n = gather_in_block(records.subspan(taken), most);
+    for (std::size_t c = 0; c < channels; ++c)
+      if (run_of[c].count() >= PlainRun::kFewest)
+        live[static_cast<int>(c)].take_plain(run_of[c], omega());
+      else
+        run_of[c].close();
+    for (const Record& record : records.subspan(taken, n)) {
+      now_ns = record.t_ns;
+      if (record.kind != Kind::sample) continue;
+      if (record.channel < channels && run_of[record.channel].pop()) {
+        live.plain_sample(record);
+        take(record.channel, live[record.channel], {record.t_ns, record.value, record.t_half_ns});
+      } else {
+        sample(record);
+      }
+    }
+  }
+  return taken;
 }
 
 void Pipeline::Impl::advance() {
@@ -85,11 +118,11 @@ void Pipeline::Impl::advance() {
 void Pipeline::Impl::sample(const Record& record) {
   const int c = record.channel;
   if (c >= live.count()) return;
-  live.sample(record, omega(), [&](const LiveChannel::Reading& reading) { take(c, reading); });
+  live.sample(record, omega(),
+              [&](LiveChannel& channel, const LiveChannel::Reading& reading) { take(c, channel, reading); });
 }
 
-void Pipeline::Impl::take(int c, const LiveChannel::Reading& reading) {
-  LiveChannel& channel = live[c];
+void Pipeline::Impl::take(int c, LiveChannel& channel, const LiveChannel::Reading& reading) {
   if (channel.stuck(period_s()) && !states.at_rest()) return channel.leave_out_stuck();
   const bool first = !channel.has_counted();
   const double value = channel.count(reading);

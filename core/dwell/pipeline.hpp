@@ -46,7 +46,7 @@ class Pipeline {
   std::uint8_t push(const Record& record) noexcept;
   // Takes the first records as push() would one by one, as long as they are samples or ticks within the open block:
   // none of them changes a state or ends a dwell. Returns how many; 0: push() must take the next one. Cheaper than
-  // push(): the checks that are the same for a whole block are made once. Real-time safe.
+  // push() where nearly all readings are plain (plain_run.hpp): give it all records at hand. Real-time safe.
   std::size_t push_in_block(std::span<const Record> records) noexcept;
 
   // Whether push() may do more than take in a sample.

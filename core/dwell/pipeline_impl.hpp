@@ -35,6 +35,7 @@
 #include "core/fit/harmonic_fit.hpp"
 #include "core/fit/mains.hpp"
 #include "core/intake/live_channels.hpp"
+#include "core/intake/plain_run.hpp"
 #include "core/rig/observation.hpp"
 #include "core/rig/transducer.hpp"
 #include "core/stream/sample_history.hpp"
@@ -57,6 +58,7 @@ struct Pipeline::Impl {
         G(observation_matrix(given)),
         provisional_chain(rig, G, slices),
         modes(rig, reference.stated(), history, provisional_chain) {
+    runs.resize(static_cast<std::size_t>(live.count()));
     transient.resize(static_cast<std::size_t>(live.count()));
     fitted_channels.resize(static_cast<std::size_t>(live.count()));
   }
@@ -73,6 +75,7 @@ struct Pipeline::Impl {
   const Eigen::MatrixXd G;
   ProvisionalChain provisional_chain;
   TransientModel modes;
+  std::vector<PlainRun> runs;                  // storage for take_in_block(), by channel
   std::vector<FittedChannel> fitted_channels;  // storage for hold_now()
   std::vector<double> transient;  // per channel, unit of its reading: SettlingDetector::left() at the verdict
 
@@ -94,13 +97,16 @@ struct Pipeline::Impl {
   std::uint8_t push(const Record& record);
   void take_record(const Record& record);
   std::size_t take_in_block(std::span<const Record> records);
+  // How many records the open block takes as they come, up to `most`: samples and ticks. Gathers their readings in
+  // `runs`.
+  std::size_t gather_in_block(std::span<const Record> records, std::size_t most);
 
   // Closes blocks and opens new ones up to now_ns.
   void advance();
 
   void sample(const Record& record);
-  // Takes a reading that counts.
-  void take(int c, const LiveChannel::Reading& reading);
+  // Takes a reading of channel c, live[c], that counts.
+  void take(int c, LiveChannel& channel, const LiveChannel::Reading& reading);
   // A GPIO edge. If the interlock opens, the dwell ends at once. Nothing begins until it closes; earlier data do not
   // count.
   void edge(const Record& record);
@@ -206,9 +212,10 @@ struct Pipeline::Impl {
   [[nodiscard]] double quantization_u(int c, const HarmonicFit& fit, const Totals& from) const;
   // Warns where hum cannot be told from a harmonic.
   void warn_of_hum(double seconds, Dwell& dwell) const;
-  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now) const;
-  // dwell_steadiness.cpp: changes within blocks [from, to), whose sums `totals` holds.
-  void look_within(int from, int to, double seconds, std::vector<ChannelResult>& results) const;
+  // fits: of data.totals().
+  [[nodiscard]] ChannelResult result_of(int c, bool up_to_now, HarmonicFits& fits) const;
+  // dwell_steadiness.cpp: changes within blocks [from, to), whose sums data.totals() holds.
+  void look_within(int from, int to, double seconds, HarmonicFits& fits, std::vector<ChannelResult>& results) const;
   [[nodiscard]] double turned_by_refresh(int c, const HarmonicFit& fit) const;
   [[nodiscard]] double variance_since_fitted(const HarmonicFit& table) const;
   void look_at_settling(std::vector<ChannelResult>& results) const;

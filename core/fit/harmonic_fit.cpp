@@ -1,6 +1,5 @@
 #include "core/fit/harmonic_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
@@ -9,10 +8,6 @@
 
 namespace dwell {
 namespace {
-
-constexpr int kMaxParameters = 2 * kMaxHarmonics + 1;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxParameters, 1>;
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxParameters, kMaxParameters>;
 
 // Σ u^j cos kθ and Σ u^j sin kθ, k of either sign.
 struct Instants {
@@ -30,6 +25,7 @@ struct Instants {
 };
 
 // Information matrix R of the harmonic fit, lower triangle. Order of the parameters: b, p_1 … p_H, q_1 … q_H.
+template <class Matrix>
 void assemble(const Instants& M, int H, Matrix& R) noexcept {
   R(0, 0) = M.c(0, 0);
   for (int h = 1; h <= H; ++h) {
@@ -45,39 +41,55 @@ void assemble(const Instants& M, int H, Matrix& R) noexcept {
 
 }  // namespace
 
-HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept {
+HarmonicFits::HarmonicFits(const Totals& totals, int harmonics) noexcept
+    : totals_(totals), harmonics_(harmonics), factor_(2 * harmonics + 1) {
+  assert(harmonics <= totals.harmonics());
+}
+
+void HarmonicFits::take(const double* instants) noexcept {
+  if (instants == instants_) return;
+  instants_ = instants;
+  const int parameters = 2 * harmonics_ + 1;
+  Matrix R(parameters, parameters);
+  assemble(Instants{instants, 2 * totals_.harmonics() + 1}, harmonics_, R);
+  factor_.compute(R);
+  // A pivot is the energy of a regressor that the regressors before it do not explain. Below a thousandth, the
+  // regressor cannot be told from the others.
+  solvable_ = factor_.info() == Eigen::Success && factor_.vectorD().minCoeff() > 1e-3 * instants[0];
+  has_columns_ = false;
+}
+
+HarmonicFit HarmonicFits::fit(int channel, double reference) noexcept {
   HarmonicFit fit;
-  const ChannelMoments sums = totals.channel(channel);
-  const int H = harmonics, parameters = 2 * H + 1, in_set = totals.harmonics() + 1;
-  assert(H < in_set);
-  const Instants M{sums.instants, 2 * totals.harmonics() + 1};
+  const ChannelMoments sums = totals_.channel(channel);
+  const int H = harmonics_, parameters = 2 * H + 1, in_set = totals_.harmonics() + 1;
+  const Instants M{sums.instants, 2 * totals_.harmonics() + 1};
   const double* Z = sums.readings;
   const double sum_squares = Z[moments::squares(in_set)];
   fit.samples = M.c(0, 0);
   if (fit.samples < parameters + 1) return fit;
 
-  Matrix R(parameters, parameters);
-  assemble(M, H, R);
+  take(sums.instants);
+  if (!solvable_) return fit;
   Vector z(parameters);
   z(0) = Z[moments::cosine(in_set, 0, 0)];
   for (int h = 1; h <= H; ++h) {
     z(h) = Z[moments::sine(in_set, 0, h)];
     z(H + h) = Z[moments::cosine(in_set, 0, h)];
   }
-  const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
-  // A pivot is the energy of a regressor that the regressors before it do not explain. Below a thousandth, the
-  // regressor cannot be told from the others.
-  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-3 * fit.samples)) return fit;
-  const Vector theta = factor.solve(z);
+  const Vector theta = factor_.solve(z);
 
   // A difference below 1e-15 of the sum is rounding.
   const double squares = std::max(sum_squares - theta.dot(z), 1e-15 * sum_squares);
   fit.sigma2 = squares / (fit.samples - parameters);
-  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> unit(parameters, 2);
-  unit.setZero();
-  unit(1, 0) = unit(H + 1, 1) = 1.0;
-  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> columns = factor.solve(unit);
-  fit.covariance << columns(1, 0), columns(1, 1), columns(H + 1, 0), columns(H + 1, 1);
+  if (!has_columns_) {
+    Columns unit(parameters, 2);
+    unit.setZero();
+    unit(1, 0) = unit(H + 1, 1) = 1.0;
+    columns_ = factor_.solve(unit);
+    has_columns_ = true;
+  }
+  fit.covariance << columns_(1, 0), columns_(1, 1), columns_(H + 1, 0), columns_(H + 1, 1);
   fit.covariance *= fit.sigma2;
   fit.mean = theta(0) + reference;
   for (int h = 1; h <= H; ++h) fit.X[static_cast<std::size_t>(h - 1)] = {theta(h), theta(H + h)};
@@ -98,7 +110,7 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
       gX(H + l) += p * M.cos_cos(1, l, h) - q * M.sin_cos(1, h, l);
     }
   }
-  const Vector explained = factor.solve(gX);
+  const Vector explained = factor_.solve(gX);
   const double curvature = gg - gX.dot(explained);
   if (fit.sigma2 > 0 && curvature > 0) {
     fit.score = (gs - gX.dot(theta)) / fit.sigma2;
@@ -107,16 +119,17 @@ HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, doub
   return fit;
 }
 
-PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const HarmonicFit& fit,
-                      double reference) noexcept {
+HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept {
+  return HarmonicFits(totals, harmonics).fit(channel, reference);
+}
+
+PhasorSlope HarmonicFits::slope(int channel, const HarmonicFit& fit, double reference) noexcept {
   PhasorSlope slope;
   if (!fit.usable) return slope;
-  const ChannelMoments sums = totals.channel(channel);
-  const int H = harmonics, parameters = 2 * H + 1, in_set = totals.harmonics() + 1;
-  const Instants M{sums.instants, 2 * totals.harmonics() + 1};
-  Matrix R(parameters, parameters);
-  assemble(M, H, R);
-  const Eigen::LDLT<Matrix, Eigen::Lower> factor(R);
+  const ChannelMoments sums = totals_.channel(channel);
+  const int H = harmonics_, parameters = 2 * H + 1, in_set = totals_.harmonics() + 1;
+  const Instants M{sums.instants, 2 * totals_.harmonics() + 1};
+  take(sums.instants);
   Vector theta(parameters);
   theta(0) = fit.mean - reference;
   for (int h = 1; h <= H; ++h) {
@@ -124,14 +137,14 @@ PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const Ha
     theta(H + h) = fit.X[static_cast<std::size_t>(h - 1)].imag();
   }
   // G: products of the regressors u sin θ and u cos θ with those of the fit.
-  Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> G(parameters, 2);
+  Columns G(parameters, 2);
   G.row(0) << M.s(1, 1), M.c(1, 1);
   for (int l = 1; l <= H; ++l) {
     G.row(l) << M.sin_sin(1, 1, l), M.sin_cos(1, l, 1);
     G.row(H + l) << M.sin_cos(1, 1, l), M.cos_cos(1, 1, l);
   }
   const double square = 0.5 * sums.instants[moments::squares(M.count)];
-  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2> explained = factor.solve(G);
+  const Columns explained = factor_.solve(G);
   const Eigen::Matrix2d S = square * Eigen::Matrix2d::Identity() - G.transpose() * explained;
   const Eigen::Vector2d score =
       Eigen::Vector2d(sums.readings[moments::sine(in_set, 1, 1)], sums.readings[moments::cosine(in_set, 1, 1)]) -

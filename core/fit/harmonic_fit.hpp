@@ -6,7 +6,7 @@
 // of variance σ², Cov(θ) = σ² R⁻¹, the Cramér-Rao bound for Gaussian noise. R: information matrix of unit variance.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 #include <array>
 #include <complex>
 
@@ -28,10 +28,6 @@ struct HarmonicFit {
   double score = 0.0, information = 0.0;  // (rad/s)⁻¹, (rad/s)⁻²
 };
 
-// Fits one channel of the totals with `harmonics` <= totals.harmonics(). `reference`: the value subtracted from its
-// readings. O(H³). Real-time safe, thread-safe.
-[[nodiscard]] HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept;
-
 // Change of the fundamental within the data: dX_1/dt by least squares on the fit's residuals, in the reading's unit
 // per s. A transient, a drive that hunts and a knock all show in it.
 struct PhasorSlope {
@@ -42,9 +38,37 @@ struct PhasorSlope {
   static constexpr double kShows = 4.6;
   [[nodiscard]] bool shows() const noexcept { return variance > 0 && std::norm(value) > kShows * variance; }
 };
-// `fit`: of these totals with `harmonics`. Only the part of Σu² that does not oscillate is used: below two periods of
-// data the slope is good to a third. O(H³). Real-time safe, thread-safe.
-[[nodiscard]] PhasorSlope fit_slope(const Totals& totals, int channel, int harmonics, const HarmonicFit& fit,
-                                    double reference) noexcept;
+
+// Fits the channels of one set of sums. Channels that share their instants share the factor of R, which is half of the
+// work: fit them one after another with the same object. Bound to one thread; real-time safe.
+class HarmonicFits {
+ public:
+  // harmonics <= totals.harmonics(). The totals must outlive this, and not change meanwhile.
+  HarmonicFits(const Totals& totals, int harmonics) noexcept;
+  // `reference`: the value subtracted from the channel's readings. O(H³); O(H²) with the instants of the call before.
+  [[nodiscard]] HarmonicFit fit(int channel, double reference) noexcept;
+  // `fit`: of the channel. Only the part of Σu² that does not oscillate is used: below two periods of data the slope is
+  // good to a third. O(H³); O(H²) with the instants of the call before.
+  [[nodiscard]] PhasorSlope slope(int channel, const HarmonicFit& fit, double reference) noexcept;
+
+ private:
+  static constexpr int kMaxParameters = 2 * kMaxHarmonics + 1;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxParameters, kMaxParameters>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxParameters, 1>;
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxParameters, 2>;
+  // Makes factor_ that of these instants.
+  void take(const double* instants) noexcept;
+
+  const Totals& totals_;
+  int harmonics_;
+  const double* instants_ = nullptr;  // of factor_; null: none yet
+  Eigen::LDLT<Matrix, Eigen::Lower> factor_;
+  bool solvable_ = false;     // each regressor can be told from the others
+  bool has_columns_ = false;  // columns_ is that of these instants
+  Columns columns_;           // R⁻¹, those of p_1 and q_1
+};
+
+// The fit of a single channel, as HarmonicFits::fit(). Thread-safe.
+[[nodiscard]] HarmonicFit fit_harmonics(const Totals& totals, int channel, int harmonics, double reference) noexcept;
 
 }  // namespace dwell

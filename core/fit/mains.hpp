@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "core/base/angle.hpp"
@@ -18,15 +19,26 @@ class SamplingRegularity {
  public:
   void add(double step_s) noexcept {
     if (!(step_s > 0)) return;
+    if (n_ >= kMost && step_s <= kLong * mean_s_) {  // the usual case: nothing is lost, and the weight stays
+      lost_ = 0;
+      return learn(step_s);
+    }
     // Among the first few steps the shortest is the rule: one gap would bias their mean for long.
     if (n_ <= kFew && kLong * step_s < mean_s_) n_ = 0;
     if (n_ > 0 && step_s > kLong * mean_s_ && ++lost_ < kNotLost) return;
     if (lost_ == kNotLost) n_ = 0;  // so many long steps in a row are the rule; those before were a burst
     lost_ = 0;
     if (n_ < kMost) weight_ = 1 / ++n_;
-    const double off = step_s - mean_s_;
-    mean_s_ += off * weight_;
-    variance_ += (off * off * (1 - weight_) - variance_) * weight_;
+    learn(step_s);
+  }
+  // So many steps of the same length.
+  void add_evenly(double step_s, std::size_t steps) noexcept {
+    // A mean of nothing but such steps stays as it is.
+    if (n_ >= kMost && step_s == mean_s_ && variance_ == 0) {
+      lost_ = 0;
+      return;
+    }
+    for (std::size_t i = 0; i < steps; ++i) add(step_s);
   }
   // Distance of f_hz from the line or its nearest alias, Hz. An alias that jitter spreads by 3 rad is left out.
   [[nodiscard]] double distance_hz(double line_hz, double f_hz) const noexcept {
@@ -59,6 +71,12 @@ class SamplingRegularity {
   }
 
  private:
+  void learn(double step_s) noexcept {
+    const double off = step_s - mean_s_;
+    mean_s_ += off * weight_;
+    variance_ += (off * off * (1 - weight_) - variance_) * weight_;
+  }
+
   static constexpr double kMost = 4096;  // steps that the mean remembers
   static constexpr int kNotLost = 16;
   static constexpr double kFew = 8, kLong = 1.6;  // steps; multiple of the mean that shows a lost reading

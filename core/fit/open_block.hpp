@@ -44,15 +44,15 @@ class OpenBlock {
   void add_to(Totals& out, const moments::Turn& turn) const noexcept;
 
  private:
-  struct Member {          // per channel
-    int leader;            // channel whose set of instants it shares; itself: its own
-    int next;              // next channel with the same leader; -1: none
-    std::int64_t last_ns;  // of a leader: newest instant in its set
-    int size;              // of a leader: channels in its group
-    int arrived;           // of a leader: channels of its group that have brought the newest instant
-    double count;          // samples so far
-    double reference;      // subtracted from the readings
-    double* instants;      // its own sets in the slot
+  struct alignas(64) Member {  // per channel; a line of the cache, so that its place costs no multiplication
+    int leader;                // channel whose set of instants it shares; itself: its own
+    int next;                  // next channel with the same leader; -1: none
+    std::int64_t last_ns;      // of a leader: newest instant in its set
+    int size;                  // of a leader: channels in its group
+    int arrived;               // of a leader: channels of its group that have brought the newest instant
+    double count;              // samples so far
+    double reference;          // subtracted from the readings
+    double* instants;          // its own sets in the slot
     double* readings;
   };
   using Evaluate = void (*)(double, double, moments::Regressors&);

@@ -32,13 +32,16 @@ ChannelIntake::ChannelIntake(const Channel& channel)
 
 ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcept {
   const double raw = reading.value, before = times_.add(reading.t_ns, raw);
-  const bool code = judged_ && codes_.has(raw);
-  overrange_now_ = code || numbers_.beyond_range(raw);
-  if (overrange_now_) {
-    left_.beyond_range(code);
-    return Says::leave;
+  overrange_now_ = false;
+  if (!codes_.amid(raw)) {
+    const bool code = judged_ && codes_.has(raw);
+    overrange_now_ = code || numbers_.beyond_range(raw);
+    if (overrange_now_) {
+      left_.beyond_range(code);
+      return Says::leave;
+    }
+    codes_.see(raw);
   }
-  codes_.see(raw);
   if (!judged_) return Says::take;
 
   if (const auto interval = times_.mean_interval(); interval.span_ns > 0) sampled_ = {omega, interval};
@@ -66,6 +69,58 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   if (says != Says::leave) stamps_.keep_order(reading.t_ns);
   if (spike && (says == Says::leave || says == Says::wait)) left_.far_spike();
   return count(reading, read_ns, says);
+}
+
+void ChannelIntake::begin(PlainRun& run, double omega) const noexcept {
+  run.close();
+  if (!judged_ || times_.count() < 2 || !held_.plain()) return;
+  held_.copy_to(run.before());
+  const std::span<const double, PlainRun::kBefore> before = run.before();
+  if (times_.newest() == before.back() && cluster_.remembers(before.last<8>()) && motion_.plain(before, omega))
+    run.begin(motion_.newest_ns(), motion_.gap_ns());
+}
+
+std::size_t ChannelIntake::plain_ones(const PlainRun& run) const noexcept {
+  const SpikeGate::Bounds bounds = spikes_.bounds();
+  if (std::isnan(bounds.low)) return 0;
+  const double low = std::max({codes_.lowest(), pile_up_.amid_above(), bounds.low}),
+               high = std::min({codes_.highest(), pile_up_.amid_below(), bounds.high}), least = held_.step();
+  const double candidate = cluster_.value(), foreign = motion_.foreign().cluster() ? motion_.foreign().value() : NAN;
+  std::size_t plain = 0;
+  double before = run.at(-1);
+  for (const double number : run.readings()) {
+    if (!(number > low && number < high) || number == candidate || number == foreign ||
+        !(std::abs(number - before) >= least) || run.recurs(plain))
+      break;
+    before = number;
+    ++plain;
+  }
+  return plain;
+}
+
+void ChannelIntake::take_plain(PlainRun& run, double omega) noexcept {
+  run.shorten(plain_ones(run));
+  motion_.take_plain(
+      run, [this] { return apart(); },
+      [this](double number) {
+        rounding_.add(number - newest_taken_);
+        newest_taken_ = number;
+        held_.add_plain(number);
+      });
+  const std::size_t taken = run.count();
+  if (taken == 0) return;
+  PlainRun::Range range = run.range_but_last();
+  PlainRun::Range left = range;  // of the numbers that were left for the next one
+  left.see(run.at(-1));
+  range.see(run.last());
+  times_.add_different(taken, run.last_ns(), run.last());
+  overrange_now_ = stuck_ = false;
+  sampled_ = {omega, times_.mean_interval()};
+  held_.end_plain(run.before(taken - 1, taken), left.low, left.high);
+  cluster_.add_new(run.readings(), range.low, range.high);
+  pile_up_.add_amid(taken);
+  spikes_.add_good(taken, range.low, range.high);
+  stamps_.take_plain(run.last_ns());
 }
 
 // Notes the gate's answer for the reading, which was read at read_ns.

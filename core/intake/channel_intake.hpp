@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -15,6 +16,7 @@
 #include "core/intake/left_out.hpp"
 #include "core/intake/motion_gate.hpp"
 #include "core/intake/pile_up.hpp"
+#include "core/intake/plain_run.hpp"
 #include "core/intake/reading_times.hpp"
 #include "core/intake/refresh_stamps.hpp"
 #include "core/intake/rounding_step.hpp"
@@ -39,6 +41,11 @@ class ChannelIntake {
   // Judges the next reading: finite, and after the one before. omega: of the drive, rad/s. give_back: take waiting()
   // first, then this reading. A new value of a held register gets the instant of its refresh.
   Says judge(Reading& reading, double omega) noexcept;
+  // Begins a run of plain readings after the newest one, or closes it: the next reading cannot be plain.
+  void begin(PlainRun& run, double omega) const noexcept;
+  // Judges the first readings of a run begun since the newest judge() or take_plain(): those that judge() would take as
+  // they are. Shortens the run to them.
+  void take_plain(PlainRun& run, double omega) noexcept;
   [[nodiscard]] std::span<const Reading> waiting() const noexcept { return motion_.waiting(); }
 
   // Readings left out since construction.
@@ -60,6 +67,8 @@ class ChannelIntake {
   void begin_to_count() noexcept;
 
   [[nodiscard]] bool overrange() const noexcept { return overrange_now_; }
+  // Whether the newest reading equals the one before.
+  [[nodiscard]] bool repeats() const noexcept { return times_.repeats(); }
   // For how long the reading has been one and the same.
   [[nodiscard]] double same_for_s() const noexcept { return times_.same_for_s(); }
   // The device's rounding step, SI. INFINITY: no two readings have differed; 0: there is none.
@@ -103,6 +112,8 @@ class ChannelIntake {
 
  private:
   [[nodiscard]] double apart() const noexcept;
+  // How many readings of the run are plain by all but the motion before them.
+  [[nodiscard]] std::size_t plain_ones(const PlainRun& run) const noexcept;
   [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;
   [[nodiscard]] bool frozen() const noexcept;

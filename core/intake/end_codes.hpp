@@ -15,11 +15,16 @@ class EndCodes {
     if (!(raw > largest_ || raw < smallest_)) return false;
     return std::find(std::begin(kCodes), std::end(kCodes), raw) != std::end(kCodes);
   }
+  // Whether the reading lies between good ones. Then it is one as well, and see() changes nothing.
+  [[nodiscard]] bool amid(double raw) const noexcept { return raw <= largest_ && raw >= smallest_; }
   // Takes in a reading that is no code.
   void see(double raw) noexcept {
     largest_ = std::max(largest_, raw);
     smallest_ = std::min(smallest_, raw);
   }
+  // The good readings so far.
+  [[nodiscard]] double highest() const noexcept { return largest_; }
+  [[nodiscard]] double lowest() const noexcept { return smallest_; }
   // The largest magnitude of the readings that are no codes.
   [[nodiscard]] double largest() const noexcept { return std::max(std::abs(largest_), std::abs(smallest_)); }
 

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "core/intake/even_runs.hpp"
 #include "core/intake/recurring_numbers.hpp"
@@ -64,6 +65,37 @@ class HeldReadings {
     run_ = 1;
     judge();
     return false;
+  }
+
+  // The newest reading; NAN: there is none.
+  [[nodiscard]] double newest() const noexcept { return value_; }
+  // Whether add_plain() may be called: nothing shows a held register, and the newest reading came once.
+  [[nodiscard]] bool plain() const noexcept {
+    return !held_ && !suspected() && !beat_.found() && interrupting_ == 0 && run_ == 1 && !numbers_.back() &&
+           numbers_.hardly_repeats(pairs_);
+  }
+  // The last sixteen numbers, the newest last.
+  void copy_to(std::span<double, RecurringNumbers::kRemembered> numbers) const noexcept {
+    numbers_.copy_to(numbers.first<RecurringNumbers::kRemembered - 1>());
+    numbers.back() = value_;
+  }
+  // As add() for a reading that is other than the sixteen before, and by step() or more from the one before. Call
+  // end_plain() after the last one of a run.
+  void add_plain(double reading) noexcept {
+    const double jump = reading - value_, size = std::abs(jump);
+    ++pairs_;
+    numbers_.pass(jump * before_ < 0);
+    answers_.add(1, before_, jump, kJump * step(), [this] { return mean_difference(); });
+    path_ += size;
+    differences_.add(size);
+    before_ = jump;
+    value_ = reading;
+  }
+  // left: the reading before the run, and all of the run but the last; low, high: their range.
+  void end_plain(std::span<const double> left, double low, double high) noexcept {
+    runs_.add(1, 0.0, 0.0);
+    numbers_.end_passing(left, low, high);
+    beat_.pass(left.size());
   }
 
   // Number of identical readings up to the newest.

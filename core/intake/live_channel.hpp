@@ -44,6 +44,13 @@ class LiveChannel {
     for (const Reading& waited : intake_.waiting()) take(waited);
     take(reading);
   }
+  // Begins a run of plain readings (ChannelIntake::begin); closes it for a channel of which no reading has counted yet.
+  void begin(PlainRun& run, double omega_rad_s) const noexcept {
+    intake_.begin(run, omega_rad_s);
+    if (!has_counted() || run.before_ns() != last_ns_) run.close();
+  }
+  // Hears and judges the first readings of the run, those that are plain; all of them pass. Shortens the run to them.
+  void take_plain(PlainRun& run, double omega_rad_s) noexcept;
   // A reading that has passed and counts. Returns its value, SI.
   double count(const Reading& reading) noexcept;
   // A reading that has passed while the channel is stuck: not used.
@@ -117,6 +124,18 @@ inline bool LiveChannel::hear(const Record& record) noexcept {
   return true;
 }
 
+inline void LiveChannel::take_plain(PlainRun& run, double omega_rad_s) noexcept {
+  intake_.take_plain(run, omega_rad_s);
+  if (run.count() == 0) return;
+  received_ += run.count();
+  sampling_.add_evenly(to_s(run.gap_ns()), run.count());
+  last_ns_ = run.last_ns();
+  now_.value = intake_.si(run.last());
+  now_.t_ns = last_ns_;
+  now_.fault = Fault::none;
+  now_.overrange = false;
+}
+
 inline void LiveChannel::show(const Record& record) noexcept {
   now_.value = intake_.si(record.value);
   now_.t_ns = record.t_ns;
@@ -134,6 +153,7 @@ inline double LiveChannel::count(const Reading& reading) noexcept {
 }
 
 inline bool LiveChannel::stuck(double period_s) const noexcept {
+  if (!intake_.repeats()) return false;
   const double same_for_s = intake_.same_for_s();
   return same_for_s > kStuck_s && same_for_s > kLostPeriods * period_s;
 }

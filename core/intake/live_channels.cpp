@@ -7,7 +7,8 @@
 
 namespace dwell {
 
-LiveChannels::LiveChannels(const Rig& rig) : rig_(rig), transactions_(rig) {
+LiveChannels::LiveChannels(const Rig& rig)
+    : rig_(rig), count_(static_cast<int>(rig.channels.size())), transactions_(rig) {
   channels_.reserve(rig.channels.size());
   for (int c = 0; c < static_cast<int>(rig.channels.size()); ++c) {
     const Channel& channel = rig.channels[static_cast<std::size_t>(c)];

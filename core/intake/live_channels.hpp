@@ -16,7 +16,7 @@ class LiveChannels {
  public:
   explicit LiveChannels(const Rig& rig);
 
-  [[nodiscard]] int count() const noexcept { return static_cast<int>(channels_.size()); }
+  [[nodiscard]] int count() const noexcept { return count_; }
   [[nodiscard]] LiveChannel& operator[](int c) noexcept { return channels_[static_cast<std::size_t>(c)]; }
   [[nodiscard]] const LiveChannel& operator[](int c) const noexcept { return channels_[static_cast<std::size_t>(c)]; }
 
@@ -29,15 +29,18 @@ class LiveChannels {
   // The transaction in which a channel is read (Transactions::of).
   [[nodiscard]] int transaction_of(int c) const noexcept { return transactions_.of(c); }
 
-  // The next sample of the stream, of a channel of this rig; omega_rad_s: of the drive. take(const
-  // LiveChannel::Reading&) gets the readings that count now, the oldest first.
+  // The next sample of the stream, of a channel of this rig; omega_rad_s: of the drive.
+  // take(LiveChannel&, const LiveChannel::Reading&) gets its channel and the readings that count now, the oldest first.
   template <class Take>
   void sample(const Record& record, double omega_rad_s, Take&& take) {
     LiveChannel& channel = channels_[record.channel];
     if (!channel.hear(record)) return;
     transactions_.sample(record);
-    channel.judge(record, omega_rad_s, take);
+    channel.judge(record, omega_rad_s, [&](const LiveChannel::Reading& reading) { take(channel, reading); });
   }
+
+  // A sample that LiveChannel::take_plain() has judged before.
+  void plain_sample(const Record& record) noexcept { transactions_.sample(record); }
 
   // As LiveChannel, for each channel.
   void begin_hold() noexcept;
@@ -51,6 +54,7 @@ class LiveChannels {
 
  private:
   const Rig& rig_;
+  int count_;  // of channels_; its size() would cost a division for each sample
   std::vector<LiveChannel> channels_;
   std::vector<char> on_table_;
   Transactions transactions_;

@@ -5,27 +5,19 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kEven = 3;            // readings in a row that go on evenly are another motion
-constexpr int kFewest = 40;                 // readings before the gate judges: the median is then known to 20 %
-constexpr double kStepNoise = 0.29;         // standard deviation of rounding, steps: 1 / √12
-constexpr double kMedianOfNormal = 0.6745;  // of |x|, in standard deviations
-constexpr double kFar = 12.0;               // medians; at half of it (4 σ) a good reading fails once in 16 000
+constexpr std::size_t kEven = 3;                     // readings in a row that go on evenly are another motion
+constexpr double kStepNoise = 0.29;                  // standard deviation of rounding, steps: 1 / √12
+constexpr double kMedianOfNormal = 0.6745;           // of |x|, in standard deviations
 constexpr double kTied = 3.0, kTiedByChance = 1e-8;  // in medians, the least k; see the header
-constexpr double kRounding = 4.0;                    // steps: rounding alone gives e at most (1 + Σ|w|) / 2 = 2.5
 constexpr double kTiedRounding = 2.5;
 constexpr double kRefresh = 5.0;  // 1 + Σ|w|: the instants of the points are as uncertain
-constexpr double kLearn = 0.02;   // relative step of the median: it follows a decay of 1 % a reading
 // Largest half width times slope with which a held-up answer still counts, in standard deviations of the noise: √6. An
 // error evenly distributed over ± √6 σ has the variance 2 σ². Smaller: answers that would help are left out.
 constexpr double kUncertain = 2.449;
 // Medians of the half widths. Exponentially distributed delays exceed it in 3 % (2⁻⁵).
 constexpr double kByFar = 5.0;
-constexpr double kRare = 0.1;               // part of the readings: to leave out fewer widens u by at most 5 %
-constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
-constexpr double kJumped = 6.0;             // after a jump the median is at least its error over this
-
-// A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
-constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
+constexpr double kRare = 0.1;    // part of the readings: to leave out fewer widens u by at most 5 %
+constexpr double kJumped = 6.0;  // after a jump the median is at least its error over this
 
 }  // namespace
 
@@ -43,12 +35,13 @@ MotionGate::Says MotionGate::judge(const Reading& reading, double omega, double 
   median_half_ns_ *= reading.half_ns > median_half_ns_ ? 1 + learn : 1 - learn;
   active_ = predicted.gain > 0 && std::isfinite(step) && seen_ > kFewest;
   const auto counts = [&](bool certain) {
-    uncertain_ += certain ? 0 : 1;
-    uncertain_in_hold_ += certain ? 0 : 1;
-    return certain ? Says::take : Says::uncertain;
+    if (certain) return Says::take;
+    ++uncertain_;
+    ++uncertain_in_hold_;
+    return Says::uncertain;
   };
   const bool by_far = reading.half_ns > kByFar * median_half_ns_;
-  by_far_ += kLearnRare * ((by_far ? 1.0 : 0.0) - by_far_);
+  if (by_far || by_far_ > 0) by_far_ += kLearnRare * ((by_far ? 1.0 : 0.0) - by_far_);
   if (!(predicted.gain > 0) || !std::isfinite(step)) {
     if (predictor_.full()) predictor_.restart();  // a pause, or too few readings a period: begin anew
     for (std::size_t i = 0; i < waits_; ++i) foreign_.add(waiting_[i].value, false);

@@ -30,6 +30,7 @@
 
 #include "core/intake/foreign_readings.hpp"
 #include "core/intake/motion_predictor.hpp"
+#include "core/intake/plain_run.hpp"
 #include "core/intake/recent_numbers.hpp"
 
 namespace dwell {
@@ -54,6 +55,20 @@ class MotionGate {
   // Judges the next reading. omega: rad/s; step: the rounding step (INFINITY: not known).
   Says judge(const Reading& reading, double omega, double step) noexcept;
 
+  // Whether the readings may be judged as a run from the newest one on: `before` are the last ones.
+  [[nodiscard]] bool plain(std::span<const double, PlainRun::kBefore> before, double omega) const noexcept {
+    return seen_ > kFewest && waits_ == 0 && recent_.are(before.last<Recent::kRemembered>()) &&
+           predictor_.even(before.last<MotionPredictor::kPoints>(), last_ns_, omega);
+  }
+  [[nodiscard]] std::int64_t newest_ns() const noexcept { return last_ns_; }
+  // The time between the newest two readings; only while plain().
+  [[nodiscard]] std::int64_t gap_ns() const noexcept { return predictor_.gap_ns(); }
+  // Judges the first readings of a run that begins while plain(): those that judge() would take, with no need for
+  // their instants' half width. step(): the rounding step, before each reading; took(number): after it. Shortens the
+  // run to them.
+  template <class Step, class Took>
+  void take_plain(PlainRun& run, Step&& step, Took&& took) noexcept;
+
   // Whether the gate judges: the motion is known, and sampled densely enough.
   [[nodiscard]] bool active() const noexcept { return active_; }
   // The readings given back by the last judge().
@@ -72,7 +87,14 @@ class MotionGate {
 
  private:
   using Recent = RecentNumbers<8>;
-  static constexpr double kHeldUp = 1.5;   // medians of the half widths
+  static constexpr double kHeldUp = 1.5;    // medians of the half widths
+  static constexpr int kFewest = 40;        // readings before the gate judges: the median is then known to 20 %
+  static constexpr double kFar = 12.0;      // medians; at half of it (4 σ) a good reading fails once in 16 000
+  static constexpr double kRounding = 4.0;  // steps: rounding alone gives e at most (1 + Σ|w|) / 2 = 2.5
+  static constexpr double kLearn = 0.02;    // relative step of the median: it follows a decay of 1 % a reading
+  static constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
+  // A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
+  static constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
   static constexpr std::size_t kMost = 4;  // readings out of the motion that make another motion
 
   [[nodiscard]] bool held_up(const Reading& reading) const noexcept {
@@ -99,5 +121,37 @@ class MotionGate {
   std::uint64_t uncertain_ = 0, uncertain_in_hold_ = 0;
   ForeignReadings foreign_;
 };
+
+// Each step is that of judge(), in the same order.
+template <class Step, class Took>
+void MotionGate::take_plain(PlainRun& run, Step&& step, Took&& took) noexcept {
+  const double gain = predictor_.even_gain(), half_ns = run.half_ns();
+  // Apart from the medians no reading depends on the judgement of the one before.
+  std::array<double, PlainRun::kMost> errors, relatives;
+  for (std::size_t i = 0; i < run.count(); ++i) {
+    const double predicted = predictor_.predict_evenly(run.before(i, MotionPredictor::kPoints).data());
+    errors[i] = std::abs(run.at(static_cast<std::ptrdiff_t>(i)) - predicted);
+    relatives[i] = errors[i] / gain;
+  }
+  std::size_t taken = 0;
+  for (; taken < run.count(); ++taken) {
+    double median_half_ns = median_half_ns_ == 0.0 ? half_ns : median_half_ns_;
+    median_half_ns *= half_ns > median_half_ns ? 1 + kLearn : 1 - kLearn;
+    const double step_now = step();
+    if (half_ns > kHeldUp * median_half_ns || !std::isfinite(step_now)) break;
+    if (!(errors[taken] <= gain * kFar * median_ + kRounding * step_now)) break;
+    median_half_ns_ = median_half_ns;
+    if (by_far_ > 0) by_far_ += kLearnRare * (0.0 - by_far_);
+    median_ *= kTowards[relatives[taken] > median_ ? 1 : 0];
+    took(run.at(static_cast<std::ptrdiff_t>(taken)));
+  }
+  run.shorten(taken);
+  if (taken == 0) return;
+  given_back_ = 0;
+  active_ = true;
+  last_ns_ = run.last_ns();
+  recent_.add_all(run.readings());
+  predictor_.add_evenly(taken, last_ns_, run.before(taken, MotionPredictor::kPoints).first<MotionPredictor::kPoints>());
+}
 
 }  // namespace dwell

@@ -20,7 +20,9 @@ MotionPredictor::Prediction MotionPredictor::predict(std::int64_t t_ns, std::int
     if (other) weigh(omega);
   }
   if (!(weights_.gain > 0)) return {};
-  if (1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * weights_.interval) return {};
+  // A reading that comes as soon after the one before as the points after each other comes after no pause.
+  const bool no_pause = evenly && t_ns - before_ns == gap_ns_;
+  if (!no_pause && 1e-9 * omega * static_cast<double>(t_ns - before_ns) > kPause * weights_.interval) return {};
   Prediction out;
   for (std::size_t j = 0; j < kPoints; ++j) out.value += weights_.of_point[j] * points_[j].value;
   out.gain = weights_.gain;

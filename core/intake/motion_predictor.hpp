@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace dwell {
 
 // Of one channel, in any unit. Bound to one thread; real-time safe.
 class MotionPredictor {
  public:
+  static constexpr std::size_t kPoints = 5;
   // gain: standard deviation of the prediction's error for white noise of 1; 0: no prediction.
   struct Prediction {
     double value = 0.0, gain = 0.0;
@@ -26,17 +28,44 @@ class MotionPredictor {
   // A good reading.
   void add(std::int64_t t_ns, double value) noexcept {
     const std::int64_t gap_ns = t_ns - points_.back().t_ns;
-    even_ = gap_ns == gap_ns_ ? std::min(even_ + 1, kPoints) : 1;
-    gap_ns_ = gap_ns;
+    if (gap_ns != gap_ns_) {
+      gap_ns_ = gap_ns;
+      even_ = 1;
+    } else if (even_ < kPoints) {
+      ++even_;
+    }
     std::move(points_.begin() + 1, points_.end(), points_.begin());
     points_.back() = {t_ns, value};
     if (held_ < kPoints) ++held_;
+  }
+  // Whether the points are these numbers, evenly spaced up to before_ns, and their weights are known for a reading that
+  // comes as evenly. Then predict_evenly() gives what predict() would.
+  [[nodiscard]] bool even(std::span<const double, kPoints> numbers, std::int64_t before_ns,
+                          double omega) const noexcept {
+    bool same = full() && even_ + 1 >= kPoints && weights_.gap_ns == gap_ns_ && weights_.omega == omega &&
+                weights_.gain > 0 && points_.back().t_ns == before_ns;
+    for (std::size_t j = 0; j < kPoints; ++j) same &= points_[j].value == numbers[j];
+    return same;
+  }
+  [[nodiscard]] std::int64_t gap_ns() const noexcept { return gap_ns_; }
+  [[nodiscard]] double even_gain() const noexcept { return weights_.gain; }
+  // The reading after these; only while even().
+  [[nodiscard]] double predict_evenly(const double* numbers) const noexcept {
+    double value = 0.0;
+    for (std::size_t j = 0; j < kPoints; ++j) value += weights_.of_point[j] * numbers[j];
+    return value;
+  }
+  // As add() for so many good readings, evenly spaced up to last_ns; numbers: the last kPoints of all.
+  void add_evenly(std::size_t readings, std::int64_t last_ns, std::span<const double, kPoints> numbers) noexcept {
+    even_ = std::min(even_ + readings, kPoints);
+    for (std::size_t j = 0; j < kPoints; ++j)
+      points_[j] = {last_ns - gap_ns_ * static_cast<std::int64_t>(kPoints - 1 - j), numbers[j]};
   }
   [[nodiscard]] bool full() const noexcept { return held_ == kPoints; }
   void restart() noexcept { held_ = 0; }
 
  private:
-  static constexpr std::size_t kPoints = 5, kEven = 6;
+  static constexpr std::size_t kEven = 6;
   static constexpr double kSparse = 1.2;  // rad between readings: with fewer than 5 a period there is no prediction
   static constexpr double kPause = 3.0;   // mean intervals: readings were lost
   static constexpr double kBlind = 2.0;   // rad since the last good reading: beyond, there is no prediction

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 
@@ -43,6 +44,15 @@ class PileUp {
     }
     ++seen_;
     ++seen_lately_;
+  }
+  // A reading between these changes no crest.
+  [[nodiscard]] double amid_above() const noexcept { return low_; }
+  [[nodiscard]] double amid_below() const noexcept { return high_; }
+  // So many readings between these, one at least.
+  void add_amid(std::size_t readings) noexcept {
+    amid_ = true;
+    seen_ += static_cast<std::int64_t>(readings);
+    seen_lately_ += static_cast<std::int64_t>(readings);
   }
   // The newest reading makes a run of identical ones longer than a crest explains. Called once per run, after its
   // add().

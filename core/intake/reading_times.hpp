@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace dwell {
@@ -19,6 +20,14 @@ class ReadingTimes {
     number_ = raw;
     return before;
   }
+  // So many readings, each other than the one before; the last of them.
+  void add_different(std::size_t readings, std::int64_t last_ns, double last) noexcept {
+    count_ += readings;
+    newest_ns_ = changed_ns_ = last_ns;
+    number_ = last;
+  }
+  // The newest reading; NAN: there is none.
+  [[nodiscard]] double newest() const noexcept { return number_; }
   [[nodiscard]] bool heard() const noexcept { return newest_ns_ != INT64_MIN; }
   // Readings since the restart.
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
@@ -35,6 +44,8 @@ class ReadingTimes {
   }
   // The mean interval, s; 0: not known.
   [[nodiscard]] double interval_s() const noexcept { return mean_interval().s(); }
+  // Whether the newest reading equals the one before.
+  [[nodiscard]] bool repeats() const noexcept { return changed_ns_ != newest_ns_; }
   // For how long the reading has been the same, s.
   [[nodiscard]] double same_for_s() const noexcept {
     return changed_ns_ == INT64_MIN ? 0.0 : 1e-9 * static_cast<double>(newest_ns_ - changed_ns_);

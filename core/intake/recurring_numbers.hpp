@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/intake/recent_numbers.hpp"
 
@@ -44,11 +45,29 @@ class RecurringNumbers {
     back_ = recurring && turned && reading > low_ && reading < high_;
   }
 
+  // Whether `same_inside_` is far too small for held_by_few(), now and with more pairs.
+  [[nodiscard]] bool hardly_repeats(std::int64_t pairs) const noexcept { return 3 * same_inside_ <= pairs; }
+  // Whether the newest number has just come back.
+  [[nodiscard]] bool back() const noexcept { return back_; }
+  // The numbers left last, the oldest first.
+  void copy_to(std::span<double, kRemembered - 1> numbers) const noexcept { remembered_.copy_to(numbers); }
+  // As add() for a number that does not recur, once read, where none came back before. Call end_passing() after the
+  // last one of a run.
+  void pass(bool turned) noexcept { turns_ += turned ? 1 : 0; }
+  // left: the numbers that were left in the run; low, high: their range.
+  void end_passing(std::span<const double> left, double low, double high) noexcept {
+    high_ = std::max(high_, high);
+    low_ = std::min(low_, low);
+    remembered_.add_all(left);
+    back_ = false;
+  }
+
   // Whether a register is held: with few readings a period, more are identical than chance brings. pairs: of
   // consecutive readings; changes: pairs that differ.
   [[nodiscard]] bool held_by_few(std::int64_t pairs, std::int64_t changes) const noexcept {
-    return 10 * recurring_ < changes && changes <= kFewChanges * turns_ && pairs <= 2 * kFewChanges * turns_ &&
-           3 * same_inside_ > pairs && beyond_chance(same_inside_, static_cast<double>(recurring_));
+    // First what nearly every channel fails.
+    return 3 * same_inside_ > pairs && 10 * recurring_ < changes && changes <= kFewChanges * turns_ &&
+           pairs <= 2 * kFewChanges * turns_ && beyond_chance(same_inside_, static_cast<double>(recurring_));
   }
 
   // How many readings, other than at an extreme, were one of the last numbers again amid a motion that went on: it

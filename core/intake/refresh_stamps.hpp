@@ -29,6 +29,11 @@ class RefreshStamps {
   void see_old(std::int64_t read_ns) noexcept { old_seen_ns_ = read_ns; }
   // A reading may count at t_ns: later ones get later instants.
   void keep_order(std::int64_t t_ns) noexcept { dated_ns_ = t_ns; }
+  // Values that count and have not waited, of a register that is not held; the last was read at last_ns.
+  void take_plain(std::int64_t last_ns) noexcept {
+    dated_ = false;
+    dated_ns_ = old_seen_ns_ = last_ns;
+  }
   // The newest value counts. half_ns: half width of its refresh; below 0: the register is not held.
   void take(double half_ns) noexcept {
     if (dated_) clock_ = if_taken_;

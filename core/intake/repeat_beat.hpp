@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace dwell {
 
@@ -16,8 +17,11 @@ class RepeatBeat {
  public:
   // Another reading.
   void next() noexcept {
-    if (++since_ > kSilent * beat_) found_ = false;
+    since_ += 1.0;
+    if (found_ && since_ > kSilent * beat_) found_ = false;
   }
+  // So many readings, none of which ends a repeat. Only while nothing is found.
+  void pass(std::size_t readings) noexcept { since_ += static_cast<double>(readings); }
   // The newest reading ends a repeat between two jumps; beside: the smaller of them. onwards: both go the same way.
   // step: of the rounding. density: of the differences near 0, per `beside`.
   void repeat(bool onwards, double beside, double step, double density) noexcept {

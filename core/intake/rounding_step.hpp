@@ -41,6 +41,7 @@ class RoundingStep {
   static constexpr int kMemory = 16;        // batches that vote: a device set to another range is followed
 
   static double common(double step, double difference) noexcept {
+    if (step == 0) return 0.0;  // of arbitrary numbers
     if (!std::isfinite(step)) return difference;
     const double times = difference / step;
     if (!(times < kNoGrid)) return 0.0;

@@ -13,15 +13,7 @@ class SmallDifferences {
  public:
   // The absolute difference of two consecutive readings, above 0.
   void add(double size) noexcept {
-    const double before = step();
-    if (size < smallest_[0]) {
-      smallest_ = {size, smallest_[0], smallest_[1]};
-    } else if (size < smallest_[1]) {
-      smallest_ = {smallest_[0], size, smallest_[1]};
-    } else if (size < smallest_[2]) {
-      smallest_[2] = size;
-    }
-    if (step() < before / kOneStep) one_step_ = 2;  // the other two differences were larger
+    if (size < smallest_[2]) add_small(size);
     if (size < kOneStep * step()) ++one_step_;
   }
   void restart() noexcept { *this = {}; }
@@ -34,6 +26,19 @@ class SmallDifferences {
   [[nodiscard]] std::int64_t one_step() const noexcept { return one_step_; }
 
  private:
+  // Rare after the first readings: below the third smallest.
+  void add_small(double size) noexcept {
+    const double before = step();
+    if (size < smallest_[0]) {
+      smallest_ = {size, smallest_[0], smallest_[1]};
+    } else if (size < smallest_[1]) {
+      smallest_ = {smallest_[0], size, smallest_[1]};
+    } else {
+      smallest_[2] = size;
+    }
+    if (step() < before / kOneStep) one_step_ = 2;  // the other two differences were larger
+  }
+
   static constexpr double kOneStep = 1.5;  // steps: a smaller difference is one step
   std::array<double, 3> smallest_{INFINITY, INFINITY, INFINITY};
   std::int64_t one_step_ = 0;

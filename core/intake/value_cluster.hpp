@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "core/intake/recent_numbers.hpp"
 
@@ -33,6 +34,15 @@ class ValueCluster {
     if (before == value_) return;
     from_low_ = std::min(from_low_, before);
     from_high_ = std::max(from_high_, before);
+  }
+  // Whether it remembers exactly these eight readings, the oldest first.
+  [[nodiscard]] bool remembers(std::span<const double, 8> readings) const noexcept { return recent_.are(readings); }
+  // Readings that equal neither the candidate nor one of the eight before; their range.
+  void add_new(std::span<const double> readings, double low, double high) noexcept {
+    seen_ += static_cast<std::int64_t>(readings.size());
+    low_ = std::min(low_, low);
+    high_ = std::max(high_, high);
+    recent_.add_all(readings);
   }
   [[nodiscard]] double value() const noexcept { return value_; }
   // Its part of the readings since it became the candidate.

@@ -36,8 +36,11 @@ class Transactions {
     const bool together = sample.t_ns == last_.t_ns && sample.t_half_ns == last_.t_half_ns && heard_ &&
                           devices_[sample.channel] == devices_[last_.channel];
     Met& met = met_[sample.channel];
-    met = {last_.channel, !together ? 0 : met.with == last_.channel ? std::min(met.times + 1, kTimes) : 1};
-    if (met.times == kTimes) unite(sample.channel, last_.channel);
+    if (!together || met.with != last_.channel) {
+      met = {last_.channel, together ? 1 : 0};
+    } else if (met.times < kTimes && ++met.times == kTimes) {
+      unite(sample.channel, last_.channel);
+    }
     last_ = {sample.t_ns, sample.t_half_ns, sample.channel};
     heard_ = true;
   }

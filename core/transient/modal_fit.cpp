@@ -243,19 +243,23 @@ double ModalFit::disturbance(int channel, std::int64_t t_ns) noexcept {
 }
 
 Eigen::Matrix2d ModalFit::spread(int channel, const Eigen::Ref<const Eigen::MatrixXd>& B) const noexcept {
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  if (!usable(channel)) return spread;
-  const Eigen::MatrixXd& covariance = at(channel).covariance();
-  const Index errors = errors_of(at(channel));
-  for (Index j = 0; j < errors; ++j) {
-    const double sine = B(0, j), cosine = B(1, j);
-    for (Index i = 0; i < errors; ++i) {
-      const double part = covariance(std::max(i, j), std::min(i, j));
-      const Eigen::Vector2d b = B.col(i);
-      spread.col(0) += part * (b * sine);
-      spread.col(1) += part * (b * cosine);
+  Eigen::Vector2d of_sine = Eigen::Vector2d::Zero(), of_cosine = Eigen::Vector2d::Zero();
+  if (usable(channel)) {
+    const Eigen::MatrixXd& covariance = at(channel).covariance();  // its lower triangle
+    const Index errors = errors_of(at(channel));
+    for (Index j = 0; j < errors; ++j) {
+      const double sine = B(0, j), cosine = B(1, j);
+      const auto add = [&](Index i, double part) {
+        const Eigen::Vector2d b(B.coeff(0, i), B.coeff(1, i));
+        of_sine += part * (b * sine);
+        of_cosine += part * (b * cosine);
+      };
+      for (Index i = 0; i < j; ++i) add(i, covariance.coeff(j, i));
+      for (Index i = j; i < errors; ++i) add(i, covariance.coeff(i, j));
     }
   }
+  Eigen::Matrix2d spread;
+  spread << of_sine, of_cosine;
   return spread;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "core/dwell/pipeline.hpp"
 #include "core/motion/motion_estimate.hpp"
@@ -10,6 +11,10 @@
 
 namespace dwell::ctl {
 namespace {
+
+// Records that the pipeline takes at once. Fewer than it remembers of one channel, so that none is missed by whoever
+// keeps the readings; with a quarter as many, blocks of a quarter period are torn apart.
+constexpr std::size_t kTogether = 4096;
 
 // The pipeline counts from its first record on.
 Dwell on_recording_axis(Dwell dwell, double first_s) {
@@ -51,12 +56,25 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
   Pipeline pipeline(rig);
   std::vector<Dwell> dwells;
   double first_s = kNaN;
+  std::vector<Record> waiting;
+  waiting.reserve(kTogether);
+  const auto take_waiting = [&] {
+    for (std::span<const Record> left = waiting; !left.empty();) {
+      std::size_t taken = pipeline.push_in_block(left);
+      if (taken == 0 && (pipeline.push(left[taken++]) & kCompleted) != 0)
+        dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+      left = left.subspan(taken);
+    }
+    waiting.clear();
+    if (readings != nullptr) readings->take(pipeline.readings());
+  };
   const auto played = source.play(progress, [&](const Record& record) {
     if (std::isnan(first_s)) first_s = static_cast<double>(record.t_ns) * 1e-9;
-    if ((pipeline.push(record) & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
-    if (readings != nullptr) readings->take(pipeline.readings());
+    waiting.push_back(record);
+    if (waiting.size() == kTogether) take_waiting();
   });
   if (!played) return tl::unexpected(played.error());
+  take_waiting();
   if ((pipeline.finish() & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
   return dwells;
 }

@@ -175,7 +175,7 @@ TEST(HarmonicFit, TellsTheSlopeOfAPhasorThatChanges) {
     blocks.sum(0, blocks.count(), omega, std::llround(seconds / 2 * 1e9), totals);
     blocks.add_open(totals);
     const HarmonicFit fit = fit_harmonics(totals, 0, 3, 0.0);
-    const PhasorSlope found = fit_slope(totals, 0, 3, fit, 0.0);
+    const PhasorSlope found = HarmonicFits(totals, 3).slope(0, fit, 0.0);
     EXPECT_TRUE(found.shows()) << seconds;
     EXPECT_LT(std::abs(found.value - slope), 0.35 * std::abs(slope) * (seconds < 1 ? 1.0 : 0.3)) << seconds;
   }

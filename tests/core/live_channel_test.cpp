@@ -120,7 +120,8 @@ TEST(LiveChannels, WhereTheDrivesChannelIsLostAnotherOfTheTableThatDeliversTakes
   channels.choose_drive(0, kLivePeriod_s);
   EXPECT_EQ(channels.drive(), 2) << "none delivers: it stays";
   int counted = 0;
-  channels.sample(reading_at(0, 1.0, 3), 2 * M_PI / kLivePeriod_s, [&](const LiveChannel::Reading&) { ++counted; });
+  channels.sample(reading_at(0, 1.0, 3), 2 * M_PI / kLivePeriod_s,
+                  [&](LiveChannel&, const LiveChannel::Reading&) { ++counted; });
   channels.choose_drive(1, kLivePeriod_s);
   EXPECT_EQ(channels.drive(), 3);
 }

@@ -56,8 +56,9 @@ struct WindowsBench {
     record.t_ns = now_ns;
     record.value = value + std::normal_distribution<double>(0.0, kWindowsNoise)(random);
     record.channel = c;
-    live.sample(record, data.omega(),
-                [&](const LiveChannel::Reading& reading) { data.add(c, reading.t_ns, live[c].count(reading)); });
+    live.sample(record, data.omega(), [&](LiveChannel& channel, const LiveChannel::Reading& reading) {
+      data.add(c, reading.t_ns, channel.count(reading));
+    });
   }
 
   Rig rig = table_and_mass();
