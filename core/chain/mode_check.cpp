@@ -11,6 +11,7 @@
 #include "core/base/wording.hpp"
 #include "core/chain/identify.hpp"
 #include "core/chain/mode_residual.hpp"
+#include "core/fit/drive_harmonic.hpp"
 #include "core/model/natural_modes.hpp"
 #include "core/rig/transducer.hpp"
 
@@ -214,6 +215,23 @@ std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, s
   return listed(names);
 }
 
+// Which of the drive's harmonics beyond those fitted this is; 0: none.
+int harmonic_of(const Rig& rig, const SeenMode& mode, double omega) {
+  const double u = std::sqrt(mode.pole_covariance()(1, 1));
+  return unfitted_harmonic(mode.pole.imag(), omega, 3 * u, rig.excitation.harmonics);
+}
+
+// The table's own harmonic makes all channels swing, as a mode of the chain does. It speaks against no chain.
+void warn_of_harmonic(const Rig& rig, const SeenMode& mode, int harmonic, Dwell& dwell) {
+  std::size_t count = 0, able = 0;
+  const std::string names = shown_by(rig, mode, count, able);
+  if (count == 0) return;
+  dwell.warnings.push_back("harmonic " + std::to_string(harmonic) + " of the drive, at " +
+                           brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " + names +
+                           " and is not fitted: set excitation.harmonics to " +
+                           std::to_string(std::min(harmonic, kMaxHarmonics)));
+}
+
 // Adds a doubt for an oscillation that the identified chain does not have. Two channels must show it plainly, or the
 // only one that can: the ringing bracket of a transducer shows in one channel alone.
 void doubt_foreign_mode(const Rig& rig, const std::vector<NaturalMode>& natural, const SeenMode& mode, Dwell& dwell) {
@@ -268,6 +286,8 @@ void check_modes(const Rig& rig, const ElementsResult& identified, double omega,
     pair.by_chance = 2 * std::min(pair.residual.by_chance(), none ? 1.0 : pair.residual.pole_by_chance(own->shape));
     if (!far)
       pairs.push_back(std::move(pair));
+    else if (const int harmonic = harmonic_of(rig, mode, omega); harmonic > 0)
+      warn_of_harmonic(rig, mode, harmonic, dwell);
     else if ((none || own->pole.real() < 0) && pair.by_chance * static_cast<double>(seen.size()) < kFalseAlarm)
       foreign = &mode;
   }

@@ -2,6 +2,7 @@
 
 #include "core/base/wording.hpp"
 #include "core/dwell/pipeline_impl.hpp"
+#include "core/fit/drive_harmonic.hpp"
 #include "core/fit/folded.hpp"
 
 namespace dwell {
@@ -11,15 +12,22 @@ constexpr int kManyRestarts = 6;  // of a hold in a row: these need an explanati
 // Periods after the drive's channel was last found not to deliver. By then the quarter of a period that the loss cut
 // short is over, and the window of two periods holds its full number of readings.
 constexpr double kPeriodsToReturn = 2.5;
+// Parts of the drive's frequency within which a line is called its harmonic. Any line lies so near one of them by
+// chance in one of 50 cases.
+constexpr double kAtHarmonic = 0.01;
 
 }  // namespace
 
 std::string Pipeline::Impl::foreign_oscillations() const {
   std::string lines;
-  for (const Complex pole : modes.poles().beside)
-    if (pole.imag() > 0)
-      lines += (lines.empty() ? "; an oscillation that is not the chain's, at " : " and at ") +
-               std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
+  for (const Complex pole : modes.poles().beside) {
+    if (!(pole.imag() > 0)) continue;
+    lines += (lines.empty() ? "; an oscillation that is not the chain's, at " : " and at ") +
+             std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
+    const double w = tracker.omega();
+    if (const int m = unfitted_harmonic(pole.imag(), w, kAtHarmonic * w, harmonics()); m > 0)
+      lines += " (harmonic " + std::to_string(m) + " of the drive: excitation.harmonics leaves it out)";
+  }
   return lines;
 }
 

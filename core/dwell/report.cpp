@@ -6,6 +6,7 @@
 #include "core/base/angle.hpp"
 #include "core/chain/contradiction.hpp"
 #include "core/chain/mode_check.hpp"
+#include "core/dwell/twin_channels.hpp"
 #include "core/rig/transducer.hpp"
 #include "core/rig/unstated.hpp"
 
@@ -106,6 +107,7 @@ void report_elements(const Rig& rig, const Eigen::MatrixXd& G, const std::vector
     evidence[c].transaction = channels[c].transaction;
   }
   const Gain gain = solve_observation(G, observation_weights(rig, evidence, omega));
+  for (Doubt& doubt : twin_channels(rig, channels)) dwell.doubts.push_back(std::move(doubt));
   for (Doubt& doubt : contradictions(rig, G, gain, evidence, omega)) dwell.doubts.push_back(std::move(doubt));
   ElementsResult result = estimate_elements(rig, gain, evidence, {omega, u_omega, rig.excitation.clock_u});
   check_modes(rig, result, omega, seen, dwell);

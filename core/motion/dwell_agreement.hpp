@@ -24,17 +24,20 @@ namespace dwell {
 
 // What any motion holds against a dwell whose data lie in its stretch:
 //
-// - the readings contradict the chain: the dwell's coefficients rest on the same chain. One steady frequency cannot show
+// - the readings contradict the chain: the dwell's coefficients rest on the same chain. One steady frequency cannot
+// show
 //   that by itself;
-// - it has coefficients, and some contradict the dwell's beyond doubt: the rig, a transducer or a clock changed on the
-//   way, and each dwell by itself looks well.
+// - it has coefficients, and some differ from the dwell's by five joint standard uncertainties: the rig, a transducer
+// or
+//   a clock changed on the way, and each dwell by itself looks well;
+// - a term is named that explains the readings better and would move some of the dwell's coefficients beyond their U95.
 struct Objection {
   std::string what;           // "any motion: the chain of the rig file does not explain y1; …"
-  bool grave = true;          // false: the term that explains it moves no coefficient by more than its U95
+  bool grave = true;          // false: the term that explains it moves no coefficient so far that it is wrong
   std::vector<int> elements;  // k of those concerned, ascending; empty: all
 };
 
-// nullopt: neither is so. Thread-safe; allocates.
+// nullopt: none is so. Thread-safe; allocates.
 [[nodiscard]] std::optional<Objection> objection_to(const Dwell& dwell, const MotionEstimate& motion);
 
 }  // namespace dwell

@@ -12,7 +12,7 @@ namespace {
 // Bounds the time of the search: it uses the first readings of the motion, this many divided by the model's states
 // (28 000 readings for a table and two masses). An estimate may use 2.5 times as many, but the search may cost as much
 // as ten estimates. Halved, long transients of slow rigs are seen in part; doubled, a contradicted rig takes minutes.
-constexpr std::size_t kMostWork = 200'000;
+constexpr std::size_t kMostOfCauses = 200'000;
 
 // At the instants of the motion: each stamp less its channel's stated delay.
 MotionData motion_data(const Rig& rig, const std::vector<ChannelReadings>& readings, std::int64_t until_ns) {
@@ -38,7 +38,7 @@ bool asks_for_causes(const Verification& verification, const Dwell& dwell) noexc
 
 Causes find_causes(const Rig& rig, const std::vector<ChannelReadings>& readings, std::int64_t until_ns) {
   MotionOptions options;
-  options.most_work = kMostWork;
+  options.most_work = kMostOfCauses;
   MotionEstimate found = estimate_motion(rig, motion_data(rig, readings, until_ns), options);
   Causes out{std::move(found.missing), std::move(found.unchecked), {}};
   if (out.missing.empty())

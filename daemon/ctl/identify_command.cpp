@@ -28,13 +28,10 @@ void object(const MotionEstimate& motion, std::vector<Dwell>& dwells) {
   for (Dwell& dwell : dwells) {
     const std::optional<Objection> objection = objection_to(dwell, motion);
     if (!objection) continue;
-    if (objection->grave) {
-      // The doubts stand first among the warnings.
-      dwell.warnings.insert(dwell.warnings.begin() + static_cast<std::ptrdiff_t>(dwell.doubts.size()), objection->what);
+    if (objection->grave)
       dwell.doubts.push_back({objection->elements, objection->what});
-    } else {
+    else
       dwell.warnings.push_back(objection->what);
-    }
   }
 }
 

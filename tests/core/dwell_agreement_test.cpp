@@ -109,22 +109,36 @@ TEST(ObjectionToADwell, IsGraveWhereNothingExplainsTheReadingsOrWhatDoesMovesACo
   EXPECT_FALSE(objection_to(neither.dwell, neither.motion)->grave);
 }
 
-// Two differences, each above e_n = 1.74 by chance in 5e-4 of all cases: erfc(√2 · 1.74) = 5e-4.
-TEST(ObjectionToADwell, IsThatACoefficientContradictsItsOwnBeyondDoubt) {
-  const auto objected = [](double e_n) {
-    Pair pair = same_data(1000.0, 1000.0 + 2 * e_n);
-    pair.motion.elements[0].stiffness.U95 = pair.dwell.elements[0].stiffness.U95 = 0.1;
-    return objection_to(pair.dwell, pair.motion);
-  };
-  EXPECT_FALSE(objected(1.73));
-  const auto objection = objected(1.75);
+// U of either is 4: five standard uncertainties of the difference are 2.5 √32 = 14.1.
+TEST(ObjectionToADwell, IsThatACoefficientDiffersByFiveStandardUncertainties) {
+  const Pair little = same_data(1000.0, 1014.0), much = same_data(1000.0, 1014.3);
+  EXPECT_FALSE(objection_to(little.dwell, little.motion));
+  const auto objection = objection_to(much.dwell, much.motion);
   ASSERT_TRUE(objection);
   EXPECT_TRUE(objection->grave);
   EXPECT_EQ(objection->elements, std::vector<int>{1});
-  EXPECT_NE(objection->what.find("the stiffness of element 1 differs from this dwell's by 25 of the joint U"),
+  EXPECT_NE(objection->what.find("the stiffness of element 1 differs from this dwell's by 2.5 of the joint U"),
             std::string::npos)
       << objection->what;
-  EXPECT_FALSE(objection_to(same_data(1000.0, 1005.0).dwell, same_data(1000.0, 1005.0).motion)) << "within the joint U";
+}
+
+TEST(ObjectionToADwell, IsThatANamedTermWouldMoveItsCoefficientsBeyondTheirU95) {
+  Pair pair = contradicted({10.1, 0.0});
+  pair.motion.contradicted = false;
+  MissingTerm& term = pair.motion.missing[0];
+  term.told = "a delay of y1 of 5.70 ± 0.20 ms";
+  term.gain = 34.0;
+  const auto objection = objection_to(pair.dwell, pair.motion);
+  ASSERT_TRUE(objection);
+  EXPECT_TRUE(objection->grave);
+  EXPECT_EQ(objection->elements, std::vector<int>{1});
+  EXPECT_EQ(objection->what,
+            "any motion: the readings are better explained with a delay of y1 of 5.70 ± 0.20 ms (gain 34), which would "
+            "move element 1 by more than U95");
+  pair.motion.missing[0].moves = {9.9, 0.19};
+  EXPECT_FALSE(objection_to(pair.dwell, pair.motion)->grave) << "beyond U95, but not by five standard uncertainties";
+  pair.motion.missing[0].moves = {3.9, 0.19};
+  EXPECT_FALSE(objection_to(pair.dwell, pair.motion));
 }
 
 TEST(ObjectionToADwell, IsNoneWhereOnlyTheReadingsAreTooFewOrTheDwellIsNotInTheStretch) {
