@@ -22,15 +22,13 @@ namespace dwell {
 // some operations per coefficient.
 [[nodiscard]] std::optional<Agreement> agreement_of(const MotionEstimate& motion, const Dwell& dwell);
 
-// What any motion holds against a dwell whose data lie in its stretch:
+// What any motion holds against a dwell whose data lie in its stretch, the first of these that is so:
 //
-// - the readings contradict the chain: the dwell's coefficients rest on the same chain. One steady frequency cannot
-// show
-//   that by itself;
-// - it has coefficients, and some differ from the dwell's by five joint standard uncertainties: the rig, a transducer
-// or
-//   a clock changed on the way, and each dwell by itself looks well;
-// - a term is named that explains the readings better and would move some of the dwell's coefficients beyond their U95.
+// - the readings contradict the chain. The dwell's coefficients rest on the same chain, and one steady frequency
+//   cannot show that by itself;
+// - a coefficient differs from the dwell's by five joint standard uncertainties. The rig, a transducer or a clock
+//   changed on the way, and each dwell by itself looks well;
+// - a term is named that explains the readings better, and it would move a coefficient of the dwell beyond its U95.
 struct Objection {
   std::string what;           // "any motion: the chain of the rig file does not explain y1; …"
   bool grave = true;          // false: the term that explains it moves no coefficient so far that it is wrong
