@@ -20,10 +20,13 @@ constexpr double kLargest = 0.3;
 // 40 f becomes uncertain by harmonics that hardly any drive has.
 constexpr int kHighest = 20;
 
-// Turns of the alias against the fundamental within the dwell. From kScatters on, the scatter over the dwell covers the
-// alias (core/fit/scatter.hpp). Below kExactly the data do not show it, and the dwell warns. A kExactly of 0.1 would
-// warn of one healthy dwell in 400, at sampling rates up to 20 f.
-constexpr double kScatters = 0.5, kExactly = 0.02;
+// Turns of the alias against the fundamental within the dwell. At kResolved it averages out, the first null of the
+// dwell's transform; beyond it the scatter over the dwell covers what is left (core/fit/scatter.hpp). Halved: what two
+// thirds of the alias do to a dwell of half a turn goes unsaid. Doubled: nothing, the second lobe is 0.2 high.
+constexpr double kResolved = 1.0;
+// Below so many turns the data do not show the alias, and the dwell warns. At 0.1 it would warn of one healthy dwell in
+// 400, at sampling rates up to 20 f.
+constexpr double kExactly = 0.02;
 
 // An alias is ignored if irregular instants leave less than this part of its amplitude.
 constexpr double kSpread = 0.05;
@@ -36,7 +39,7 @@ Folded folded_onto_fundamental(const Rig& rig, const Channel& channel, const Sam
   for (int m = rig.excitation.harmonics + 1; m <= kHighest; ++m) {
     const SamplingRegularity::Alias alias = sampling.alias(m * f, f);
     const double turns = alias.apart_hz * seconds;
-    if (!(turns < kScatters) || alias.kept < kSpread) continue;
+    if (!(turns < kResolved) || alias.kept < kSpread) continue;
     const double averaged = turns > 0 ? std::sin(kTwoPi / 2 * turns) / (kTwoPi / 2 * turns) : 1.0;
     const double delay_s = device_delay_s(rig, channel);
     const double passed = std::min(1.0, std::abs(response(channel, delay_s, m * f) / response(channel, delay_s, f)));

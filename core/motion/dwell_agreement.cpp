@@ -49,6 +49,21 @@ std::vector<Agreement> differences(const MotionEstimate& motion, const Dwell& dw
   return all;
 }
 
+// Channels onto whose fundamental the sampling may fold harmonics of the drive: the dwell's ± assumes a size of these
+// harmonics, and the method of any motion does not.
+std::vector<std::string> folding_channels(const Dwell& dwell, const std::vector<int>& elements) {
+  const std::string folded = "folded harmonics of ";
+  std::vector<std::string> names;
+  for (const ElementEstimate& element : dwell.elements) {
+    if (std::find(elements.begin(), elements.end(), element.k) == elements.end()) continue;
+    for (const BudgetShare& one : element.budget)
+      if (one.source.rfind(folded, 0) == 0) names.push_back(one.source.substr(folded.size()));
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dwell& dwell) {
   const std::vector<Agreement> all = differences(motion, dwell);
   Objection out;
@@ -63,6 +78,8 @@ std::optional<Objection> contradiction_of(const MotionEstimate& motion, const Dw
              to_string(largest->kind) + " of element " + std::to_string(largest->element) +
              " differs from this dwell's by " + brief(largest->over_U, 2) +
              " of the joint U of both: the rig, a transducer or a clock may have changed on the way";
+  if (const auto names = folding_channels(dwell, out.elements); !names.empty())
+    out.what += ", or a harmonic of the drive folds onto the fundamental in " + listed(names);
   return out;
 }
 

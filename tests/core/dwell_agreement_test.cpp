@@ -122,6 +122,15 @@ TEST(ObjectionToADwell, IsThatACoefficientDiffersByFiveStandardUncertainties) {
       << objection->what;
 }
 
+TEST(ObjectionToADwell, NamesTheChannelsThatHarmonicsMayFoldIntoWhereTheMethodsContradict) {
+  Pair pair = same_data(1000.0, 1014.3);
+  pair.dwell.elements[0].budget.push_back({"folded harmonics of y1", 0.1, 0.1});
+  const auto objection = objection_to(pair.dwell, pair.motion);
+  ASSERT_TRUE(objection);
+  EXPECT_NE(objection->what.find(", or a harmonic of the drive folds onto the fundamental in y1"), std::string::npos)
+      << objection->what;
+}
+
 TEST(ObjectionToADwell, IsThatANamedTermWouldMoveItsCoefficientsBeyondTheirU95) {
   Pair pair = contradicted({10.1, 0.0});
   pair.motion.contradicted = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/angle.hpp"
 #include "tests/core/bench_rig.hpp"
 #include "tests/core/expect.hpp"
 
@@ -39,12 +40,20 @@ TEST(Folded, AWholeMultipleOfTheDriveFoldsTheHarmonicsBesideIt) {
   EXPECT_EQ(folded_at(42).order, 20);  // 20 f = 2 · 42 Hz - f
 }
 
+// The mean over T of an alias that turns x times within T is sin πx / πx of it.
+TEST(Folded, AnAliasCountsUntilOneTurnWithinTheDwellAveragesItOut) {
+  for (const double turns : {0.3, 0.5, 0.6, 0.9})
+    EXPECT_NEAR(folded_at(40 + turns / 20).part, 0.3 / 9 * std::sin(kTwoPi / 2 * turns) / (kTwoPi / 2 * turns), 1e-4)
+        << turns;
+  EXPECT_EQ(folded_at(40 + 1.01 / 20).order, 0);
+}
+
 TEST(Folded, ARateBesideTellsThemApart) {
   EXPECT_EQ(folded_at(40.4).order, 0);
   EXPECT_EQ(folded_at(200).order, 0) << "harmonic 49 is none that a drive has";
   EXPECT_FALSE(folded_at(40.01).exactly) << "a fifth of a turn within the dwell";
   EXPECT_EQ(folded_at(40.01).order, 9);
-  EXPECT_EQ(folded_at(40.01, 0.0, 60).order, 0) << "three fifths of a turn";
+  EXPECT_EQ(folded_at(40.01, 0.0, 120).order, 0) << "a turn and a fifth";
 }
 
 TEST(Folded, IrregularInstantsSpreadAnAlias) {

@@ -27,10 +27,12 @@ std::vector<std::string> objections_of_motion(const Case& about, double until_s)
   const MotionEstimate motion = estimate_motion(about.rig, recorded(about, until_s).data());
   if (!motion.reason.empty()) return {"no coefficients: " + motion.reason};
   std::vector<std::string> lines = motion.warnings;
-  for (const Dwell& dwell : dwells_of(about, until_s))
+  for (const Dwell& dwell : dwells_of(about, until_s)) {
+    if (const auto objection = objection_to(dwell, motion)) lines.push_back(objection->what);
     if (const auto with = agreement_of(motion, dwell); with && with->contradicts)
       lines.push_back(text("coefficients from %.2f periods on contradict: %s of element %d by %.2g of the joint U",
                            dwell.settled_s / about.period_s(), to_string(with->kind), with->element, with->over_U));
+  }
   return lines;
 }
 
