@@ -124,16 +124,16 @@ void Device::read(double t_s, std::span<double> values, int station) {
       values[i] = *stuck_[i];
       continue;
     }
-    const double taken_s = reading_faults_.taken_at(i, station, t_s);
-    if (taken_s == t_s) {
+    const std::optional<double> taken_s = reading_faults_.taken_at(i, station, t_s);
+    if (!taken_s) {
       values[i] = measured(i, values[i]);
       continue;
     }
     Held& held = held_.try_emplace({station, i}, Held{-1.0, 0.0}).first->second;
-    if (held.t_s != taken_s) {
+    if (held.t_s != *taken_s) {
       before.resize(channels_.size());
-      truth(taken_s, before);
-      held = {taken_s, measured(i, before[i])};
+      truth(*taken_s, before);
+      held = {*taken_s, measured(i, before[i])};
     }
     values[i] = held.value;
   }

@@ -103,11 +103,12 @@ std::optional<std::string> ReadingFaults::command(const std::vector<std::string>
   return std::nullopt;
 }
 
-double ReadingFaults::taken_at(std::size_t channel, int station, double t_s) const {
+std::optional<double> ReadingFaults::taken_at(std::size_t channel, int station, double t_s) const {
   double refresh_s = refresh_s_;
   if (const auto of = station_refresh_s_.find(station); of != station_refresh_s_.end()) refresh_s = of->second;
   if (lines_[channel].refresh_s > 0) refresh_s = lines_[channel].refresh_s;
-  return refresh_s > 0 ? refresh_s * std::floor(t_s / refresh_s) : t_s;
+  if (!(refresh_s > 0)) return std::nullopt;
+  return refresh_s * std::floor(t_s / refresh_s);
 }
 
 double ReadingFaults::converted(std::size_t channel, double value) const {

@@ -24,8 +24,9 @@ class ReadingFaults {
   // One control line's words. Empty: done; else what is wrong; none: the verb is another's.
   [[nodiscard]] std::optional<std::string> command(const std::vector<std::string>& words);
 
-  // When the register of this channel at this station took the value that it holds at t, s. Station 0: none of them.
-  [[nodiscard]] double taken_at(std::size_t channel, int station, double t_s) const;
+  // When the register of this channel at this station took the value that it holds at t, s, which may be t itself.
+  // None: it has no refresh, every reading is a new value. Station 0: none of them.
+  [[nodiscard]] std::optional<double> taken_at(std::size_t channel, int station, double t_s) const;
   // What clipping and the converter leave of a value, SI.
   [[nodiscard]] double converted(std::size_t channel, double value) const;
   // Zeros and repeats, by station; the values become what is passed on.

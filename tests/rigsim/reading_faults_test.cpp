@@ -25,11 +25,12 @@ Options steady(std::vector<std::string> lines) {
   return options;
 }
 
-// One channel at 1 kHz for a second, at no instant of a refresh.
-std::vector<double> readings(Device& device, std::size_t channel, int station = 0) {
+// One channel at 1 kHz for a second. First read half a millisecond after the beginning, it is read at no instant of a
+// refresh.
+std::vector<double> readings(Device& device, std::size_t channel, int station = 0, double first_s = 0.0005) {
   std::vector<double> values(device.channels().size()), of;
   for (int i = 0; i < 1000; ++i) {
-    device.read(0.0005 + 0.001 * i, values, station);
+    device.read(first_s + 0.001 * i, values, station);
     of.push_back(values[channel]);
   }
   return of;
@@ -54,6 +55,14 @@ TEST(ReadingFaults, AChannelRefreshedSlowlyHoldsTheValueOfItsLastRefresh) {
   for (std::size_t i = 0; i < force.size(); ++i)
     EXPECT_LT(std::abs(force[i] - truth[i - i % 5]), 0.02 * largest(truth));
   EXPECT_GT(different(readings(device, 0)), 900U);
+}
+
+TEST(ReadingFaults, AReadingAtTheInstantOfARefreshTakesTheValueThatIsThenHeld) {
+  Options options = steady({"refresh reaction 0.005"});
+  options.faults.noise = 0.001;
+  Device device(options);
+  const std::vector<double> force = readings(device, kForce, 0, 0.0);
+  EXPECT_EQ(different(force), 200U);
 }
 
 TEST(ReadingFaults, AStationIsRefreshedByItself) {
