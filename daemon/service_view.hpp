@@ -52,4 +52,7 @@ struct ServiceView {
 // why: then neither limits nor model have a verdict.
 [[nodiscard]] DwellView live_dwell(const ServiceView& now);
 
+// A dwell that has ended, with the verdicts on its limits and, once it has been verified, on its model.
+[[nodiscard]] DwellView finished_dwell(const ServiceView& now, const Dwell& dwell);
+
 }  // namespace dwell

@@ -55,4 +55,12 @@ struct Verification {
   std::vector<std::string> cannot_be_checked;  // properties that no data of this rig can show
 };
 
+// What is known of a dwell's model, in short: `seen` and `U` as there.
+struct ModelVerdict {
+  Verdict verdict = Verdict::not_verified;
+  std::optional<bool> consistent;
+  double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
+};
+[[nodiscard]] ModelVerdict in_short(const Verification& verification) noexcept;
+
 }  // namespace dwell

@@ -1,5 +1,6 @@
 #include "daemon/ctl/tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -42,6 +43,14 @@ NumberText reading(double value, const std::string& unit) {
 
 NumberText interval(const ElementEstimate& e, const Coefficient& c, const char* unit) {
   return e.identifiable ? number_text(c.value, c.U95, unit) : NumberText{kNoNumber, "", ""};
+}
+
+// The verdict on a coefficient's limit, behind its number.
+std::string limit_mark(const DwellView& view, int k, CoefficientKind kind) {
+  for (const JudgedLimit& limit : view.limits)
+    if (limit.element == k && limit.kind == kind && limit.verdict != LimitVerdict::none)
+      return std::string(" limit ") + to_string(limit.verdict);
+  return {};
 }
 
 }  // namespace
@@ -94,7 +103,7 @@ std::string gpio_text(const Json& health) {
 }
 
 std::string dwells_table(const std::vector<DwellView>& dwells) {
-  std::vector<std::string> numbers, states, data, elements, notes;
+  std::vector<std::string> numbers, states, data, elements, models, notes;
   std::vector<NumberText> frequencies, stiffness, damping;
   std::vector<std::string> stiffness_marks, damping_marks, doubts;
   std::vector<const Dwell*> shown;
@@ -112,6 +121,7 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       frequencies.push_back(!first    ? NumberText{}
                             : settled ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
                                       : number_text(d.frequency_hz.value, "Hz", 4));
+      models.push_back(first && view.model ? to_string(view.model->verdict) : "");
       if (i >= d.elements.size()) {
         elements.emplace_back();
         stiffness.emplace_back();
@@ -125,8 +135,10 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       elements.push_back(std::to_string(e.k));
       stiffness.push_back(interval(e, e.stiffness, stiffness_unit(view.motion)));
       damping.push_back(interval(e, e.damping, damping_unit(view.motion)));
-      stiffness_marks.push_back(e.identifiable ? marks(d, e, e.stiffness) : "");
-      damping_marks.push_back(e.identifiable ? marks(d, e, e.damping) : "");
+      stiffness_marks.push_back(
+          e.identifiable ? marks(d, e, e.stiffness) + limit_mark(view, e.k, CoefficientKind::stiffness) : "");
+      damping_marks.push_back(e.identifiable ? marks(d, e, e.damping) + limit_mark(view, e.k, CoefficientKind::damping)
+                                             : "");
       notes.push_back(e.identifiable ? "" : e.reason);
     }
     for (const Doubt& doubt : d.doubts)
@@ -145,6 +157,8 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
   };
   table.add("stiffness", marked(stiffness, stiffness_marks));
   table.add("damping", marked(damping, damping_marks));
+  if (std::any_of(models.begin(), models.end(), [](const std::string& model) { return !model.empty(); }))
+    table.add("model", std::move(models));
   table.add("", std::move(notes));
   std::string text;
   // Whoever looks for a number finds it below what makes it worthless.

@@ -41,6 +41,7 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
   options.truth = truth;
   options.frequency = options.legend = false;
   if (!current(state, now_s)) options.age = age_of(state, now_s);
+  options.result = state.ended() && !state.old(now_s);
   // An old list tells nothing of now.
   if (!state.dwell() || state.channels_age_s(now_s) > WatchState::kListOld_s) return options;
   for (const ChannelLabel& label : state.dwell()->channels) {
@@ -209,16 +210,18 @@ void put_last(std::vector<Section>& sections, const WatchState& state, std::size
   TextOptions options;
   options.columns = columns;
   options.age = ago;
+  options.result = true;
   options.legend = false;
   std::vector<Section> result;
   for (Section& section : dwell_sections(*last, options))
-    if (section.name == kCoefficients) result.push_back(std::move(section));
+    if (section.name == kCoefficients || section.name == kLimits) result.push_back(std::move(section));
   if (result.empty()) return;
   const bool complete = last->dwell.state == State::complete;
   std::string title = "not of now · last dwell: " + std::to_string(last->dwell.index.value_or(0)) +
                       (std::isfinite(ago_s) ? (complete ? ", ended " : ", last seen ") + ago + " ago" : "") +
                       (complete ? std::string(": ") + to_string(last->dwell.ended_by) : "");
   for (const Doubt& doubt : last->dwell.doubts) title += "; " + doubt_text(doubt);
+  if (last->model) title += "; model " + model_text(*last->model);
   std::vector<TextLine> head;
   add(head, title, columns, last->dwell.doubts.empty() ? Style::title : Style::alarm);
   result.front().head.insert(result.front().head.begin(), head.begin(), head.end());

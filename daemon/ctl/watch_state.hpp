@@ -131,6 +131,8 @@ class WatchState {
   [[nodiscard]] bool list_old(double heard_s, double now_s) const {
     return !trouble.empty() || now_s - heard_s > kListOld_s;
   }
+  // The current dwell's limits have no verdict once it has ended. Those of the last dwell hold for the same numbers.
+  void keep_verdicts(DwellView& ended) const;
   // How old the dwell's newest data are by the service's clock, s; NaN: not known.
   [[nodiscard]] double data_ago_s(const DwellView& view, double now_s) const;
   [[nodiscard]] bool stale() const { return dwell_ && dwell_->age && dwell_->age->stale; }

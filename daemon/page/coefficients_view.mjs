@@ -117,6 +117,8 @@ export function showCoefficients(view) {
   setAttributes($('coefficients'), { 'data-source': shown.source });
   show($('coefficients-from'), Boolean(FROM[shown.source]));
   setText($('coefficients-from'), `${FROM[shown.source]} · ${shown.title}`);
+  show($('last-notes'), shown.notes.length > 0);
+  keyed($('last-notes'), shown.notes, (note) => note.tone + note.text, (note) => h('li', { 'data-tone': note.tone }, note.text));
   setText($('coefficients-none'), shown.reason ? `No coefficients: ${shown.reason}` : '');
   show($('coefficients-none'), shown.reason !== null);
   keyed($('elements'), shown.elements, (element) => element.k, makeElement,

@@ -43,6 +43,18 @@ function factsOf(view) {
   return facts.filter(([, text]) => text).map(([name, text, tone]) => ({ name, text, tone: tone ?? 'calm' }));
 }
 
+// A head that stays on the screen must not hide what the focus or a link goes to (WCAG 2.2, 2.4.11): the page keeps its
+// height free. Where it would take more than this part of the window it scrolls away with the rest.
+const MOST_OF_WINDOW = 1 / 3;
+function layOut() {
+  const height = $('head').getBoundingClientRect().height;
+  document.documentElement.classList.toggle('tall-head', height > MOST_OF_WINDOW * window.innerHeight);
+  const stays = getComputedStyle($('head')).position === 'sticky';
+  document.documentElement.style.setProperty('--head', `${stays ? Math.ceil(height) : 0}px`);
+}
+new ResizeObserver(layOut).observe($('head'));
+window.addEventListener('resize', layOut);
+
 let spoken = '';
 // Said aloud when the kind of state changes or a trouble comes or goes, not with each second that passes.
 function speak(state, list) {

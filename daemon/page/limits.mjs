@@ -2,7 +2,7 @@
 import { isNumber, MAX_DIGITS, plainText } from './number.mjs';
 
 // Each verdict has a word and a shape; a colour only the one that is abnormal.
-const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
+export const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
 
 // At least these digits of a bound; more until the text is the bound: a rounded one would look kept, or violated, where
 // it is not.

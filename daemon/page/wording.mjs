@@ -60,8 +60,11 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
 
 // Why a dwell's model has no verdict yet. verification: the newest of the run, which may be of a dwell before.
 function unverifiedText(dwell, verification) {
-  if (!verification) return 'no reason known yet';
-  if (verification.dwell !== null && verification.dwell !== dwell.index) return 'it is being verified';
+  // The doubts themselves stand in full, in their own tone.
+  if (dwell.doubts.length > 0) return 'the coefficients are doubted';
+  const ended = dwell.state === 'complete';
+  if (!verification) return ended ? 'the dwell has ended' : 'no reason known yet';
+  if (verification.dwell !== null && verification.dwell !== dwell.index) return ended ? 'the dwell has ended' : 'it is being verified';
   return verification.reasons[0] ?? 'no reason stated';
 }
 
@@ -71,7 +74,7 @@ export function modelOf(dwell, verification) {
   if (!model) return null;
   let text = model.verdict;
   if (model.verdict === NOT_VERIFIED) text += `: ${unverifiedText(dwell, verification)}`;
-  if (isNumber(model.seen)) text += `, off by ${percentText(model.seen)} ± ${percentText(model.U)}`;
+  if (isNumber(model.seen)) text += `, off by ${joined(numberText(100 * model.seen, 100 * model.U, '%'))}`;
   text += ` (accuracy asked for: ${percentText(model.asked)})`;
   if (model.consistent === false) text += '; not consistent: more is left than noise and stated uncertainties explain, ± may be too small';
   const bad = model.verdict === 'not adequate' || model.consistent === false;

@@ -18,7 +18,7 @@ constexpr std::size_t kIndent = 11;  // as the lines on settling
 
 void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
   for (std::string& line : wrapped(printable("limits     " + text), options.columns, kIndent))
-    section.body.push_back({std::move(line), options.age.empty() ? style : Style::old});
+    section.body.push_back({std::move(line), options.age.empty() || options.result ? style : Style::old});
 }
 
 // With as many digits as it takes for the text to be the bound, and no more than kMaxDigits: a rounded bound would look

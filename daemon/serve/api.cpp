@@ -209,7 +209,8 @@ HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
   std::vector<std::string> texts;
   std::size_t bytes = 0;
   const auto take = [&](const Dwell& dwell) {
-    std::string text = page->brief ? dump(brief_json(dwell, view.rig, view.run)) : to_json(dwell, view.rig, view.run);
+    const DwellView finished = finished_dwell(view, dwell);
+    std::string text = page->brief ? dump(brief_json(finished, view.rig)) : to_json(finished);
     if (texts.size() == page->count || (!texts.empty() && bytes + text.size() > kBytesOfDwells)) return false;
     bytes += text.size();
     texts.push_back(std::move(text));
@@ -242,7 +243,7 @@ HttpReply dwell_answer(const ServiceView& view, std::string_view index_text) {
     return http_error(404, "expected /api/v1/dwells/INDEX, the index of a dwell: a number from 1");
   const FinishedDwells& all = finished(view);
   for (const auto& dwell : all)
-    if (dwell->index == *index) return {200, to_json(*dwell, view.rig, view.run)};
+    if (dwell->index == *index) return {200, to_json(finished_dwell(view, *dwell))};
   if (view.snapshot.dwell.index == *index) return {200, dwell_text_json(view)};
   const std::string which = "dwell " + std::to_string(*index);
   if (!all.empty() && *index < all.front()->index.value_or(0))

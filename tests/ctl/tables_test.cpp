@@ -65,6 +65,18 @@ TEST(Tables, DwellsSayFirstWhichNumbersMustNotBeReliedOnAndBelowWhatTheyLeaveOut
       << text;
 }
 
+TEST(Tables, DwellsShowTheVerdictsOnTheirLimitsAndModels) {
+  Rig rig = test::sample_rig();
+  rig.limits = {{1, Bounds{20e3, 21e3}, Bounds{0.0, 100.0}}};
+  DwellView view = make_view(test::sample_dwell(), rig, {});
+  view.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.012, 0.004};
+  const std::string text = dwells_table({view});
+  EXPECT_NE(text.find("24.010 ±   0.027 kN/m limit violated  60.20 ± 0.79 N·s/m limit kept"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("  model"), std::string::npos) << text;
+  EXPECT_NE(text.find("  adequate"), std::string::npos) << text;
+}
+
 // A stuck or clipped reading, and garbage, in a table that stays one.
 TEST(Tables, ChannelsShowTheConditionOfTheirReadingsAndLineUpForGarbage) {
   const Json list = Json::parse(R"([

@@ -90,6 +90,7 @@ test('an alarm that returns unseen waits as such', async () => {
   await row(page, 'device:amplifier').waitFor();
   bench.rig.signal('SIGCONT');
   await page.locator('#alarm-rows li[data-tone=care]', { hasText: /^returned, unacknowledged .*device amplifier/s }).waitFor();
+  assert.match(await page.locator('#alarm-link').innerText(), /not acknowledged: (?!device amplifier).*; \d more over$|not acknowledged, over: device amplifier/);
   await check(page, 'alarm-returned-phone');
   await page.locator('button[aria-label="Acknowledge device:amplifier"]').click();
   await row(page, 'device:amplifier').waitFor({ state: 'detached' });
@@ -110,5 +111,8 @@ test('who has no right sees the alarms and no button', async () => {
   await page.locator('#alarm-rows li').first().waitFor();
   await page.locator('#event-rows li').first().waitFor(); // by then the rights have been asked for
   assert.equal(await page.locator('#alarm-rows button:not([hidden])').count(), 0);
+  assert.match(await page.locator('#alarms-how').innerText(), /^To acknowledge: log in below, or dwellctl acknowledge NAME on this computer/);
+  await page.locator('#alarm-rows li:not([data-tone=calm]) code').first().waitFor();
+  await check(page, 'alarms-locked-desk');
   await page.close();
 });

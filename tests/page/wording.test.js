@@ -78,7 +78,9 @@ test('what the service holds against a channel that seems well stands in the hea
 test('the model is told with figures, and colours only where it is not good', () => {
   const model = { verdict: 'adequate', consistent: true, asked: 0.05, seen: 0.012, U: 0.004 };
   const of = (verdict, verification) => modelOf(dwellOf({ model: verdict }), verification);
-  assert.deepEqual(of(model), { text: 'adequate, off by 1.2 % ± 0.4 % (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.deepEqual(of(model), { text: 'adequate, off by 1.20 ± 0.40 % (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.match(of({ ...model, seen: 0.0098, U: 0.0013 }).text, /off by 0\.98 ± 0\.13 %/, 'as many digits as ± has');
+  assert.match(of({ ...model, seen: 0, U: 0.015 }).text, /off by 0\.0 ± 1\.5 %/);
   assert.equal(of({ ...model, verdict: 'not adequate' }).tone, 'care');
   assert.equal(of({ ...model, consistent: false }).tone, 'care');
   assert.equal(modelOf(dwellOf()), null);
@@ -92,6 +94,9 @@ test('a model without a verdict has the first reason beside it', () => {
     { text: 'not verified yet: the transient is too weak (accuracy asked for: 5 %)', tone: 'calm' });
   assert.match(said({ dwell: null, reasons: ['the dwell has just settled: its model is being verified'] }).text, /: the dwell has just settled/);
   assert.match(said({ dwell: 2, reasons: ['of the dwell before'] }).text, /^not verified yet: it is being verified \(/);
+  // The doubt stands below the state in full: once is enough.
+  const doubted = { ...dwell, doubts: [{ elements: [], what: 'mode at 4.77 Hz' }] };
+  assert.match(modelOf(doubted, { dwell: 3, reasons: ['coefficients are doubted: mode at 4.77 Hz'] }).text, /^not verified yet: the coefficients are doubted \(/);
   assert.match(said({ dwell: 3, reasons: [] }).text, /: no reason stated \(/);
   assert.match(said(null).text, /: no reason known yet \(/);
 });
