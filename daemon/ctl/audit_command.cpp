@@ -28,7 +28,7 @@ std::string verdict(const record::Audit& audit) {
     text = "open until " + (audit.until_s ? seconds_text(*audit.until_s, 3) : std::string(kNoNumber));
     if (!audit.until_utc.empty()) text += " (" + audit.until_utc + ")";
   }
-  return audit.trusted ? text : text + ", key " + audit.key + " not trusted";
+  return audit.trusted ? text : text + ", " + key_verdict(audit);
 }
 
 std::string ledger_verdict(const record::LedgerAudit& ledger) {
@@ -45,7 +45,9 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
   }
   if (!ledger) return text;
   if (!ledger->unbroken || ledger->missing.empty())
-    text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where)) + "\n";
+    text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where) +
+                      (ledger->unbroken && !ledger->trusted ? ", key " + ledger->key + " not trusted" : "")) +
+            "\n";
   for (const std::string& line : ledger->missing) text += printable(request.ledger + ": missing: " + line) + "\n";
   for (const std::string& line : ledger->deleted) text += "  deleted: " + printable(line) + "\n";
   return text;
@@ -65,6 +67,7 @@ Json json_of(const record::Audit& audit) {
           {"head", text_or_null(audit.head)},
           {"key", text_or_null(audit.key)},
           {"trusted", audit.trusted},
+          {"known_to_ledger", audit.of_ledger},
           {"signatures", audit.signatures}};
 }
 
@@ -74,6 +77,7 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
   Json document{{"files", std::move(files)}, {"ledger", nullptr}};
   if (ledger) {
     document["ledger"] = ledger_verdict(*ledger);
+    document["ledger_trusted"] = ledger->trusted;
     document["missing"] = ledger->missing;
     document["deleted"] = ledger->deleted;
   }
@@ -94,10 +98,10 @@ int audit_files(const AuditRequest& request) {
   options.ledger = request.ledger;
   options.anchors = request.anchors;
   options.every_signature = request.every_signature;
-  if (!request.key.empty()) {
-    const auto key = pinned_key(request.key);
+  for (const std::string& asked : request.keys) {
+    const auto key = pinned_key(asked);
     if (!key) return usage_error("--key: " + key.error());
-    options.key = *key;
+    options.keys.push_back(*key);
   }
   int code = kDone;
   std::vector<record::Audit> audits;

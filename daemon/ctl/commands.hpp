@@ -67,7 +67,7 @@ struct ExportOptions {
 struct AuditRequest {
   std::vector<std::string> files;
   std::string ledger;                // file; empty: none
-  std::string key;                   // a vkey, or a file that holds one; empty: none pinned
+  std::vector<std::string> keys;     // pinned, each a vkey or a file that holds one
   std::vector<std::string> anchors;  // files
   bool every_signature = false;      // AuditOptions
   bool json = false;

@@ -45,7 +45,7 @@ class RecordVerbs {
     audit_ = app.add_subcommand("audit", "whether run files are as they were recorded; exit 1 if one is tampered with");
     audit_->add_option("files", auditing_.files, "run files");
     add_ledger(audit_, auditing_.ledger);
-    add_pinned_key(audit_, auditing_.key);
+    add_pinned_keys(audit_, auditing_.keys);
     audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
     audit_->add_flag("--every-signature", auditing_.every_signature,
                      "verify each note's signature by itself; slower, and finds nothing else: the newest covers all");

@@ -110,8 +110,9 @@ std::string front(const Selection& selection, const RunStory& story, const recor
   html += html_paragraph("File as found when this report was made: " + audit_line(audit),
                          std::string("state ") + state_class(audit));
   if (audit.state != record::AuditState::tampered && !audit.trusted)
-    html +=
-        html_paragraph("No key was given to trust: compare the fingerprint with the one that the rig's service shows.");
+    html += html_paragraph(std::string("No key was given to trust: compare the fingerprint with the one that the rig's service "
+                                       "shows.") +
+                           (audit.of_ledger ? " That the ledger knows the key proves nothing: who forges a run can forge its ledger." : ""));
   const auto& end = selection.end();
   html += html_facts(
       {{"begun", run.start_utc},

@@ -138,7 +138,7 @@ std::string audit_line(const record::Audit& audit) {
     case record::AuditState::tampered:
       return "tampered: " + audit.where;
   }
-  return line + ", key " + audit.key + (audit.trusted ? " trusted" : " not trusted");
+  return line + ", " + key_verdict(audit);
 }
 
 std::string place_text(int at) {

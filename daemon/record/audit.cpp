@@ -109,10 +109,13 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
   audit_.id = header_.id;
   audit_.key = key_.fingerprint();
   known_.add(anchors_, origin());
-  const bool of_ledger = ledger_ != nullptr && ledger_->knows(key_);
-  // The ledger connects the keys: all of them signed it in turn, and each vouches for the entries before it.
-  audit_.trusted = options_.key ? key_ == *options_.key || of_ledger : of_ledger;
-  if (options_.key && !audit_.trusted) return fails("signed by " + audit_.key + ", not by the key asked for");
+  audit_.of_ledger = ledger_ != nullptr && ledger_->knows(key_);
+  // A ledger by a pinned key connects the keys: all of them signed it in turn, and each vouches for the entries before
+  // it. Without a pinned key a ledger vouches for itself alone: whoever forges the runs forges the ledger with them.
+  const bool pinned = std::find(options_.keys.begin(), options_.keys.end(), key_) != options_.keys.end();
+  audit_.trusted = pinned || (!options_.keys.empty() && audit_.of_ledger);
+  if (!options_.keys.empty() && !audit_.trusted)
+    return fails("signed by " + audit_.key + ", not by " + asked_for(options_.keys));
   if (ledger_ == nullptr || header_.run == 0) return {};
   if (Result<void> agrees = ledger_agrees(); !agrees) return agrees;
   if (const auto& end = ledger_->find(header_.run)->end; end && !end->head.empty())
@@ -124,7 +127,9 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
 // ledger and the anchors know which it is, and only by the file's name.
 Result<void> RunAudit::may_be_empty() const {
   if (ledger_ == nullptr)
-    return options_.key ? fails("it has no entry, so nothing in it is signed by the key asked for") : Result<void>();
+    return options_.keys.empty()
+               ? Result<void>()
+               : fails("it has no entry, so nothing in it is signed by " + asked_for(options_.keys));
   const LedgerRun* run = ledger_->find(std::filesystem::path(audit_.file).filename().string());
   if (run == nullptr) return {};  // if it is a run's file by another name, the ledger misses that run
   KnownHeads known;
@@ -223,7 +228,7 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
   if (!ended) {
     audit.where = ended.error();
-    audit.trusted = false;
+    audit.trusted = audit.of_ledger = false;
   }
   return audit;
 }
@@ -240,6 +245,13 @@ const char* to_string(AuditState state) noexcept {
       break;
   }
   return "tampered";
+}
+
+std::string key_verdict(const Audit& audit) {
+  return "key " + audit.key +
+         (audit.trusted     ? " trusted"
+          : audit.of_ledger ? " not trusted (known to this ledger)"
+                            : " not trusted");
 }
 
 Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {

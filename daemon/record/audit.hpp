@@ -31,12 +31,18 @@ struct Audit {
   std::uint64_t samples = 0;
   std::string head;                     // of the last entry, hexadecimal
   std::string key;                      // fingerprint of the key that signs it
-  bool trusted = false;                 // it is the key asked for, or the ledger's
+  bool trusted = false;                 // a pinned key, or one that the ledger connects with a pinned key
+  bool of_ledger = false;               // the ledger knows the key; without a pinned key this proves nothing
   std::vector<std::string> signatures;  // one line each: who, what for, when, by which key
 };
 
+// "key 7c0e 1969 … trusted", "key 7c0e 1969 … not trusted (known to this ledger)".
+[[nodiscard]] std::string key_verdict(const Audit& audit);
+
+struct CheckedLedger;
+
 struct AuditOptions {
-  std::optional<PublicKey> key;          // pinned: the file must be signed by it
+  std::vector<PublicKey> keys;           // pinned: one of them must have signed; empty: no key is trusted
   std::string ledger;                    // path of a ledger; empty: none
   std::vector<std::string> anchors;      // files of heads kept elsewhere
   std::function<void(double)> progress;  // 0 … 1; empty: none
@@ -55,6 +61,8 @@ inline constexpr const char* kAuditStopped = "the audit was given up";
 
 struct LedgerAudit {
   bool unbroken = false;
+  bool trusted = false;              // a pinned key has signed it
+  std::string key;                   // fingerprint of the key that signs it now; empty: it has no entry
   std::string where;                 // what is broken
   std::vector<std::string> deleted;  // runs entered as deleted, one line each: by retention, or they never had a file
   std::vector<std::string> missing;  // runs that should be in `directory` and are not

@@ -50,6 +50,8 @@ Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& dir
   LedgerAudit audit;
   audit.unbroken = ledger->verifies();
   audit.where = ledger->broken;
+  if (!ledger->book.empty()) audit.key = ledger->book.last_signer().fingerprint();
+  audit.trusted = audit.unbroken && !options.keys.empty();  // with keys that did not sign it, it is broken
   std::size_t done = 0;
   for (const auto& [number, run] : ledger->book.runs()) {
     if (options.progress)

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/ledger_check.hpp"
 #include "daemon/record/low_priority.hpp"
 #include "daemon/record/utc_text.hpp"
 
@@ -31,10 +32,20 @@ Identity identity_of(const std::string& path) {
   return identity;
 }
 
-RunVerdict verdict_on(const std::string& path, const std::string& directory, const JobThread::Stopping& stopping) {
+// A key that the ledger announces has signed nothing of it until the next run begins. Pinned alone it would make every
+// earlier run look forged; so the ledger then vouches without a pinned key, and nothing is trusted.
+std::vector<PublicKey> pinned(const PublicKey& key, const AuditOptions& options) {
+  const Result<CheckedLedger> ledger = check_ledger(options.ledger, options);
+  const bool announced = ledger && ledger->verifies() && ledger->book.keys().back() == key && !ledger->knows(key);
+  return announced ? std::vector<PublicKey>{} : std::vector<PublicKey>{key};
+}
+
+RunVerdict verdict_on(const std::string& path, const std::string& directory, const PublicKey& key,
+                      const JobThread::Stopping& stopping) {
   AuditOptions options;
   options.ledger = directory + "/ledger.dwell-ledger";
   options.stop = stopping;
+  options.keys = pinned(key, options);
   RunVerdict verdict;
   const Result<Audit> audit = audit_run(path, options);
   verdict.utc = iso_utc(utc_now_ns());
@@ -105,7 +116,7 @@ struct RunAudits::Shared {
   }
 
   // Audits the newest run that has no verdict, or whose file has changed. False: there is none.
-  bool audit_next(const ListedRuns& runs, const JobThread::Stopping& stopping) {
+  bool audit_next(const ListedRuns& runs, const PublicKey& key, const JobThread::Stopping& stopping) {
     std::vector<std::string> files;
     for (auto run = runs.rbegin(); run != runs.rend() && files.size() < kAudited; ++run)
       if (run->state != "recording") files.push_back(run->file);
@@ -119,7 +130,7 @@ struct RunAudits::Shared {
         continue;
       }
       if (const auto before = known.find(file); before != known.end() && before->second == identity) continue;
-      RunVerdict verdict = verdict_on(path, directory, stopping);
+      RunVerdict verdict = verdict_on(path, directory, key, stopping);
       if (stopping()) return false;
       known[file] = identity;
       if (identity_of(path) != Identity{}) put(file, std::move(verdict));
@@ -132,7 +143,7 @@ struct RunAudits::Shared {
 RunAudits::RunAudits(std::string directory)
     : shared_(std::make_shared<Shared>(std::move(directory))), jobs_("audits") {}
 
-void RunAudits::turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns>& runs) {
+void RunAudits::turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns>& runs, const PublicKey& key) {
   const bool looks_again = now_ns >= next_look_ns_;
   {
     const std::lock_guard lock(shared_->mutex);
@@ -141,12 +152,12 @@ void RunAudits::turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns
   }
   asked_ = runs;
   next_look_ns_ = now_ns + kLookAgain_ns;
-  jobs_.post([shared = shared_, runs, looks_again](const JobThread::Stopping& stopping) {
+  jobs_.post([shared = shared_, runs, key, looks_again](const JobThread::Stopping& stopping) {
     lower_priority();
     if (looks_again) shared->forget_failures();
     bool audited = false;
     try {
-      audited = shared->audit_next(*runs, stopping);
+      audited = shared->audit_next(*runs, key, stopping);
     } catch (const std::exception&) {
       // No memory, for instance: tried again at the next look.
     }

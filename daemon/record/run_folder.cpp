@@ -289,6 +289,7 @@ Result<void> RunFolder::open() {
 }
 
 bool RunFolder::is_open() const noexcept { return impl_->signs.has_value(); }
+const PublicKey& RunFolder::key() const noexcept { return impl_->signs->key.public_key(); }
 
 Result<void> RunFolder::ready() {
   Impl& self = *impl_;

@@ -97,6 +97,8 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   const Outcome there = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(there.code, 0) << there.out << there.err;
   EXPECT_TRUE(holds(there.out, ledger + ": unbroken\n")) << there.out;
+  const Outcome alone = test::run({"audit", "--ledger", ledger});
+  EXPECT_EQ(alone.out, ledger + ": unbroken, key " + key.public_key().fingerprint() + " not trusted\n");
   std::filesystem::remove(run.path);
   const Outcome gone = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(gone.code, 1);
