@@ -119,14 +119,22 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, heard(state.gpio_old(now_s)) + gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
-  if (const std::size_t count = state.alarms().unacknowledged; count > 0) {
+  if (state.alarms().unacknowledged > 0) {
+    // The service lists those that last before those that are over, which must not be told as if they lasted.
+    const std::vector<ListedAlarm>& list = state.alarms().alarms;
+    const auto over = static_cast<std::size_t>(
+        std::count_if(list.begin(), list.end(), [](const ListedAlarm& a) { return a.state == kReturned; }));
+    const std::size_t active = state.alarms().unacknowledged - std::min(over, state.alarms().unacknowledged);
+    const std::size_t count = active > 0 ? active : over;
     std::string text = heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
-                       " not acknowledged" + where;
+                       " not acknowledged" + (active == 0 ? ", over" : "") + where;
+    const std::string more = active > 0 && over > 0 ? "; " + std::to_string(over) + " more over" : "";
     // The first of them as far as the line goes; the list tells all.
     constexpr std::size_t kLeast = 12;
-    if (!state.alarms().alarms.empty() && columns > width(text) + kLeast)
-      text += ": " + clipped(printable(state.alarms().alarms.front().text), columns - width(text) - 2);
-    add(lines, text, columns, Style::alarm);
+    const std::size_t taken = width(text) + width(more);
+    if (!list.empty() && columns > taken + kLeast)
+      text += ": " + clipped(printable(list.front().text), columns - taken - 2);
+    add(lines, text + more, columns, active > 0 ? Style::alarm : Style::plain);
   }
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
