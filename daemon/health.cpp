@@ -43,6 +43,7 @@ void add_channels(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>
     const ChannelView& view = snapshot.channels[i];
     const Channel& channel = rig.channels[i];
     const std::string name = "channel " + channel.name + ": ";
+    if (view.fault == Fault::end_of_data) continue;  // a recording was played to its end: nothing is wrong
     if (view.fault != Fault::none && is_dead(rig, snapshot, channel.device)) {
       if (std::find(told.begin(), told.end(), channel.device) != told.end()) continue;
       told.push_back(channel.device);
@@ -71,6 +72,12 @@ void add_unused(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& 
   }
   if (std::isfinite(dwell.settled_s) && dwell.elements.empty())
     troubles.push_back({"dwell", "no coefficients: " + words("the data do not suffice", dwell.settling_reason)});
+}
+
+// Whether all devices are recordings that were played to their end. Then no drive is seen, as is to be expected.
+bool has_ended(const Snapshot& snapshot) {
+  return !snapshot.devices.empty() && std::all_of(snapshot.devices.begin(), snapshot.devices.end(),
+                                                  [](const DeviceView& device) { return device.ended; });
 }
 
 bool none_degrades(const Health& health) {
@@ -114,7 +121,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
       add(std::string("gpio:") + gpio::kFunctionNames[i],
           std::string("GPIO ") + gpio::kFunctionNames[i] + ": " + words("does not work", lines[i].reason));
   const Dwell& dwell = snapshot.dwell;
-  if (dwell.state == State::fault) add("dwell", words("the data do not suffice", dwell.settling_reason));
+  if (dwell.state == State::fault && !has_ended(snapshot))
+    add("dwell", words("the data do not suffice", dwell.settling_reason));
   const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))

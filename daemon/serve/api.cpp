@@ -109,6 +109,7 @@ Json devices_json(const ServiceView& view) {
     list.push_back({{"name", device.name},
                     {"driver", device.driver},
                     {"up", device.up},
+                    {"ended", device.ended},
                     {"faults", std::move(faults)},
                     {"foreign", device.foreign}});
   }
