@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/rig/limit.hpp"
+#include "daemon/calibration.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/report/limit_text.hpp"
 
@@ -109,7 +110,7 @@ bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) n
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns, const gpio::Status& lines,
                     const LogStats& log, const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
-                    bool clock_synchronized) {
+                    bool clock_synchronized, std::int64_t utc_ns) {
   Health health;
   const auto add = [&](std::string name, std::string text) {
     health.troubles.push_back({std::move(name), std::move(text)});
@@ -135,6 +136,14 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   // uncertainty of its own.
   if (!clock_synchronized)
     health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
+
+  // The readings are as good as before; what is stated of their scale has no proof any longer.
+  for (const Channel& channel : rig.channels)
+    if (clock_synchronized && calibration_overdue(channel, utc_ns).value_or(false))
+      health.troubles.push_back({"calibration:" + channel.name,
+                                 "channel " + channel.name + ": the calibration " + channel.calibration_id +
+                                     " was due on " + channel.calibration_due,
+                                 false});
 
   health.run = run_words(snapshot.run);
 
