@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/rig/limit.hpp"
+#include "daemon/calibration.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/report/limit_text.hpp"
 
@@ -43,6 +44,7 @@ void add_channels(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>
     const ChannelView& view = snapshot.channels[i];
     const Channel& channel = rig.channels[i];
     const std::string name = "channel " + channel.name + ": ";
+    if (view.fault == Fault::end_of_data) continue;  // a recording was played to its end: nothing is wrong
     if (view.fault != Fault::none && is_dead(rig, snapshot, channel.device)) {
       if (std::find(told.begin(), told.end(), channel.device) != told.end()) continue;
       told.push_back(channel.device);
@@ -71,6 +73,12 @@ void add_unused(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& 
   }
   if (std::isfinite(dwell.settled_s) && dwell.elements.empty())
     troubles.push_back({"dwell", "no coefficients: " + words("the data do not suffice", dwell.settling_reason)});
+}
+
+// Whether all devices are recordings that were played to their end. Then no drive is seen, as is to be expected.
+bool has_ended(const Snapshot& snapshot) {
+  return !snapshot.devices.empty() && std::all_of(snapshot.devices.begin(), snapshot.devices.end(),
+                                                  [](const DeviceView& device) { return device.ended; });
 }
 
 bool none_degrades(const Health& health) {
@@ -102,7 +110,7 @@ bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) n
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns, const gpio::Status& lines,
                     const LogStats& log, const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
-                    bool clock_synchronized) {
+                    bool clock_synchronized, std::int64_t utc_ns) {
   Health health;
   const auto add = [&](std::string name, std::string text) {
     health.troubles.push_back({std::move(name), std::move(text)});
@@ -114,7 +122,8 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
       add(std::string("gpio:") + gpio::kFunctionNames[i],
           std::string("GPIO ") + gpio::kFunctionNames[i] + ": " + words("does not work", lines[i].reason));
   const Dwell& dwell = snapshot.dwell;
-  if (dwell.state == State::fault) add("dwell", words("the data do not suffice", dwell.settling_reason));
+  if (dwell.state == State::fault && !has_ended(snapshot))
+    add("dwell", words("the data do not suffice", dwell.settling_reason));
   const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
@@ -127,6 +136,14 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   // uncertainty of its own.
   if (!clock_synchronized)
     health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
+
+  // The readings are as good as before; what is stated of their scale has no proof any longer.
+  for (const Channel& channel : rig.channels)
+    if (clock_synchronized && calibration_overdue(channel, utc_ns).value_or(false))
+      health.troubles.push_back({"calibration:" + channel.name,
+                                 "channel " + channel.name + ": the calibration " + channel.calibration_id +
+                                     " was due on " + channel.calibration_due,
+                                 false});
 
   health.run = run_words(snapshot.run);
 

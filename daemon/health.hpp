@@ -46,11 +46,11 @@ struct Health {
 [[nodiscard]] bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 
 // trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should be.
-// clock_synchronized: the computer's clock is. Pure.
+// clock_synchronized: the computer's clock is. utc_ns: its time; 0: not known. Pure.
 [[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns,
                                   const gpio::Status& lines, const LogStats& log, const std::string& trouble,
                                   const std::vector<record::RecorderAlarm>& recorder = {},
-                                  bool clock_synchronized = true);
+                                  bool clock_synchronized = true, std::int64_t utc_ns = 0);
 
 // Why the status is not ok, in one line: the first few troubles, the others counted; empty with ok.
 [[nodiscard]] std::string reason_of(const Health& health);

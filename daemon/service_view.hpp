@@ -31,6 +31,7 @@ struct ServiceView {
   Health health{};              // judged of all the rest
   std::int64_t now_ns = 0;      // CLOCK_MONOTONIC_RAW
   std::int64_t now_utc_ns = 0;  // 0: not known
+  bool clock_synchronized = true;
   double uptime_s = 0.0;
   HttpStats http{};
   std::uint64_t wrong_tokens = 0;

@@ -33,6 +33,16 @@ std::string status_with_reason(const std::string& status, const std::string& rea
   return reason.empty() || reason == status ? status : status + ": " + reason;
 }
 
+// The calibration that the rig file states, and until when it holds.
+std::string calibration_text(const Json& channel) {
+  const Json* const calibration = member_of(channel, "calibration");
+  if (calibration == nullptr || !calibration->is_object()) return kNoNumber;
+  const std::string due = text_member(*calibration, "due");
+  const Json* const overdue = member_of(*calibration, "overdue");
+  const bool late = overdue != nullptr && overdue->is_boolean() && overdue->get<bool>();
+  return text_member(*calibration, "id") + (due.empty() ? "" : ", due " + due) + (late ? ": overdue" : "");
+}
+
 // A reading in the unit that the operator chose in the rig file: no prefix of ours.
 NumberText reading(double value, const std::string& unit) {
   if (!std::isfinite(value)) return {kNoNumber, "", ""};
@@ -83,6 +93,10 @@ std::string channels_table(const Json& list) {
     for (const Json& channel : list) counts.push_back(integer_text(channel, name));
     table.add(name, std::move(counts), Align::right);
   }
+  std::vector<std::string> calibrations;
+  for (const Json& channel : list) calibrations.push_back(calibration_text(channel));
+  if (std::any_of(calibrations.begin(), calibrations.end(), [](const std::string& text) { return text != kNoNumber; }))
+    table.add("calibration", std::move(calibrations));
   table.add("", std::move(reasons));
   return table.text();
 }

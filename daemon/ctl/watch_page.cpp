@@ -32,6 +32,11 @@ bool current(const WatchState& state, double now_s) { return !state.old(now_s) &
 std::string age_of(const WatchState& state, double now_s) {
   const double ended_s = state.ended_ago_s(now_s);
   if (std::isfinite(ended_s)) return age_text(ended_s);
+  // The service goes on telling the fault; the numbers in view are those of the last dwell.
+  if (state.dwell() && state.dwell()->dwell.state == State::fault) {
+    const double last_s = state.last_ago_s(now_s);
+    return std::isfinite(last_s) ? age_text(std::max(last_s, state.age_s(now_s))) : kNoNumber;
+  }
   return state.ended() ? "ended" : age_text(state.age_s(now_s));
 }
 
@@ -119,14 +124,22 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, heard(state.gpio_old(now_s)) + gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
-  if (const std::size_t count = state.alarms().unacknowledged; count > 0) {
+  if (state.alarms().unacknowledged > 0) {
+    // The service lists those that last before those that are over, which must not be told as if they lasted.
+    const std::vector<ListedAlarm>& list = state.alarms().alarms;
+    const auto over = static_cast<std::size_t>(
+        std::count_if(list.begin(), list.end(), [](const ListedAlarm& a) { return a.state == kReturned; }));
+    const std::size_t active = state.alarms().unacknowledged - std::min(over, state.alarms().unacknowledged);
+    const std::size_t count = active > 0 ? active : over;
     std::string text = heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
-                       " not acknowledged" + where;
+                       " not acknowledged" + (active == 0 ? ", over" : "") + where;
+    const std::string more = active > 0 && over > 0 ? "; " + std::to_string(over) + " more over" : "";
     // The first of them as far as the line goes; the list tells all.
     constexpr std::size_t kLeast = 12;
-    if (!state.alarms().alarms.empty() && columns > width(text) + kLeast)
-      text += ": " + clipped(printable(state.alarms().alarms.front().text), columns - width(text) - 2);
-    add(lines, text, columns, Style::alarm);
+    const std::size_t taken = width(text) + width(more);
+    if (!list.empty() && columns > taken + kLeast)
+      text += ": " + clipped(printable(list.front().text), columns - taken - 2);
+    add(lines, text + more, columns, active > 0 ? Style::alarm : Style::plain);
   }
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
@@ -278,6 +291,14 @@ std::string count_of(std::size_t count, const char* what, std::size_t page, std:
   return text + where_of(page, pages);
 }
 
+// That a dwell has not settled is its state, no warning.
+std::size_t warnings_in(const DwellView& view) {
+  const std::vector<std::string>& warnings = view.dwell.warnings;
+  const auto count = std::count_if(warnings.begin(), warnings.end(),
+                                   [](const std::string& text) { return text.rfind("not settled: ", 0) != 0; });
+  return static_cast<std::size_t>(count) + (contradicts(view) ? 1 : 0);
+}
+
 std::vector<TextLine> footer(const Controls& controls, std::size_t page, std::size_t pages, std::size_t columns) {
   std::vector<TextLine> lines;
   const std::string turned = "page " + std::to_string(page + 1) + " of " + std::to_string(pages);
@@ -339,10 +360,9 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     if (state.dwell()) {
       const Dwell& dwell = state.dwell()->dwell;
       const bool old = state.old(now_s);
-      const std::string text =
-          (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
-          count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
-          count_of(dwell.warnings.size() + (contradicts(*state.dwell()) ? 1 : 0), "warning", warnings_page, page.pages);
+      const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
+                               count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
+                               count_of(warnings_in(*state.dwell()), "warning", warnings_page, page.pages);
       const Style style = old                     ? Style::old
                           : !dwell.doubts.empty() ? Style::alarm
                           : state.ended()         ? Style::old

@@ -140,6 +140,8 @@ double WatchState::age_s(double now_s) const { return now_s - moved_s_; }
 
 std::string WatchState::why_unverified() const {
   if (!dwell_ || !dwell_->model || dwell_->model->verdict != Verdict::not_verified || !unverified_) return {};
+  // The doubts themselves stand above the numbers in full.
+  if (!dwell_->dwell.doubts.empty()) return "the coefficients are doubted";
   if (unverified_->dwell && unverified_->dwell != dwell_->dwell.index) return "it is being verified";
   return unverified_->reason.empty() ? "no reason stated" : unverified_->reason;
 }

@@ -1,7 +1,7 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
 import { limitOf } from './limits.mjs';
-import { isGeneral, modelOf, utcMs, whom } from './wording.mjs';
+import { hasEnded, isGeneral, modelOf, utcMs, whom } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
 // c_1, r_1 … of an element, as people write them.
@@ -133,9 +133,9 @@ function cellsOf(element, doubted, struckAge, limits = []) {
 //   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
 //           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
-// view: { dwell, fresh, now, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
+// view: { dwell, health, fresh, now, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
 // refused: nobody is logged in }
-export function coefficientsOf({ dwell, fresh, now, last, verification, broken, refused }) {
+export function coefficientsOf({ dwell, health, fresh, now, last, verification, broken, refused }) {
   const none = (reason) => ({ source: 'none', title: '', notes: [], reason, elements: [] });
   if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
   const old = fresh.dwellOld(now);
@@ -170,12 +170,15 @@ export function coefficientsOf({ dwell, fresh, now, last, verification, broken, 
     return none(`settling: ${dwell.settling_reason || 'the transient is not over'}`);
 
   if (last.t === null) return none(dwell.settling_reason || 'nothing has been measured yet');
-  const gone = old || broken || dwell.state === 'fault';
+  // After a recording was played to its end nothing more is expected.
+  const played = hasEnded(health);
+  const gone = old || (!played && (broken || dwell.state === 'fault'));
   const lastAge = ageText(now - last.t);
   // A dwell that has ended is told on only after the run was stopped, with that as its reason. If the stop ended it, its
   // own cause, the end of the data, says nothing more.
   const stopped = dwell.state === 'complete' && last.key === keyOf(dwell) ? dwell.settling_reason : '';
-  const causes = [stopped && last.ended_by === 'end' ? '' : last.ended_by, stopped].filter(Boolean);
+  const cause = played && last.ended_by === 'data lost' ? 'the recording ended' : last.ended_by;
+  const causes = [stopped && cause === 'end' ? '' : cause, stopped].filter(Boolean);
   const doubts = last.doubts();
   const model = modelOf({ ...last, doubts, state: 'complete' }, verification ?? null);
   return {

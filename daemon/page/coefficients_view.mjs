@@ -19,7 +19,7 @@ export function makeNumber() {
 
 export function renewNumber(node, { number, struck, marks = [] }) {
   const [value, pm, unit, mark, age] = node.children;
-  setAttributes(node, { class: struck ? 'number struck' : 'number' });
+  setAttributes(node, { class: `number${struck ? ' struck' : ''}${marks.includes('?') ? ' doubted' : ''}` });
   setText(value, number.value);
   setText(pm, number.u ? ` ± ${number.u}` : '');
   setText(unit, number.unit ? ` ${number.unit}` : '');

@@ -1,7 +1,7 @@
 // The first line: state in word, shape and colour, and what an operator asks next.
 import { h, keyed, readable, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, instantText } from './number.mjs';
-import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from './wording.mjs';
+import { frequencyText, limitsText, modelOf, playsRecording, runText, sinceMs, stateOf, troubles, warningsText } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 
@@ -33,7 +33,11 @@ function sinceText(view) {
 function factsOf(view) {
   const { dwell, health } = view;
   const model = modelOf(dwell, view.verification);
+  const limits = limitsText(dwell);
   const facts = [
+    ['source', playsRecording(health) ? 'recording, not live' : null, 'care'],
+    ['limits', limits?.text, limits?.tone],
+    ['warnings', warningsText(dwell), 'care'],
     ['model', model?.text, model?.tone],
     ['run', runText(health)],
     ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],

@@ -5,7 +5,7 @@ import { h, keyed, readable, setAttributes, setText, show } from './dom.mjs';
 import { limitOf, SHAPES } from './limits.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
 import { noDwellsText, olderRunsText, runOf } from './runs.mjs';
-import { utcMs } from './wording.mjs';
+import { isWell, utcMs } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 const EVENTS_SHOWN = 100;
@@ -23,22 +23,26 @@ function fillRows(body, rows) {
     });
 }
 
+// Until when it holds is told in full: a row has a colour only once that day has passed.
+const calibrationText = (c) => (!c ? 'none stated' : `${c.id}${c.due ? `, due ${c.due}` : ''}${c.overdue ? ': overdue' : ''}`);
+
 function showChannels({ channels, health, fresh, now }) {
   show($('channels'), channels !== null);
   const old = fresh.answersOld(now);
   const since = fresh.answersAge_s(now);
   fillRows($('channel-rows'), (channels ?? []).map((c) => {
-    const bad = c.status !== 'ok' && c.status !== 'held' && c.status !== 'gated';
+    const bad = !isWell(c);
+    const overdue = c.calibration?.overdue === true;
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
-    return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: old || age === null || age > fresh.old_s,
-      cells: [bad ? `▲ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
+    return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s,
+      cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,
-        count(c.received), count(c.dropped), count(c.lost), count(c.gaps)] };
+        count(c.received), count(c.dropped), count(c.lost), count(c.gaps), calibrationText(c.calibration)] };
   }));
   show($('devices'), health !== null);
-  fillRows($('device-rows'), (health?.devices ?? []).map((d) => ({ key: d.name, tone: d.up ? 'calm' : 'alarm', struck: old,
-    cells: [`${d.up ? '' : '▲ '}${d.name}${old ? `, ${ageText(since)} old` : ''}`, d.driver, d.up ? 'delivers' : 'does not deliver',
+  fillRows($('device-rows'), (health?.devices ?? []).map((d) => ({ key: d.name, tone: d.up || d.ended ? 'calm' : 'alarm', struck: old,
+    cells: [`${d.up || d.ended ? '' : '▲ '}${d.name}${old ? `, ${ageText(since)} old` : ''}`, d.driver, d.up ? 'delivers' : d.ended ? 'recording ended' : 'does not deliver',
       Object.entries(d.faults).map(([what, n]) => `${what}: ${count(n)}`).join(', ') || 'none'] })));
 }
 
@@ -86,14 +90,14 @@ function showDwells({ dwells, dwell, runs, health, nowMs }) {
     const numbers = new Map(coefficientCells(d));
     const open = h('button', { type: 'button' }, String(d.index));
     open.addEventListener('click', () => openDwell(d));
-    const cell = (text, verdict = '') => h('td', { 'data-verdict': verdict }, text);
+    const cell = (text, verdict = '', doubted = false) => h('td', { 'data-verdict': verdict, 'data-doubted': doubted }, text);
     return h('tr', {}, h('th', { scope: 'row' }, open), ...['', d.settled_s === null ? 'never settled' : secondsText(d.end_s - d.settled_s),
       isNumber(d.frequency_hz.value) ? joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz')) : NO_NUMBER,
       d.table ? plainText(d.table.amplitude, d.table.unit, 4) : NO_NUMBER,
     ].map((text) => cell(text)),
     ...COEFFICIENTS.flatMap(({ letter }) => ks.map((k) => {
       const number = numbers.get(letter + subscript(k));
-      return cell(number?.text ?? NO_NUMBER, number?.verdict);
+      return cell(number?.text ?? NO_NUMBER, number?.verdict, number?.text.startsWith('?'));
     })), cell(''), cell(d.ended_by));
   }, (node, d) => {
     const earlier = dwell !== null && d.start_utc !== dwell.start_utc;

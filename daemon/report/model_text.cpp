@@ -16,8 +16,6 @@ std::string stretch_text(const MotionEstimate& m) {
   return start.substr(0, start.find(' ')) + " to " + seconds_text(m.end_s, 1);
 }
 
-std::string percent_text(double value) { return std::isfinite(value) ? brief(100 * value, 2) + " %" : kNoNumber; }
-
 // Lines above a table, repeated where it goes on overleaf.
 std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options) {
   std::vector<TextLine> lines;
@@ -87,7 +85,7 @@ std::string agreement_text(const DwellView& view) {
 
 std::string model_text(const ModelVerdict& model) {
   std::string text = to_string(model.verdict);
-  if (std::isfinite(model.seen)) text += ", off by " + percent_text(model.seen) + " ± " + percent_text(model.U);
+  if (std::isfinite(model.seen)) text += ", off by " + join(number_text(100.0 * model.seen, 100.0 * model.U, "%"));
   text += " (accuracy " + percent(model.asked) + ")";
   if (model.consistent && !*model.consistent) text += "; not consistent: dwellctl verify says why";
   return text;

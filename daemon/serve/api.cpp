@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/calibration.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_brief.hpp"
@@ -56,6 +57,15 @@ Json rate_of(const ServiceView& view, const ChannelView& channel) {
 // As the rig file names it.
 Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
 
+// What the rig file states of it; null: nothing.
+Json calibration_json(const ServiceView& view, const Channel& channel) {
+  if (channel.calibration_id.empty()) return nullptr;
+  const auto overdue = calibration_overdue(channel, view.clock_synchronized ? view.now_utc_ns : 0);
+  return {{"id", channel.calibration_id},
+          {"due", json_text(channel.calibration_due)},
+          {"overdue", overdue ? Json(*overdue) : Json(nullptr)}};
+}
+
 Json channels_json(const ServiceView& view) {
   Json list = Json::array();
   for (std::size_t i = 0; i < view.snapshot.channels.size(); ++i) {
@@ -82,6 +92,7 @@ Json channels_json(const ServiceView& view) {
                     {"dropped", tally.dropped()},
                     {"queued", tally.queued},
                     {"gaps", channel.gaps},
+                    {"calibration", calibration_json(view, view.rig.channels[i])},
                     {"dropped_by",
                      {{"refused", tally.refused},
                       {"late", tally.late},
@@ -109,6 +120,7 @@ Json devices_json(const ServiceView& view) {
     list.push_back({{"name", device.name},
                     {"driver", device.driver},
                     {"up", device.up},
+                    {"ended", device.ended},
                     {"faults", std::move(faults)},
                     {"foreign", device.foreign}});
   }

@@ -114,11 +114,11 @@ TEST(TransientText, OnceTheDwellHasSettledStillSaysWhyTheTransientGaveNoCoeffici
 }
 
 TEST(ModelText, IsOneLineBelowTheVerdict) {
-  EXPECT_NE(dwell_text(test::measured_view(0.4)).find("model      adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)\n"),
+  EXPECT_NE(dwell_text(test::measured_view(0.4)).find("model      adequate, off by 1.20 ± 0.80 % (accuracy 5 %)\n"),
             std::string::npos)
       << dwell_text(test::measured_view(0.4));
   EXPECT_EQ(model_text({Verdict::adequate, false, 0.05, 0.012, 0.008}),
-            "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %); not consistent: dwellctl verify says why");
+            "adequate, off by 1.20 ± 0.80 % (accuracy 5 %); not consistent: dwellctl verify says why");
   EXPECT_EQ(model_text({Verdict::not_verified, {}, 0.05, kNaN, kNaN}), "not verified yet (accuracy 5 %)");
 }
 

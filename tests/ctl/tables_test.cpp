@@ -31,6 +31,17 @@ y0       ok       4.70639 mm   0.002 s  499.9 Hz  device 500.021 Hz  0.290 ms  4
 )");
 }
 
+TEST(Tables, ChannelsShowTheirCalibrationsWhereOneIsStated) {
+  const Json list = Json::parse(R"([
+    {"name":"y0","status":"ok","calibration":{"id":"K-2231","due":"2027-03-31","overdue":false}},
+    {"name":"y1","status":"ok","calibration":{"id":"K-7","due":"2025-03-31","overdue":true}},
+    {"name":"y2","status":"ok","calibration":null}])");
+  const std::string text = channels_table(list);
+  EXPECT_NE(text.find("calibration"), std::string::npos) << text;
+  EXPECT_NE(text.find("K-2231, due 2027-03-31\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("K-7, due 2025-03-31: overdue\n"), std::string::npos) << text;
+}
+
 TEST(Tables, DwellsHaveOneLinePerElement) {
   Dwell first = test::sample_dwell();
   first.state = State::complete;

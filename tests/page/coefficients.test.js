@@ -239,6 +239,13 @@ test('a model that was never verified, of a dwell that has ended, is not said to
   assert.deepEqual(coefficientsOf(view).notes, [{ tone: 'calm', text: 'model: not verified yet: the dwell has ended (accuracy asked for: 5 %)' }]);
 });
 
+test('the numbers of a recording that was played to its end are a result', () => {
+  const view = after(dwellOf(), dwellOf({ state: 'complete', ended_by: 'data lost' }), idleOf({ state: 'fault', settling_reason: 'y0 is end of data' }));
+  const shown = coefficientsOf({ ...view, broken: true, health: { devices: [{ driver: 'replay', ended: true }] } });
+  assert.equal(shown.title, 'last dwell: 3, ended 2.0 s ago: the recording ended');
+  assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
+});
+
 test('names are found as words', () => {
   assert.equal(namesElement('elements 2, 3 and 12 are alike', 12), true);
   assert.equal(namesElement('element 12', 1), false);

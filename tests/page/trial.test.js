@@ -2,6 +2,7 @@
 // eye; where each is kept:
 //   settling, measuring, drive stopped, device dead, service killed   page.test.js
 //   limit violated, clock not synchronized                            alarms.test.js
+//   a recording in place of a rig                                     replay.test.js
 //   logged out                                                        honest.test.js
 //   recording stopped                                                 wording.test.js
 //   wrong mass, stuck transducer, registers refreshed slowly          here
