@@ -58,7 +58,7 @@ ChannelIntake::Says ChannelIntake::judge(Reading& reading, double omega) noexcep
   const bool was_stuck = std::exchange(stuck_, !held() && same && frozen());
   if (stuck_ && !was_stuck) pile_up_.stuck();
   // Of a held register the value taken last may come back after a foreign reading.
-  if (stuck_ || (held() && (same || raw == newest_taken_))) {
+  if (stuck_ || (same && held_.repeats_tell_nothing()) || (held() && raw == newest_taken_)) {
     left_.repeat();
     stamps_.see_old(read_ns);
     return Says::leave;
@@ -260,8 +260,9 @@ std::string ChannelIntake::left_out_reason() const {
   };
   add(left_.overrange() - left_.codes(), " reading beyond its range", " readings beyond its range");
   add(left_.codes(), " end code of an integer type", " end codes of an integer type");
-  add(foreign.repeats() + (held() ? 0 : left_.repeats()), " repeat of an older reading",
-      " repeats of an older reading");
+  const std::uint64_t repeats = foreign.repeats() + (held() ? 0 : left_.repeats());
+  add(repeats, " repeat of an older reading", " repeats of an older reading");
+  if (repeats > 1) text += " (" + percent(static_cast<double>(repeats) / static_cast<double>(times_.count())) + ")";
   const std::uint64_t far = left_.spikes() + foreign.all() - foreign.repeats();
   add(far, " reading far from all others", " readings far from all others");
   if (far > 1 && foreign.cluster()) text += " (with a cluster at " + numbers_.text(foreign.value()) + ")";

@@ -13,6 +13,9 @@
 // over the mean jump is added. (A sine has 0.20, Gaussian noise 0.32, a decaying sine up to 0.5.) beyond_chance()
 // judges.
 //
+// A gateway that repeats its last answer at random interrupts the motion as well. repeat_pattern.hpp tells it from a
+// register.
+//
 // Where few runs or none interrupt the motion, three others judge: a beat (repeat_beat.hpp), even runs (even_runs.hpp),
 // and numbers that do not come back (recurring_numbers.hpp).
 #pragma once
@@ -25,6 +28,7 @@
 #include "core/intake/even_runs.hpp"
 #include "core/intake/recurring_numbers.hpp"
 #include "core/intake/repeat_beat.hpp"
+#include "core/intake/repeat_pattern.hpp"
 #include "core/intake/repeated_answers.hpp"
 #include "core/intake/small_differences.hpp"
 
@@ -42,6 +46,7 @@ class HeldReadings {
     }
     ++pairs_;
     beat_.next();
+    pattern_.pass(1);
     if (jump == 0) {
       ++run_;
       ++same_;
@@ -53,8 +58,13 @@ class HeldReadings {
     answers_.add(run_, before_, jump, least, [this] { return mean_difference(); });
     path_ += size;
     differences_.add(size);
+    if (run_ == 1 && repeated_ > 1) pattern_.caught(repeated_, before_repeated_, before_, jump, mean_difference());
+    repeated_ = 0;
     if (run_ > 1 && std::abs(before_) > least && size > least) {
       const bool onwards = before_ * jump > 0;
+      pattern_.repeat(run_, !many());
+      repeated_ = run_;
+      before_repeated_ = before_;
       if (onwards) interrupting_ += std::min(run_ - 1, ++interruptions_);
       // Readings rounded twice keep the coarser step of the first rounding: their smallest differences all equal it.
       const double rounding = differences_.least() > kSameStep * step() ? std::max(grid, step()) : grid;
@@ -71,8 +81,8 @@ class HeldReadings {
   [[nodiscard]] double newest() const noexcept { return value_; }
   // Whether add_plain() may be called: nothing shows a held register, and the newest reading came once.
   [[nodiscard]] bool plain() const noexcept {
-    return !held_ && !suspected() && !beat_.found() && interrupting_ == 0 && run_ == 1 && !numbers_.back() &&
-           numbers_.hardly_repeats(pairs_);
+    return !held_ && repeated_ == 0 && !suspected() && !beat_.found() && interrupting_ == 0 && run_ == 1 &&
+           !numbers_.back() && numbers_.hardly_repeats(pairs_);
   }
   // The last sixteen numbers, the newest last.
   void copy_to(std::span<double, RecurringNumbers::kRemembered> numbers) const noexcept {
@@ -96,6 +106,7 @@ class HeldReadings {
     runs_.add(1, 0.0, 0.0);
     numbers_.end_passing(left, low, high);
     beat_.pass(left.size());
+    pattern_.pass(left.size());
   }
 
   // Number of identical readings up to the newest.
@@ -110,6 +121,11 @@ class HeldReadings {
   [[nodiscard]] bool suspected() const noexcept { return interrupting_ > 0 || beat_.suspected(); }
   // The register is refreshed more slowly than it is read.
   [[nodiscard]] bool held() const noexcept { return held_; }
+  // Whether a reading that equals the one before tells nothing new: it is a refresh that has not come yet, or an answer
+  // repeated. Seldom it is chance, a quarter of them at most.
+  [[nodiscard]] bool repeats_tell_nothing() const noexcept {
+    return held_ || (repeating_ && !(kFewByChance * by_chance() > static_cast<double>(same_) + kTooFewToTell));
+  }
   // Mean number of readings per refresh. The refresh interval is this times the polling interval.
   [[nodiscard]] double reads_each() const noexcept {
     return static_cast<double>(pairs_) / std::max(1.0, static_cast<double>(changes()));
@@ -131,8 +147,11 @@ class HeldReadings {
     return again;
   }
 
-  // A new hold of the drive: counts begin anew. held() stands until as much has been seen again.
+  // A new hold of the drive: counts begin anew. held() stands until as much has been seen again, but not where the
+  // repeats have turned out to be random.
   void restart() noexcept {
+    if (pattern_.random() && static_cast<double>(same_) <= kMostRandom * static_cast<double>(pairs_)) held_ = false;
+    repeated_ = 0;
     pairs_ = same_ = interrupting_ = interruptions_ = 0;
     runs_.restart();
     numbers_.restart();
@@ -145,6 +164,13 @@ class HeldReadings {
   static constexpr double kJump = 2.5, kDensity = 0.5, kSameStep = 0.9;
   // After kEnough pairs with fewer than kHardlyAny interrupting readings, held() is dropped.
   static constexpr std::int64_t kEnough = 4096, kHardlyAny = 8;
+  // Largest part of the readings that a gateway repeats at random, with the times of its other answers still known.
+  // With more, and with a pattern that stays unclear, a register is assumed: then an instant is known no better than
+  // the two readings around it, which holds for either. kPatience: runs after which it is assumed; kLongPatience: where
+  // the pattern may still become clear.
+  static constexpr double kMostRandom = 0.15;
+  static constexpr std::int64_t kManyRuns = 20, kPatience = 24, kLongPatience = 64;
+  static constexpr double kFewByChance = 4.0, kTooFewToTell = 16.0;
 
   [[nodiscard]] std::int64_t changes() const noexcept { return pairs_ - same_; }
   // Differences expected within half a step of 0, or of any other size that is small against the mean.
@@ -153,22 +179,44 @@ class HeldReadings {
     return kDensity * differing * differing * step() / path_;
   }
 
+  // Whether so many readings repeat the one before that no flaky gateway explains it.
+  [[nodiscard]] bool many() const noexcept {
+    const auto same = static_cast<double>(same_);
+    return same > kMostRandom * static_cast<double>(pairs_) + 2 * std::sqrt(same);
+  }
   void judge() noexcept {
-    const bool otherwise = beat_.found() || runs_.found() || numbers_.held_by_few(pairs_, changes());
+    const bool otherwise = (beat_.found() && (pattern_.may_be_regular() || pattern_.regular())) || runs_.found() ||
+                           numbers_.held_by_few(pairs_, changes());
     if (otherwise) held_ = true;
-    if (changes() < 3 || (interrupting_ == 0 && !held_)) return;
-    if (beyond_chance(interrupting_, 0.5 * static_cast<double>(differences_.one_step()) + by_chance())) held_ = true;
-    if (pairs_ >= kEnough && interrupting_ < kHardlyAny && !otherwise) held_ = false;
+    if (changes() < 3 || (interrupting_ == 0 && !held_ && !repeating_)) return;
+    if (beyond_chance(interrupting_, 0.5 * static_cast<double>(differences_.one_step()) + by_chance())) {
+      repeating_ = true;
+      if (refreshed()) held_ = true;
+    }
+    if (pairs_ >= kEnough && interrupting_ < kHardlyAny) {
+      repeating_ = false;
+      if (!otherwise) held_ = false;
+    }
+  }
+  // Whether the repeats, more than chance brings, are those of a register.
+  [[nodiscard]] bool refreshed() const noexcept {
+    if (pattern_.regular()) return true;
+    if (many()) return pattern_.may_be_regular() || interruptions_ >= kManyRuns;
+    return interruptions_ >= (pattern_.may_be_random() ? kLongPatience : kPatience) && !pattern_.random();
   }
 
   double value_ = NAN, before_ = 0.0, path_ = 0.0;
   std::int64_t run_ = 1, same_ = 0, pairs_ = 0, interrupting_ = 0, interruptions_ = 0;
   SmallDifferences differences_;
   RepeatBeat beat_;
+  RepeatPattern pattern_;
+  std::int64_t repeated_ = 0;     // length of the run before the newest number, if it was a repeat; else 0
+  double before_repeated_ = 0.0;  // the jump before that run
   EvenRuns runs_;
   RecurringNumbers numbers_;
   RepeatedAnswers answers_;
   bool held_ = false;
+  bool repeating_ = false;  // more readings repeat the one before than chance brings
 };
 
 }  // namespace dwell

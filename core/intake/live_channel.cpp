@@ -76,7 +76,8 @@ std::string LiveChannel::unfit_reason(double amplitude, double u, bool measuring
   if (intake_.clustered()) return intake_.clustered_reason();
   if (intake_.left_out() > kMostLeftOut) return intake_.left_out_reason();
   if (measuring && intake_.holding_changed())
-    return intake_.held() ? intake_.held_reason() + ", since this dwell began"
+    return intake_.held() ? intake_.held_reason() +
+                                ", seen only since this dwell began: re-arm, or poll at the rate of the refresh"
                           : "its refresh rate changed during this dwell (no longer held between polls): re-arm";
   return "";
 }

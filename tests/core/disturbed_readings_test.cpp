@@ -254,8 +254,9 @@ TEST_F(DisturbedReadings, RepeatsOfOlderReadingsAreFoundByTheirBits) {
         const std::string what =
             std::to_string(share) + ", " + std::to_string(back) + " back, noise " + std::to_string(noise);
         expect_no_wrong_number(dwell, what);
-        EXPECT_TRUE(says(dwell, "reaction: refreshed every") || says(dwell, "repeats of an older reading"))
+        EXPECT_TRUE(says(dwell, "reaction: left out of") && says(dwell, "repeats of an older reading"))
             << what << all(dwell);
+        EXPECT_FALSE(says(dwell, "refresh")) << what << all(dwell);
       }
 }
 

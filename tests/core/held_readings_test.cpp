@@ -69,6 +69,95 @@ TEST(HeldReadings, AChannelThatWasStuckOnceOrTwiceIsNotHeldSinceThen) {
     }
 }
 
+// Whether the channel counts as held after each of the readings; those of a register refreshed every `ratio` readings,
+// at instants that jitter by ± that part of a reading.
+bool held_at_rate(double ratio, double jitter, double noise, int readings, std::uint64_t seed) {
+  HeldReadings held;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double phase = uniform(random);
+  double shown = NAN, next = phase;
+  for (int i = 0; i < readings; ++i) {
+    for (int n = 0; next <= i; ++n) {
+      shown = std::sin(2 * M_PI * next / 124.3) + noise * normal(random);
+      const double k = std::round((next - phase) / ratio) + 1;
+      next = std::max(std::nextafter(next, INFINITY), phase + k * ratio + jitter * uniform(random));
+    }
+    if (!std::isnan(shown)) held.add(shown, 0.0);
+  }
+  return held.held();
+}
+
+TEST(HeldReadings, ARegisterIsHeldAtWhateverRateThoughItsRefreshesJitter) {
+  for (const double ratio : {1.01, 1.02, 1.05, 1.1, 1.16, 1.3, 1.5, 1.77, 2.0, 2.5, 5.0, 7.3, 16.0})
+    for (const double jitter : {0.0, 0.02, 0.05, 0.1, 0.2})
+      for (const double noise : {0.0, 1e-3, 1e-2})
+        for (std::uint64_t seed = 1; seed <= 10; ++seed)
+          EXPECT_TRUE(held_at_rate(ratio, jitter, noise, 6000, seed))
+              << ratio << " readings a refresh, jitter " << jitter << ", noise " << noise << ", " << seed;
+}
+
+// Nearly as often refreshed as read, it shows by its beat. Later it must repeat more readings than chance brings.
+TEST(HeldReadings, ARegisterIsHeldAfterFewOfItsRepeats) {
+  for (const double ratio : {1.004, 1.01, 1.02, 1.05, 1.1, 1.3, 1.5, 2.5, 7.3})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const int repeats = ratio < 1.03 ? 25 : 160;
+      EXPECT_TRUE(held_at_rate(ratio, 0.02, 1e-3, static_cast<int>(repeats * ratio / (ratio - 1)), seed))
+          << ratio << " readings a refresh, " << seed;
+    }
+}
+
+// A gateway answers again with what it answered before. Four repeats in a row may come with a beat by chance.
+TEST(HeldReadings, RepeatsAtRandomAreNoRegister) {
+  int taken_for_a_register = 0, trials = 0;
+  for (const double share : {0.003, 0.005, 0.01, 0.02, 0.05, 0.1})
+    for (const double noise : {0.0, 1e-3, 1e-2})
+      for (const double readings : {12.0, 40.3, 124.3})
+        for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+          HeldReadings held;
+          std::mt19937_64 random(seed);
+          std::normal_distribution<double> normal;
+          std::uniform_real_distribution<double> uniform;
+          double shown = 0.0;
+          bool ever = false;
+          for (int i = 0; i < 15000; ++i) {
+            if (uniform(random) >= share) shown = std::sin(2 * M_PI * i / readings) + noise * normal(random);
+            held.add(shown, 0.0);
+            ever = ever || held.held();
+          }
+          ++trials;
+          taken_for_a_register += ever;
+          // Fewer, or of a motion of few numbers, may still be chance.
+          EXPECT_TRUE(held.repeats_tell_nothing() || share < 0.01 || noise == 0 || readings < 40)
+              << share << " of the readings, noise " << noise << ", " << readings << " readings a period, " << seed;
+        }
+  EXPECT_LE(taken_for_a_register, trials / 100);
+}
+
+// A dwell that a pattern has misled once is measured the next time.
+TEST(HeldReadings, WhatWasTakenForARegisterIsNoneInTheNextHoldIfItsRepeatsAreRandom) {
+  HeldReadings held;
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform;
+  std::normal_distribution<double> normal;
+  const auto motion = [&](int i) { return std::sin(2 * M_PI * i / 124.3) + 1e-3 * normal(random); };
+  double shown = 0.0;
+  int i = 0;
+  for (; i < 3000; ++i) {
+    if (i % 50 != 0) shown = motion(i);
+    held.add(shown, 0.0);
+  }
+  ASSERT_TRUE(held.held());
+  for (; i < 10'000; ++i) {
+    if (uniform(random) >= 0.02) shown = motion(i);
+    held.add(shown, 0.0);
+  }
+  EXPECT_TRUE(held.held());
+  held.restart();
+  EXPECT_FALSE(held.held());
+}
+
 // Of 4000 readings the part `stale` are as old as that many polls.
 HeldReadings::Again again_of(const ReadMotion& motion, double stale, int polls, std::uint64_t seed) {
   HeldReadings held;
