@@ -53,6 +53,7 @@ export class LastNumbers {
   elements = []; // as in a dwell; where there is a number, also when it was new (seen) and the doubts about it then
   t = null; // when the newest of them were new, s of the page's clock
   ended_by = null;
+  unstated = []; // uncertainties that their ± does not cover
   #end_s = null; // end of the data that they come from, s on the run's axis
 
   take(dwell, now, nowMs) {
@@ -63,7 +64,7 @@ export class LastNumbers {
     const t = this.#newAt(dwell, now, nowMs, same);
     const before = same ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
     this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: t, doubts: about(dwell.doubts, e.k) } : before.get(e.k) ?? e));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null });
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null, unstated: dwell.unstated });
     this.#end_s = dwell.end_s;
   }
 
@@ -89,7 +90,7 @@ export class LastNumbers {
     if (!same && (none || (this.t !== null && this.t > t))) return;
     const elements = !none ? dwell.elements
       : this.elements.map(({ k }) => ({ k, identifiable: false, reason: 'too few of its data count' }));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by,
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by, unstated: dwell.unstated,
       elements: elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k) })) });
     this.#end_s = dwell.end_s;
   }
@@ -117,19 +118,35 @@ function cellsOf(element, doubted, struckAge, dwell = null) {
   });
 }
 
-// { source, title, reason, elements: [{ k, reason, cells, last, notes }] }
-//   source  'measured', 'transient', 'last' or 'none'
-//   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
-//           limit (as limitOf gives it)
-//   last    the cells as they were, struck, where the number is withheld now
+const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
+
+// What stands below the numbers. shown: as coefficientsOf() gives it.
+export function legendOf(shown) {
+  if (shown.elements.length === 0) return '';
+  const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
+  const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
+  for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
+  if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
+    parts.push('struck through: no longer renewed; its age stands beside it');
+  if (shown.unstated.length > 0)
+    parts.push(`± covers noise, clock and what the rig file states; not stated: ${shown.unstated.join(', ')}`);
+  return `${parts.join('. ')}.`;
+}
+
+// { source, title, reason, unstated, elements: [{ k, reason, cells, last, notes }] }
+//   source    'measured', 'transient', 'last' or 'none'
+//   unstated  uncertainties that no ± of these numbers covers
+//   cells     symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
+//             limit (as limitOf gives it)
+//   last      the cells as they were, struck, where the number is withheld now
 // view: { dwell, fresh, now, last: LastNumbers, broken: a channel that counts is gone, refused: nobody is logged in }
 export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
-  const none = (reason) => ({ source: 'none', title: '', reason, elements: [] });
+  const none = (reason) => ({ source: 'none', title: '', reason, unstated: [], elements: [] });
   if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
   const old = fresh.dwellOld(now);
   const age = old ? ageText(fresh.dwellAge_s(now)) : null;
 
-  const shown = (elements, source, title) => ({ source, title, reason: null, elements: elements.map((e) => {
+  const shown = (elements, source, title) => ({ source, title, reason: null, unstated: dwell.unstated, elements: elements.map((e) => {
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
     const doubted = about(dwell.doubts, e.k).length > 0;
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
@@ -169,6 +186,7 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
     title: `last dwell: ${last.index}, ended ${lastAge} ago${causes.length > 0 ? `: ${causes.join('; ')}` : ''}${
       last.doubts().map((d) => `; do not rely on ${whom([d])}: ${d.what}`).join('')}`,
     reason: null,
+    unstated: last.unstated,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
       cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null), last: null, notes: [],
       budget: [] })),
