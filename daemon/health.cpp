@@ -81,6 +81,33 @@ bool has_ended(const Snapshot& snapshot) {
                                                   [](const DeviceView& device) { return device.ended; });
 }
 
+// Channels whose foreign readings may be what keeps the dwell from settling: some pass the gates and look like a
+// transient. Not those beside which a sound channel measures the same.
+void add_gated(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& troubles) {
+  const auto gated = [&](std::size_t i) {
+    return snapshot.channels[i].fault == Fault::none && snapshot.channels[i].condition == Condition::gated;
+  };
+  const auto stands_in = [&](std::size_t other, const Channel& channel) {
+    const Channel& with = rig.channels[other];
+    const ChannelView& view = snapshot.channels[other];
+    return with.at == channel.at && with.relative_to == channel.relative_to &&
+           (with.measures == Quantity::force) == (channel.measures == Quantity::force) &&
+           with.measures != Quantity::auxiliary && view.fault == Fault::none && !is_unusable(view.condition) &&
+           view.condition != Condition::gated;
+  };
+  for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
+    const Channel& channel = rig.channels[i];
+    if (!gated(i) || channel.measures == Quantity::auxiliary) continue;
+    bool replaced = false;
+    for (std::size_t other = 0; other < snapshot.channels.size(); ++other)
+      replaced = replaced || stands_in(other, channel);
+    if (replaced) continue;
+    const ChannelView& view = snapshot.channels[i];
+    troubles.push_back({"channel:" + channel.name,
+                        "channel " + channel.name + ": " + words(to_string(view.condition), view.condition_reason)});
+  }
+}
+
 bool none_degrades(const Health& health) {
   return std::none_of(health.troubles.begin(), health.troubles.end(), [](const Trouble& t) { return t.degrades; });
 }
@@ -126,6 +153,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
     add("dwell", words("the data do not suffice", dwell.settling_reason));
   const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
+  if (!stale && dwell.state == State::settling) add_gated(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
     if (!stale && limit.verdict == LimitVerdict::violated)
       add(std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),

@@ -305,6 +305,19 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
   out.unchecked = std::move(found.unchecked);
 }
 
+// In place of name_missing(). What is withheld for a dwell is not for the estimate of any motion, so this says it.
+// What such readings leave over does not speak against the chain, so the dwell's own numbers are not doubted for it.
+void blame_readings(const std::vector<std::string>& at_fault, MotionEstimate& out) {
+  out.contradicted = false;
+  std::string text;
+  for (const std::string& fault : at_fault) text += (text.empty() ? "" : "; ") + fault;
+  text = "the readings themselves are at fault, so nothing that the rig file lacks is looked for: " + text;
+  if (out.reason.empty())
+    out.warnings.push_back(std::move(text));
+  else
+    out.reason += "; " + text;
+}
+
 }  // namespace
 
 MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const MotionOptions& options) {
@@ -318,7 +331,12 @@ MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const Mot
   if (course.data.readings.empty()) return none;
   Report report(rig, course);
   MotionEstimate out = report.judge();
-  if (options.missing && course.fit.at.theta.size() > 0) name_missing(rig, data, course, most, out);
+  if (options.missing && course.fit.at.theta.size() > 0) {
+    if (options.at_fault.empty())
+      name_missing(rig, data, course, most, out);
+    else
+      blame_readings(options.at_fault, out);
+  }
   if (out.reason.empty() && !out.channels.empty()) report.give_elements(out.missing, out);
   return out;
 }

@@ -160,7 +160,8 @@ int run(int argc, char** argv) {
   add_control(acknowledge_verb, service);
   add_json(acknowledge_verb, service.json);
 
-  CLI::App* check_verb = app.add_subcommand("check", "each device probed once; exit 1 if a channel does not answer");
+  CLI::App* check_verb =
+      app.add_subcommand("check", "each device probed once; exit 1 if a channel does not answer or is gated");
   check_verb->add_option("--rig", rig, "probe the devices of this rig file, without the service");
   add_control(check_verb, service);
   add_json(check_verb, service.json);

@@ -29,10 +29,6 @@ std::string clock_text(const Json& channel) {
   return std::isfinite(rate_hz) ? kind + " " + fixed(rate_hz, 3, "Hz") : kind;
 }
 
-std::string status_with_reason(const std::string& status, const std::string& reason) {
-  return reason.empty() || reason == status ? status : status + ": " + reason;
-}
-
 // The calibration that the rig file states, and until when it holds.
 std::string calibration_text(const Json& channel) {
   const Json* const calibration = member_of(channel, "calibration");
@@ -186,22 +182,23 @@ bool Probed::answers() const {
   // Every condition in which readings come; else the status is the device's fault.
   for (const Condition condition :
        {Condition::ok, Condition::gated, Condition::overrange, Condition::held, Condition::clipped, Condition::stuck})
-    if (status.substr(0, status.find(':')) == to_string(condition)) return true;
+    if (status == to_string(condition)) return true;
   return false;
 }
+
+bool Probed::gated() const { return status == to_string(Condition::gated); }
 
 std::string check_table(const std::vector<Probed>& channels) {
   std::vector<std::string> names, devices, rates, latencies, states, reasons;
   std::vector<NumberText> values;
   for (const Probed& channel : channels) {
-    const std::size_t colon = channel.status.find(": ");
     names.push_back(channel.name);
     devices.push_back(channel.device);
     values.push_back(reading(channel.value, channel.unit));
     rates.push_back(fixed(channel.rate_hz, 1, "Hz"));
     latencies.push_back(fixed(1e3 * channel.latency_s, 2, "ms"));
-    states.push_back(channel.status.substr(0, colon));
-    reasons.push_back(colon == std::string::npos ? "" : channel.status.substr(colon + 2));
+    states.push_back(channel.status);
+    reasons.push_back(channel.reason == channel.status ? "" : channel.reason);
   }
   Table table;
   table.add("channel", std::move(names));
@@ -224,7 +221,8 @@ Json check_json(const std::vector<Probed>& channels) {
                     {"unit", channel.unit},
                     {"rate_hz", number(channel.rate_hz)},
                     {"latency_s", number(channel.latency_s)},
-                    {"status", channel.status}});
+                    {"status", channel.status},
+                    {"reason", channel.reason.empty() ? Json(nullptr) : Json(channel.reason)}});
   }
   return {{"channels", std::move(list)}};
 }
@@ -239,7 +237,8 @@ std::vector<Probed> probed_from_json(const Json& list) {
     probed.unit = text_member(channel, "unit");
     probed.rate_hz = number_member(channel, "rate_hz");
     probed.latency_s = number_member(channel, "latency_s");
-    probed.status = status_with_reason(text_member(channel, "status"), text_member(channel, "reason"));
+    probed.status = text_member(channel, "status");
+    probed.reason = text_member(channel, "reason");
     channels.push_back(std::move(probed));
   }
   return channels;

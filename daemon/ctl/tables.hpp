@@ -29,9 +29,12 @@ struct Probed {
   std::string unit;         // as in the rig file
   double rate_hz = kNaN;    // attainable; by the running service: attained
   double latency_s = kNaN;  // from request to answer
-  std::string status;       // "ok" or what is wrong
+  std::string status;       // "ok", what is wrong with its readings ("gated"), or why there are none ("no answer")
+  std::string reason;       // in words; empty: none is known
   // Whether its device does; what it says may be of no use ("stuck").
   [[nodiscard]] bool answers() const;
+  // Whether readings come that are foreign to its motion, as where type or order of its register are wrong.
+  [[nodiscard]] bool gated() const;
 };
 [[nodiscard]] std::string check_table(const std::vector<Probed>& channels);
 [[nodiscard]] nlohmann::ordered_json check_json(const std::vector<Probed>& channels);

@@ -214,7 +214,7 @@ std::vector<Section>::iterator behind(std::vector<Section>& sections, std::strin
   return last == sections.rend() ? sections.begin() : last.base();
 }
 
-// While there is no dwell: the coefficients of the last one, as a result.
+// While there is no dwell: the coefficients of the last one, as a result, with a legend of their own.
 void put_last(std::vector<Section>& sections, const WatchState& state, std::size_t columns, double now_s) {
   const DwellView* const last = state.last();
   if (last == nullptr) return;
@@ -224,7 +224,6 @@ void put_last(std::vector<Section>& sections, const WatchState& state, std::size
   options.columns = columns;
   options.age = ago;
   options.result = true;
-  options.legend = false;
   std::vector<Section> result;
   for (Section& section : dwell_sections(*last, options))
     if (section.name == kCoefficients || section.name == kLimits) result.push_back(std::move(section));

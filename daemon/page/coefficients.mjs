@@ -56,6 +56,7 @@ export class LastNumbers {
   model = null; // the verdict on their dwell's model, as in a dwell
   t = null; // when the newest of them were new, s of the page's clock
   ended_by = null;
+  unstated = []; // uncertainties that their ± does not cover
   #end_s = null; // end of the data that they come from, s on the run's axis
 
   take(dwell, now, nowMs) {
@@ -68,7 +69,8 @@ export class LastNumbers {
     const before = same ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
     this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: t, doubts: about(dwell.doubts, e.k),
       limits: limitsAbout(dwell.limits, e.k) } : before.get(e.k) ?? e));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null, model: dwell.model ?? (same ? this.model : null) });
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null, model: dwell.model ?? (same ? this.model : null),
+      unstated: dwell.unstated ?? [] });
     this.#end_s = dwell.end_s;
   }
 
@@ -100,6 +102,7 @@ export class LastNumbers {
       ? before.find((b) => b.k === e.k && COEFFICIENTS.every(({ key }) => b[key]?.value === e[key]?.value))?.limits ?? []
       : limitsAbout(dwell.limits, e.k));
     Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by, model: dwell.model ?? (same ? this.model : null),
+      unstated: dwell.unstated ?? [],
       elements: elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k), limits: limitsOf(e) })) });
     this.#end_s = dwell.end_s;
   }
@@ -127,21 +130,37 @@ function cellsOf(element, doubted, struckAge, limits = []) {
   });
 }
 
-// { source, title, notes, reason, elements: [{ k, reason, cells, last, notes }] }
+const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
+
+// What stands below the numbers. shown: as coefficientsOf() gives it.
+export function legendOf(shown) {
+  if (shown.elements.length === 0) return '';
+  const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
+  const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
+  for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
+  if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
+    parts.push('struck through: no longer renewed; its age stands beside it');
+  if (shown.unstated.length > 0)
+    parts.push(`± covers noise, clock and what the rig file states; not stated: ${shown.unstated.join(', ')}`);
+  return `${parts.join('. ')}.`;
+}
+
+// { source, title, notes, reason, unstated, elements: [{ k, reason, cells, last, notes }] }
 //   source  'measured', 'transient', 'last' or 'none'
 //   notes   { tone, text }: of 'last': the doubts, and the verdict on the model; the head tells those of a dwell of now
+//   unstated  uncertainties that no ± of these numbers covers
 //   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
 //           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
 // view: { dwell, health, fresh, now, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
 // refused: nobody is logged in }
 export function coefficientsOf({ dwell, health, fresh, now, last, verification, broken, refused }) {
-  const none = (reason) => ({ source: 'none', title: '', notes: [], reason, elements: [] });
+  const none = (reason) => ({ source: 'none', title: '', notes: [], reason, unstated: [], elements: [] });
   if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
   const old = fresh.dwellOld(now);
   const age = old ? ageText(fresh.dwellAge_s(now)) : null;
 
-  const shown = (elements, source, title) => ({ source, title, notes: [], reason: null, elements: elements.map((e) => {
+  const shown = (elements, source, title) => ({ source, title, notes: [], reason: null, unstated: dwell.unstated, elements: elements.map((e) => {
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
     const doubted = about(dwell.doubts, e.k).length > 0;
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
@@ -187,6 +206,7 @@ export function coefficientsOf({ dwell, health, fresh, now, last, verification, 
     notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on ${whom([d])}: ${d.what}` })),
       ...(model ? [{ tone: model.tone, text: `model: ${model.text}` }] : [])],
     reason: null,
+    unstated: last.unstated,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
       cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null, e.limits), last: null, notes: [],
       budget: [] })),

@@ -9,8 +9,8 @@
 namespace dwell {
 namespace {
 
-constexpr std::array kMembers{"index",     "state",        "ended_by", "start_s", "settled_s", "end_s",
-                              "start_utc", "frequency_hz", "elements", "limits",  "model",     "doubts"};
+constexpr std::array kMembers{"index",        "state",    "ended_by", "start_s", "settled_s", "end_s",   "start_utc",
+                              "frequency_hz", "elements", "limits",   "model",   "doubts",    "unstated"};
 
 // How the table moved: the phasor of the first valid transducer on it.
 Json table_json(const Json& whole, const Rig& rig) {

@@ -25,12 +25,21 @@ std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options)
   return lines;
 }
 
-void add_notes(const MotionEstimate& m, const TextOptions& options, Section& to) {
+// What its ± and marks mean; the rig file, and so what it does not state, is that of the dwell.
+std::vector<std::string> legend_below(const MotionEstimate& m, const Dwell& beside) {
+  Dwell shown;
+  shown.elements = m.elements;
+  shown.unstated = beside.unstated;
+  return legend_of({&shown});
+}
+
+void add_notes(const MotionEstimate& m, const Dwell& beside, const TextOptions& options, Section& to) {
   std::vector<std::string> texts;
   for (const ElementEstimate& e : m.elements)
     if (!e.identifiable)
       texts.push_back("element " + std::to_string(e.k) + " is not determined by the transient so far: " + e.reason);
   for (const std::string& warning : m.warnings) texts.push_back("from the transient, warning: " + warning);
+  for (std::string& text : legend_below(m, beside)) texts.push_back(std::move(text));
   for (const std::string& text : texts)
     for (std::string& line : wrapped(printable(text), options.columns, 2)) {
       to.body.push_back({std::move(line), Style::plain});
@@ -66,7 +75,7 @@ std::vector<Section> transient_sections(const DwellView& view, const TextOptions
   if (sections.empty()) return sections;
   std::vector<TextLine> head = title(m, options);
   for (Section& section : sections) section.head.insert(section.head.begin(), head.begin(), head.end());
-  add_notes(m, options, sections.back());
+  add_notes(m, view.dwell, options, sections.back());
   return sections;
 }
 

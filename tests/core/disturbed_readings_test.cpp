@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -350,6 +351,28 @@ TEST_F(DisturbedReadings, GarbageAmongTheReadingsIsLeftOut) {
     });
     expect_no_wrong_number(dwell, std::to_string(share));
     EXPECT_TRUE(says(dwell, "reaction: left out of")) << share << all(dwell);
+  }
+}
+
+// One float32 read in the wrong order of words: its exponent is any number. Until the channel is withheld, the fit of
+// its transient tells of nothing.
+TEST_F(DisturbedReadings, GarbageThroughoutLeavesNoTimeUntilTheDwellSettles) {
+  for (const std::uint16_t channel : {std::uint16_t{1}, std::uint16_t{2}, kCell}) {
+    Bench bench(chain, rig, steady_drive(4), DrivenChain::Start::rest, {.rate_hz = rate_hz, .sigma = sigma()}, 7);
+    bench.alter = [&](Record& record, double) {
+      if (record.channel != channel) return;
+      auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(record.value));
+      bits = bits << 16 | bits >> 16;
+      record.value = std::bit_cast<float>(bits);
+    };
+    // In the first second too few readings are left out to tell.
+    for (double until_s = 1.5; until_s < 15; until_s += 0.5) {
+      bench.run(until_s);
+      const Dwell dwell = bench.pipeline.current();
+      if (dwell.state != State::settling) continue;
+      EXPECT_TRUE(std::isnan(dwell.settles_in_s))
+          << rig.channels[channel].name << " after " << until_s << " s: " << dwell.settles_in_s << all(dwell);
+    }
   }
 }
 

@@ -113,11 +113,11 @@ TEST(Tables, ACheckSaysWhoAnswers) {
   ASSERT_EQ(channels.size(), 2U);
   EXPECT_TRUE(channels[0].answers());
   EXPECT_FALSE(channels[1].answers());
-  for (const char* status :
-       {"overrange", "stuck: the same reading for 12.0 s", "held", "clipped: at 9.998 mm", "gated"}) {
+  for (const char* status : {"overrange", "stuck", "held", "clipped", "gated"}) {
     Probed probed;
     probed.status = status;
     EXPECT_TRUE(probed.answers()) << status;
+    EXPECT_EQ(probed.gated(), std::string(status) == "gated");
   }
   EXPECT_EQ(check_table(channels),
             R"(channel   status   device     value       rate  latency
@@ -125,6 +125,7 @@ y0        ok       amplifier  4.7 mm  499.9 Hz  0.90 ms
 reaction  timeout  bus          —            —        —  no answer
 )");
   EXPECT_EQ(check_json(channels)["channels"][1]["value"], nullptr);
+  EXPECT_EQ(check_json(channels)["channels"][1]["reason"], "no answer");
   EXPECT_EQ(check_json(channels)["channels"][0]["latency_s"], 0.0009);
 }
 

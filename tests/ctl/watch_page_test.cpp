@@ -343,6 +343,18 @@ TEST(WatchPage, ShowsTheCoefficientsOfTheTransientAboveTheSettlingNotice) {
   for (const TextLine& line : old.lines) EXPECT_NE(line.style, Style::tentative) << line.text;
 }
 
+TEST(WatchPage, SaysWhatTheUncertaintyOfTheLastDwellDoesNotCover) {
+  Dwell idle, last = test::sample_dwell();
+  idle.state = State::idle;
+  last.state = State::complete;
+  last.unstated = {"mass 1"};
+  WatchState state = watched(make_view(idle, test::sample_rig(), test::sample_run()));
+  state.take_last(make_view(last, test::sample_rig(), test::sample_run()), 100.0);
+  const std::string text = text_of(at(state, {}, {60, 120}));
+  EXPECT_NE(text.find("not of now"), std::string::npos) << text;
+  EXPECT_NE(text.find("what the rig file states; not stated: mass 1"), std::string::npos) << text;
+}
+
 TEST(WatchPage, CountsAContradictionAmongTheWarnings) {
   DwellView view = test::measured_view(3.0);
   auto beside = std::make_shared<MotionView>(*view.transient);

@@ -135,6 +135,32 @@ TEST_F(HealthTest, IsNotDegradedByReadingsThatAreModelledOrLeftOut) {
   expect(Health::Status::ok, true, "");
 }
 
+// Then the garbage may be what keeps it from settling, and the dwell itself does not say so.
+TEST_F(HealthTest, IsDegradedByAGatedChannelWhileTheDwellSettles) {
+  snapshot.dwell.state = State::settling;
+  snapshot.dwell.settled_s = kNaN;
+  rig.channels[1].at = 1;
+  snapshot.channels[1].condition = Condition::gated;
+  snapshot.channels[1].condition_reason = "left out of 2804 readings: 169 readings far from all others";
+  expect(Health::Status::degraded, false, "channel y1: left out of 2804 readings: 169 readings far from all others");
+  EXPECT_EQ(names(), (std::vector<std::string>{"channel:y1"}));
+  snapshot.channels[1].fault = Fault::timeout;
+  EXPECT_EQ(names().size(), 1u) << "one trouble of a channel";
+  snapshot.channels[1].fault = Fault::none;
+  rig.channels[1].measures = Quantity::auxiliary;
+  expect(Health::Status::ok, false, "");
+  // Another transducer at the same place does.
+  rig.channels[1].measures = Quantity::displacement;
+  rig.channels.push_back(rig.channels[1]);
+  rig.channels.back().name = "y1 again";
+  snapshot.channels.push_back(snapshot.channels[0]);
+  expect(Health::Status::ok, false, "");
+  now_ns = 2'600'000'000;
+  rig.channels.pop_back();
+  snapshot.channels.pop_back();
+  EXPECT_TRUE(names().empty()) << "the estimate is overdue: nothing is known of now";
+}
+
 // A channel that was stuck and moves again seems well. Without a re-arm its elements stay withheld.
 TEST_F(HealthTest, IsDegradedByAChannelThatTheDwellDoesNotUse) {
   snapshot.dwell.phasors.resize(2);

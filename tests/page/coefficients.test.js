@@ -1,7 +1,7 @@
 // Numbers, or the reason in place of the number.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
+import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, legendOf, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
 import { joined } from '../../daemon/page/number.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
@@ -73,6 +73,19 @@ test('the drive has stopped: the last numbers hold, as those of a dwell that end
   const shown = coefficientsOf(view);
   assert.equal(shown.title, 'last dwell: 3, ended 2.0 s ago: drive stopped');
   assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
+});
+
+test('the legend says what ± does not cover, of whichever dwell the numbers are', () => {
+  const unstated = ['mass 1', 'scales of y0 and y1'];
+  const covers = /\. ± covers noise, clock and what the rig file states; not stated: mass 1, scales of y0 and y1\.$/;
+  assert.doesNotMatch(legendOf(coefficientsOf(after(dwellOf()))), /not stated/);
+  assert.match(legendOf(coefficientsOf(after(dwellOf({ unstated })))), covers);
+  const motion = { start_s: 0.6, end_s: 3.9, elements: dwellOf().elements };
+  assert.match(legendOf(coefficientsOf(after(settlingOf({ motion, unstated })))), covers);
+  const last = coefficientsOf(after(dwellOf({ unstated }), dwellOf({ unstated, state: 'complete', ended_by: 'drive stopped' }), idleOf()));
+  assert.equal(last.source, 'last');
+  assert.match(legendOf(last), covers);
+  assert.equal(legendOf(coefficientsOf(after(settlingOf({ unstated })))), '', 'there are no numbers');
 });
 
 // As the service shows the last dwell of a run that an operator stopped while the drive is on.
