@@ -32,7 +32,7 @@ Result<void> read_stream(Selection& selection, RunStory& story, const Progress& 
 }
 
 // The dwells that ended; and of a run that was cut off, the last dwell in its last state.
-Result<void> read_dwells(Selection& selection, RunStory& story) {
+Result<void> read_dwells(Selection& selection, RunStory& story, std::size_t& room) {
   std::optional<DwellView> unfinished;
   const auto take = [&story](DwellView view) {
     if (story.dwells.size() < RunStory::kDwells) {
@@ -43,8 +43,13 @@ Result<void> read_dwells(Selection& selection, RunStory& story) {
   };
   auto done = selection.reader().results(false, [&](const record::StoredResult& result) {
     auto view = parse_dwell(result.dwell);
+    if (result.dwell.size() > room) {
+      story.dwells_left_out += result.final ? 1 : 0;
+      return true;
+    }
     if (!view || !view->dwell.index) return true;
     unfinished.reset();
+    if (result.final) room -= result.dwell.size();
     if (result.final) {
       take(std::move(*view));
     } else {
@@ -61,20 +66,24 @@ Result<void> read_dwells(Selection& selection, RunStory& story) {
 Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
   RunStory story;
   if (auto done = read_stream(selection, story, progress); !done) return tl::make_unexpected(done.error());
-  if (auto done = read_dwells(selection, story); !done) return tl::make_unexpected(done.error());
+  std::size_t room = RunStory::kStoredBytes;
+  if (auto done = read_dwells(selection, story, room); !done) return tl::make_unexpected(done.error());
   auto done = selection.reader().events([&story](const record::StoredEvent& event) {
     if (story.events.size() < RunStory::kEvents) {
       story.events.push_back(event);
     } else {
+      record::shorten(story.events.back(), RunStory::kEventBytes);
       ++story.events_left_out;
     }
     return true;
   });
   if (!done) return tl::make_unexpected(done.error());
-  auto models = selection.reader().models([&story](const record::StoredModel& model) {
-    if (story.models.size() < RunStory::kModels) {
+  auto models = selection.reader().models([&](const record::StoredModel& model) {
+    const std::size_t size = model.from.size() + model.result.size();
+    if (story.models.size() < RunStory::kModels && size <= room) {
       story.models.push_back(model);
     } else {
+      room -= size;
       ++story.models_left_out;
     }
     return true;
