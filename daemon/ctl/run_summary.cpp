@@ -37,7 +37,7 @@ RunSummary headline_of(const std::string& file, const RunReader& reader) {
   run.bytes = size_of(file) + size_of(file + "-wal");
   run.header = reader.header();
   run.end = reader.end();
-  if (reader.end_ns() > reader.begin_ns()) run.span_s = 1e-9 * static_cast<double>(reader.end_ns() - reader.begin_ns());
+  run.span_s = reader.span_s();
   return run;
 }
 

@@ -15,6 +15,7 @@ Result<void> read_stream(Selection& selection, RunStory& story, const Progress& 
   story.traces.resize(channels.size());
   story.begin_s = selection.axis_s(begin_ns);
   story.end_s = selection.axis_s(selection.reader().end_ns());
+  story.span_s = selection.reader().span_s().value_or(0.0);
   return selection.records(
       [&](const Record& record) {
         if (record.kind == Kind::sample) {
@@ -42,14 +43,14 @@ Result<void> read_dwells(Selection& selection, RunStory& story, std::size_t& roo
     }
   };
   auto done = selection.reader().results(false, [&](const record::StoredResult& result) {
-    auto view = parse_dwell(result.dwell);
     if (result.dwell.size() > room) {
       story.dwells_left_out += result.final ? 1 : 0;
       return true;
     }
+    auto view = parse_dwell(result.dwell);
     if (!view || !view->dwell.index) return true;
-    unfinished.reset();
     if (result.final) room -= result.dwell.size();
+    unfinished.reset();
     if (result.final) {
       take(std::move(*view));
     } else {
@@ -71,8 +72,8 @@ Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
   auto done = selection.reader().events([&story](const record::StoredEvent& event) {
     if (story.events.size() < RunStory::kEvents) {
       story.events.push_back(event);
-    } else {
       record::shorten(story.events.back(), RunStory::kEventBytes);
+    } else {
       ++story.events_left_out;
     }
     return true;
@@ -82,8 +83,8 @@ Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
     const std::size_t size = model.from.size() + model.result.size();
     if (story.models.size() < RunStory::kModels && size <= room) {
       story.models.push_back(model);
-    } else {
       room -= size;
+    } else {
       ++story.models_left_out;
     }
     return true;

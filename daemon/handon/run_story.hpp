@@ -27,6 +27,7 @@ struct RunStory {
 
   double begin_s = 0.0, end_s = 0.0;  // on the run's axis
   std::vector<Trace> traces;          // one per channel
+  double span_s = 0.0;                // RunReader::span_s(); 0: not known
   std::uint64_t samples = 0;
   std::map<std::pair<std::uint16_t, Loss>, double> lost;     // by channel and why
   std::map<std::pair<std::uint16_t, Fault>, double> faults;  // by device and which
