@@ -71,6 +71,7 @@ struct AuditRequest {
   std::vector<std::string> anchors;  // files
   bool every_signature = false;      // AuditOptions
   bool json = false;
+  bool closed = false;               // a file without an end counts as a failure
 };
 
 struct SignOptions {
