@@ -49,6 +49,7 @@ class RecordVerbs {
     audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
     audit_->add_flag("--every-signature", auditing_.every_signature,
                      "verify each note's signature by itself; slower, and finds nothing else: the newest covers all");
+    audit_->add_flag("--closed", auditing_.closed, "a file that has no end counts as a failure: exit 1");
     add_json(audit_, auditing_.json);
 
     runs_ = app.add_subcommand("runs", "the recorded runs of the service, or those in a folder");
@@ -184,6 +185,10 @@ int run(int argc, char** argv) {
       "compute with this rig file instead, and compare nothing; it must have the run's channels");
   CLI::Option* const child =
       replay_verb->add_option("-o,--output", replaying.output, "the child file to write")->needs(replay_rig);
+  replay_verb
+      ->add_option("--against", replaying.against,
+                   "a child file of this run: compute with its rig file, and compare with its results")
+      ->excludes(replay_rig);
   add_text(replay_verb, "--comment", replaying.comment, "why, into the child file")->needs(child);
   replay_verb
       ->add_option("--key", replaying.key, "file of the private key that signs the child file; default: your own")
