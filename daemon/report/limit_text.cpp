@@ -13,7 +13,9 @@
 namespace dwell {
 namespace {
 
-constexpr int kLeastDigits = 4;      // of a bound, significant: "7.500 to 8.500 kN/m" lines up
+constexpr int kLeastDigits = 4;  // of a bound, significant: "7.500 to 8.500 kN/m" lines up
+// So begins the reason where the number is doubted; the doubt follows (core/rig/limit.cpp).
+constexpr const char* kDoubtedNumber = "the number must not be relied on";
 constexpr std::size_t kIndent = 11;  // as the lines on settling
 
 void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
@@ -89,9 +91,11 @@ Section limit_section(const DwellView& view, const TextOptions& options) {
     if (limit.verdict == LimitVerdict::kept)
       kept += (kept.empty() ? "" : "; ") + what + ", " + bounds_text(limit, view.motion);
     if (limit.verdict != LimitVerdict::none) continue;
-    const auto same = std::find_if(none.begin(), none.end(), [&](const auto& n) { return n.first == limit.reason; });
+    // The doubt itself stands above the numbers.
+    const std::string reason = limit.reason.rfind(kDoubtedNumber, 0) == 0 ? kDoubtedNumber : limit.reason;
+    const auto same = std::find_if(none.begin(), none.end(), [&](const auto& n) { return n.first == reason; });
     if (same == none.end())
-      none.emplace_back(limit.reason, what);
+      none.emplace_back(reason, what);
     else
       same->second += ", " + what;
   }

@@ -16,6 +16,11 @@ test('each verdict has its word, its shape and the limit', () => {
   assert.equal(limitOf(limited('none', 'not settled'), 'stiffness', 2).text, '– no verdict on the limit 7.500 to 8.500 kN/m: not settled');
 });
 
+test('a doubt that takes a limit its verdict is not told once more there', () => {
+  assert.equal(limitOf(limited('none', 'the number must not be relied on: mode at 4.77 Hz, decaying at 1.97 /s'), 'stiffness', 2).text,
+    '– no verdict on the limit 7.500 to 8.500 kN/m: the number must not be relied on');
+});
+
 test('a bound has as many digits as it takes to be it: none is rounded to the number beside it', () => {
   const of = (low, high) => limitOf(dwellOf({ limits: [{ element: 2, coefficient: 'stiffness', low, high, unit: 'N/m', verdict: 'kept', reason: null }] }), 'stiffness', 2).text;
   assert.equal(of(8000.4, 8499.9), '✓ limit kept: 8.0004 to 8.4999 kN/m');
