@@ -19,7 +19,7 @@ struct TableMotion {
   double wander = kNaN;        // least change of the amplitude from two periods to the next two in it, relative
 };
 
-// Cost: a few passes over the table's readings. Readings that are not finite or beyond the channel's range do not
+// Cost: three passes over the recording, no memory. Readings that are not finite or beyond the channel's range do not
 // count. Those before a mistake in the recording, where it has one.
 [[nodiscard]] TableMotion table_motion(const Rig& rig, const RecordSource& source);
 

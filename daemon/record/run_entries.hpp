@@ -99,6 +99,9 @@ struct StoredEvent {
   std::string before, after, comment;
 };
 
+// Cuts each text of the event after `most` bytes, between two characters, and says there how many bytes were cut.
+void shorten(StoredEvent& event, std::size_t most);
+
 struct RunEnd {
   std::string why;  // "drive stopped", "operator", "service stopped", "disk full", …
   std::uint64_t records = 0, samples = 0;
