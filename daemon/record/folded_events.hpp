@@ -8,15 +8,15 @@
 
 #include "daemon/record/run_entries.hpp"
 
-namespace dwell::ctl {
+namespace dwell::record {
 
 struct FoldedEvent {
-  record::StoredEvent event;  // the first; its text has the sum of the counts, or how often
+  StoredEvent event;          // the first; its text has the sum of the counts, or how often
   std::uint64_t entries = 1;  // so many say it
   std::string last_utc;       // the last of them
 };
 
 // In the order of the first of each. All but faults and losses stay as they are.
-[[nodiscard]] std::vector<FoldedEvent> folded(const std::vector<record::StoredEvent>& events);
+[[nodiscard]] std::vector<FoldedEvent> folded(const std::vector<StoredEvent>& events);
 
-}  // namespace dwell::ctl
+}  // namespace dwell::record
