@@ -70,6 +70,7 @@ struct AuditRequest {
   std::vector<std::string> keys;     // pinned, each a vkey or a file that holds one
   std::vector<std::string> anchors;  // files
   bool every_signature = false;      // AuditOptions
+  bool closed = false;               // a file without an end counts as a failure
   bool json = false;
 };
 

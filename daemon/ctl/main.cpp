@@ -49,6 +49,7 @@ class RecordVerbs {
     audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
     audit_->add_flag("--every-signature", auditing_.every_signature,
                      "verify each note's signature by itself; slower, and finds nothing else: the newest covers all");
+    audit_->add_flag("--closed", auditing_.closed, "a file that has no end counts as a failure: exit 1");
     add_json(audit_, auditing_.json);
 
     runs_ = app.add_subcommand("runs", "the recorded runs of the service, or those in a folder");

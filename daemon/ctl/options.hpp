@@ -13,7 +13,8 @@ inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag
 // The key that a verb trusts: pinned_key() reads it.
 inline CLI::Option* add_pinned_keys(CLI::App* verb, std::vector<std::string>& keys) {
   return verb
-      ->add_option("--key", keys, "the key that must have signed: a vkey, or a file that holds it; repeated: one of them")
+      ->add_option("--key", keys,
+                   "the key that must have signed: a vkey, or a file that holds it; repeated: one of them")
       ->allow_extra_args(false);
 }
 

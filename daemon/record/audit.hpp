@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,8 +43,11 @@ struct Audit {
 struct CheckedLedger;
 
 struct AuditOptions {
-  std::vector<PublicKey> keys;           // pinned: one of them must have signed; empty: no key is trusted
-  std::string ledger;                    // path of a ledger; empty: none
+  std::vector<PublicKey> keys;  // pinned: one of them must have signed; empty: no key is trusted
+  std::string ledger;           // path of a ledger; empty: none
+  // The same ledger, checked with the same keys and anchors already (ledger_check.hpp): for audits of several files.
+  // Null: it is checked for this audit alone.
+  std::shared_ptr<const CheckedLedger> checked = {};
   std::vector<std::string> anchors;      // files of heads kept elsewhere
   std::function<void(double)> progress;  // 0 … 1; empty: none
   // Verify the signature of each note by itself. Not needed: the newest covers all before it, and where it does not
@@ -55,8 +59,10 @@ struct AuditOptions {
 };
 inline constexpr const char* kAuditStopped = "the audit was given up";
 
-// A file that is no run file counts as tampered, with the reason. Fails if the run file, the ledger or an anchor file
-// does not exist or may not be read. Also fails if a writer altered the run file during each of kAuditTries passes.
+// A file that is no run file counts as tampered, with the reason. But by its name and content a ledger, a -wal or the
+// reserve of a recording directory is none: the audit fails and says what it is. Fails if the run file, the ledger or
+// an anchor file does not exist or may not be read. Also fails if a writer altered the run file during each of
+// kAuditTries passes.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {

@@ -9,6 +9,9 @@
 
 namespace dwell::record {
 
+// Of the file in the recording directory.
+inline constexpr const char* kReserveName = "reserve";
+
 // Bound to one thread.
 class DiskReserve {
  public:

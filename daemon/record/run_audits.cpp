@@ -32,20 +32,37 @@ Identity identity_of(const std::string& path) {
   return identity;
 }
 
-// A key that the ledger announces has signed nothing of it until the next run begins. Pinned alone it would make every
-// earlier run look forged; so the ledger then vouches without a pinned key, and nothing is trusted.
-std::vector<PublicKey> pinned(const PublicKey& key, const AuditOptions& options) {
-  const Result<CheckedLedger> ledger = check_ledger(options.ledger, options);
-  const bool announced = ledger && ledger->verifies() && ledger->book.keys().back() == key && !ledger->knows(key);
-  return announced ? std::vector<PublicKey>{} : std::vector<PublicKey>{key};
-}
+// The ledger of the directory, verified again only when its file has changed. Bound to one thread.
+class KnownLedger {
+ public:
+  // Fills in ledger and keys.
+  Result<void> give(AuditOptions& options, const std::string& path, const PublicKey& key) {
+    options.ledger = path;
+    options.keys = {key};
+    const Identity now = identity_of(path);
+    if (!checked_ || now != identity_) {
+      Result<CheckedLedger> checked = check_ledger(path, {});
+      if (!checked) return tl::unexpected(std::move(checked.error()));
+      // A key that the ledger announces has signed nothing of it until the next run begins. Pinned alone it would make
+      // every earlier run look forged; so the ledger then vouches without a pinned key, and nothing is trusted.
+      announced_ = checked->verifies() && checked->book.keys().back() == key && !checked->knows(key);
+      if (!announced_ && checked->verifies() && !checked->knows(key))
+        checked->broken = "signed by " + checked->book.last_signer().fingerprint() + ", not by the service's key";
+      checked_ = std::make_shared<const CheckedLedger>(std::move(*checked));
+      identity_ = now;
+    }
+    if (announced_) options.keys.clear();
+    options.checked = checked_;
+    return {};
+  }
 
-RunVerdict verdict_on(const std::string& path, const std::string& directory, const PublicKey& key,
-                      const JobThread::Stopping& stopping) {
-  AuditOptions options;
-  options.ledger = directory + "/ledger.dwell-ledger";
-  options.stop = stopping;
-  options.keys = pinned(key, options);
+ private:
+  std::shared_ptr<const CheckedLedger> checked_;
+  Identity identity_{};
+  bool announced_ = false;
+};
+
+RunVerdict verdict_on(const std::string& path, const AuditOptions& options) {
   RunVerdict verdict;
   const Result<Audit> audit = audit_run(path, options);
   verdict.utc = iso_utc(utc_now_ns());
@@ -67,7 +84,9 @@ struct RunAudits::Shared {
   explicit Shared(std::string the_directory) : directory(std::move(the_directory)) {}
 
   const std::string directory;
-  std::map<std::string, Identity> known;  // of the audited files; the jobs' thread alone
+  // The jobs' thread alone:
+  std::map<std::string, Identity> known;  // of the audited files
+  KnownLedger ledger;
   mutable std::mutex mutex;
   // Under the mutex:
   bool busy = false;        // a job waits or is under way
@@ -130,7 +149,13 @@ struct RunAudits::Shared {
         continue;
       }
       if (const auto before = known.find(file); before != known.end() && before->second == identity) continue;
-      RunVerdict verdict = verdict_on(path, directory, key, stopping);
+      AuditOptions options;
+      options.stop = stopping;
+      RunVerdict verdict;
+      if (auto given = ledger.give(options, directory + "/ledger.dwell-ledger", key); given)
+        verdict = verdict_on(path, options);
+      else
+        verdict.why_none = given.error();
       if (stopping()) return false;
       known[file] = identity;
       if (identity_of(path) != Identity{}) put(file, std::move(verdict));

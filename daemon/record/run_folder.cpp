@@ -122,7 +122,7 @@ Result<Found> look_into(const std::string& directory, CutOffRun run) {
 struct RunFolder::Impl {
   explicit Impl(FolderOptions the_options)
       : options(std::move(the_options)),
-        reserve(options.directory + "/reserve", options.reserve_bytes),
+        reserve(options.directory + "/" + kReserveName, options.reserve_bytes),
         prepared(options.directory) {}
 
   const FolderOptions options;

@@ -114,7 +114,9 @@ TEST(Audit, WhatIsNoRunFileIsTamperedAndWhatIsNotThereIsAnError) {
   EXPECT_FALSE(audit_run(scratch.path("c.dwell"), {}));
   EXPECT_FALSE(audit_run(scratch.path(), {}));
   const Ledger ledger = recorded(scratch, 1);
-  EXPECT_EQ(audited(scratch.path("ledger.dwell-ledger")).state, AuditState::tampered);
+  const auto ledgers = audit_run(scratch.path("ledger.dwell-ledger"), {});
+  ASSERT_FALSE(ledgers);
+  EXPECT_TRUE(says(ledgers.error(), "is a ledger, no run file")) << ledgers.error();
   EXPECT_FALSE(
       audit_run(scratch.path("a.dwell"), {.keys = {}, .ledger = scratch.path("none"), .anchors = {}, .progress = {}}));
 }
