@@ -44,6 +44,7 @@ struct ReplayOptions {
   std::string file = {};
   std::string rig = {};      // another rig file; empty: the run's own
   std::string output = {};   // with a rig: the child file to write; empty: none
+  std::string against = {};  // a child file to compare with; empty: the run's own results
   std::string comment = {};  // into the child file
   std::string key = {};      // file of the private key that signs it; empty: the person's own
   bool json = false;

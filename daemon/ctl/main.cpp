@@ -184,6 +184,10 @@ int run(int argc, char** argv) {
       "compute with this rig file instead, and compare nothing; it must have the run's channels");
   CLI::Option* const child =
       replay_verb->add_option("-o,--output", replaying.output, "the child file to write")->needs(replay_rig);
+  replay_verb
+      ->add_option("--against", replaying.against,
+                   "a child file of this run: compute with its rig file, and compare with its results")
+      ->excludes(replay_rig);
   add_text(replay_verb, "--comment", replaying.comment, "why, into the child file")->needs(child);
   replay_verb
       ->add_option("--key", replaying.key, "file of the private key that signs the child file; default: your own")
