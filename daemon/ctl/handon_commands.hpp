@@ -15,9 +15,9 @@ struct ExportRunOptions {
   std::string output;
   bool overwrite = false;  // an existing file of that name
   handon::Range range;
-  bool in_unit = false;    // csv: also in the channel's unit
-  bool binary = false;     // uff: 58b
-  bool unchecked = false;  // without an audit
+  bool in_unit = false;           // csv: also in the channel's unit
+  bool binary = false;            // uff: 58b
+  bool unchecked = false;         // without an audit
   std::vector<std::string> keys;  // pinned, each a vkey or a file that holds one
   bool json = false;
 };

@@ -1,5 +1,8 @@
 #include "daemon/ctl/handon_verbs.hpp"
 
+#include <string>
+#include <tuple>
+
 #include "daemon/ctl/options.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 
@@ -73,6 +76,13 @@ std::optional<int> HandonVerbs::run() {
     tell_error("export: neither --format nor --model is given; expected --format csv, hdf5 or uff for a run file");
     return kUsage;
   }
+  for (const auto& [given, option, format] :
+       {std::tuple(exporting_.in_unit, "--in-unit", "csv"), std::tuple(exporting_.binary, "--binary", "uff")})
+    if (given && exporting_.format != format) {
+      tell_error(std::string("export: ") + option + " belongs to --format " + format +
+                 "; expected it without, or that format");
+      return kUsage;
+    }
   return export_run(exporting_);
 }
 

@@ -174,6 +174,13 @@ TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
   refused("export run.dwell --format csv -o out --to nan", "expected seconds of the run");
   refused("export run.dwell --format csv -o out --dwell 9", "there is no dwell 9 in it; expected 1 to 1");
   refused("export none.dwell --format csv -o out", "none.dwell");
+  refused("export run.dwell --format csv -o -", "standard output is no file");
+  refused("report run.dwell -o -", "standard output is no file");
+  refused("export run.dwell --format csv -o out --from 100 --to 200",
+          "the range lies outside of the run, which is from");
+  refused("export run.dwell --format hdf5 -o out --in-unit", "--in-unit belongs to --format csv");
+  refused("export run.dwell --format csv -o out --binary", "--binary belongs to --format uff");
+  EXPECT_FALSE(there("out") || there("-"));
   refused("export run.dwell --format csv -o run.dwell", "is the run file itself");
   refused("report run.dwell -o run.dwell", "is the run file itself");
   refused("export --model readings.csv -o out", "a recording as text needs its rig file: --rig RIG.toml");
