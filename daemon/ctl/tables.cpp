@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
 
 #include "core/result/condition.hpp"
 #include "daemon/ctl/json_member.hpp"
@@ -95,6 +96,17 @@ std::string channels_table(const Json& list) {
     table.add("calibration", std::move(calibrations));
   table.add("", std::move(reasons));
   return table.text();
+}
+
+std::string recording_text(const Json& health) {
+  constexpr std::string_view front = "recording: ";
+  std::string text;
+  const auto troubles = health.is_object() ? health.find("troubles") : health.end();
+  if (troubles == health.end() || !troubles->is_array()) return text;
+  for (const Json& trouble : *troubles)
+    if (const std::string line = text_member(trouble, "text"); line.rfind(front, 0) == 0)
+      text += "recording  " + printable(line.substr(front.size())) + "\n";
+  return text;
 }
 
 std::string gpio_text(const Json& health) {

@@ -14,6 +14,10 @@ namespace dwell::ctl {
 // `list`: an array of the interface's channel objects. The status stands beside the name, its reason at the end.
 [[nodiscard]] std::string channels_table(const nlohmann::ordered_json& list);
 
+// `health`: the interface's health object. Why runs are not recorded, or what else troubles the recording; empty:
+// nothing.
+[[nodiscard]] std::string recording_text(const nlohmann::ordered_json& health);
+
 // `health`: the interface's health object. What an operator must know of the GPIO lines: how the interlock stands, and
 // which lines do not work; empty: no interlock, and all work.
 [[nodiscard]] std::string gpio_text(const nlohmann::ordered_json& health);

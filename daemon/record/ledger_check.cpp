@@ -36,7 +36,7 @@ Result<void> walk(ChainAudit& chain, CheckedLedger& ledger, const std::vector<An
     if (Result<void> taken = take(chain, ledger, known, anchors, **row); !taken) return taken;
   }
   if (Result<void> there = known.all_there(chain.entries()); !there) return there;
-  if (ledger.book.empty()) return tl::unexpected(std::string("it has no entry"));
+  if (ledger.book.empty()) return tl::unexpected(std::string("it has no entry; is its -wal missing?"));
   return chain.finish();
 }
 
@@ -83,8 +83,7 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     if (!sound) ledger.broken = sound.error();
     const auto knows = [&ledger](const PublicKey& key) { return ledger.knows(key); };
     if (sound && !options.keys.empty() && std::none_of(options.keys.begin(), options.keys.end(), knows))
-      ledger.broken =
-          "signed by " + ledger.book.last_signer().fingerprint() + ", not by " + asked_for(options.keys);
+      ledger.broken = "signed by " + ledger.book.last_signer().fingerprint() + ", not by " + asked_for(options.keys);
     return ledger;
   }
 }

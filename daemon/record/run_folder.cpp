@@ -266,6 +266,7 @@ struct RunFolder::Impl {
 
 RunFolder::RunFolder(FolderOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 RunFolder::~RunFolder() {
+  impl_->disk_jobs.settle();
   if (impl_->signs) [[maybe_unused]]
     const auto told = impl_->tell_of_end();
 }
@@ -282,7 +283,7 @@ Result<void> RunFolder::open() {
   auto told = self.tell_of_crash();
   if (told) {
     self.prepared.make(self.signs->ledger.next_run());
-    told = self.signs->ledger.begin_log();
+    told = self.signs->ledger.merge_log();
   }
   if (!told) self.signs.reset();
   return told;
@@ -359,6 +360,13 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   self.file.reset();
   self.name.clear();
   const auto told = another ? Result<void>() : self.tell_of_end();
+  // Without it a copy of the ledger alone would be empty. Nothing is recorded now that it could hold up, and this
+  // thread does not wait for it. If it fails, all is in the -wal as before.
+  if (told && !another)
+    self.disk_jobs.start([ledger = &self.signs->ledger]() -> Result<void> {
+      [[maybe_unused]] const auto merged = ledger->merge_log();
+      return {};
+    });
   return written ? told : written;
 }
 
