@@ -135,6 +135,7 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
         reason: `the deformation (${i}.2 µm) is less than three times its uncertainty: drive it harder, or nearer to a resonance in which it deforms` })) })}\n\n` }));
   await page.goto(`${bench.url}/?kiosk`);
   await page.waitForFunction(() => document.querySelectorAll('.element').length === 30);
+  await page.waitForSelector('html.compact');
   const boxes = () => page.evaluate(() => [...document.querySelectorAll('.element')].map((e) => {
     const [box, reason] = [e.getBoundingClientRect(), e.querySelector('.reason')];
     return { named: e.querySelector('h3').getBoundingClientRect().width > 20, left: box.left, top: box.top, bottom: box.bottom,
