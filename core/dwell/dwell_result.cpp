@@ -15,14 +15,15 @@ constexpr double kPeriodsToReturn = 2.5;
 // Parts of the drive's frequency within which a line is called its harmonic. Any line lies so near one of them by
 // chance in one of 50 cases.
 constexpr double kAtHarmonic = 0.01;
-// Times the time watched, beyond which no time left is stated. It is extrapolated from the decay seen so far. So long a
-// time means that the slowest oscillation has lost a few percent of its size at most. Noise and a wrong pole show as
-// much in one that does not decay at all. Halved: slow rigs go without a time for longer. Doubled: more times that mean
+// Longest time left that is stated, in times watched so far. The time left is extrapolated from the decay seen so far.
+// If it is so long, the slowest oscillation has lost a few percent of its size at most. Noise and a wrong pole look
+// like that even if nothing decays. Halved: slow rigs go without a time for longer. Doubled: more times that mean
 // nothing.
 constexpr double kFarthest = 100.0;
-// Part of a channel's readings left out as foreign, above which no time left is stated: of so many, some pass the gates
-// and are fitted as a transient, and all channels share its poles. Of a float32 in the wrong order of words 6 to 9 %
-// are left out, of a gateway's zeros at most 2 % where the poles are still right.
+// Largest part of a channel's readings that may be left out as foreign while a time left is stated. Above it, some
+// foreign readings pass the gates and are fitted as a transient, and all channels share its poles. A float32 in the
+// wrong order of words has 6 to 9 % left out. A gateway's zeros are at most 2 % where the poles are still right.
+// Halved, it comes near those zeros. Doubled, it misses the float32.
 constexpr double kMostForeign = 0.05;
 
 double foreign_part(const LiveChannels& live, const Rig& rig) {

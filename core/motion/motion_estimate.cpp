@@ -305,8 +305,9 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
   out.unchecked = std::move(found.unchecked);
 }
 
-// In place of name_missing(). What is withheld for a dwell is not for the estimate of any motion, so this says it.
-// What such readings leave over does not speak against the chain, so the dwell's own numbers are not doubted for it.
+// Takes the place of name_missing() where readings are at fault. A dwell withholds such a channel, but the estimate of
+// any motion uses it, so its reason or a warning says so. The residuals of such readings are no evidence against the
+// chain. So `contradicted` is cleared, and the dwell's own numbers are not doubted.
 void blame_readings(const std::vector<std::string>& at_fault, MotionEstimate& out) {
   out.contradicted = false;
   std::string text;

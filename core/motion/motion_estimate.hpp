@@ -20,9 +20,9 @@ struct MotionOptions {
   // Whether to look for what the rig file lacks: a third of the time more on a healthy rig, some times it on one that
   // the readings contradict.
   bool missing = true;
-  // Channels whose readings themselves are at fault, each with what is wrong: "reaction: clipped: …". Where there are
-  // some, nothing that the rig file lacks is looked for, and the estimate says so. The search would explain the fault
-  // of the readings by terms of the rig, and takes ten times as long as the estimate.
+  // Channels whose readings are at fault, each with what is wrong: "reaction: clipped: …". If there are any, the search
+  // for what the rig file lacks is skipped, whatever `missing` says, and the estimate says so. The search would explain
+  // faulty readings by terms of the rig, and takes ten times as long as the estimate.
   std::vector<std::string> at_fault{};
 };
 

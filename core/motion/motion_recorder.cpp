@@ -74,7 +74,8 @@ void MotionRecorder::outline(Outline& of, const MotionReading& reading) {
   if (of.take(reading, half_period_ns_) && outlined_.size() < 3 * kBlocks) before.add_to(outlined_);
 }
 
-// The motion has not begun: only what an estimate takes before its start stays whole. Otherwise what follows does not.
+// Before the motion begins: only the readings that an estimate takes from before its start stay whole. Once it has
+// begun: whatever comes later is not kept whole.
 void MotionRecorder::make_room(std::int64_t now_ns) {
   if (table_ >= 0 && !moved_) {
     const std::int64_t from_ns = now_ns - 2 * before_ns_ - (most_delay_ns_ - least_delay_ns_) - most_delay_ns_;

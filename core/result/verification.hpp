@@ -55,7 +55,7 @@ struct Verification {
   std::vector<std::string> cannot_be_checked;  // properties that no data of this rig can show
 };
 
-// What is known of a dwell's model, in short: `seen` and `U` as there.
+// The verdict on a dwell's model, in short. Members as in Verification; asked: its `accuracy`.
 struct ModelVerdict {
   Verdict verdict = Verdict::not_verified;
   std::optional<bool> consistent;
