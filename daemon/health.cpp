@@ -81,8 +81,8 @@ bool has_ended(const Snapshot& snapshot) {
                                                   [](const DeviceView& device) { return device.ended; });
 }
 
-// Channels whose foreign readings may be what keeps the dwell from settling: some pass the gates and look like a
-// transient. Not those beside which a sound channel measures the same.
+// Adds the gated channels of a dwell that settles. Foreign readings that pass the gates look like a transient, and may
+// keep the dwell from settling. A channel does not count if a sound one measures the same.
 void add_gated(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& troubles) {
   const auto gated = [&](std::size_t i) {
     return snapshot.channels[i].fault == Fault::none && snapshot.channels[i].condition == Condition::gated;
@@ -165,7 +165,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   if (!clock_synchronized)
     health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
 
-  // The readings are as good as before; what is stated of their scale has no proof any longer.
+  // The readings are as good as before, but no valid certificate proves their scale: an alarm that does not degrade.
   for (const Channel& channel : rig.channels)
     if (clock_synchronized && calibration_overdue(channel, utc_ns).value_or(false))
       health.troubles.push_back({"calibration:" + channel.name,

@@ -18,7 +18,8 @@ std::string stale_reason(const ServiceView& now) {
                                     : "stale: the estimation publishes nothing new";
 }
 
-// None: nothing is asked of it, or it has not settled. Until it has been verified: not verified yet.
+// The verdict on a dwell's model; not_verified until the dwell has been verified. None: the service verifies no models,
+// or the dwell has not settled.
 std::optional<ModelVerdict> model_of(const ServiceView& now, const Dwell& dwell) {
   if (!now.verification.live || !std::isfinite(dwell.settled_s)) return std::nullopt;
   const auto& verified = now.snapshot.verified;

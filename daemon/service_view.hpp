@@ -28,10 +28,10 @@ struct ServiceView {
   const Rig& rig;
   const RunInfo& run;
   const Snapshot& snapshot;
-  Health health{};              // judged of all the rest
-  std::int64_t now_ns = 0;      // CLOCK_MONOTONIC_RAW
-  std::int64_t now_utc_ns = 0;  // 0: not known
-  bool clock_synchronized = true;
+  Health health{};                 // judged of all the rest
+  std::int64_t now_ns = 0;         // CLOCK_MONOTONIC_RAW
+  std::int64_t now_utc_ns = 0;     // 0: not known
+  bool clock_synchronized = true;  // the computer's clock is
   double uptime_s = 0.0;
   HttpStats http{};
   std::uint64_t wrong_tokens = 0;

@@ -35,7 +35,8 @@ ClockView clock_view(const Device& device, const ClockFigures& figures) {
   return view;
 }
 
-// The numbers are not the transducer's, so nothing that the pipeline finds in them is the cause.
+// Such numbers are not the transducer's. What the pipeline finds in them is a consequence, so the likely cause is added
+// to its reason.
 void tell_leaps(ChannelView& view) {
   if (view.condition == Condition::ok) view.condition = Condition::gated;
   view.condition_reason += std::string(view.condition_reason.empty() ? "" : "; ") +

@@ -35,7 +35,7 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position) {
   }
 }
 
-// Whoever holds the list goes on reading it: a new one takes its place.
+// Readers may still hold the list, so it is replaced and never altered.
 void ModelWork::keep_verdict() {
   const auto& newest = verification_.newest();
   if (!newest || !newest->dwell.index) return;

@@ -62,7 +62,7 @@ struct RunView {
   std::uint32_t number = 0;  // runs of the session so far
 };
 
-// What the models of a run's dwells were found to be, each dwell's newest, in the order of the dwells.
+// The newest verdict on the model of each verified dwell of a run, in the order of the dwells.
 struct VerifiedModel {
   int dwell = 0;  // its index
   ModelVerdict model;

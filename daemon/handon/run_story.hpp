@@ -20,8 +20,8 @@ struct RunStory {
   static constexpr std::size_t kModels = 1000;
   static constexpr std::size_t kDwells = 500;
 
-  // Most bytes of an event's texts, and of dwells, estimates and verifications together as they are stored: what a
-  // report takes of a hostile file.
+  // Bounds of what a report takes from a hostile file, bytes. kEventBytes: each text of an event. kStoredBytes: the
+  // dwells, estimates and verifications together, as they are stored. What exceeds it is left out and counted.
   static constexpr std::size_t kEventBytes = 2000;
   static constexpr std::size_t kStoredBytes = 64'000'000;
 

@@ -85,7 +85,7 @@ double status_code(const Source& s) {
   return 5;
 }
 
-// A bit for each element of the page, one for the rig. Stale: no limit has a verdict.
+// The bits of register 23, as its text has them. 0 if the dwell is stale: then no limit has a verdict.
 double limits_word(const Source& s) {
   constexpr unsigned kSomeUndecided = 1U << 14U, kSomeViolated = 1U << 15U;
   unsigned bits = 0;

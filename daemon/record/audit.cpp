@@ -239,8 +239,8 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   return audit;
 }
 
-// What this file of a recording directory is, if its name and its content say that it is no run file. A run's name with
-// such a content is no mistake of whoever calls for the audit: then it is tampered.
+// What the file is, if name and content show another file of a recording directory; empty: it may be a run file. A file
+// with a run's name and such a content is no mistake of the caller, so it counts as tampered.
 std::string what_else(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   if (name.ends_with(kRunSuffix)) return {};
@@ -252,7 +252,7 @@ std::string what_else(const std::string& path) {
   constexpr std::size_t kApplicationId = 68;  // its place in SQLite's header; four bytes, the highest first
   if (begin.size() == bytes.size() && begin.substr(kApplicationId, 4) == "DWLG")
     return "is a ledger, no run file; expected it with --ledger";
-  // The two words with which a log of SQLite begins.
+  // The two magic numbers of a write-ahead log of SQLite.
   if (name.ends_with("-wal") && (begin.empty() || begin.substr(0, 4) == std::string_view("\x37\x7f\x06\x82", 4) ||
                                  begin.substr(0, 4) == std::string_view("\x37\x7f\x06\x83", 4)))
     return "is the -wal of a run or a ledger and is read together with that file; expected the file itself";

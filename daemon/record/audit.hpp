@@ -37,7 +37,7 @@ struct Audit {
   std::vector<std::string> signatures;  // one line each: who, what for, when, by which key
 };
 
-// "key 7c0e 1969 … trusted", "key 7c0e 1969 … not trusted (known to this ledger)".
+// The key and whether it is trusted: "key 7c0e 1969 … trusted", "key 7c0e 1969 … not trusted (known to this ledger)".
 [[nodiscard]] std::string key_verdict(const Audit& audit);
 
 struct CheckedLedger;
@@ -45,8 +45,8 @@ struct CheckedLedger;
 struct AuditOptions {
   std::vector<PublicKey> keys;  // pinned: one of them must have signed; empty: no key is trusted
   std::string ledger;           // path of a ledger; empty: none
-  // The same ledger, checked with the same keys and anchors already (ledger_check.hpp): for audits of several files.
-  // Null: it is checked for this audit alone.
+  // The result of check_ledger() on `ledger` (ledger_check.hpp), for audits of several files. Null: the ledger is
+  // checked for this audit alone.
   std::shared_ptr<const CheckedLedger> checked = {};
   std::vector<std::string> anchors;      // files of heads kept elsewhere
   std::function<void(double)> progress;  // 0 … 1; empty: none
@@ -59,10 +59,10 @@ struct AuditOptions {
 };
 inline constexpr const char* kAuditStopped = "the audit was given up";
 
-// A file that is no run file counts as tampered, with the reason. But by its name and content a ledger, a -wal or the
-// reserve of a recording directory is none: the audit fails and says what it is. Fails if the run file, the ledger or
-// an anchor file does not exist or may not be read. Also fails if a writer altered the run file during each of
-// kAuditTries passes.
+// A file that is no run file counts as tampered, with the reason. A ledger, a -wal and the reserve of a recording
+// directory are told by name and content: for these the audit fails and says what the file is. It fails too if the run
+// file, the ledger or an anchor file does not exist or may not be read, or if a writer altered the run file during each
+// of kAuditTries passes.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {

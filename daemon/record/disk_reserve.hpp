@@ -9,7 +9,7 @@
 
 namespace dwell::record {
 
-// Of the file in the recording directory.
+// Name of the reserve's file in the recording directory.
 inline constexpr const char* kReserveName = "reserve";
 
 // Bound to one thread.

@@ -1,4 +1,4 @@
-// Events for a page that people read: faults and losses come once a second as long as they last, so those that say the
+// Events for a page that people read. Faults and losses come once a second as long as they last. Those that say the
 // same of the same device or channel become one line.
 #pragma once
 
@@ -11,9 +11,9 @@
 namespace dwell::record {
 
 struct FoldedEvent {
-  StoredEvent event;          // the first; its text has the sum of the counts, or how often
-  std::uint64_t entries = 1;  // so many say it
-  std::string last_utc;       // the last of them
+  StoredEvent event;          // the first; its text has the sum of the counts, or the number of events
+  std::uint64_t entries = 1;  // number of events that say the same
+  std::string last_utc;       // of the last of them
 };
 
 // In the order of the first of each. All but faults and losses stay as they are.

@@ -35,7 +35,7 @@ Identity identity_of(const std::string& path) {
 // The ledger of the directory, verified again only when its file has changed. Bound to one thread.
 class KnownLedger {
  public:
-  // Fills in ledger and keys.
+  // Fills in options.ledger, keys and checked. key: the service's. Fails if the ledger cannot be read.
   Result<void> give(AuditOptions& options, const std::string& path, const PublicKey& key) {
     options.ledger = path;
     options.keys = {key};
@@ -43,8 +43,8 @@ class KnownLedger {
     if (!checked_ || now != identity_) {
       Result<CheckedLedger> checked = check_ledger(path, {});
       if (!checked) return tl::unexpected(std::move(checked.error()));
-      // A key that the ledger announces has signed nothing of it until the next run begins. Pinned alone it would make
-      // every earlier run look forged; so the ledger then vouches without a pinned key, and nothing is trusted.
+      // A key that the ledger announces signs nothing of it until the next run begins. If it were pinned, every earlier
+      // run would look forged. So no key is pinned until then, and nothing is trusted.
       announced_ = checked->verifies() && checked->book.keys().back() == key && !checked->knows(key);
       if (!announced_ && checked->verifies() && !checked->knows(key))
         checked->broken = "signed by " + checked->book.last_signer().fingerprint() + ", not by the service's key";

@@ -99,7 +99,8 @@ struct StoredEvent {
   std::string before, after, comment;
 };
 
-// Cuts each text of the event after `most` bytes, between two characters, and says there how many bytes were cut.
+// Cuts each text of the event after `most` bytes, between two characters. A note behind the cut says how many bytes are
+// missing, so a cut text is a little longer than `most`.
 void shorten(StoredEvent& event, std::size_t most);
 
 struct RunEnd {

@@ -360,8 +360,8 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   self.file.reset();
   self.name.clear();
   const auto told = another ? Result<void>() : self.tell_of_end();
-  // Without it a copy of the ledger alone would be empty. Nothing is recorded now that it could hold up, and this
-  // thread does not wait for it. If it fails, all is in the -wal as before.
+  // Else a copy of the ledger's file alone would lack the newest entries. Nothing is recorded now that could be held
+  // up, and this thread does not wait. If the merge fails, the entries stay in the -wal.
   if (told && !another)
     self.disk_jobs.start([ledger = &self.signs->ledger]() -> Result<void> {
       [[maybe_unused]] const auto merged = ledger->merge_log();

@@ -44,7 +44,7 @@ class RunFolder final : public RunStore {
   // open already.
   [[nodiscard]] Result<void> open();
   [[nodiscard]] bool is_open() const noexcept;
-  // That the service signs with; the folder must be open.
+  // The public key of the one with which the service signs. The folder must be open.
   [[nodiscard]] const PublicKey& key() const noexcept;
 
   [[nodiscard]] Result<void> ready() override;

@@ -30,7 +30,8 @@ Result<std::uint64_t> ended_dwells(RunReader& reader) {
   return dwells;
 }
 
-// When the last record was taken. The `end` entry says when the file was ended: a child's when it was computed.
+// When the stream ended, UTC; empty: not known. The `end` entry does not say so of a child: it says when the child was
+// computed.
 std::string end_of_stream(const RunReader& reader) {
   const auto began_ns = parse_utc(reader.header().start_utc);
   if (!began_ns) return reader.end() ? reader.end()->utc : std::string();

@@ -316,7 +316,7 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why, bool another) {
   options_.tell({Notice::Grade::error, text + "; its file could not be closed: " + ended.error(), run.header.run, {}});
 }
 
-// The run that goes on is still the one that the operator named.
+// The run that continues an interrupted one keeps the label and comment that the operator gave.
 void RunLog::keep_label(const RunHeader& header) {
   interrupted_label_ = header.label;
   interrupted_comment_ = header.comment;

@@ -56,7 +56,7 @@ constexpr int kMostTries = 200;
 Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {
   for (int tries = 0;; ++tries) {
     Result<std::optional<EndedRun>> run = read_ended(path);
-    // The service closes the file just now.
+    // The service is closing the file.
     if (!run && is_read_again(run.error()) && busy && busy(tries)) continue;
     if (!run) return fails(std::move(run.error()));
     if (*run) return std::move(**run);
@@ -65,7 +65,7 @@ Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {
   }
 }
 
-// Until the service does not close the file meanwhile.
+// Opens the file; again if the service closed it meanwhile, as long as `busy` returns true.
 template <class Open>
 Result<ChainWriter> open_again(const Open& open, const WhileBusy& busy) {
   for (int tries = 0;; ++tries) {

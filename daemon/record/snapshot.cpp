@@ -33,9 +33,9 @@ bool same_file(const struct stat& a, const struct stat& b) {
          a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
-// How often a writer may spoil an attempt to open before it fails, and the pause between two: 3 s. A writer closes a
-// file only once, but that takes three waits for the disk. Doubled, a file that is written to all the time is given up
-// later.
+// Attempts to open that a writer may spoil before opening fails, and the pause between two of them: 3 s in all. A
+// writer closes a file only once, but that takes three waits for the disk. Halved: a slow disk spoils all attempts.
+// Doubled: a file that is written to all the time fails later.
 constexpr int kTries = 60;
 constexpr std::chrono::milliseconds kPause{50};
 

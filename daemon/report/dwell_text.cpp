@@ -285,7 +285,7 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
   return section;
 }
 
-// Behind a state that is not as it should be.
+// The reason, to be put behind the name of a state; empty: none.
 std::string because(const Dwell& dwell) { return dwell.settling_reason.empty() ? "" : ": " + dwell.settling_reason; }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace dwell {
 namespace {
 
 constexpr int kLeastDigits = 4;  // of a bound, significant: "7.500 to 8.500 kN/m" lines up
-// So begins the reason where the number is doubted; the doubt follows (core/rig/limit.cpp).
+// How JudgedLimit::reason begins where the number is doubted (core/rig/limit.cpp). The doubt follows.
 constexpr const char* kDoubtedNumber = "the number must not be relied on";
 constexpr std::size_t kIndent = 11;  // as the lines on settling
 

@@ -25,7 +25,8 @@ std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options)
   return lines;
 }
 
-// What its ± and marks mean; the rig file, and so what it does not state, is that of the dwell.
+// The legend of the estimate's ± and marks. `beside` has what the rig file leaves unstated: both have the same rig
+// file.
 std::vector<std::string> legend_below(const MotionEstimate& m, const Dwell& beside) {
   Dwell shown;
   shown.elements = m.elements;

@@ -57,7 +57,7 @@ Json rate_of(const ServiceView& view, const ChannelView& channel) {
 // As the rig file names it.
 Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
 
-// What the rig file states of it; null: nothing.
+// A channel's calibration, as the rig file states it; null: it states none.
 Json calibration_json(const ServiceView& view, const Channel& channel) {
   if (channel.calibration_id.empty()) return nullptr;
   const auto overdue = calibration_overdue(channel, view.clock_synchronized ? view.now_utc_ns : 0);
