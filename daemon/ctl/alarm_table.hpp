@@ -36,7 +36,7 @@ inline constexpr std::string_view kAlarms = "alarms";
 
 // One line per alarm, the state in words; or that there is none.
 [[nodiscard]] std::string alarms_table(const AlarmsList& list);
-// The same for the screen of watch, where those that last and that nobody has acknowledged stand out. No alarms: empty.
+// The same for the screen of watch. Alarms that last and that nobody has acknowledged stand out. No alarms: empty.
 [[nodiscard]] Section alarms_section(const AlarmsList& list, std::size_t columns);
 
 }  // namespace dwell::ctl

@@ -111,7 +111,7 @@ int audit_files(const AuditRequest& request) {
     if (!checked) return usage_error(checked.error());
     options.checked = std::make_shared<const record::CheckedLedger>(std::move(*checked));
   }
-  // A file that cannot be audited is the lesser evil: what is tampered with decides the exit code.
+  // A tampered file outweighs one that cannot be audited: then the exit code is kNo, not kUsage.
   bool unusable = false;
   std::vector<record::Audit> audits;
   for (const std::string& file : request.files) {

@@ -27,8 +27,8 @@ Dwell on_recording_axis(Dwell dwell, double first_s) {
   return dwell;
 }
 
-// Channels that the dwell does not use, and whose readings are why. Held ones are not among them: those are modelled.
-// Each is named once. to: may be null.
+// Adds the channels that the dwell withholds because their readings are at fault, each once. Held channels are not
+// added: the estimate models them. to: may be null.
 void add_faults(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell, std::vector<std::string>* to) {
   if (to == nullptr) return;
   for (std::size_t i = 0; i < std::min(rig.channels.size(), dwell.phasors.size()); ++i) {

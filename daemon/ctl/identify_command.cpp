@@ -61,7 +61,7 @@ int identify_recording(const IdentifyOptions& options) {
     tell_error(why);
     return kUsage;
   };
-  // Also for the method of any motion alone: it does not judge the readings by itself.
+  // The dwells are identified for the method of any motion alone too: they tell which readings are at fault.
   std::vector<Dwell> dwells;
   std::vector<std::string> at_fault;
   {

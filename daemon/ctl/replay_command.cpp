@@ -35,7 +35,7 @@ constexpr std::uint64_t kShowEvery = 1U << 12U;  // records
 
 using record::Result;
 
-// No exit code: the service closed the file meanwhile, and another attempt succeeds.
+// In place of an exit code: the service closed the file meanwhile, and another attempt succeeds.
 constexpr int kAgain = -1;
 constexpr int kTries = 5;  // a file is closed only once, and may be signed just after
 constexpr std::chrono::milliseconds kPause{100};
@@ -96,8 +96,9 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
   return dwells;
 }
 
-// The results that `of` holds, a run's own or those of a child of it, computed again with the rig file in it. without:
-// positions at which a child has no result, though the run has one; there the replay must have none either.
+// Computes the results again with the rig file in `of`, and compares them with those that `of` holds: a run, or a child
+// of it. without: positions at which the run has a result and the child has none. Where the replay gives a result
+// there, it counts as missing from the child. Returns the exit code.
 int compare(const ReplayOptions& options, record::RunReader& reader, const std::string& of,
             const record::RunHeader& header, const std::vector<std::uint64_t>& without,
             const std::vector<std::string>& notes) {
@@ -107,7 +108,7 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   if (!channels) return cannot_replay(channels.error());
   auto stored = StoredResults::open(of);
   if (!stored) return cannot_replay(stored.error());
-  // As who computed the results put it.
+  // As in the results that are compared.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
   Replay replay(file->rig);
   auto gap = without.begin();
@@ -139,7 +140,7 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   return verdict.same ? kDone : kNo;
 }
 
-// Why this file, audited without a key, proves nothing; empty: it may be intact.
+// Audits a file without a key. Fails, with the reason, if it was tampered with or cannot be audited.
 Result<void> not_tampered(const std::string& path) {
   const auto audit = record::audit_run(path, {});
   if (!audit) return tl::unexpected(audit.error());
@@ -169,7 +170,7 @@ Result<std::vector<std::uint64_t>> lacking(const std::string& parent, const std:
   return positions;
 }
 
-// Whether a child file is what a replay of this run with the child's rig file gives.
+// Compares a child file with a replay of this run that uses the child's rig file. Returns the exit code.
 int check_child(const ReplayOptions& options, record::RunReader& reader) {
   const auto child = record::RunReader::open(options.against);
   if (!child) return cannot_replay(child.error());

@@ -19,8 +19,8 @@ namespace {
 using record::Result;
 using record::RunReader;
 
-// Of each text of an event, on the page and with --json. The service's own have 200; a hostile file may hold 8 MB in
-// each.
+// Most bytes of each text of an event, on the page and with --json. Those of the service have some 200; a hostile file
+// may hold 8 MB in each.
 constexpr std::size_t kEventBytes = 4000;
 
 tl::unexpected<std::string> fail(std::string why) { return tl::unexpected(std::move(why)); }

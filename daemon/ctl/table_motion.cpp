@@ -30,13 +30,13 @@ const Channel* table_channel(const Rig& rig) {
   return nullptr;
 }
 
-// The readings of the table one by one, so that a recording of any length takes no room.
+// The readings of the table, played again for each pass. So a recording of any length takes no memory.
 class TableReadings {
  public:
   TableReadings(const Rig& rig, const Channel& channel, const RecordSource& source)
       : channel_(channel), index_(static_cast<std::size_t>(&channel - rig.channels.data())), source_(source) {}
 
-  // take(t_s, value in SI) for those numbered first … last - 1.
+  // Calls take(t_s, value in SI) for the readings numbered first … last - 1.
   template <class Take>
   void each(std::uint64_t first, std::uint64_t last, const Take& take) const {
     std::uint64_t number = 0;
@@ -58,7 +58,7 @@ class TableReadings {
   const RecordSource& source_;
 };
 
-// What is kept of a stretch of readings.
+// A stretch of readings in short: count, times, sum, and the two smallest and two largest values.
 class Stretch {
  public:
   void take(double t_s, double value) {

@@ -14,8 +14,8 @@ namespace dwell::ctl {
 // `list`: an array of the interface's channel objects. The status stands beside the name, its reason at the end.
 [[nodiscard]] std::string channels_table(const nlohmann::ordered_json& list);
 
-// `health`: the interface's health object. Why runs are not recorded, or what else troubles the recording; empty:
-// nothing.
+// `health`: the interface's health object. A line for each reason why runs are not recorded, or are not as they should
+// be; empty: there is none.
 [[nodiscard]] std::string recording_text(const nlohmann::ordered_json& health);
 
 // `health`: the interface's health object. What an operator must know of the GPIO lines: how the interlock stands, and
@@ -35,9 +35,9 @@ struct Probed {
   double latency_s = kNaN;  // from request to answer
   std::string status;       // "ok", what is wrong with its readings ("gated"), or why there are none ("no answer")
   std::string reason;       // in words; empty: none is known
-  // Whether its device does; what it says may be of no use ("stuck").
+  // Whether its device answers. The readings may be of no use ("stuck").
   [[nodiscard]] bool answers() const;
-  // Whether readings come that are foreign to its motion, as where type or order of its register are wrong.
+  // Whether its readings do not fit its motion: the rig file may state a wrong type or order of its register.
   [[nodiscard]] bool gated() const;
 };
 [[nodiscard]] std::string check_table(const std::vector<Probed>& channels);

@@ -247,7 +247,7 @@ class Watch {
         state_.take_since(state, *utc_ns);
   }
 
-  // Once for each time in which none is measured: how the last one ended, and the verdicts on it.
+  // Asks how the last dwell ended, and for the verdicts on it, once whenever none is measured.
   void ask_last(const HttpLimits& limits) {
     if (knows_last_ || !state_.dwell()) return;
     const State state = state_.dwell()->dwell.state;

@@ -32,7 +32,7 @@ bool current(const WatchState& state, double now_s) { return !state.old(now_s) &
 std::string age_of(const WatchState& state, double now_s) {
   const double ended_s = state.ended_ago_s(now_s);
   if (std::isfinite(ended_s)) return age_text(ended_s);
-  // The service goes on telling the fault; the numbers in view are those of the last dwell.
+  // In a fault, the numbers in view are those of the last dwell, so the age is theirs.
   if (state.dwell() && state.dwell()->dwell.state == State::fault) {
     const double last_s = state.last_ago_s(now_s);
     return std::isfinite(last_s) ? age_text(std::max(last_s, state.age_s(now_s))) : kNoNumber;
@@ -125,7 +125,7 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     gpio.erase(0, end + 1);
   }
   if (state.alarms().unacknowledged > 0) {
-    // The service lists those that last before those that are over, which must not be told as if they lasted.
+    // The service lists alarms that last before those that are over. The latter must not look as if they lasted.
     const std::vector<ListedAlarm>& list = state.alarms().alarms;
     const auto over = static_cast<std::size_t>(
         std::count_if(list.begin(), list.end(), [](const ListedAlarm& a) { return a.state == kReturned; }));
@@ -290,7 +290,7 @@ std::string count_of(std::size_t count, const char* what, std::size_t page, std:
   return text + where_of(page, pages);
 }
 
-// That a dwell has not settled is its state, no warning.
+// Without the line that the dwell has not settled: that is its state, not a warning.
 std::size_t warnings_in(const DwellView& view) {
   const std::vector<std::string>& warnings = view.dwell.warnings;
   const auto count = std::count_if(warnings.begin(), warnings.end(),

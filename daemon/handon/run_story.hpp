@@ -20,8 +20,9 @@ struct RunStory {
   static constexpr std::size_t kModels = 1000;
   static constexpr std::size_t kDwells = 500;
 
-  // Bounds of what a report takes from a hostile file, bytes. kEventBytes: each text of an event. kStoredBytes: the
-  // dwells, estimates and verifications together, as they are stored. What exceeds it is left out and counted.
+  // Bounds of what a report takes from a hostile file, bytes. kEventBytes: each text of an event; a longer one is cut.
+  // kStoredBytes: the dwells, estimates and verifications together, as they are stored; what exceeds it is left out and
+  // counted.
   static constexpr std::size_t kEventBytes = 2000;
   static constexpr std::size_t kStoredBytes = 64'000'000;
 

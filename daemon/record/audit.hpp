@@ -45,8 +45,8 @@ struct CheckedLedger;
 struct AuditOptions {
   std::vector<PublicKey> keys;  // pinned: one of them must have signed; empty: no key is trusted
   std::string ledger;           // path of a ledger; empty: none
-  // The result of check_ledger() on `ledger` (ledger_check.hpp), for audits of several files. Null: the ledger is
-  // checked for this audit alone.
+  // The result of check_ledger() on `ledger` with these keys and anchors (ledger_check.hpp), for audits of several
+  // files. Null: the ledger is checked for this audit alone.
   std::shared_ptr<const CheckedLedger> checked = {};
   std::vector<std::string> anchors;      // files of heads kept elsewhere
   std::function<void(double)> progress;  // 0 … 1; empty: none

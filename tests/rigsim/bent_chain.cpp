@@ -86,7 +86,7 @@ void BentChain::choose_step() {
 
 BentChain::Table BentChain::table_at(double t_s) const {
   const double since = t_s - changed_s_, drifting_s = std::max(0.0, t_s);
-  // θ'' and θ'. What the drift has added to θ itself is the same on either side of a change of the drive.
+  // θ'' (hastening) and θ' (omega). The drift's part of θ is the same before and after a change of the drive.
   const double hastening = t_s > 0 ? kTwoPi * bend_.drift_hz : 0.0;
   const double omega = kTwoPi * drive_.frequency_hz + hastening * drifting_s;
   const double theta = phase_ + kTwoPi * drive_.frequency_hz * since + 0.5 * hastening * drifting_s * drifting_s;

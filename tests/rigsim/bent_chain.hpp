@@ -29,7 +29,7 @@ struct Bend {
   std::vector<Element> elements;
   std::vector<SideSpring> side;
   double hunt = 0.0, hunt_hz = 0.0;
-  double drift = 0.0, drift_hz = 0.0;  // per second from t = 0 on: part of the table's amplitude, Hz
+  double drift = 0.0, drift_hz = 0.0;  // growth per second from t = 0 on: part of the table's amplitude; Hz
 
   [[nodiscard]] bool any() const {
     return !elements.empty() || !side.empty() || hunt != 0.0 || drift != 0.0 || drift_hz != 0.0;

@@ -1,7 +1,7 @@
 // What real devices and gateways do to readings: registers refreshed at a rate of their own, clipping, converters that
-// end, zeros, repeats and garbage in place of readings, bursts in which a register holds; at which moment of its
-// turnaround a station samples. And what a rig file may state wrongly: channels late, of another scale, swapped.
-// Virtual time.
+// end, registers that freeze for a while, and zeros, repeats or garbage in place of readings. At which moment of its
+// turnaround a station samples. And what a rig file may state wrongly: channels that are late, of another scale, or
+// swapped. Virtual time.
 //
 // Control lines (rigsim.1), TARGET being "all", a channel's name or a station's number:
 //   refresh TARGET S · sample all|STATION request|middle|answer · clip CHANNEL LOW HIGH ·
@@ -29,16 +29,17 @@ class ReadingFaults {
   // One control line's words. Empty: done; else what is wrong; none: the verb is another's.
   [[nodiscard]] std::optional<std::string> command(const std::vector<std::string>& words);
 
-  // When the register of this channel at this station took the value that it holds at t, s, which may be t itself.
-  // None: it has no refresh, every reading is a new value. Station 0: none of them.
+  // When the register of this channel at this station took the value that it holds at t, s; this may be t itself. None:
+  // the register has no refresh, so every reading is a new value. Station 0: no station.
   [[nodiscard]] std::optional<double> taken_at(std::size_t channel, int station, double t_s) const;
-  // By so much the channel's reading lags the motion, s.
+  // How far the channel's reading lags behind the motion, s.
   [[nodiscard]] double lag_s(std::size_t channel) const { return lines_[channel].lag_s; }
   // What scale, clipping and the converter leave of a value, SI.
   [[nodiscard]] double converted(std::size_t channel, double value) const;
-  // By so much the next reading is off after all rounding, SI; 0: it is not.
+  // Error of the next reading, added after all rounding, SI; 0: none. Each call counts as one reading.
   [[nodiscard]] double glitch(std::size_t channel, std::mt19937_64& random);
-  // Swapped channels, zeros, repeats, bursts and garbage, by station; the values become what is passed on.
+  // Applies swapped channels, zeros, repeats, freezes and garbage, by station. values: in, what the registers hold;
+  // out, what is passed on. SI.
   void pass_on(double t_s, int station, std::span<double> values, std::mt19937_64& random);
   // The moment of sampling: this part of the turnaround, 0 … 1.
   [[nodiscard]] double sampled_at(int station) const;
@@ -49,10 +50,10 @@ class ReadingFaults {
     int bits = 0;  // 0: no converter
     double reach = 0.0;
     double zeros = 0.0, repeats = 0.0, garbage = 0.0;
-    double freeze = 0.0, freeze_s = 0.0;
-    int stale = 0;      // every so many readings; 0: none
-    int low_byte = -1;  // of the converter's code; -1: as it converts
-    double glitch = 0.0, glitch_part = 0.0;
+    double freeze = 0.0, freeze_s = 0.0;     // probability that a freeze begins; how long it lasts
+    int stale = 0;                           // every so many readings one repeats; 0: none
+    int low_byte = -1;                       // of the converter's code; -1: as it converts
+    double glitch = 0.0, glitch_part = 0.0;  // SI; probability
     bool glitch_once = false;
     double scale = 1.0, lag_s = 0.0;
   };
@@ -64,7 +65,7 @@ class ReadingFaults {
   };
   [[nodiscard]] std::optional<std::size_t> find(const std::string& channel) const;
   [[nodiscard]] std::string set_refresh(const std::string& target, double seconds);
-  // all|CHANNEL: the lines that are meant; none: there is no such channel.
+  // The lines that "all" or the name of a channel stands for; empty: there is no such channel.
   [[nodiscard]] std::vector<Line*> meant(const std::string& target);
   [[nodiscard]] std::optional<std::string> set_gateway(const std::vector<std::string>& words);
   [[nodiscard]] std::optional<std::string> set_transducer(const std::vector<std::string>& words);

@@ -1,5 +1,5 @@
-// What the service says beside a live dwell that was played: the estimate from its transient, and the verification of
-// its model. `status`, `watch`, `verify` and the page show it.
+// Plays a dwell as the service does, and gathers what it says beside the dwell: the estimate from the transient, and
+// the verification of the model. `status`, `watch`, `verify` and the page show both.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace dwell::study {
 
-// Plays the case's stream up to until_s as the service does. Its long work takes no time here, so that each estimate is
-// as new as the service's can be. One line for each thing that speaks against the coefficients: why the transient gives
-// none, the coefficient of it that contradicts the dwell's, and of a model that is not consistent or not adequate the
-// reasons and the causes. Takes seconds, up to minutes.
+// Plays the case's stream up to until_s. Long work takes no time here, so each estimate is as new as the service's can
+// be. One line for each thing that speaks against the coefficients: why the transient gives none; which coefficient
+// from the transient contradicts the dwell's; and, if the model is not consistent or not adequate, the reasons and the
+// causes. Empty: nothing does. Takes seconds, up to minutes.
 [[nodiscard]] std::vector<std::string> objections_of_service(const Case& about, double until_s);
 
 }  // namespace dwell::study
