@@ -147,8 +147,8 @@ class HeldReadings {
     return again;
   }
 
-  // A new hold of the drive: counts begin anew. held() stands until the new counts decide. If the repeats have turned
-  // out to be random, held() is dropped at once.
+  // A new hold of the drive: counts begin anew; the pattern and the beat go on. held() stands until the new counts
+  // decide. But it is dropped at once if few readings repeated, and at random.
   void restart() noexcept {
     if (pattern_.random() && static_cast<double>(same_) <= kMostRandom * static_cast<double>(pairs_)) held_ = false;
     repeated_ = 0;

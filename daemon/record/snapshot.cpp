@@ -34,7 +34,7 @@ bool same_file(const struct stat& a, const struct stat& b) {
 }
 
 // Attempts to open that a writer may spoil before opening fails, and the pause between two of them: 3 s in all. A
-// writer closes a file only once, but that takes three waits for the disk. Halved: a slow disk spoils all attempts.
+// writer closes a file only once, but that takes three waits for the disk. Halved: with a slow disk opening may fail.
 // Doubled: a file that is written to all the time fails later.
 constexpr int kTries = 60;
 constexpr std::chrono::milliseconds kPause{50};
