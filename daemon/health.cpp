@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/rig/limit.hpp"
+#include "daemon/calibration.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/report/limit_text.hpp"
 
@@ -43,6 +44,7 @@ void add_channels(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>
     const ChannelView& view = snapshot.channels[i];
     const Channel& channel = rig.channels[i];
     const std::string name = "channel " + channel.name + ": ";
+    if (view.fault == Fault::end_of_data) continue;  // a recording was played to its end: nothing is wrong
     if (view.fault != Fault::none && is_dead(rig, snapshot, channel.device)) {
       if (std::find(told.begin(), told.end(), channel.device) != told.end()) continue;
       told.push_back(channel.device);
@@ -71,6 +73,39 @@ void add_unused(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& 
   }
   if (std::isfinite(dwell.settled_s) && dwell.elements.empty())
     troubles.push_back({"dwell", "no coefficients: " + words("the data do not suffice", dwell.settling_reason)});
+}
+
+// Whether all devices are recordings that were played to their end. Then no drive is seen, as is to be expected.
+bool has_ended(const Snapshot& snapshot) {
+  return !snapshot.devices.empty() && std::all_of(snapshot.devices.begin(), snapshot.devices.end(),
+                                                  [](const DeviceView& device) { return device.ended; });
+}
+
+// Adds the gated channels of a dwell that settles. Foreign readings that pass the gates look like a transient, and may
+// keep the dwell from settling. A channel does not count if a sound one measures the same.
+void add_gated(const Rig& rig, const Snapshot& snapshot, std::vector<Trouble>& troubles) {
+  const auto gated = [&](std::size_t i) {
+    return snapshot.channels[i].fault == Fault::none && snapshot.channels[i].condition == Condition::gated;
+  };
+  const auto stands_in = [&](std::size_t other, const Channel& channel) {
+    const Channel& with = rig.channels[other];
+    const ChannelView& view = snapshot.channels[other];
+    return with.at == channel.at && with.relative_to == channel.relative_to &&
+           (with.measures == Quantity::force) == (channel.measures == Quantity::force) &&
+           with.measures != Quantity::auxiliary && view.fault == Fault::none && !is_unusable(view.condition) &&
+           view.condition != Condition::gated;
+  };
+  for (std::size_t i = 0; i < snapshot.channels.size(); ++i) {
+    const Channel& channel = rig.channels[i];
+    if (!gated(i) || channel.measures == Quantity::auxiliary) continue;
+    bool replaced = false;
+    for (std::size_t other = 0; other < snapshot.channels.size(); ++other)
+      replaced = replaced || stands_in(other, channel);
+    if (replaced) continue;
+    const ChannelView& view = snapshot.channels[i];
+    troubles.push_back({"channel:" + channel.name,
+                        "channel " + channel.name + ": " + words(to_string(view.condition), view.condition_reason)});
+  }
 }
 
 bool none_degrades(const Health& health) {
@@ -102,7 +137,7 @@ bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) n
 
 Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns, const gpio::Status& lines,
                     const LogStats& log, const std::string& trouble, const std::vector<record::RecorderAlarm>& recorder,
-                    bool clock_synchronized) {
+                    bool clock_synchronized, std::int64_t utc_ns) {
   Health health;
   const auto add = [&](std::string name, std::string text) {
     health.troubles.push_back({std::move(name), std::move(text)});
@@ -114,9 +149,11 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
       add(std::string("gpio:") + gpio::kFunctionNames[i],
           std::string("GPIO ") + gpio::kFunctionNames[i] + ": " + words("does not work", lines[i].reason));
   const Dwell& dwell = snapshot.dwell;
-  if (dwell.state == State::fault) add("dwell", words("the data do not suffice", dwell.settling_reason));
+  if (dwell.state == State::fault && !has_ended(snapshot))
+    add("dwell", words("the data do not suffice", dwell.settling_reason));
   const bool stale = !trouble.empty() || is_overdue(rig, snapshot, now_ns);
   if (!stale && dwell.state == State::measuring) add_unused(rig, snapshot, health.troubles);
+  if (!stale && dwell.state == State::settling) add_gated(rig, snapshot, health.troubles);
   for (const JudgedLimit& limit : judge_limits_now(rig, dwell))
     if (!stale && limit.verdict == LimitVerdict::violated)
       add(std::string("limit:") + to_string(limit.kind) + ":" + std::to_string(limit.element),
@@ -127,6 +164,14 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
   // uncertainty of its own.
   if (!clock_synchronized)
     health.troubles.push_back({"clock", "the computer's clock is not synchronized: dates may be wrong", false});
+
+  // The readings are as good as before, but no valid certificate proves their scale: an alarm that does not degrade.
+  for (const Channel& channel : rig.channels)
+    if (clock_synchronized && calibration_overdue(channel, utc_ns).value_or(false))
+      health.troubles.push_back({"calibration:" + channel.name,
+                                 "channel " + channel.name + ": the calibration " + channel.calibration_id +
+                                     " was due on " + channel.calibration_due,
+                                 false});
 
   health.run = run_words(snapshot.run);
 

@@ -27,10 +27,10 @@ inline constexpr const char* kServiceTrouble = "service";
 
 struct Health {
   // degraded: a channel does not deliver or delivers nothing usable, the dwell that is measured does not use a channel,
-  // a GPIO line does not work, the dwell's data do not suffice, a limit of the rig file is violated, the log loses
-  // lines, runs are not recorded as they should. fault: the service itself does not work. An element that the drive
-  // does not resolve (its deformation is too small, for instance) degrades nothing: the rig works, and the dwell says
-  // why the element has no number.
+  // a channel that a settling dwell needs is gated, a GPIO line does not work, the dwell's data do not suffice, a limit
+  // of the rig file is violated, the log loses lines, runs are not recorded as they should. fault: the service itself
+  // does not work. An element that the drive does not resolve (its deformation is too small, for instance) degrades
+  // nothing: the rig works, and the dwell says why the element has no number.
   enum class Status : std::uint8_t { ok, degraded, fault };
   Status status = Status::ok;
   std::vector<Trouble> troubles;  // with ok, none that degrades
@@ -46,11 +46,11 @@ struct Health {
 [[nodiscard]] bool is_overdue(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns) noexcept;
 
 // trouble: what the watchdog found; empty: nothing. recorder: why runs are not recorded as they should be.
-// clock_synchronized: the computer's clock is. Pure.
+// clock_synchronized: the computer's clock is. utc_ns: its time, ns since 1970, UTC; 0: not known. Pure.
 [[nodiscard]] Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_ns,
                                   const gpio::Status& lines, const LogStats& log, const std::string& trouble,
                                   const std::vector<record::RecorderAlarm>& recorder = {},
-                                  bool clock_synchronized = true);
+                                  bool clock_synchronized = true, std::int64_t utc_ns = 0);
 
 // Why the status is not ok, in one line: the first few troubles, the others counted; empty with ok.
 [[nodiscard]] std::string reason_of(const Health& health);

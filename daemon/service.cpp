@@ -123,9 +123,10 @@ struct Service::Impl {
       now.runs = recorder->runs();
       now.audits = recorder->audits();
     }
+    now.clock_synchronized = record::clock_synchronized();
     now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, watch.trouble(),
                               now.recorder ? now.recorder->alarms : std::vector<record::RecorderAlarm>(),
-                              record::clock_synchronized());
+                              now.clock_synchronized, now.now_utc_ns);
     return now;
   }
 

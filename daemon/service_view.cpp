@@ -18,6 +18,20 @@ std::string stale_reason(const ServiceView& now) {
                                     : "stale: the estimation publishes nothing new";
 }
 
+// The verdict on a dwell's model; not_verified until the dwell has been verified. None: the service verifies no models,
+// or the dwell has not settled.
+std::optional<ModelVerdict> model_of(const ServiceView& now, const Dwell& dwell) {
+  if (!now.verification.live || !std::isfinite(dwell.settled_s)) return std::nullopt;
+  const auto& verified = now.snapshot.verified;
+  if (verified && verified->dwell.index == dwell.index) return in_short(verified->verification);
+  if (now.snapshot.models && dwell.index)
+    for (const VerifiedModel& known : *now.snapshot.models)
+      if (known.dwell == *dwell.index) return known.model;
+  ModelVerdict none;
+  none.asked = now.verification.accuracy;
+  return none;
+}
+
 }  // namespace
 
 DwellView live_dwell(const ServiceView& now) {
@@ -34,13 +48,13 @@ DwellView live_dwell(const ServiceView& now) {
     beside->given = transient->given;
     view.transient = std::move(beside);
   }
-  if (stale || !now.verification.live || !std::isfinite(snapshot.dwell.settled_s)) return view;
-  view.model.emplace();
-  view.model->asked = now.verification.accuracy;
-  if (const auto& verified = snapshot.verified; verified && verified->dwell.index == snapshot.dwell.index) {
-    const Verification& v = verified->verification;
-    view.model = ModelVerdict{v.verdict, v.consistent, v.accuracy, v.seen, v.U};
-  }
+  if (!stale) view.model = model_of(now, snapshot.dwell);
+  return view;
+}
+
+DwellView finished_dwell(const ServiceView& now, const Dwell& dwell) {
+  DwellView view = make_view(dwell, now.rig, now.run);
+  view.model = model_of(now, dwell);
   return view;
 }
 

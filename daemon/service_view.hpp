@@ -28,9 +28,10 @@ struct ServiceView {
   const Rig& rig;
   const RunInfo& run;
   const Snapshot& snapshot;
-  Health health{};              // judged of all the rest
-  std::int64_t now_ns = 0;      // CLOCK_MONOTONIC_RAW
-  std::int64_t now_utc_ns = 0;  // 0: not known
+  Health health{};                 // judged of all the rest
+  std::int64_t now_ns = 0;         // CLOCK_MONOTONIC_RAW
+  std::int64_t now_utc_ns = 0;     // 0: not known
+  bool clock_synchronized = true;  // the computer's clock is
   double uptime_s = 0.0;
   HttpStats http{};
   std::uint64_t wrong_tokens = 0;
@@ -51,5 +52,8 @@ struct ServiceView {
 // age. Its limits have a verdict only while it is measured. Where it is stale, a doubt that names every element says
 // why: then neither limits nor model have a verdict.
 [[nodiscard]] DwellView live_dwell(const ServiceView& now);
+
+// A dwell that has ended, with the verdicts on its limits and, once it has been verified, on its model.
+[[nodiscard]] DwellView finished_dwell(const ServiceView& now, const Dwell& dwell);
 
 }  // namespace dwell

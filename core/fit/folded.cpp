@@ -20,9 +20,10 @@ constexpr double kLargest = 0.3;
 // 40 f becomes uncertain by harmonics that hardly any drive has.
 constexpr int kHighest = 20;
 
-// Turns of the alias against the fundamental within the dwell. At kResolved it averages out, the first null of the
-// dwell's transform; beyond it the scatter over the dwell covers what is left (core/fit/scatter.hpp). Halved: what two
-// thirds of the alias do to a dwell of half a turn goes unsaid. Doubled: nothing, the second lobe is 0.2 high.
+// Turns of the alias against the fundamental within the dwell from which on the alias is ignored. At kResolved it
+// averages out: the first null of the dwell's transform. Beyond it the scatter over the dwell covers the rest
+// (core/fit/scatter.hpp). Halved: an alias that turns by half a turn is ignored, of which two thirds remain. Doubled:
+// little changes, since the second lobe of the transform is 0.2 high.
 constexpr double kResolved = 1.0;
 // Below so many turns the data do not show the alias, and the dwell warns. At 0.1 it would warn of one healthy dwell in
 // 400, at sampling rates up to 20 f.

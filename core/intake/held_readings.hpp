@@ -123,8 +123,8 @@ class HeldReadings {
   [[nodiscard]] bool suspected() const noexcept { return interrupting_ > 0 || beat_.suspected(); }
   // The register is refreshed more slowly than it is read.
   [[nodiscard]] bool held() const noexcept { return held_; }
-  // Whether a reading that equals the one before tells nothing new: it is a refresh that has not come yet, or an answer
-  // repeated. Seldom it is chance, a quarter of them at most.
+  // Whether a reading that equals the one before tells nothing new: the register was not refreshed yet, or a gateway
+  // repeated its answer. At most about a quarter of such readings are equal by chance.
   [[nodiscard]] bool repeats_tell_nothing() const noexcept {
     return held_ || (repeating_ && !(kFewByChance * by_chance() > static_cast<double>(same_) + kTooFewToTell));
   }
@@ -149,8 +149,8 @@ class HeldReadings {
     return again;
   }
 
-  // A new hold of the drive: counts begin anew. held() stands until as much has been seen again, but not where the
-  // repeats have turned out to be random.
+  // A new hold of the drive: counts begin anew; the pattern and the beat go on. held() stands until the new counts
+  // decide. But it is dropped at once if few readings repeated, and at random.
   void restart() noexcept {
     if (pattern_.random() && static_cast<double>(same_) <= kMostRandom * static_cast<double>(pairs_)) held_ = false;
     repeated_ = 0;
@@ -166,12 +166,14 @@ class HeldReadings {
   static constexpr double kJump = 2.5, kDensity = 0.5, kSameStep = 0.9;
   // After kEnough pairs with fewer than kHardlyAny interrupting readings, held() is dropped.
   static constexpr std::int64_t kEnough = 4096, kHardlyAny = 8;
-  // Largest part of the readings that a gateway repeats at random, with the times of its other answers still known.
-  // With more, and with a pattern that stays unclear, a register is assumed: then an instant is known no better than
-  // the two readings around it, which holds for either. kPatience: runs after which it is assumed; kLongPatience: where
-  // the pattern may still become clear.
+  // Largest part of the readings that a gateway may repeat at random, so that the times of its other answers are still
+  // known. If more repeat, or if the pattern stays unclear, a register is assumed. Then an instant is known no better
+  // than the two readings around it, which holds in either case.
   static constexpr double kMostRandom = 0.15;
+  // Runs of repeats after which a register is assumed. kManyRuns: many() readings repeat. kPatience: fewer do, and the
+  // pattern is unclear. kLongPatience: as kPatience, and the pattern may still become clear.
   static constexpr std::int64_t kManyRuns = 20, kPatience = 24, kLongPatience = 64;
+  // Repeats tell nothing if chance explains at most 1 / kFewByChance of them, kTooFewToTell added to their number.
   static constexpr double kFewByChance = 4.0, kTooFewToTell = 16.0;
 
   [[nodiscard]] std::int64_t changes() const noexcept { return pairs_ - same_; }
@@ -200,7 +202,7 @@ class HeldReadings {
       if (!otherwise) held_ = false;
     }
   }
-  // Whether the repeats, more than chance brings, are those of a register.
+  // Whether the repeats are those of a register. They are known to be more than chance brings.
   [[nodiscard]] bool refreshed() const noexcept {
     if (pattern_.regular()) return true;
     if (many()) return pattern_.may_be_regular() || interruptions_ >= kManyRuns;

@@ -1,25 +1,29 @@
 // Tells a register that is refreshed more slowly than it is read from a gateway that repeats its last answer at random.
 // Both show runs of identical readings amid a motion. Two things differ.
 //
-// The distances. A register refreshed at a constant rate repeats a reading whenever the two rates have slipped by one
-// reading: the distance from one repeat to the next hardly changes. Random repeats have geometrically distributed
-// distances. Each distance g adds ln(P_A(g) / P_B(g)) to the proof for a register:
+// The distances. If a register is refreshed at a constant rate, it repeats a reading whenever the two rates have
+// slipped by one reading. So the distance from one repeat to the next hardly changes. Random repeats have geometrically
+// distributed distances. Each distance g (readings) adds the log-likelihood ratio ln(P_A(g) / P_B(g)) to the proof for
+// a register. P_A: of a register; P_B: of random repeats.
 //
 //   P_A = 0.8 / (2 t + 1) for |g - M| ≤ t, t = 1 + 0.12 M,   or 0.1 / (4 t + 1) for |g - 2 M| ≤ 2 t;   + 0.1 P_B
 //   P_B = q (1 + q (g - g₀) / n)^-(n + 1),   q = 1 / (M - g₀ + 1)
 //
 // M: the mean of the n distances before; g₀: the smallest distance that counts. P_B is the geometric distribution whose
-// mean is known from n distances. By Wald's inequality random repeats reach a proof of 7 once in 1000.
+// mean is known from n distances. By Wald's inequality random repeats reach a proof of 7 with a probability of at most
+// 1/1000.
 //
 // The jump after the repeat. The reading after a repeated answer is up to date, so the motion catches up: after a run
-// of r readings it jumps r times as far as around it. The next value of a register is one refresh later, and jumps no
-// farther than any other. Their ratio, per reading of the run, is 1 for repeated answers and 1/2 for a register. (Seen
-// in 50 registers each, refreshed every 1.004 … 1.16 readings: at most 0.6 where refreshes jitter by ± 0.3 readings;
-// 0.76 by ± 0.8. In repeated answers 0.9 … 1.4, noise up to a quarter of the steepest jump.) With noise as large as the
-// jumps the ratio falls towards 0: then a register is assumed.
+// of r identical readings it jumps r times as far as around the run. The next value of a register is one refresh later,
+// and jumps no farther than any other. Take the jump after the run, per reading of the run, over the mean of the jumps
+// around it. This ratio is 1 for repeated answers and 1/2 for a register. (Seen in 50 registers each, refreshed every
+// 1.004 … 1.16 readings: at most 0.6 where refreshes jitter by ± 0.3 readings; 0.76 by ± 0.8. In repeated answers 0.9 …
+// 1.4, noise up to a quarter of the steepest jump.) With noise as large as the jumps the ratio falls towards 0: then a
+// register is assumed.
 //
-// Repeats are random only if both say so, since distances are irregular where instants jitter. A register taken for
-// them would be late by half a refresh, without a word.
+// Repeats are random only if distances and jumps both say so, since jittering instants alone make distances irregular.
+// If a register were taken for random repeats, its channel would be late by half a refresh interval, and nothing would
+// say so.
 #pragma once
 
 #include <algorithm>
@@ -29,13 +33,13 @@
 
 namespace dwell {
 
-// Of one channel. Bound to one thread; real-time safe.
+// Judges the repeats of one channel. Bound to one thread; real-time safe. O(1) per call.
 class RepeatPattern {
  public:
-  // So many further readings.
+  // Counts further readings.
   void pass(std::size_t readings) noexcept { since_ += static_cast<double>(readings); }
-  // A run of identical readings has ended, between two jumps above chance. few: identical readings are so few that a
-  // register would never repeat one three times.
+  // A run of identical readings has ended. The jumps before and after it are larger than chance. run: its length,
+  // readings. few: identical readings are so few that a register would never repeat a reading three times.
   void repeat(std::int64_t run, bool few) noexcept {
     const double least = mean_ >= kBunched ? kBunch * mean_ : 2.0;
     if (distances_ > 0 && since_ < least) return;  // instants jitter: repeats that near are one
@@ -44,8 +48,9 @@ class RepeatPattern {
     if (distances_ < 0) distances_ = 0;
     since_ = 0.0;
   }
-  // The motion goes on: the jump before a run, the one after it, and the one after that. mean: of all jumps. Only a
-  // steep motion counts, in which the sign of noise is not taken for a direction.
+  // How the motion went on. run: length of the run, readings. before, after, next: the jump before the run, the one
+  // after it, and the one after that. mean: mean size of all jumps. All jumps are in units of the device. Only a steep
+  // motion counts: elsewhere the sign of noise would pass for a direction.
   void caught(std::int64_t run, double before, double after, double next, double mean) noexcept {
     const double moved = before + after + next;
     if (!(std::abs(moved) > kSteep * mean)) return;
@@ -77,7 +82,8 @@ class RepeatPattern {
   static constexpr std::int64_t kLongest = 3;                // run of a register that seldom repeats one
   static constexpr int kFewest = 4, kRemembered = 256;       // jumps
   static constexpr int kLearned = 16;                        // distances that make up the mean
-  // Of the first distances one so many times as large as the mean shows that those before were within one bunch.
+  // While the mean has fewer than kSettled distances: a distance above kBunchOfFirst means shows that they lie in one
+  // bunch.
   static constexpr int kSettled = 3;
   static constexpr double kBunchOfFirst = 3.0;
 

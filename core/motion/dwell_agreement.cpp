@@ -49,8 +49,8 @@ std::vector<Agreement> differences(const MotionEstimate& motion, const Dwell& dw
   return all;
 }
 
-// Channels onto whose fundamental the sampling may fold harmonics of the drive: the dwell's ± assumes a size of these
-// harmonics, and the method of any motion does not.
+// Channels in which the sampling may fold harmonics of the drive onto the fundamental. The dwell's ± assumes a size of
+// these harmonics; the method of any motion needs none.
 std::vector<std::string> folding_channels(const Dwell& dwell, const std::vector<int>& elements) {
   const std::string folded = "folded harmonics of ";
   std::vector<std::string> names;

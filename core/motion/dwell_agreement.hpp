@@ -27,8 +27,8 @@ namespace dwell {
 // - the readings contradict the chain. The dwell's coefficients rest on the same chain, and one steady frequency
 //   cannot show that by itself;
 // - a coefficient differs from the dwell's by five joint standard uncertainties. The rig, a transducer or a clock
-//   changed on the way, and each dwell by itself looks well. Or harmonics of the drive fold onto the fundamental: the
-//   channels are named that the dwell's budget holds for it;
+//   changed on the way, and each dwell by itself looks well. Or harmonics of the drive fold onto the fundamental: named
+//   are the channels for which the dwell's budget has a share "folded harmonics of …";
 // - a term is named that explains the readings better, and it would move a coefficient of the dwell beyond its U95.
 struct Objection {
   std::string what;           // "any motion: the chain of the rig file does not explain y1; …"

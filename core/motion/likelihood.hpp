@@ -40,6 +40,12 @@ struct MotionData {
   std::vector<MotionReading> readings;   // by time; none of an auxiliary channel
   std::vector<MotionStretch> stretches;  // by time; the first from the beginning on. Empty: intensity 0 throughout
   std::vector<MotionInput> inputs{};     // one per input of the model, in the order of its parameters
+  // Outside of [whole_from_ns, whole_to_ns) there are only readings of the table's channel, by which its activity is
+  // judged (MotionRecorder).
+  std::int64_t whole_from_ns = INT64_MIN, whole_to_ns = INT64_MAX;
+  [[nodiscard]] bool is_whole_at(std::int64_t t_ns) const noexcept {
+    return t_ns >= whole_from_ns && t_ns < whole_to_ns;
+  }
 };
 
 struct MotionInnovation {

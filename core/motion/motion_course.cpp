@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/base/angle.hpp"
@@ -65,15 +66,26 @@ class Course {
     return false;
   }
 
+  [[nodiscard]] std::vector<double> noise_where_whole() const {
+    const auto whole = [this](const MotionReading& r) { return all_.is_whole_at(r.t_ns); };
+    if (std::all_of(all_.readings.begin(), all_.readings.end(), whole)) return local_noise(rig_, all_);
+    MotionData part;
+    std::copy_if(all_.readings.begin(), all_.readings.end(), std::back_inserter(part.readings), whole);
+    return local_noise(rig_, part);
+  }
+
   // Chooses the stretch and its pieces.
   bool prepare() {
-    std::vector<double> noise = local_noise(rig_, all_);
+    const std::vector<double> noise = noise_where_whole();
     activity_ = table_activity(rig_, all_, noise);
     if (activity_.seen && !activity_.moves) return refuse("the table does not move");
     const auto before_ns = static_cast<std::int64_t>(1e9 / rig_.excitation.frequency_hz);
-    const auto first = std::find_if(all_.readings.begin(), all_.readings.end(),
-                                    [&](const MotionReading& r) { return r.t_ns >= activity_.onset_ns - before_ns; });
-    const auto left = static_cast<std::size_t>(all_.readings.end() - first);
+    const auto first = std::find_if(all_.readings.begin(), all_.readings.end(), [&](const MotionReading& r) {
+      return r.t_ns >= std::max(activity_.onset_ns - before_ns, all_.whole_from_ns);
+    });
+    const auto end =
+        std::find_if(first, all_.readings.end(), [&](const MotionReading& r) { return r.t_ns >= all_.whole_to_ns; });
+    const auto left = static_cast<std::size_t>(end - first);
     out_.data.readings.assign(first, first + static_cast<std::ptrdiff_t>(std::min(left, most_)));
     out_.spikes = leave_out_spikes(rig_, out_.data);
     take_level_crossings(rig_, local_noise(rig_, out_.data), out_.data);

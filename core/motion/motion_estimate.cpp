@@ -305,6 +305,20 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
   out.unchecked = std::move(found.unchecked);
 }
 
+// Takes the place of name_missing() where readings are at fault. A dwell withholds such a channel, but the estimate of
+// any motion uses it, so its reason or a warning says so. The residuals of such readings are no evidence against the
+// chain. So `contradicted` is cleared, and the dwell's own numbers are not doubted.
+void blame_readings(const std::vector<std::string>& at_fault, MotionEstimate& out) {
+  out.contradicted = false;
+  std::string text;
+  for (const std::string& fault : at_fault) text += (text.empty() ? "" : "; ") + fault;
+  text = "the readings themselves are at fault, so nothing that the rig file lacks is looked for: " + text;
+  if (out.reason.empty())
+    out.warnings.push_back(std::move(text));
+  else
+    out.reason += "; " + text;
+}
+
 }  // namespace
 
 MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const MotionOptions& options) {
@@ -318,7 +332,12 @@ MotionEstimate estimate_motion(const Rig& rig, const MotionData& data, const Mot
   if (course.data.readings.empty()) return none;
   Report report(rig, course);
   MotionEstimate out = report.judge();
-  if (options.missing && course.fit.at.theta.size() > 0) name_missing(rig, data, course, most, out);
+  if (options.missing && course.fit.at.theta.size() > 0) {
+    if (options.at_fault.empty())
+      name_missing(rig, data, course, most, out);
+    else
+      blame_readings(options.at_fault, out);
+  }
   if (out.reason.empty() && !out.channels.empty()) report.give_elements(out.missing, out);
   return out;
 }

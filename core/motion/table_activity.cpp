@@ -100,24 +100,35 @@ double median_sigma(const std::vector<Departure>& of) {
   return 1.4826 * *middle;  // a normal distribution's standard deviation by its median deviation
 }
 
+double readings_per_m(const Rig& rig, int channel) {
+  return std::pow(kTwoPi * rig.excitation.frequency_hz,
+                  derivative_order(rig.channels[static_cast<std::size_t>(channel)].measures));
+}
+
 }  // namespace
+
+int activity_channel(const Rig& rig) {
+  for (std::size_t c = 0; c < rig.channels.size(); ++c)
+    if (shows_drive(rig.channels[c])) return static_cast<int>(c);
+  return -1;
+}
+
+std::int64_t half_period_ns(const Rig& rig) { return static_cast<std::int64_t>(0.5e9 / rig.excitation.frequency_hz); }
+
+double least_amplitude(const Rig& rig, int channel) { return rig.excitation.minimum * readings_per_m(rig, channel); }
 
 TableActivity table_activity(const Rig& rig, const MotionData& data, const std::vector<double>& noise) {
   TableActivity out;
-  for (std::size_t c = 0; c < rig.channels.size() && !out.seen; ++c)
-    if (shows_drive(rig.channels[c])) {
-      out.seen = true;
-      out.channel = static_cast<int>(c);
-    }
+  out.channel = activity_channel(rig);
+  out.seen = out.channel >= 0;
   if (data.readings.empty()) return out;
   out.onset_ns = data.readings.front().t_ns;
   if (!out.seen) return out;
   const auto c = static_cast<std::size_t>(out.channel);
-  const double per_m = std::pow(kTwoPi * rig.excitation.frequency_hz, derivative_order(rig.channels[c].measures));
-  const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / rig.excitation.frequency_hz);
-  const std::vector<Block> blocks = blocks_of(data, out.channel, half_period_ns);
+  const double per_m = readings_per_m(rig, out.channel);
+  const std::vector<Block> blocks = blocks_of(data, out.channel, half_period_ns(rig));
   const double still =
-      std::max(rig.excitation.minimum * per_m, 0.5 * kAboveNoise * (std::isfinite(noise[c]) ? noise[c] : 0.0));
+      std::max(least_amplitude(rig, out.channel), 0.5 * kAboveNoise * (std::isfinite(noise[c]) ? noise[c] : 0.0));
   const auto moving = std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.amplitude() > still; });
   if (moving == blocks.end()) return out;
   out.moves = true;

@@ -26,6 +26,14 @@ struct TableActivity {
   std::vector<Stretch> stretches;
 };
 
+// The channel by which the activity is judged; -1: no channel shows the table.
+[[nodiscard]] int activity_channel(const Rig& rig);
+// Half a period of the nominal drive.
+[[nodiscard]] std::int64_t half_period_ns(const Rig& rig);
+// The amplitude of that channel's readings, SI, up to which the table is at rest: Excitation::minimum times ω, ω² for a
+// velocity, an acceleration. table_activity() takes a larger one where the noise asks for it.
+[[nodiscard]] double least_amplitude(const Rig& rig, int channel);
+
 // data: by time. noise: per channel, SI. Allocates; thread-safe. O(readings).
 [[nodiscard]] TableActivity table_activity(const Rig& rig, const MotionData& data, const std::vector<double>& noise);
 

@@ -55,4 +55,12 @@ struct Verification {
   std::vector<std::string> cannot_be_checked;  // properties that no data of this rig can show
 };
 
+// The verdict on a dwell's model, in short. Members as in Verification; asked: its `accuracy`.
+struct ModelVerdict {
+  Verdict verdict = Verdict::not_verified;
+  std::optional<bool> consistent;
+  double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
+};
+[[nodiscard]] ModelVerdict in_short(const Verification& verification) noexcept;
+
 }  // namespace dwell

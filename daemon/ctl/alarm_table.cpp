@@ -71,7 +71,7 @@ Section alarms_section(const AlarmsList& list, std::size_t columns) {
     if (alarm.count > 1) text += ", " + std::to_string(alarm.count) + " times";
     text += ", since " + time_text(alarm.since) + " UTC: " + alarm.text;
     if (!alarm.by.empty()) text += " (" + alarm.by + ")";
-    add(text, waits(alarm) ? Style::alarm : Style::plain);
+    add(text, waits(alarm) && alarm.state != kReturned ? Style::alarm : Style::plain);
   }
   if (list.left_out > 0) add(more_text(list), Style::alarm);
   return section;

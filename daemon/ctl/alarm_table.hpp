@@ -26,6 +26,8 @@ struct AlarmsList {
   std::vector<ListedAlarm> alarms;  // in the service's order: those that nobody has acknowledged first
 };
 
+// The state of an alarm that is over and that nobody has acknowledged.
+inline constexpr std::string_view kReturned = "returned-unacknowledged";
 // The name of the section.
 inline constexpr std::string_view kAlarms = "alarms";
 
@@ -34,7 +36,7 @@ inline constexpr std::string_view kAlarms = "alarms";
 
 // One line per alarm, the state in words; or that there is none.
 [[nodiscard]] std::string alarms_table(const AlarmsList& list);
-// The same for the screen of watch, where those that nobody has acknowledged stand out. No alarms: empty.
+// The same for the screen of watch. Alarms that last and that nobody has acknowledged stand out. No alarms: empty.
 [[nodiscard]] Section alarms_section(const AlarmsList& list, std::size_t columns);
 
 }  // namespace dwell::ctl

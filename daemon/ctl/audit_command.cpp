@@ -11,6 +11,7 @@
 #include "daemon/ctl/progress.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 #include "daemon/record/audit.hpp"
+#include "daemon/record/ledger_check.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
 #include "daemon/report/number_text.hpp"
@@ -22,13 +23,14 @@ using record::AuditState;
 
 std::string verdict(const record::Audit& audit) {
   if (audit.state == AuditState::tampered) return "tampered: " + audit.where;
-  if (audit.head.empty()) return "open, without any entry";
+  if (audit.head.empty()) return "open, without any entry: it has no end";
   std::string text = "intact";
   if (audit.state == AuditState::open) {
     text = "open until " + (audit.until_s ? seconds_text(*audit.until_s, 3) : std::string(kNoNumber));
     if (!audit.until_utc.empty()) text += " (" + audit.until_utc + ")";
+    text += ": it has no end (crashed, running, or cut off)";
   }
-  return audit.trusted ? text : text + ", key " + audit.key + " not trusted";
+  return audit.trusted ? text : text + ", " + key_verdict(audit);
 }
 
 std::string ledger_verdict(const record::LedgerAudit& ledger) {
@@ -45,7 +47,9 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
   }
   if (!ledger) return text;
   if (!ledger->unbroken || ledger->missing.empty())
-    text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where)) + "\n";
+    text += printable(request.ledger + ": " + (ledger->unbroken ? "unbroken" : "broken: " + ledger->where) +
+                      (ledger->unbroken && !ledger->trusted ? ", key " + ledger->key + " not trusted" : "")) +
+            "\n";
   for (const std::string& line : ledger->missing) text += printable(request.ledger + ": missing: " + line) + "\n";
   for (const std::string& line : ledger->deleted) text += "  deleted: " + printable(line) + "\n";
   return text;
@@ -65,6 +69,7 @@ Json json_of(const record::Audit& audit) {
           {"head", text_or_null(audit.head)},
           {"key", text_or_null(audit.key)},
           {"trusted", audit.trusted},
+          {"known_to_ledger", audit.of_ledger},
           {"signatures", audit.signatures}};
 }
 
@@ -74,6 +79,7 @@ Json json_of(const std::vector<record::Audit>& audits, const std::optional<recor
   Json document{{"files", std::move(files)}, {"ledger", nullptr}};
   if (ledger) {
     document["ledger"] = ledger_verdict(*ledger);
+    document["ledger_trusted"] = ledger->trusted;
     document["missing"] = ledger->missing;
     document["deleted"] = ledger->deleted;
   }
@@ -94,22 +100,31 @@ int audit_files(const AuditRequest& request) {
   options.ledger = request.ledger;
   options.anchors = request.anchors;
   options.every_signature = request.every_signature;
-  if (!request.key.empty()) {
-    const auto key = pinned_key(request.key);
+  for (const std::string& asked : request.keys) {
+    const auto key = pinned_key(asked);
     if (!key) return usage_error("--key: " + key.error());
-    options.key = *key;
+    options.keys.push_back(*key);
   }
   int code = kDone;
+  if (!request.ledger.empty()) {
+    auto checked = record::check_ledger(request.ledger, options);
+    if (!checked) return usage_error(checked.error());
+    options.checked = std::make_shared<const record::CheckedLedger>(std::move(*checked));
+  }
+  // A tampered file outweighs one that cannot be audited: then the exit code is kNo, not kUsage.
+  bool unusable = false;
   std::vector<record::Audit> audits;
   for (const std::string& file : request.files) {
     ProgressBar bar("checking " + std::filesystem::path(file).filename().string());
     options.progress = bar.progress();
     auto audit = record::audit_run(file, options);
     if (!audit) {
-      code = usage_error(audit.error());
+      tell_error(audit.error());
+      unusable = true;
       continue;
     }
-    if (audit->state == AuditState::tampered) code = std::max<int>(code, kNo);
+    const bool not_closed = request.closed && audit->state == AuditState::open;
+    if (audit->state == AuditState::tampered || not_closed) code = kNo;
     audits.push_back(std::move(*audit));
   }
   std::optional<record::LedgerAudit> ledger;
@@ -119,12 +134,12 @@ int audit_files(const AuditRequest& request) {
     const std::filesystem::path folder = std::filesystem::path(request.ledger).parent_path();
     auto checked = record::audit_ledger(request.ledger, folder.empty() ? "." : folder.string(), options);
     if (!checked) return usage_error(checked.error());
-    if (!checked->unbroken || !checked->missing.empty()) code = std::max<int>(code, kNo);
+    if (!checked->unbroken || !checked->missing.empty()) code = kNo;
     ledger = std::move(*checked);
   }
   const std::string text = request.json ? dump(json_of(audits, ledger), 2) + "\n" : page(audits, request, ledger);
   std::fwrite(text.data(), 1, text.size(), stdout);
-  return code;
+  return code == kDone && unusable ? kUsage : code;
 }
 
 }  // namespace dwell::ctl

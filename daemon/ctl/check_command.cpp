@@ -1,5 +1,4 @@
 // check: every device probed once, either directly through its plugin or by asking the running service.
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "config/rig_file.hpp"
+#include "core/result/condition.hpp"
 #include "daemon/acquire/plugin.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/control_client.hpp"
@@ -17,6 +17,8 @@
 
 namespace dwell::ctl {
 namespace {
+
+constexpr const char* kNoAnswer = "no answer";
 
 // What the plugin tells of one device; a copy of it reaches the plugin as `context`.
 struct Probe {
@@ -33,14 +35,16 @@ void probed(void* context, size_t channel, double raw, std::int64_t latency_ns, 
   if (index >= probe.channels->size()) return;
   Probed& result = (*probe.channels)[index];
   if (error != nullptr) {
-    result.status = error;
+    result.status = kNoAnswer;
+    result.reason = error;
     return;
   }
   const Channel& wiring = probe.rig->channels[index];
   result.value = wiring.scale * raw + wiring.offset;
   const bool below = wiring.range_low && result.value < *wiring.range_low;
   const bool above = wiring.range_high && result.value > *wiring.range_high;
-  result.status = below || above ? "overrange" : "ok";
+  result.status = to_string(below || above ? Condition::overrange : Condition::ok);
+  result.reason.clear();
   result.latency_s = 1e-9 * static_cast<double>(latency_ns);
   probe.latencies_ns.insert(latency_ns);
 }
@@ -50,13 +54,13 @@ std::vector<Probed> probe_all(const config::RigFile& file) {
   for (std::size_t i = 0; i < channels.size(); ++i) {
     channels[i].name = file.rig.channels[i].name;
     channels[i].unit = file.rig.channels[i].unit;
-    channels[i].status = "no answer";
+    channels[i].status = kNoAnswer;
   }
   for (const config::DeviceSettings& device : file.devices) {
     for (const config::ChannelSettings& channel : device.channels) channels[channel.index].device = device.name;
     const auto table = acquire::load_plugin(device.driver);
     if (!table) {
-      for (const config::ChannelSettings& channel : device.channels) channels[channel.index].status = table.error();
+      for (const config::ChannelSettings& channel : device.channels) channels[channel.index].reason = table.error();
       continue;
     }
     const config::DriverSettings settings(device, file.directory);
@@ -75,8 +79,15 @@ std::vector<Probed> probe_all(const config::RigFile& file) {
 int show(const std::vector<Probed>& channels, const Json& document, bool json) {
   const std::string text = json ? dump(document, 2) + "\n" : check_table(channels);
   std::fwrite(text.data(), 1, text.size(), stdout);
-  const bool all = std::all_of(channels.begin(), channels.end(), [](const Probed& c) { return c.answers(); });
-  return all && !channels.empty() ? kDone : kNo;
+  bool all = !channels.empty();
+  for (const Probed& channel : channels) {
+    all = all && channel.answers() && !channel.gated();
+    if (!channel.gated()) continue;
+    const std::string why = channel.reason.empty() ? "" : ": " + channel.reason;
+    std::fprintf(stderr, "dwellctl: %s answers, and its readings cannot be relied on: %s%s\n",
+                 printable(channel.name).c_str(), channel.status.c_str(), printable(why).c_str());
+  }
+  return all ? kDone : kNo;
 }
 
 int refuse(int code, const std::string& why) {

@@ -44,6 +44,7 @@ struct ReplayOptions {
   std::string file = {};
   std::string rig = {};      // another rig file; empty: the run's own
   std::string output = {};   // with a rig: the child file to write; empty: none
+  std::string against = {};  // a child file to compare with; empty: the run's own results
   std::string comment = {};  // into the child file
   std::string key = {};      // file of the private key that signs it; empty: the person's own
   bool json = false;
@@ -67,9 +68,10 @@ struct ExportOptions {
 struct AuditRequest {
   std::vector<std::string> files;
   std::string ledger;                // file; empty: none
-  std::string key;                   // a vkey, or a file that holds one; empty: none pinned
+  std::vector<std::string> keys;     // pinned, each a vkey or a file that holds one
   std::vector<std::string> anchors;  // files
   bool every_signature = false;      // AuditOptions
+  bool closed = false;               // a file without an end counts as a failure
   bool json = false;
 };
 

@@ -38,12 +38,13 @@ std::string utc_now() {
 
 Provenance provenance() { return {"dwellctl " DWELL_VERSION, utc_now(), "", "not audited"}; }
 
-Result<record::Audit> audited(const std::string& file, const std::string& key, const std::string& ledger) {
+Result<record::Audit> audited(const std::string& file, const std::vector<std::string>& keys,
+                              const std::string& ledger) {
   record::AuditOptions options;
-  if (!key.empty()) {
+  for (const std::string& key : keys) {
     auto pinned = pinned_key(key);
     if (!pinned) return tl::make_unexpected(pinned.error());
-    options.key = std::move(*pinned);
+    options.keys.push_back(std::move(*pinned));
   }
   options.ledger = ledger;
   ProgressBar bar("checking");
@@ -145,7 +146,7 @@ int export_run(const ExportRunOptions& options) {
   }
   Provenance from = provenance();
   if (!options.unchecked) {
-    const auto audit = audited(options.file, options.key, "");
+    const auto audit = audited(options.file, options.keys, "");
     if (!audit) {
       tell_error(audit.error());
       return kUsage;
@@ -180,7 +181,7 @@ int report(const ReportOptions& options) {
     tell_error(may.error());
     return kUsage;
   }
-  const auto audit = audited(options.file, options.key, options.ledger);
+  const auto audit = audited(options.file, options.keys, options.ledger);
   if (!audit) {
     tell_error(audit.error());
     return kUsage;

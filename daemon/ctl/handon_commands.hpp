@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/handon/selection.hpp"
@@ -14,18 +15,19 @@ struct ExportRunOptions {
   std::string output;
   bool overwrite = false;  // an existing file of that name
   handon::Range range;
-  bool in_unit = false;    // csv: also in the channel's unit
-  bool binary = false;     // uff: 58b
-  bool unchecked = false;  // without an audit
-  std::string key;         // pinned: a vkey, or a file that holds one; empty: none
+  bool in_unit = false;           // csv: also in the channel's unit
+  bool binary = false;            // uff: 58b
+  bool unchecked = false;         // without an audit
+  std::vector<std::string> keys;  // pinned, each a vkey or a file that holds one
   bool json = false;
 };
 
 struct ReportOptions {
   std::string file;
   std::string output;
-  bool overwrite = false;   // an existing file of that name
-  std::string key, ledger;  // for the audit; empty: none
+  bool overwrite = false;         // an existing file of that name
+  std::vector<std::string> keys;  // pinned, each a vkey or a file that holds one
+  std::string ledger;             // for the audit; empty: none
   bool json = false;
 };
 

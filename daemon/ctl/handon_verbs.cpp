@@ -1,5 +1,8 @@
 #include "daemon/ctl/handon_verbs.hpp"
 
+#include <string>
+#include <tuple>
+
 #include "daemon/ctl/options.hpp"
 #include "daemon/ctl/recorded_run.hpp"
 
@@ -37,7 +40,7 @@ void HandonVerbs::add_export(CLI::App& app) {
   auto* const binary = export_->add_flag("--binary", exporting_.binary, "uff: 58b, all bits, less than half the size");
   auto* const unchecked = export_->add_flag("--unchecked", exporting_.unchecked,
                                             "export without an audit, even from a file that is tampered with");
-  auto* const key = add_pinned_key(export_, exporting_.key);
+  auto* const key = add_pinned_keys(export_, exporting_.keys);
   auto* const json = add_json(export_, exporting_.json);
   auto* const model = export_->add_flag("--model", model_, "matrices as Matrix Market, a state-space model as JSON");
   auto* const rig = export_->add_option("--rig", model_options_.rig,
@@ -54,7 +57,7 @@ void HandonVerbs::add_report(CLI::App& app) {
   report_->add_option("file", reporting_.file, "the run file")->required();
   report_->add_option("-o,--output", reporting_.output, "the page")->required();
   add_overwrite(report_, reporting_.overwrite);
-  add_pinned_key(report_, reporting_.key);
+  add_pinned_keys(report_, reporting_.keys);
   add_ledger(report_, reporting_.ledger);
   add_json(report_, reporting_.json);
 }
@@ -73,6 +76,13 @@ std::optional<int> HandonVerbs::run() {
     tell_error("export: neither --format nor --model is given; expected --format csv, hdf5 or uff for a run file");
     return kUsage;
   }
+  for (const auto& [given, option, format] :
+       {std::tuple(exporting_.in_unit, "--in-unit", "csv"), std::tuple(exporting_.binary, "--binary", "uff")})
+    if (given && exporting_.format != format) {
+      tell_error(std::string("export: ") + option + " belongs to --format " + format +
+                 "; expected it without, or that format");
+      return kUsage;
+    }
   return export_run(exporting_);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <utility>
 
 #include "core/dwell/pipeline.hpp"
 #include "core/motion/motion_estimate.hpp"
@@ -24,6 +25,22 @@ Dwell on_recording_axis(Dwell dwell, double first_s) {
   dwell.end_s += first_s;
   dwell.t_ref_s += first_s;
   return dwell;
+}
+
+// Adds the channels that the dwell withholds because their readings are at fault, each once. Held channels are not
+// added: the estimate models them. to: may be null.
+void add_faults(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell, std::vector<std::string>* to) {
+  if (to == nullptr) return;
+  for (std::size_t i = 0; i < std::min(rig.channels.size(), dwell.phasors.size()); ++i) {
+    const auto c = static_cast<int>(i);
+    const Condition condition = pipeline.channel(c).condition;
+    const bool foreign = condition == Condition::clipped || condition == Condition::stuck ||
+                         condition == Condition::gated || condition == Condition::overrange;
+    if (!foreign || dwell.phasors[i].valid || rig.channels[i].measures == Quantity::auxiliary) continue;
+    const std::string name = rig.channels[i].name + ": ", why = pipeline.condition_reason(c);
+    if (std::none_of(to->begin(), to->end(), [&](const std::string& fault) { return fault.starts_with(name); }))
+      to->push_back(name + (why.empty() ? to_string(condition) : why));
+  }
 }
 
 }  // namespace
@@ -52,7 +69,8 @@ ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording) {
 }
 
 tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const RecordSource& source,
-                                                       const Progress& progress, VerificationReadings* readings) {
+                                                       const Progress& progress, VerificationReadings* readings,
+                                                       std::vector<std::string>* at_fault) {
   Pipeline pipeline(rig);
   std::vector<Dwell> dwells;
   double first_s = kNaN;
@@ -61,8 +79,10 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
   const auto take_waiting = [&] {
     for (std::span<const Record> left = waiting; !left.empty();) {
       std::size_t taken = pipeline.push_in_block(left);
-      if (taken == 0 && (pipeline.push(left[taken++]) & kCompleted) != 0)
+      if (taken == 0 && (pipeline.push(left[taken++]) & kCompleted) != 0) {
+        add_faults(rig, pipeline, pipeline.completed(), at_fault);
         dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
+      }
       left = left.subspan(taken);
     }
     waiting.clear();
@@ -75,15 +95,19 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
   });
   if (!played) return tl::unexpected(played.error());
   take_waiting();
+  add_faults(rig, pipeline, pipeline.current(), at_fault);
   if ((pipeline.finish() & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
   return dwells;
 }
 
-tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source) {
+tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source,
+                                                          std::vector<std::string> at_fault) {
   MotionRecorder recorder(rig);
   const auto played = source.play({}, [&](const Record& record) { recorder.take(record); });
   if (!played) return tl::unexpected(played.error());
-  return estimate_motion(rig, recorder.data());
+  MotionOptions options;
+  options.at_fault = std::move(at_fault);
+  return estimate_motion(rig, recorder.data(), options);
 }
 
 std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording) {

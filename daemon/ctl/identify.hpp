@@ -24,14 +24,18 @@ struct ColumnMatch {
 [[nodiscard]] ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording);
 
 // Every dwell of the recording, in order, also those that did not settle; empty: no drive was ever seen. Values are raw
-// (the rig's scale, offset and unit apply); times are on the recording's own axis. readings: receives those that
-// count, if given. The rig must be valid. The pipeline's cost per sample; bound to one thread.
+// (the rig's scale, offset and unit apply); times are on the recording's own axis. readings, if given: receives those
+// that count. at_fault, if given: receives the channels that some dwell withholds because their readings are at fault,
+// each with what is wrong, as MotionOptions::at_fault has it. The rig must be valid. The pipeline's cost per sample;
+// bound to one thread.
 [[nodiscard]] tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const RecordSource& source,
                                                                      const Progress& progress = {},
-                                                                     VerificationReadings* readings = nullptr);
+                                                                     VerificationReadings* readings = nullptr,
+                                                                     std::vector<std::string>* at_fault = nullptr);
 
-// The coefficients of any motion from a recording. Takes seconds.
-[[nodiscard]] tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source);
+// The coefficients of any motion from a recording. at_fault: as identify() gives it. Takes seconds.
+[[nodiscard]] tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source,
+                                                                        std::vector<std::string> at_fault = {});
 
 // The same of a recording as text, on its own t axis.
 [[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording);

@@ -61,16 +61,18 @@ int identify_recording(const IdentifyOptions& options) {
     tell_error(why);
     return kUsage;
   };
+  // The dwells are identified for the method of any motion alone too: they tell which readings are at fault.
   std::vector<Dwell> dwells;
-  if (options.method != "motion") {
+  std::vector<std::string> at_fault;
+  {
     ProgressBar bar("identifying");
-    auto found = identify(run->rig(), run->source(), bar.progress());
+    auto found = identify(run->rig(), run->source(), bar.progress(), nullptr, &at_fault);
     if (!found) return unusable(found.error());
-    dwells = std::move(*found);
+    if (options.method != "motion") dwells = std::move(*found);
   }
   std::optional<MotionEstimate> motion;
   if (options.method != "harmonic") {
-    auto found = identify_motion(run->rig(), run->source());
+    auto found = identify_motion(run->rig(), run->source(), std::move(at_fault));
     if (!found) return unusable(found.error());
     motion = std::move(*found);
     object(*motion, dwells);

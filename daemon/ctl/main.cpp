@@ -45,10 +45,11 @@ class RecordVerbs {
     audit_ = app.add_subcommand("audit", "whether run files are as they were recorded; exit 1 if one is tampered with");
     audit_->add_option("files", auditing_.files, "run files");
     add_ledger(audit_, auditing_.ledger);
-    add_pinned_key(audit_, auditing_.key);
+    add_pinned_keys(audit_, auditing_.keys);
     audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
     audit_->add_flag("--every-signature", auditing_.every_signature,
                      "verify each note's signature by itself; slower, and finds nothing else: the newest covers all");
+    audit_->add_flag("--closed", auditing_.closed, "a file that has no end counts as a failure: exit 1");
     add_json(audit_, auditing_.json);
 
     runs_ = app.add_subcommand("runs", "the recorded runs of the service, or those in a folder");
@@ -160,7 +161,8 @@ int run(int argc, char** argv) {
   add_control(acknowledge_verb, service);
   add_json(acknowledge_verb, service.json);
 
-  CLI::App* check_verb = app.add_subcommand("check", "each device probed once; exit 1 if a channel does not answer");
+  CLI::App* check_verb =
+      app.add_subcommand("check", "each device probed once; exit 1 if a channel does not answer or is gated");
   check_verb->add_option("--rig", rig, "probe the devices of this rig file, without the service");
   add_control(check_verb, service);
   add_json(check_verb, service.json);
@@ -183,6 +185,10 @@ int run(int argc, char** argv) {
       "compute with this rig file instead, and compare nothing; it must have the run's channels");
   CLI::Option* const child =
       replay_verb->add_option("-o,--output", replaying.output, "the child file to write")->needs(replay_rig);
+  replay_verb
+      ->add_option("--against", replaying.against,
+                   "a child file of this run: compute with its rig file, and compare with its results")
+      ->excludes(replay_rig);
   add_text(replay_verb, "--comment", replaying.comment, "why, into the child file")->needs(child);
   replay_verb
       ->add_option("--key", replaying.key, "file of the private key that signs the child file; default: your own")

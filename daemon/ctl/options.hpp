@@ -11,8 +11,11 @@ namespace dwell::ctl {
 inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag("--json", json, "print JSON"); }
 
 // The key that a verb trusts: pinned_key() reads it.
-inline CLI::Option* add_pinned_key(CLI::App* verb, std::string& key) {
-  return verb->add_option("--key", key, "the key that must have signed: a vkey, or a file that holds it");
+inline CLI::Option* add_pinned_keys(CLI::App* verb, std::vector<std::string>& keys) {
+  return verb
+      ->add_option("--key", keys,
+                   "the key that must have signed: a vkey, or a file that holds it; repeated: one of them")
+      ->allow_extra_args(false);
 }
 
 // A text for the record.

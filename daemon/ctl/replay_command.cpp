@@ -1,6 +1,7 @@
 // replay: computes a run again from its stream. With the run's own rig file, compares the results with the stored ones.
 // With another rig file the results are new, and may be written to a child file.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include "daemon/ctl/replay_printout.hpp"
 #include "daemon/ctl/run_source.hpp"
 #include "daemon/record/audit.hpp"
+#include "daemon/record/snapshot.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_json.hpp"
 
@@ -32,9 +35,15 @@ constexpr std::uint64_t kShowEvery = 1U << 12U;  // records
 
 using record::Result;
 
-int cannot_replay(const std::string& why) {
+// In place of an exit code: the service closed the file meanwhile, and another attempt succeeds.
+constexpr int kAgain = -1;
+constexpr int kTries = 5;  // a file is closed only once, and may be signed just after
+constexpr std::chrono::milliseconds kPause{100};
+
+int cannot_replay(const std::string& why, int code = kUsage) {
+  if (record::is_read_again(why)) return kAgain;
   tell_error(why);
-  return kUsage;
+  return code;
 }
 
 bool begins_a_run(const Record& record) {
@@ -87,32 +96,105 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
   return dwells;
 }
 
-// The run's own rig file.
-int check(const ReplayOptions& options, record::RunReader& reader) {
-  const record::RunHeader& header = reader.header();
-  const auto file = rig_of(header, options.file);
+// Computes the results again with the rig file in `of`, and compares them with those that `of` holds: a run, or a child
+// of it. without: positions at which the run has a result and the child has none. Where the replay gives a result
+// there, it counts as missing from the child. Returns the exit code.
+int compare(const ReplayOptions& options, record::RunReader& reader, const std::string& of,
+            const record::RunHeader& header, const std::vector<std::uint64_t>& without,
+            const std::vector<std::string>& notes) {
+  const auto file = rig_of(header, of);
   if (!file) return cannot_replay(file.error());
-  const auto channels = ChannelMap::between(header, options.file, file->rig, header.rig.path);
+  const auto channels = ChannelMap::between(reader.header(), options.file, file->rig, header.rig.path);
   if (!channels) return cannot_replay(channels.error());
-  auto stored = StoredResults::open(options.file);
+  auto stored = StoredResults::open(of);
   if (!stored) return cannot_replay(stored.error());
-  // As the service put it.
+  // As in the results that are compared.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
   Replay replay(file->rig);
+  auto gap = without.begin();
+  std::uint64_t missing = 0;
   ReplayCheck check(
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
       reader.end().has_value());
   const auto dwells = play(
-      options.file, reader, *channels, replay, [&] { return check.free_until(replay); },
-      [&](const Record&) { check.follow(replay); });
+      options.file, reader, *channels, replay,
+      [&] {
+        if (gap == without.end()) return check.free_until(replay);
+        return std::min(check.free_until(replay), *gap - std::min(*gap, replay.position() + 1));
+      },
+      [&](const Record&) {
+        check.follow(replay);
+        for (; gap != without.end() && *gap <= replay.position(); ++gap) missing += replay.current() ? 1 : 0;
+      });
   if (!dwells) return cannot_replay(dwells.error());
-  const auto findings = check.finish();
+  auto findings = check.finish();
   if (!findings) return cannot_replay(findings.error());
+  findings->notes.insert(findings->notes.end(), notes.begin(), notes.end());
+  if (missing > 0) findings->notes.push_back(std::to_string(missing) + " results are missing from " + of);
+  findings->different += missing;
+  findings->intolerable += missing;
   Printout out = printout(file->rig, {file->sha256, DWELL_VERSION, header.start_utc}, *dwells);
   const ReplayVerdict verdict = judge(*findings, header.origin, record::this_origin());
   add(verdict, *findings, header, out);
   print(out, options.json);
   return verdict.same ? kDone : kNo;
+}
+
+// Audits a file without a key. Fails, with the reason, if it was tampered with or cannot be audited.
+Result<void> not_tampered(const std::string& path) {
+  const auto audit = record::audit_run(path, {});
+  if (!audit) return tl::unexpected(audit.error());
+  if (audit->state == record::AuditState::tampered) return tl::unexpected(path + ": tampered: " + audit->where);
+  return {};
+}
+
+// The positions at which the run has a result that is not final, and its child has none.
+Result<std::vector<std::uint64_t>> lacking(const std::string& parent, const std::string& child) {
+  auto of_parent = StoredResults::open(parent), of_child = StoredResults::open(child);
+  if (!of_parent) return tl::unexpected(of_parent.error());
+  if (!of_child) return tl::unexpected(of_child.error());
+  const auto next = [](StoredResults& results) {
+    while (results.now() != nullptr && results.now()->final) results.next();
+    return results.now() != nullptr ? results.now()->position : UINT64_MAX;
+  };
+  std::vector<std::uint64_t> positions;
+  while (of_parent->now() != nullptr) {
+    const std::uint64_t wanted = next(*of_parent);
+    if (wanted == UINT64_MAX) break;
+    while (next(*of_child) < wanted) of_child->next();
+    if (next(*of_child) != wanted) positions.push_back(wanted);
+    of_parent->next();
+  }
+  for (const StoredResults* results : {&*of_parent, &*of_child})
+    if (!results->error().empty()) return tl::unexpected(results->error());
+  return positions;
+}
+
+// Compares a child file with a replay of this run that uses the child's rig file. Returns the exit code.
+int check_child(const ReplayOptions& options, record::RunReader& reader) {
+  const auto child = record::RunReader::open(options.against);
+  if (!child) return cannot_replay(child.error());
+  const record::RunHeader& header = child->header();
+  const auto not_of_it = [&](const std::string& why) { return cannot_replay(options.against + ": " + why, kNo); };
+  if (header.parent_id.empty()) return cannot_replay(options.against + ": is no child file; expected one");
+  for (const std::string& path : {options.file, options.against})
+    if (auto sound = not_tampered(path); !sound) return cannot_replay(sound.error(), kNo);
+  const auto head = final_head(options.file);
+  if (!head) return cannot_replay(head.error());
+  if (header.parent_id != reader.header().id)
+    return not_of_it("was computed from run " + header.parent_id + ", not from " + options.file + ", run " +
+                     reader.header().id);
+  if (header.parent_head != *head)
+    return not_of_it("was computed from another state of this run: head " + header.parent_head + "; " + options.file +
+                     " has " + *head);
+  if (!child->end()) return not_of_it("has no end, so it is not complete");
+  const auto rig = rig_of(header, options.against);
+  if (!rig) return cannot_replay(rig.error());
+  if (rig->sha256 != header.rig.sha256) return not_of_it("its rig file is not the one whose SHA-256 it states");
+  const auto without = lacking(options.file, options.against);
+  if (!without) return cannot_replay(without.error());
+  return compare(options, reader, options.against, header, *without,
+                 {options.against + " is of this run, head " + *head + "; its events were not compared"});
 }
 
 Result<std::string> text_of(const std::string& path) {
@@ -136,10 +218,7 @@ Result<record::SigningKey> signing_key(const std::string& given) {
 // A child names the head of its parent, so the parent is audited first: a head that its entries do not lead to is
 // nobody's.
 Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& reader, const config::RigFile& rig) {
-  const auto parent = record::audit_run(options.file, {});
-  if (!parent) return tl::unexpected(parent.error());
-  if (parent->state == record::AuditState::tampered)
-    return tl::unexpected(options.file + ": tampered: " + parent->where + "; no child was written");
+  if (auto sound = not_tampered(options.file); !sound) return tl::unexpected(sound.error() + "; no child was written");
   auto head = final_head(options.file);
   if (!head) return tl::unexpected(head.error());
   auto text = text_of(options.rig);
@@ -207,13 +286,24 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
   return judge(file->rig, RunSource(std::move(reader), *channels), *dwells);
 }
 
-}  // namespace
-
-int replay(const ReplayOptions& options) {
+int replay_once(const ReplayOptions& options) {
   auto reader = record::RunReader::open(options.file);
   if (!reader) return cannot_replay(reader.error());
   if (!reader->header().parent_id.empty()) return cannot_replay(why_no_stream(options.file, reader->header()));
-  return options.rig.empty() ? check(options, *reader) : amend(options, *reader);
+  if (!options.against.empty()) return check_child(options, *reader);
+  return options.rig.empty() ? compare(options, *reader, options.file, reader->header(), {}, {})
+                             : amend(options, *reader);
+}
+
+}  // namespace
+
+int replay(const ReplayOptions& options) {
+  for (int tries = 1; tries <= kTries; ++tries) {
+    if (const int code = replay_once(options); code != kAgain) return code;
+    std::this_thread::sleep_for(kPause);
+  }
+  tell_error(options.file + ": written to each time it was read; try again later");
+  return kUsage;
 }
 
 }  // namespace dwell::ctl

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "daemon/ctl/folded_events.hpp"
 #include "daemon/ctl/run_summary.hpp"
+#include "daemon/record/folded_events.hpp"
 #include "daemon/report/dwell_text.hpp"
 #include "daemon/report/line.hpp"
 #include "daemon/report/number_text.hpp"
@@ -33,6 +33,7 @@ std::string list_of(const std::vector<std::string>& words) {
 
 std::string title_of(const RunSummary& run) {
   std::string text = run.header.run > 0 ? "run " + std::to_string(run.header.run) : std::string("child run");
+  if (!run.header.parent_id.empty()) text = "amendment of run " + run.header.parent_id.substr(0, 8);
   if (!run.header.label.empty()) text += " · " + run.header.label;
   return text + (run.end ? " · closed" : " · open: being recorded, or cut off");
 }
@@ -53,6 +54,8 @@ std::string origin_text(const record::Origin& origin) {
 }
 
 std::string stream_text(const RunSummary& run) {
+  // The numbers of records and samples are those of the parent's stream.
+  if (!run.header.parent_id.empty()) return {};
   std::string text = run.span_s ? duration_text(*run.span_s) : std::string("nothing");
   if (run.end)
     text += ", " + std::to_string(run.end->records) + " records, " + std::to_string(run.end->samples) + " samples";
@@ -75,6 +78,7 @@ Section facts(const RunSummary& run, std::size_t columns) {
   add("comment", header.comment);
   add("ended", run.end ? run.end->utc + ": " + run.end->why : "");
   add("stream", stream_text(run));
+  if (!header.parent_id.empty() && run.span_s) add("covers", duration_text(*run.span_s) + " of the parent's stream");
   add("channels", list_of(header.channels));
   add("recorded", origin_text(header.origin));
   add("program", "dwelld " + header.origin.version + ", " + header.origin.build);
@@ -134,7 +138,7 @@ std::string instant(const std::string& utc, const record::RunHeader& header) {
   return same ? text.substr(kDate) : text;
 }
 
-std::string event_text(const FoldedEvent& folded, const record::RunHeader& header) {
+std::string event_text(const record::FoldedEvent& folded, const record::RunHeader& header) {
   const record::StoredEvent& event = folded.event;
   std::string text = event.text;
   if (folded.entries > 1) text += ", up to " + instant(folded.last_utc, header);
@@ -148,9 +152,9 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   std::size_t when = 0;
   std::size_t what = 0;
   std::size_t left_out = 0;
-  const std::vector<FoldedEvent> all = folded(run.events);
-  std::vector<const FoldedEvent*> shown;
-  for (const FoldedEvent& one : all) {
+  const std::vector<record::FoldedEvent> all = record::folded(run.events);
+  std::vector<const record::FoldedEvent*> shown;
+  for (const record::FoldedEvent& one : all) {
     const record::StoredEvent& event = one.event;
     if ((event.what == "loss") != losses) continue;
     if (shown.size() == kMostEvents) {
@@ -164,7 +168,7 @@ Section event_section(const RunSummary& run, bool losses, std::size_t columns) {
   Section section;
   if (shown.empty()) return section;
   section.head.push_back({losses ? "losses" : "events", Style::title});
-  for (const FoldedEvent* one : shown) {
+  for (const record::FoldedEvent* one : shown) {
     std::string line = "  " + pad_right(printable(instant(one->event.utc, run.header)), when) + "  ";
     if (!losses) line += pad_right(printable(one->event.what), what) + "  ";
     const std::size_t indent = width(line);

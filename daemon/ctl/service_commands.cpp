@@ -39,8 +39,10 @@ int status(const Service& service) {
   } else {
     print(dwell_text(*view));
     // A service too old to tell, or one that has just ended, says nothing of its lines.
-    if (const auto answer = http_get(*url, "/api/v1/health"))
-      print(gpio_text(Json::parse(answer->body, nullptr, false)));
+    if (const auto answer = http_get(*url, "/api/v1/health")) {
+      const Json health = Json::parse(answer->body, nullptr, false);
+      print(recording_text(health) + gpio_text(health));
+    }
   }
   return view->dwell.state == State::measuring && view->dwell.doubts.empty() ? kDone : kNo;
 }

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <numbers>
-#include <vector>
+#include <utility>
 
 #include "config/units.hpp"
 #include "core/stream/record.hpp"
@@ -20,13 +21,6 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // Periods of one amplitude that a dwell needs at least: the study finds those of three between ramps.
 constexpr double kShortest = 3.0;
 
-struct Reading {
-  double t_s;
-  double value;  // SI
-};
-using Readings = std::vector<Reading>;
-using Span = std::pair<std::size_t, std::size_t>;  // first, one behind the last
-
 const Channel* table_channel(const Rig& rig) {
   for (const Channel& channel : rig.channels) {
     const bool motion = channel.measures == Quantity::displacement || channel.measures == Quantity::velocity ||
@@ -36,82 +30,132 @@ const Channel* table_channel(const Rig& rig) {
   return nullptr;
 }
 
-Readings readings_of(const Rig& rig, const Channel& channel, const RecordSource& source) {
-  Readings readings;
-  const auto index = &channel - rig.channels.data();
-  // Mistakes in the recording were reported when it was identified.
-  (void)source.play({}, [&](const Record& record) {
-    if (record.kind != Kind::sample || record.channel != index) return;
-    const double value = channel.scale * record.value + channel.offset;
-    const bool beyond =
-        (channel.range_low && value < *channel.range_low) || (channel.range_high && value > *channel.range_high);
-    const double t_s = 1e-9 * static_cast<double>(record.t_ns);
-    if (std::isfinite(value) && !beyond) readings.push_back({t_s, channel.si_per_unit * value});
-  });
-  return readings;
-}
+// The readings of the table, played again for each pass. So a recording of any length takes no memory.
+class TableReadings {
+ public:
+  TableReadings(const Rig& rig, const Channel& channel, const RecordSource& source)
+      : channel_(channel), index_(static_cast<std::size_t>(&channel - rig.channels.data())), source_(source) {}
 
-std::size_t end_of(const Readings& readings, std::size_t first, double duration_s) {
-  std::size_t end = first;
-  while (end < readings.size() && readings[end].t_s - readings[first].t_s < duration_s) ++end;
-  return end;
-}
+  // Calls take(t_s, value in SI) for the readings numbered first … last - 1.
+  template <class Take>
+  void each(std::uint64_t first, std::uint64_t last, const Take& take) const {
+    std::uint64_t number = 0;
+    // Mistakes in the recording were reported when it was identified.
+    (void)source_.play({}, [&](const Record& record) {
+      if (record.kind != Kind::sample || record.channel != index_) return;
+      const double value = channel_.scale * record.value + channel_.offset;
+      const bool beyond =
+          (channel_.range_low && value < *channel_.range_low) || (channel_.range_high && value > *channel_.range_high);
+      if (!std::isfinite(value) || beyond) return;
+      if (number >= first && number < last) take(1e-9 * static_cast<double>(record.t_ns), channel_.si_per_unit * value);
+      ++number;
+    });
+  }
 
-// Half of what the readings span, the outermost on either side left out: it may be a spike.
-double half_range(const Readings& readings, Span span) {
-  std::vector<double> values;
-  for (std::size_t i = span.first; i < span.second; ++i) values.push_back(readings[i].value);
-  if (values.size() < 5) return 0.0;
-  std::sort(values.begin(), values.end());
-  return 0.5 * (values[values.size() - 2] - values[1]);
-}
+ private:
+  const Channel& channel_;
+  std::size_t index_;
+  const RecordSource& source_;
+};
+
+// A stretch of readings in short: count, times, sum, and the two smallest and two largest values.
+class Stretch {
+ public:
+  void take(double t_s, double value) {
+    if (count_++ == 0) first_s_ = t_s;
+    last_s_ = t_s;
+    sum_ += value;
+    take_low(value);
+    take_high(value);
+  }
+  void take(const Stretch& next) {
+    if (next.count_ == 0) return;
+    if (count_ == 0) first_s_ = next.first_s_;
+    last_s_ = next.last_s_;
+    count_ += next.count_;
+    sum_ += next.sum_;
+    for (const double value : {next.lowest_, next.low_}) take_low(value);
+    for (const double value : {next.highest_, next.high_}) take_high(value);
+  }
+  // Half of what the readings span, the outermost on either side left out: it may be a spike.
+  [[nodiscard]] double half_range() const { return count_ < 5 ? 0.0 : 0.5 * (high_ - low_); }
+  [[nodiscard]] double middle() const { return sum_ / static_cast<double>(count_); }
+  [[nodiscard]] double length_s() const { return last_s_ - first_s_; }
+  [[nodiscard]] double first_s() const { return first_s_; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  void take_low(double value) { low_ = value < lowest_ ? std::exchange(lowest_, value) : std::min(low_, value); }
+  void take_high(double value) { high_ = value > highest_ ? std::exchange(highest_, value) : std::max(high_, value); }
+
+  std::uint64_t count_ = 0;
+  double first_s_ = 0.0, last_s_ = 0.0, sum_ = 0.0;
+  double lowest_ = std::numeric_limits<double>::infinity(), low_ = lowest_;
+  double highest_ = -lowest_, high_ = -lowest_;
+};
+
+// A stretch and the number of its first reading.
+struct Span {
+  std::uint64_t first = 0;
+  Stretch of = {};
+  [[nodiscard]] std::uint64_t end() const { return first + of.count(); }
+};
 
 // Of upward crossings of the middle, each after a dip well below it, so that noise makes none.
-double crossing_frequency(const Readings& readings, Span span) {
-  const double amplitude = half_range(readings, span);
-  double middle = 0.0;
-  for (std::size_t i = span.first; i < span.second; ++i) middle += readings[i].value;
-  middle /= static_cast<double>(span.second - span.first);
+double crossing_frequency(const TableReadings& readings, const Span& span) {
+  const double amplitude = span.of.half_range(), middle = span.of.middle();
   double first_s = kNaN;
   double last_s = kNaN;
-  int crossings = 0;
+  std::uint64_t crossings = 0;
   bool below = false;
-  for (std::size_t i = span.first; i < span.second; ++i) {
-    const double value = readings[i].value - middle;
+  readings.each(span.first, span.end(), [&](double t_s, double reading) {
+    const double value = reading - middle;
     if (value < -0.3 * amplitude) below = true;
-    if (!below || value < 0.0) continue;
+    if (!below || value < 0.0) return;
     below = false;
-    last_s = readings[i].t_s;
+    last_s = t_s;
     if (crossings++ == 0) first_s = last_s;
-  }
-  return crossings > 1 ? (crossings - 1) / (last_s - first_s) : kNaN;
+  });
+  return crossings > 1 ? static_cast<double>(crossings - 1) / (last_s - first_s) : kNaN;
 }
 
-// Of mean + a sin + b cos at this frequency, by least squares.
-double fitted_amplitude(const Readings& readings, Span span, double frequency_hz) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (std::size_t i = span.first; i < span.second; ++i) {
-    const double phase = kTwoPi * frequency_hz * (readings[i].t_s - readings[span.first].t_s);
+// Amplitude of mean + a sin + b cos at a frequency, by least squares.
+class SineFit {
+ public:
+  void take(double phase, double value) {
     const Eigen::Vector3d row(1.0, std::sin(phase), std::cos(phase));
-    normal += row * row.transpose();
-    right += row * readings[i].value;
+    normal_ += row * row.transpose();
+    right_ += row * value;
   }
-  const Eigen::Vector3d x = normal.ldlt().solve(right);
-  return std::hypot(x(1), x(2));
-}
+  [[nodiscard]] double amplitude() const {
+    const Eigen::Vector3d x = normal_.ldlt().solve(right_);
+    return std::hypot(x(1), x(2));
+  }
 
-double least_wander(const Readings& readings, Span span, double frequency_hz) {
+ private:
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
+};
+
+double least_wander(const TableReadings& readings, const Span& span, double frequency_hz) {
   double least = std::numeric_limits<double>::infinity();
   double before = kNaN;
-  for (std::size_t first = span.first; first < span.second;) {
-    const std::size_t end = std::min(span.second, end_of(readings, first, 2.0 / frequency_hz));
-    const bool whole = readings[end - 1].t_s - readings[first].t_s > 1.8 / frequency_hz;
-    const double now = whole && end - first > 6 ? fitted_amplitude(readings, {first, end}, frequency_hz) : kNaN;
+  Stretch piece;
+  SineFit fit;
+  const auto end_piece = [&] {
+    const bool whole = piece.length_s() > 1.8 / frequency_hz;
+    const double now = whole && piece.count() > 6 ? fit.amplitude() : kNaN;
     if (now > 0.0 && before > 0.0) least = std::min(least, std::fabs(now - before) / std::max(now, before));
     before = now;
-    first = end;
-  }
+    piece = {};
+    fit = {};
+  };
+  readings.each(span.first, span.end(), [&](double t_s, double value) {
+    if (piece.count() > 0 && !(t_s - piece.first_s() < 2.0 / frequency_hz)) end_piece();
+    piece.take(t_s, value);
+    fit.take(kTwoPi * frequency_hz * (t_s - piece.first_s()), value);
+  });
+  if (piece.count() > 0) end_piece();
   return std::isfinite(least) ? least : kNaN;
 }
 
@@ -135,7 +179,7 @@ TableMotion table_motion(const Rig& rig, const RecordSource& source) {
   const Channel* channel = table_channel(rig);
   if (channel == nullptr) return motion;
   motion.channel = channel->name;
-  const Readings readings = readings_of(rig, *channel, source);
+  const TableReadings readings(rig, *channel, source);
   const int derivatives = channel->measures == Quantity::displacement ? 0
                           : channel->measures == Quantity::velocity   ? 1
                                                                       : 2;
@@ -145,23 +189,28 @@ TableMotion table_motion(const Rig& rig, const RecordSource& source) {
 
   // Pieces of two nominal periods, and the longest run of them above the minimum.
   const double nominal_hz = rig.excitation.frequency_hz;
-  Span run{0, 0}, longest{0, 0};
+  Span run, longest;
+  Stretch piece;
   double loudest = 0.0;
-  for (std::size_t first = 0; first < readings.size();) {
-    const std::size_t end = end_of(readings, first, 2.0 / nominal_hz);
-    const double amplitude = half_range(readings, {first, end});
+  const auto end_piece = [&] {
+    const double amplitude = piece.half_range();
     loudest = std::max(loudest, amplitude);
     if (displacement(amplitude, nominal_hz) < rig.excitation.minimum) {
-      run = {end, end};
+      run = {run.end() + piece.count(), {}};
     } else {
-      run.second = end;
-      if (run.second - run.first > longest.second - longest.first) longest = run;
+      run.of.take(piece);
+      if (run.of.count() > longest.of.count()) longest = run;
     }
-    first = end;
-  }
+    piece = {};
+  };
+  readings.each(0, UINT64_MAX, [&](double t_s, double value) {
+    if (piece.count() > 0 && !(t_s - piece.first_s() < 2.0 / nominal_hz)) end_piece();
+    piece.take(t_s, value);
+  });
+  if (piece.count() > 0) end_piece();
   motion.amplitude = displacement(loudest, nominal_hz);
-  if (longest.second - longest.first < 5) return motion;
-  motion.moving_s = readings[longest.second - 1].t_s - readings[longest.first].t_s;
+  if (longest.of.count() < 5) return motion;
+  motion.moving_s = longest.of.length_s();
   motion.frequency_hz = crossing_frequency(readings, longest);
   if (!(motion.frequency_hz > 0.0)) return motion;
   motion.amplitude = displacement(loudest, motion.frequency_hz);

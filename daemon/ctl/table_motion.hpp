@@ -19,8 +19,8 @@ struct TableMotion {
   double wander = kNaN;        // least change of the amplitude from two periods to the next two in it, relative
 };
 
-// Cost: a few passes over the table's readings. Readings that are not finite or beyond the channel's range do not
-// count. Those before a mistake in the recording, where it has one.
+// Cost: three passes over the recording; memory does not grow with it. Readings that are not finite or beyond the
+// channel's range do not count. If the recording has a mistake, only the readings before it count.
 [[nodiscard]] TableMotion table_motion(const Rig& rig, const RecordSource& source);
 
 // One sentence: what was seen, what was expected.

@@ -1,8 +1,10 @@
 #include "daemon/ctl/tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
 
 #include "core/result/condition.hpp"
 #include "daemon/ctl/json_member.hpp"
@@ -28,8 +30,14 @@ std::string clock_text(const Json& channel) {
   return std::isfinite(rate_hz) ? kind + " " + fixed(rate_hz, 3, "Hz") : kind;
 }
 
-std::string status_with_reason(const std::string& status, const std::string& reason) {
-  return reason.empty() || reason == status ? status : status + ": " + reason;
+// The calibration that the rig file states, and until when it holds.
+std::string calibration_text(const Json& channel) {
+  const Json* const calibration = member_of(channel, "calibration");
+  if (calibration == nullptr || !calibration->is_object()) return kNoNumber;
+  const std::string due = text_member(*calibration, "due");
+  const Json* const overdue = member_of(*calibration, "overdue");
+  const bool late = overdue != nullptr && overdue->is_boolean() && overdue->get<bool>();
+  return text_member(*calibration, "id") + (due.empty() ? "" : ", due " + due) + (late ? ": overdue" : "");
 }
 
 // A reading in the unit that the operator chose in the rig file: no prefix of ours.
@@ -42,6 +50,14 @@ NumberText reading(double value, const std::string& unit) {
 
 NumberText interval(const ElementEstimate& e, const Coefficient& c, const char* unit) {
   return e.identifiable ? number_text(c.value, c.U95, unit) : NumberText{kNoNumber, "", ""};
+}
+
+// The verdict on a coefficient's limit, behind its number.
+std::string limit_mark(const DwellView& view, int k, CoefficientKind kind) {
+  for (const JudgedLimit& limit : view.limits)
+    if (limit.element == k && limit.kind == kind && limit.verdict != LimitVerdict::none)
+      return std::string(" limit ") + to_string(limit.verdict);
+  return {};
 }
 
 }  // namespace
@@ -74,8 +90,23 @@ std::string channels_table(const Json& list) {
     for (const Json& channel : list) counts.push_back(integer_text(channel, name));
     table.add(name, std::move(counts), Align::right);
   }
+  std::vector<std::string> calibrations;
+  for (const Json& channel : list) calibrations.push_back(calibration_text(channel));
+  if (std::any_of(calibrations.begin(), calibrations.end(), [](const std::string& text) { return text != kNoNumber; }))
+    table.add("calibration", std::move(calibrations));
   table.add("", std::move(reasons));
   return table.text();
+}
+
+std::string recording_text(const Json& health) {
+  constexpr std::string_view front = "recording: ";
+  std::string text;
+  const auto troubles = health.is_object() ? health.find("troubles") : health.end();
+  if (troubles == health.end() || !troubles->is_array()) return text;
+  for (const Json& trouble : *troubles)
+    if (const std::string line = text_member(trouble, "text"); line.rfind(front, 0) == 0)
+      text += "recording  " + printable(line.substr(front.size())) + "\n";
+  return text;
 }
 
 std::string gpio_text(const Json& health) {
@@ -94,7 +125,7 @@ std::string gpio_text(const Json& health) {
 }
 
 std::string dwells_table(const std::vector<DwellView>& dwells) {
-  std::vector<std::string> numbers, states, data, elements, notes;
+  std::vector<std::string> numbers, states, data, elements, models, notes;
   std::vector<NumberText> frequencies, stiffness, damping;
   std::vector<std::string> stiffness_marks, damping_marks, doubts;
   std::vector<const Dwell*> shown;
@@ -112,6 +143,7 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       frequencies.push_back(!first    ? NumberText{}
                             : settled ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
                                       : number_text(d.frequency_hz.value, "Hz", 4));
+      models.push_back(first && view.model ? to_string(view.model->verdict) : "");
       if (i >= d.elements.size()) {
         elements.emplace_back();
         stiffness.emplace_back();
@@ -125,8 +157,10 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       elements.push_back(std::to_string(e.k));
       stiffness.push_back(interval(e, e.stiffness, stiffness_unit(view.motion)));
       damping.push_back(interval(e, e.damping, damping_unit(view.motion)));
-      stiffness_marks.push_back(e.identifiable ? marks(d, e, e.stiffness) : "");
-      damping_marks.push_back(e.identifiable ? marks(d, e, e.damping) : "");
+      stiffness_marks.push_back(
+          e.identifiable ? marks(d, e, e.stiffness) + limit_mark(view, e.k, CoefficientKind::stiffness) : "");
+      damping_marks.push_back(e.identifiable ? marks(d, e, e.damping) + limit_mark(view, e.k, CoefficientKind::damping)
+                                             : "");
       notes.push_back(e.identifiable ? "" : e.reason);
     }
     for (const Doubt& doubt : d.doubts)
@@ -145,6 +179,8 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
   };
   table.add("stiffness", marked(stiffness, stiffness_marks));
   table.add("damping", marked(damping, damping_marks));
+  if (std::any_of(models.begin(), models.end(), [](const std::string& model) { return !model.empty(); }))
+    table.add("model", std::move(models));
   table.add("", std::move(notes));
   std::string text;
   // Whoever looks for a number finds it below what makes it worthless.
@@ -158,22 +194,23 @@ bool Probed::answers() const {
   // Every condition in which readings come; else the status is the device's fault.
   for (const Condition condition :
        {Condition::ok, Condition::gated, Condition::overrange, Condition::held, Condition::clipped, Condition::stuck})
-    if (status.substr(0, status.find(':')) == to_string(condition)) return true;
+    if (status == to_string(condition)) return true;
   return false;
 }
+
+bool Probed::gated() const { return status == to_string(Condition::gated); }
 
 std::string check_table(const std::vector<Probed>& channels) {
   std::vector<std::string> names, devices, rates, latencies, states, reasons;
   std::vector<NumberText> values;
   for (const Probed& channel : channels) {
-    const std::size_t colon = channel.status.find(": ");
     names.push_back(channel.name);
     devices.push_back(channel.device);
     values.push_back(reading(channel.value, channel.unit));
     rates.push_back(fixed(channel.rate_hz, 1, "Hz"));
     latencies.push_back(fixed(1e3 * channel.latency_s, 2, "ms"));
-    states.push_back(channel.status.substr(0, colon));
-    reasons.push_back(colon == std::string::npos ? "" : channel.status.substr(colon + 2));
+    states.push_back(channel.status);
+    reasons.push_back(channel.reason == channel.status ? "" : channel.reason);
   }
   Table table;
   table.add("channel", std::move(names));
@@ -196,7 +233,8 @@ Json check_json(const std::vector<Probed>& channels) {
                     {"unit", channel.unit},
                     {"rate_hz", number(channel.rate_hz)},
                     {"latency_s", number(channel.latency_s)},
-                    {"status", channel.status}});
+                    {"status", channel.status},
+                    {"reason", channel.reason.empty() ? Json(nullptr) : Json(channel.reason)}});
   }
   return {{"channels", std::move(list)}};
 }
@@ -211,7 +249,8 @@ std::vector<Probed> probed_from_json(const Json& list) {
     probed.unit = text_member(channel, "unit");
     probed.rate_hz = number_member(channel, "rate_hz");
     probed.latency_s = number_member(channel, "latency_s");
-    probed.status = status_with_reason(text_member(channel, "status"), text_member(channel, "reason"));
+    probed.status = text_member(channel, "status");
+    probed.reason = text_member(channel, "reason");
     channels.push_back(std::move(probed));
   }
   return channels;

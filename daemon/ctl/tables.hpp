@@ -14,6 +14,10 @@ namespace dwell::ctl {
 // `list`: an array of the interface's channel objects. The status stands beside the name, its reason at the end.
 [[nodiscard]] std::string channels_table(const nlohmann::ordered_json& list);
 
+// `health`: the interface's health object. A line for each reason why runs are not recorded, or are not as they should
+// be; empty: there is none.
+[[nodiscard]] std::string recording_text(const nlohmann::ordered_json& health);
+
 // `health`: the interface's health object. What an operator must know of the GPIO lines: how the interlock stands, and
 // which lines do not work; empty: no interlock, and all work.
 [[nodiscard]] std::string gpio_text(const nlohmann::ordered_json& health);
@@ -29,9 +33,12 @@ struct Probed {
   std::string unit;         // as in the rig file
   double rate_hz = kNaN;    // attainable; by the running service: attained
   double latency_s = kNaN;  // from request to answer
-  std::string status;       // "ok" or what is wrong
-  // Whether its device does; what it says may be of no use ("stuck").
+  std::string status;       // "ok", what is wrong with its readings ("gated"), or why there are none ("no answer")
+  std::string reason;       // in words; empty: none is known
+  // Whether its device answers. The readings may be of no use ("stuck").
   [[nodiscard]] bool answers() const;
+  // Whether its readings do not fit its motion: the rig file may state a wrong type or order of its register.
+  [[nodiscard]] bool gated() const;
 };
 [[nodiscard]] std::string check_table(const std::vector<Probed>& channels);
 [[nodiscard]] nlohmann::ordered_json check_json(const std::vector<Probed>& channels);

@@ -247,12 +247,12 @@ class Watch {
         state_.take_since(state, *utc_ns);
   }
 
-  // Once for each time without a dwell: how the last one ended.
+  // Asks how the last dwell ended, and for the verdicts on it, once whenever none is measured.
   void ask_last(const HttpLimits& limits) {
     if (knows_last_ || !state_.dwell()) return;
     const State state = state_.dwell()->dwell.state;
     knows_last_ = true;
-    if (state != State::idle && state != State::fault) return;
+    if (state != State::idle && state != State::fault && state != State::complete) return;
     const auto answer = http_get(url_, "/api/v1/dwells?count=1", limits);
     const Json list = answer ? Json::parse(answer->body, nullptr, false) : Json();
     const Json* const dwells = member_of(list, "dwells");

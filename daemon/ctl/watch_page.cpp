@@ -32,6 +32,11 @@ bool current(const WatchState& state, double now_s) { return !state.old(now_s) &
 std::string age_of(const WatchState& state, double now_s) {
   const double ended_s = state.ended_ago_s(now_s);
   if (std::isfinite(ended_s)) return age_text(ended_s);
+  // In a fault, the numbers in view are those of the last dwell, so the age is theirs.
+  if (state.dwell() && state.dwell()->dwell.state == State::fault) {
+    const double last_s = state.last_ago_s(now_s);
+    return std::isfinite(last_s) ? age_text(std::max(last_s, state.age_s(now_s))) : kNoNumber;
+  }
   return state.ended() ? "ended" : age_text(state.age_s(now_s));
 }
 
@@ -41,6 +46,7 @@ TextOptions options_of(const WatchState& state, const Truth* truth, std::size_t 
   options.truth = truth;
   options.frequency = options.legend = false;
   if (!current(state, now_s)) options.age = age_of(state, now_s);
+  options.result = state.ended() && !state.old(now_s);
   // An old list tells nothing of now.
   if (!state.dwell() || state.channels_age_s(now_s) > WatchState::kListOld_s) return options;
   for (const ChannelLabel& label : state.dwell()->channels) {
@@ -118,14 +124,22 @@ std::vector<TextLine> alarms(const WatchState& state, const Controls& controls, 
     add(lines, heard(state.gpio_old(now_s)) + gpio.substr(0, end), columns, well ? Style::plain : Style::alarm);
     gpio.erase(0, end + 1);
   }
-  if (const std::size_t count = state.alarms().unacknowledged; count > 0) {
+  if (state.alarms().unacknowledged > 0) {
+    // The service lists alarms that last before those that are over. The latter must not look as if they lasted.
+    const std::vector<ListedAlarm>& list = state.alarms().alarms;
+    const auto over = static_cast<std::size_t>(
+        std::count_if(list.begin(), list.end(), [](const ListedAlarm& a) { return a.state == kReturned; }));
+    const std::size_t active = state.alarms().unacknowledged - std::min(over, state.alarms().unacknowledged);
+    const std::size_t count = active > 0 ? active : over;
     std::string text = heard(state.alarms_old(now_s)) + std::to_string(count) + (count > 1 ? " alarms" : " alarm") +
-                       " not acknowledged" + where;
+                       " not acknowledged" + (active == 0 ? ", over" : "") + where;
+    const std::string more = active > 0 && over > 0 ? "; " + std::to_string(over) + " more over" : "";
     // The first of them as far as the line goes; the list tells all.
     constexpr std::size_t kLeast = 12;
-    if (!state.alarms().alarms.empty() && columns > width(text) + kLeast)
-      text += ": " + clipped(printable(state.alarms().alarms.front().text), columns - width(text) - 2);
-    add(lines, text, columns, Style::alarm);
+    const std::size_t taken = width(text) + width(more);
+    if (!list.empty() && columns > taken + kLeast)
+      text += ": " + clipped(printable(list.front().text), columns - taken - 2);
+    add(lines, text + more, columns, active > 0 ? Style::alarm : Style::plain);
   }
   if (!controls.message.empty()) add(lines, controls.message, columns, Style::plain);
   return lines;
@@ -200,7 +214,7 @@ std::vector<Section>::iterator behind(std::vector<Section>& sections, std::strin
   return last == sections.rend() ? sections.begin() : last.base();
 }
 
-// While there is no dwell: the coefficients of the last one, as a result.
+// While there is no dwell: the coefficients of the last one, as a result, with a legend of their own.
 void put_last(std::vector<Section>& sections, const WatchState& state, std::size_t columns, double now_s) {
   const DwellView* const last = state.last();
   if (last == nullptr) return;
@@ -209,16 +223,17 @@ void put_last(std::vector<Section>& sections, const WatchState& state, std::size
   TextOptions options;
   options.columns = columns;
   options.age = ago;
-  options.legend = false;
+  options.result = true;
   std::vector<Section> result;
   for (Section& section : dwell_sections(*last, options))
-    if (section.name == kCoefficients) result.push_back(std::move(section));
+    if (section.name == kCoefficients || section.name == kLimits) result.push_back(std::move(section));
   if (result.empty()) return;
   const bool complete = last->dwell.state == State::complete;
   std::string title = "not of now · last dwell: " + std::to_string(last->dwell.index.value_or(0)) +
                       (std::isfinite(ago_s) ? (complete ? ", ended " : ", last seen ") + ago + " ago" : "") +
                       (complete ? std::string(": ") + to_string(last->dwell.ended_by) : "");
   for (const Doubt& doubt : last->dwell.doubts) title += "; " + doubt_text(doubt);
+  if (last->model) title += "; model " + model_text(*last->model);
   std::vector<TextLine> head;
   add(head, title, columns, last->dwell.doubts.empty() ? Style::title : Style::alarm);
   result.front().head.insert(result.front().head.begin(), head.begin(), head.end());
@@ -273,6 +288,14 @@ std::string count_of(std::size_t count, const char* what, std::size_t page, std:
   if (count == 0) return {};
   std::string text = " · " + std::to_string(count) + " " + what + (count == 1 ? "" : "s");
   return text + where_of(page, pages);
+}
+
+// Without the line that the dwell has not settled: that is its state, not a warning.
+std::size_t warnings_in(const DwellView& view) {
+  const std::vector<std::string>& warnings = view.dwell.warnings;
+  const auto count = std::count_if(warnings.begin(), warnings.end(),
+                                   [](const std::string& text) { return text.rfind("not settled: ", 0) != 0; });
+  return static_cast<std::size_t>(count) + (contradicts(view) ? 1 : 0);
 }
 
 std::vector<TextLine> footer(const Controls& controls, std::size_t page, std::size_t pages, std::size_t columns) {
@@ -336,10 +359,9 @@ Page draw(const WatchState& state, const Controls& controls, const Truth* truth,
     if (state.dwell()) {
       const Dwell& dwell = state.dwell()->dwell;
       const bool old = state.old(now_s);
-      const std::string text =
-          (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
-          count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
-          count_of(dwell.warnings.size() + (contradicts(*state.dwell()) ? 1 : 0), "warning", warnings_page, page.pages);
+      const std::string text = (old ? "last seen: " : "") + headline(*state.dwell()) + verdict_of(state) +
+                               count_of(dwell.doubts.size(), "doubt", 0, page.pages) +
+                               count_of(warnings_in(*state.dwell()), "warning", warnings_page, page.pages);
       const Style style = old                     ? Style::old
                           : !dwell.doubts.empty() ? Style::alarm
                           : state.ended()         ? Style::old

@@ -89,8 +89,26 @@ void WatchState::take(DwellView dwell, double now_s) {
   heard_s_ = told_s_ = now_s;
   trend_.take(dwell, now_s);
   deviation_.take(dwell, now_s);
+  keep_verdicts(dwell);
   if (has_coefficients(dwell.dwell)) last_ = dwell;
   dwell_ = std::move(dwell);
+}
+
+void WatchState::keep_verdicts(DwellView& ended) const {
+  if (ended.dwell.state != State::complete || !last_ || last_->dwell.index != ended.dwell.index ||
+      last_->run.start_utc != ended.run.start_utc)
+    return;
+  for (JudgedLimit& limit : ended.limits) {
+    const ElementEstimate* const now = element_of(ended.dwell, limit.element);
+    const ElementEstimate* const then = element_of(last_->dwell, limit.element);
+    const auto known = std::find_if(last_->limits.begin(), last_->limits.end(), [&](const JudgedLimit& l) {
+      return l.element == limit.element && l.kind == limit.kind;
+    });
+    if (now == nullptr || then == nullptr || known == last_->limits.end()) continue;
+    const bool stiffness = limit.kind == CoefficientKind::stiffness;
+    const Coefficient &a = stiffness ? now->stiffness : now->damping, &b = stiffness ? then->stiffness : then->damping;
+    if (a.value == b.value && a.U95 == b.U95) limit = *known;
+  }
 }
 
 void WatchState::take(std::vector<ChannelState> channels, double now_s) {
@@ -122,6 +140,8 @@ double WatchState::age_s(double now_s) const { return now_s - moved_s_; }
 
 std::string WatchState::why_unverified() const {
   if (!dwell_ || !dwell_->model || dwell_->model->verdict != Verdict::not_verified || !unverified_) return {};
+  // The doubts themselves stand above the numbers in full.
+  if (!dwell_->dwell.doubts.empty()) return "the coefficients are doubted";
   if (unverified_->dwell && unverified_->dwell != dwell_->dwell.index) return "it is being verified";
   return unverified_->reason.empty() ? "no reason stated" : unverified_->reason;
 }

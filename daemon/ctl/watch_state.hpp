@@ -131,6 +131,9 @@ class WatchState {
   [[nodiscard]] bool list_old(double heard_s, double now_s) const {
     return !trouble.empty() || now_s - heard_s > kListOld_s;
   }
+  // The limits of the current dwell lose their verdicts when it ends. Those told before are kept where the numbers are
+  // the same.
+  void keep_verdicts(DwellView& ended) const;
   // How old the dwell's newest data are by the service's clock, s; NaN: not known.
   [[nodiscard]] double data_ago_s(const DwellView& view, double now_s) const;
   [[nodiscard]] bool stale() const { return dwell_ && dwell_->age && dwell_->age->stale; }

@@ -35,6 +35,14 @@ ClockView clock_view(const Device& device, const ClockFigures& figures) {
   return view;
 }
 
+// Such numbers are not the transducer's. What the pipeline finds in them is a consequence, so the likely cause is added
+// to its reason.
+void tell_leaps(ChannelView& view) {
+  if (view.condition == Condition::ok) view.condition = Condition::gated;
+  view.condition_reason += std::string(view.condition_reason.empty() ? "" : "; ") +
+                           "its readings differ by factors above 10¹², which no transducer spans: check type and order";
+}
+
 }  // namespace
 
 void DeviceIntake::Heard::lost(std::int64_t t_ns, std::int64_t now_ns) noexcept {
@@ -113,6 +121,7 @@ void DeviceIntake::stop(std::int64_t now_ns) {
 // can.
 void DeviceIntake::heard(const Record& record, std::int64_t now_ns) {
   Heard& from = channel(record);
+  from.leaps.see(record.value);
   if (from.watch.fault() == Fault::untimely) return from.watch.heard(now_ns);
   const std::int64_t stale_ns = record.t_ns - from.watch.missing_since_ns();
   if (!from.watch.sample(record.t_ns, now_ns)) return;
@@ -266,6 +275,7 @@ void DeviceIntake::show(const Rig& rig, const Pipeline& pipeline, const StreamAc
     view.overrange = now.overrange;
     view.condition = now.condition;
     view.condition_reason = pipeline.condition_reason(from.index);
+    if (from.leaps.found()) tell_leaps(view);
     view.rate_hz = from.watch.rate_hz();
     view.clock = clock_view(rig.devices[index_], assembler_.figures(index_, from.index));
     view.half_width_s = from.half_width_s;

@@ -13,6 +13,7 @@
 #include "daemon/acquire/device_link.hpp"
 #include "daemon/estimate/channel_watch.hpp"
 #include "daemon/estimate/device_lines.hpp"
+#include "daemon/estimate/leaps.hpp"
 #include "daemon/estimate/lost_and_faulty.hpp"
 #include "daemon/estimate/snapshot.hpp"
 #include "daemon/estimate/stream_accounts.hpp"
@@ -81,6 +82,7 @@ class DeviceIntake {
     bool stale = false;
     std::int64_t stale_ns = 0;  // of recovered: for how long it had been stale
     bool ever_heard = false;
+    Leaps leaps;
 
     void lost(std::int64_t t_ns, std::int64_t now_ns) noexcept;
     void recover(std::int64_t for_ns) noexcept;

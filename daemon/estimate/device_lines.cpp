@@ -24,7 +24,9 @@ void DeviceLines::fault(Fault fault, std::uint64_t fresh, const std::string& wor
   told_[static_cast<std::size_t>(fault)] = occurrences;
   std::string line = "device " + device_ + ": " + words;
   if (occurrences > 1) line += " (" + std::to_string(occurrences) + " times by now)";
-  log_.warning(line, {{"DWELL_DEVICE", device_}, {"DWELL_FAULT", to_string(fault)}});
+  // The end of a recording is no fault.
+  const Level level = fault == Fault::end_of_data ? Level::info : Level::warning;
+  log_.write(level, line, {{"DWELL_DEVICE", device_}, {"DWELL_FAULT", to_string(fault)}});
 }
 
 void DeviceLines::stale(const std::vector<std::string>& channels, Fault why, const std::string& reason,

@@ -1,5 +1,6 @@
 #include "daemon/estimate/model_work.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/motion/dwell_agreement.hpp"
@@ -18,6 +19,7 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position) {
     } else {
       verification_.take_back(std::move(std::get<VerificationJob>(*job)));
       news_ = verification_.newest();
+      keep_verdict();
     }
   }
   transient_.follow(now);
@@ -33,10 +35,27 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position) {
   }
 }
 
+// Readers may still hold the list, so it is replaced and never altered.
+void ModelWork::keep_verdict() {
+  const auto& newest = verification_.newest();
+  if (!newest || !newest->dwell.index) return;
+  auto models = models_ ? std::make_shared<VerifiedModels>(*models_) : std::make_shared<VerifiedModels>();
+  const auto at = std::lower_bound(models->begin(), models->end(), *newest->dwell.index,
+                                   [](const VerifiedModel& m, int dwell) { return m.dwell < dwell; });
+  const VerifiedModel kept{*newest->dwell.index, in_short(newest->verification)};
+  if (at != models->end() && at->dwell == kept.dwell)
+    *at = kept;
+  else
+    models->insert(at, kept);
+  if (models->size() > kMostVerdicts) models->erase(models->begin());
+  models_ = std::move(models);
+}
+
 void ModelWork::show(const Dwell& now, Snapshot& to) const {
   to.transient = transient_.newest();
   to.transient_agreement = to.transient ? agreement_of(to.transient->estimate, now) : std::nullopt;
   to.verified = verification_.newest();
+  to.models = models_;
 }
 
 }  // namespace dwell

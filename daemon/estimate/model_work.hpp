@@ -3,6 +3,7 @@
 // free, and keeps the results for the next snapshot. It never waits.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,6 +20,9 @@ namespace dwell {
 // Bound to the estimation thread, the slot of `work` apart.
 class ModelWork {
  public:
+  // Dwells of which the verdict on the model is kept, the newest ones: as many as EstimatorOptions keeps dwells.
+  static constexpr std::size_t kMostVerdicts = 1000;
+
   explicit ModelWork(std::shared_ptr<LongWork> work);
 
   // A record that concerns the pipeline: its instant on the run's axis, and its position in the stream of the run.
@@ -46,6 +50,9 @@ class ModelWork {
   const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
   TransientWatch transient_;
   VerificationWatch verification_;
+  void keep_verdict();
+
+  std::shared_ptr<const VerifiedModels> models_;
   std::optional<record::ModelResult> news_;
   bool out_ = false;  // the job in the slot is this one's
 };

@@ -62,6 +62,13 @@ struct RunView {
   std::uint32_t number = 0;  // runs of the session so far
 };
 
+// The newest verdict on the model of each verified dwell of a run, in the order of the dwells.
+struct VerifiedModel {
+  int dwell = 0;  // its index
+  ModelVerdict model;
+};
+using VerifiedModels = std::vector<VerifiedModel>;
+
 using FinishedDwells = std::vector<std::shared_ptr<const Dwell>>;
 
 struct Snapshot {
@@ -76,6 +83,7 @@ struct Snapshot {
   std::shared_ptr<const TransientEstimate> transient;
   std::optional<Agreement> transient_agreement;   // of these with the coefficients of `dwell`; nullopt: not compared
   std::shared_ptr<const VerifiedDwell> verified;  // the newest verification of the run; null: none yet. As `transient`
+  std::shared_ptr<const VerifiedModels> models;   // of the run's dwells; null: none was verified yet
   std::vector<ChannelView> channels;
   std::vector<DeviceView> devices;
   std::shared_ptr<const FinishedDwells> finished;  // oldest first

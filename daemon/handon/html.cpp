@@ -78,7 +78,11 @@ Markup Markup::made(std::string html) {
 
 std::string html_table(const std::vector<Column>& columns, const std::vector<std::vector<Markup>>& rows) {
   const auto cell = [&columns](const char* tag, std::size_t i, const std::string& html) {
-    return open_tag(tag, i < columns.size() && columns[i].number ? "number" : "") + html + "</" + tag + ">";
+    const bool known = i < columns.size();
+    return open_tag(tag, known && columns[i].number  ? "number"
+                         : known && columns[i].whole ? "whole"
+                                                     : "") +
+           html + "</" + tag + ">";
   };
   std::string html = "<table><thead><tr>";
   for (std::size_t i = 0; i < columns.size(); ++i) html += cell("th", i, escaped(columns[i].title));

@@ -27,6 +27,7 @@ class Markup {
 struct Column {
   std::string title;
   bool number = false;  // aligned to the right, never broken
+  bool whole = false;   // never broken: instants and single words
 };
 
 // <table> with a head; rows may be shorter than the columns.

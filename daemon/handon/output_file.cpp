@@ -48,6 +48,7 @@ record::Result<void> may_write(const Target& target) {
   const auto refused = [&target](const char* found) {
     return tl::make_unexpected(target.path + ": " + found + "; expected the name of another file");
   };
+  if (target.path == "-") return refused("standard output is no file: what is written is complete or not there at all");
   // NAME.dwell, NAME.dwell-wal, ledger.dwell-ledger: even a new file of such a name would make a run look altered.
   if (std::filesystem::path(target.path).extension().string().rfind(record::kRunSuffix, 0) == 0)
     return refused("has the name of a run file or of a file beside one: its extension begins with .dwell");

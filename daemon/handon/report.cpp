@@ -33,6 +33,7 @@ thead { display: table-header-group; }
 tr { break-inside: avoid; }
 th, td { text-align: left; vertical-align: top; padding: 0.9mm 2mm 0.9mm 0; border-bottom: 0.2mm solid var(--line); overflow-wrap: anywhere; }
 thead th { color: var(--soft); font-weight: 600; border-bottom-color: var(--soft); overflow-wrap: normal; }
+th.whole, td.whole { white-space: nowrap; overflow-wrap: normal; }
 th.number, td.number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; padding: 0.9mm 2mm 0.9mm 2mm; }
 th.number { white-space: normal; }
 .facts th { width: 38mm; font-weight: 400; color: var(--soft); }
@@ -83,9 +84,13 @@ const char* state_class(const record::Audit& audit) {
   return "tampered";
 }
 
+bool is_amendment(const Selection& selection) { return !selection.header().parent_id.empty(); }
+
 std::string title_of(const Selection& selection) {
   const record::RunHeader& run = selection.header();
-  const std::string number = run.run > 0 ? "Run " + std::to_string(run.run) : "Run " + run.id.substr(0, 8);
+  const std::string number = is_amendment(selection) ? "Amendment of run " + run.parent_id.substr(0, 8)
+                             : run.run > 0           ? "Run " + std::to_string(run.run)
+                                                     : "Run " + run.id.substr(0, 8);
   return run.label.empty() ? number : number + ": " + run.label;
 }
 
@@ -107,20 +112,30 @@ std::string front(const Selection& selection, const RunStory& story, const recor
   std::string html = html_heading(1, title_of(selection));
   html += html_paragraph("Report of a measurement of stiffness and damping on the rig " + selection.rig().name + ".",
                          "lead");
+  if (is_amendment(selection))
+    html +=
+        html_paragraph("Amendment of run " + run.parent_id + ", head " + run.parent_head +
+                       ": its stream was computed again with the rig file below. Readings, losses and faults stand in "
+                       "the file of that run.");
   html += html_paragraph("File as found when this report was made: " + audit_line(audit),
                          std::string("state ") + state_class(audit));
   if (audit.state != record::AuditState::tampered && !audit.trusted)
-    html +=
-        html_paragraph("No key was given to trust: compare the fingerprint with the one that the rig's service shows.");
+    html += html_paragraph(
+        std::string("No key was given to trust: compare the fingerprint with the one that the rig's service "
+                    "shows.") +
+        (audit.of_ledger ? " That the ledger knows the key proves nothing: who forges a run can forge its ledger."
+                         : ""));
   const auto& end = selection.end();
-  html += html_facts(
-      {{"begun", run.start_utc},
-       {"ended", end ? end->utc + ": " + end->why : std::string("not closed: still recorded, or cut off")},
-       {"duration", seconds_text(story.end_s - story.begin_s, 1)},
-       {"samples", std::to_string(story.samples) + " of " + std::to_string(story.traces.size()) + " channels"},
-       {"dwells", std::to_string(story.dwells.size() + story.dwells_left_out)},
-       {"file", selection.path()},
-       {"report made", provenance.made_utc + " by " + provenance.program}});
+  html +=
+      html_facts({{"begun", run.start_utc},
+                  {"ended", end ? end->utc + ": " + end->why : std::string("not closed: still recorded, or cut off")},
+                  {is_amendment(selection) ? "covers" : "duration", seconds_text(story.span_s, 1)},
+                  {"samples", is_amendment(selection) ? std::string()
+                                                      : std::to_string(story.samples) + " of " +
+                                                            std::to_string(story.traces.size()) + " channels"},
+                  {"dwells", std::to_string(story.dwells.size() + story.dwells_left_out)},
+                  {"file", selection.path()},
+                  {"report made", provenance.made_utc + " by " + provenance.program}});
   return html;
 }
 
@@ -163,9 +178,9 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   html += dwells(story);
   html += report_conditions(selection);
   html += report_channels(selection, story);
-  html += traces(selection, story);
+  if (!is_amendment(selection)) html += traces(selection, story);
   html += report_models(story);
-  html += report_losses(selection, story);
+  if (!is_amendment(selection)) html += report_losses(selection, story);
   html += report_events(story);
   html += report_audit(selection, story, audit);
   html += "<div class=\"sign\"><div>name</div><div>date</div><div>signature</div></div>\n";

@@ -7,6 +7,7 @@
 #include "daemon/handon/html.hpp"
 #include "daemon/handon/picture.hpp"
 #include "daemon/handon/report.hpp"
+#include "daemon/record/folded_events.hpp"
 #include "daemon/record/stream_events.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/stored_model_text.hpp"
@@ -97,6 +98,7 @@ std::string report_conditions(const Selection& selection) {
 
 std::string report_channels(const Selection& selection, const RunStory& story) {
   const Rig& rig = selection.rig();
+  const bool of_stream = selection.header().parent_id.empty();  // else the samples stand in the parent's file
   std::vector<std::vector<Markup>> rows;
   for (std::size_t i = 0; i < rig.channels.size(); ++i) {
     const Channel& c = rig.channels[i];
@@ -106,18 +108,13 @@ std::string report_channels(const Selection& selection, const RunStory& story) {
         (c.offset != 0.0 ? (c.offset > 0.0 ? " · raw + " : " · raw − ") + shortest(std::fabs(c.offset)) : " · raw");
     if (c.scale_u_stated) scale += "; u " + axis_number(100.0 * c.scale_u) + " %";
     rows.push_back({std::to_string(i + 1), c.name, measurand_text(c), pretty_unit(c.unit), scale, response_text(rig, c),
-                    calibration(c, selection.header().start_utc), device, std::to_string(story.traces[i].count())});
+                    calibration(c, selection.header().start_utc), device});
+    if (of_stream) rows.back().push_back(std::to_string(story.traces[i].count()));
   }
-  return html_heading(2, "Channels") + html_table({{"", true},
-                                                   {"channel"},
-                                                   {"measures"},
-                                                   {"unit"},
-                                                   {"in unit"},
-                                                   {"response"},
-                                                   {"calibration"},
-                                                   {"device"},
-                                                   {"samples", true}},
-                                                  rows);
+  std::vector<Column> columns{{"", true},  {"channel"},  {"measures"},    {"unit"},
+                              {"in unit"}, {"response"}, {"calibration"}, {"device", false, true}};
+  if (of_stream) columns.push_back({"samples", true});
+  return html_heading(2, "Channels") + html_table(columns, rows);
 }
 
 std::string report_losses(const Selection& selection, const RunStory& story) {
@@ -143,7 +140,7 @@ std::string report_models(const RunStory& story) {
     rows.push_back({model.utc, model.kind, stored_model_text(model.kind, model.from, model.result)});
   return html_heading(2, "Estimates and verifications") +
          html_paragraph("Coefficients from transients, and verifications, as they were published during the run.") +
-         html_table({{"when"}, {"what"}, {"text"}}, rows) +
+         html_table({{"when", false, true}, {"what", false, true}, {"text"}}, rows) +
          (story.models_left_out == 0
               ? std::string()
               : html_paragraph("and " + std::to_string(story.models_left_out) + " more, which are in the run file"));
@@ -152,14 +149,17 @@ std::string report_models(const RunStory& story) {
 std::string report_events(const RunStory& story) {
   std::string html = html_heading(2, "Events");
   std::vector<std::vector<Markup>> rows;
-  for (const record::StoredEvent& event : story.events) {
+  for (const record::FoldedEvent& folded : record::folded(story.events)) {
+    const record::StoredEvent& event = folded.event;
     std::string text = event.text;
+    const bool same_day = folded.last_utc.size() > 11 && event.utc.compare(0, 11, folded.last_utc, 0, 11) == 0;
+    if (folded.entries > 1) text += ", up to " + (same_day ? folded.last_utc.substr(11) : folded.last_utc);
     if (!event.before.empty() || !event.after.empty()) text += "; before: " + event.before + ", after: " + event.after;
     if (!event.comment.empty()) text += "; comment: " + event.comment;
     rows.push_back({event.utc, event.what, text, event.person ? record::who(*event.person) : std::string()});
   }
   if (rows.empty()) return html + html_paragraph("None.");
-  html += html_table({{"when"}, {"what"}, {"text"}, {"who"}}, rows);
+  html += html_table({{"when", false, true}, {"what", false, true}, {"text"}, {"who"}}, rows);
   if (story.events_left_out > 0)
     html += html_paragraph("and " + std::to_string(story.events_left_out) + " more, which are in the run file");
   return html;

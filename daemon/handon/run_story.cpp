@@ -15,6 +15,7 @@ Result<void> read_stream(Selection& selection, RunStory& story, const Progress& 
   story.traces.resize(channels.size());
   story.begin_s = selection.axis_s(begin_ns);
   story.end_s = selection.axis_s(selection.reader().end_ns());
+  story.span_s = selection.reader().span_s().value_or(0.0);
   return selection.records(
       [&](const Record& record) {
         if (record.kind == Kind::sample) {
@@ -32,7 +33,7 @@ Result<void> read_stream(Selection& selection, RunStory& story, const Progress& 
 }
 
 // The dwells that ended; and of a run that was cut off, the last dwell in its last state.
-Result<void> read_dwells(Selection& selection, RunStory& story) {
+Result<void> read_dwells(Selection& selection, RunStory& story, std::size_t& room) {
   std::optional<DwellView> unfinished;
   const auto take = [&story](DwellView view) {
     if (story.dwells.size() < RunStory::kDwells) {
@@ -42,8 +43,13 @@ Result<void> read_dwells(Selection& selection, RunStory& story) {
     }
   };
   auto done = selection.reader().results(false, [&](const record::StoredResult& result) {
+    if (result.dwell.size() > room) {
+      story.dwells_left_out += result.final ? 1 : 0;
+      return true;
+    }
     auto view = parse_dwell(result.dwell);
     if (!view || !view->dwell.index) return true;
+    if (result.final) room -= result.dwell.size();
     unfinished.reset();
     if (result.final) {
       take(std::move(*view));
@@ -61,19 +67,23 @@ Result<void> read_dwells(Selection& selection, RunStory& story) {
 Result<RunStory> tell_run(Selection& selection, const Progress& progress) {
   RunStory story;
   if (auto done = read_stream(selection, story, progress); !done) return tl::make_unexpected(done.error());
-  if (auto done = read_dwells(selection, story); !done) return tl::make_unexpected(done.error());
+  std::size_t room = RunStory::kStoredBytes;
+  if (auto done = read_dwells(selection, story, room); !done) return tl::make_unexpected(done.error());
   auto done = selection.reader().events([&story](const record::StoredEvent& event) {
     if (story.events.size() < RunStory::kEvents) {
       story.events.push_back(event);
+      record::shorten(story.events.back(), RunStory::kEventBytes);
     } else {
       ++story.events_left_out;
     }
     return true;
   });
   if (!done) return tl::make_unexpected(done.error());
-  auto models = selection.reader().models([&story](const record::StoredModel& model) {
-    if (story.models.size() < RunStory::kModels) {
+  auto models = selection.reader().models([&](const record::StoredModel& model) {
+    const std::size_t size = model.from.size() + model.result.size();
+    if (story.models.size() < RunStory::kModels && size <= room) {
       story.models.push_back(model);
+      room -= size;
     } else {
       ++story.models_left_out;
     }

@@ -20,8 +20,15 @@ struct RunStory {
   static constexpr std::size_t kModels = 1000;
   static constexpr std::size_t kDwells = 500;
 
+  // Bounds of what a report takes from a hostile file, bytes. kEventBytes: each text of an event; a longer one is cut.
+  // kStoredBytes: the dwells, estimates and verifications together, as they are stored; what exceeds it is left out and
+  // counted.
+  static constexpr std::size_t kEventBytes = 2000;
+  static constexpr std::size_t kStoredBytes = 64'000'000;
+
   double begin_s = 0.0, end_s = 0.0;  // on the run's axis
   std::vector<Trace> traces;          // one per channel
+  double span_s = 0.0;                // RunReader::span_s(); 0: not known
   std::uint64_t samples = 0;
   std::map<std::pair<std::uint16_t, Loss>, double> lost;     // by channel and why
   std::map<std::pair<std::uint16_t, Fault>, double> faults;  // by device and which

@@ -88,6 +88,10 @@ Result<void> Selection::narrow(const Range& range) {
   };
   from_ns_ = on_clock(span.start_s, INT64_MIN);
   to_ns_ = on_clock(span.end_s, INT64_MAX);
+  if (from_ns_ > reader_.end_ns() || to_ns_ < reader_.begin_ns())
+    return wrong(path_, "the range lies outside of the run, which is from " +
+                            seconds_text(axis_s(reader_.begin_ns()), 3) + " to " +
+                            seconds_text(axis_s(reader_.end_ns()), 3));
   return {};
 }
 
@@ -138,7 +142,7 @@ std::string audit_line(const record::Audit& audit) {
     case record::AuditState::tampered:
       return "tampered: " + audit.where;
   }
-  return line + ", key " + audit.key + (audit.trusted ? " trusted" : " not trusted");
+  return line + ", " + key_verdict(audit);
 }
 
 std::string place_text(int at) {

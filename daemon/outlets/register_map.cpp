@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/rig/limit.hpp"
 #include "daemon/alarms/alarm_list.hpp"
 #include "daemon/serve/element_standing.hpp"
 
@@ -84,6 +85,21 @@ double status_code(const Source& s) {
   return 5;
 }
 
+// The bits of register 23, as its text has them. 0 if the dwell is stale: then no limit has a verdict.
+double limits_word(const Source& s) {
+  constexpr unsigned kSomeUndecided = 1U << 14U, kSomeViolated = 1U << 15U;
+  unsigned bits = 0;
+  if (is_stale(s.now)) return 0;
+  for (const JudgedLimit& limit : judge_limits_now(s.now.rig, s.now.snapshot.dwell)) {
+    if (limit.verdict == LimitVerdict::undecided) bits |= kSomeUndecided;
+    if (limit.verdict != LimitVerdict::violated) continue;
+    bits |= kSomeViolated;
+    const int place = limit.element - s.k;
+    if (place >= 0 && place < static_cast<int>(kElementsPerPage)) bits |= 1U << static_cast<unsigned>(place);
+  }
+  return bits;
+}
+
 double generation(const Source& s) { return s.generation; }
 
 constexpr auto kWord = RegisterType::word;
@@ -92,7 +108,8 @@ constexpr auto kReal = RegisterType::real;
 
 constexpr Register kHeader[] = {
     {0, kWord, "generation", "", "counts the images of the registers; every register may change with it", generation},
-    {1, kWord, "version", "", "of this table: 1", [](const Source&) { return double{kMapVersion}; }},
+    {1, kWord, "version", "", "of this table: 2; in version 1 there was no register 23",
+     [](const Source&) { return double{kMapVersion}; }},
     {2, kWord, "heartbeat", "",
      "changes with every estimate, once in the rig file's update. While it stands still, the service measures nothing",
      [](const Source& s) { return static_cast<double>(s.now.snapshot.sequence & 0xffffU); }},
@@ -122,6 +139,10 @@ constexpr Register kHeader[] = {
      [](const Source& s) { return s.now.snapshot.run.bracketed ? double(s.now.snapshot.run.number) : 0.0; }},
     {22, kWord, "alarms", "", "that wait for somebody to acknowledge them",
      [](const Source& s) { return s.now.alarms == nullptr ? 0.0 : double(s.now.alarms->unacknowledged()); }},
+    {23, kWord, "limits", "",
+     "bit 0 to 9: a limit of element first + 0 to 9 is violated. bit 14: some limit of the rig is undecided. bit 15: "
+     "some limit of the rig is violated. Only while a dwell is measured; a doubted number violates nothing",
+     limits_word},
 };
 
 constexpr Register kElement[] = {

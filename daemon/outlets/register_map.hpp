@@ -22,8 +22,9 @@ namespace dwell {
 
 inline constexpr std::size_t kPageStride = 200, kPageRegisters = 125, kHeaderRegisters = 24;
 inline constexpr std::size_t kElementsPerPage = 10, kElementRegisters = 10;
-// Raised when a register gets another meaning. A register that has always been 0 may get one without.
-inline constexpr std::uint16_t kMapVersion = 1;
+// Raised when a register gets another meaning. Also when one that was always 0 gets a meaning in which 0 says
+// something: a reader must know which 0 it is. 2: register 23.
+inline constexpr std::uint16_t kMapVersion = 2;
 
 enum class RegisterType : std::uint8_t {
   word,   // uint16, one register

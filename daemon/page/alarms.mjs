@@ -26,9 +26,23 @@ export function alarmRows(list, nowMs) {
   });
 }
 
-// For the head, with the first one that waits; null: nobody has to look at an alarm.
+// For the head, { tone, text }, with the first one that waits; null: nobody has to look at an alarm. One that is over is
+// told as such: what it says does not hold any longer. The service lists those that last before them.
 export function waitingText(list) {
-  const n = list?.unacknowledged ?? 0;
-  if (n === 0) return null;
-  return `${n} ${n > 1 ? 'alarms' : 'alarm'} not acknowledged${list.alarms.length > 0 ? `: ${list.alarms[0].text}${n > 1 ? ' …' : ''}` : ''}`;
+  const waiting = list?.unacknowledged ?? 0;
+  if (waiting === 0) return null;
+  const over = list.alarms.filter((a) => a.state === 'returned-unacknowledged').length;
+  const active = waiting - over;
+  const first = list.alarms.length > 0 ? list.alarms[0].text : null;
+  const of = (n, words) => `${n} ${n > 1 ? 'alarms' : 'alarm'} not acknowledged${first === null ? '' : `${words}${first}${n > 1 ? ' …' : ''}`}`;
+  if (active === 0) return { tone: 'care', text: of(over, ', over: ') };
+  return { tone: 'alarm', text: `${of(active, ': ')}${over > 0 ? `; ${over} more over` : ''}` };
+}
+
+// How an alarm is acknowledged where the page has no button for it; '': it has, or nothing waits. rights: as
+// /api/v1/rights tells them; host: that the page came from.
+export function howToAcknowledge(list, rights, host) {
+  if (!list?.unacknowledged || rights.change) return '';
+  const here = /^(localhost|127\..*|\[::1\])$/.test(host) ? 'this computer' : 'the computer of the service';
+  return `To acknowledge: ${rights.token ? 'log in below, or ' : ''}dwellctl acknowledge NAME on ${here}. Each alarm has its NAME beside it.`;
 }

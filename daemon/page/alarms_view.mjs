@@ -1,5 +1,5 @@
 // The alarms on the page, and their acknowledgement by whoever has the right.
-import { alarmRows, waitingText } from './alarms.mjs';
+import { alarmRows, howToAcknowledge, waitingText } from './alarms.mjs';
 import { h, keyed, setAttributes, setText, show } from './dom.mjs';
 import { ageText } from './number.mjs';
 import { give, noteText, whileDisabled } from './order.mjs';
@@ -25,7 +25,7 @@ function makeRow({ name }, changed) {
     note = noteOf(name, why);
     changed();
   });
-  return h('li', {}, h('div', {}, h('strong', { class: 'word' }), ' ', h('span', { class: 'text' }), h('span', { class: 'small when' })), button);
+  return h('li', {}, h('div', {}, h('strong', { class: 'word' }), ' ', h('span', { class: 'text' }), ' ', h('code', {}), h('span', { class: 'small when' })), button);
 }
 
 // The place in the list that has the focus; −1: none has.
@@ -39,13 +39,16 @@ function focusNear(place) {
 }
 
 // changed: called when something was acknowledged: the list has news.
-export function showAlarms({ alarms, mayChange, fresh, now, nowMs }, changed) {
+export function showAlarms({ alarms, rights, fresh, now, nowMs }, changed) {
   now_s = now;
   const rows = alarmRows(alarms, nowMs);
   const old = fresh.answersOld(now);
   const waiting = waitingText(alarms);
   show($('alarm-line'), waiting !== null);
-  setText($('alarm-link'), waiting === null ? '' : `${old ? `when last heard, ${ageText(fresh.answersAge_s(now))} ago: ` : ''}${waiting}`);
+  setAttributes($('alarm-line'), { 'data-tone': waiting?.tone ?? 'calm' });
+  setText($('alarm-link'), waiting === null ? '' : `${old ? `when last heard, ${ageText(fresh.answersAge_s(now))} ago: ` : ''}${waiting.text}`);
+  const how = howToAcknowledge(alarms, rights, location.hostname);
+  setText($('alarms-how'), how);
   const said = noteText(note, now);
   setText($('alarms-note'), said);
   show($('alarms'), rows.length > 0 || said !== '');
@@ -58,8 +61,9 @@ export function showAlarms({ alarms, mayChange, fresh, now, nowMs }, changed) {
     const [words, button] = node.children;
     setText(words.children[0], row.word);
     setText(words.children[1], row.text);
-    setText(words.children[2], row.when);
-    show(button, row.waits && mayChange && !old);
+    setText(words.children[2], how && row.waits ? row.name : '');
+    setText(words.children[3], row.when);
+    show(button, row.waits && rights.change && !old);
     button.disabled = underWay.has(row.name);
   });
   // The alarm that had the focus is acknowledged or gone.

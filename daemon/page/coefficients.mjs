@@ -1,7 +1,7 @@
 // What stands in the table of coefficients: numbers, or the reason in place of the number, and beside each element what
 // concerns it. Pure.
 import { limitOf } from './limits.mjs';
-import { isGeneral, utcMs, whom } from './wording.mjs';
+import { hasEnded, isGeneral, modelOf, utcMs, whom } from './wording.mjs';
 import { ageText, isNumber, numberText, secondsText } from './number.mjs';
 
 // c_1, r_1 … of an element, as people write them.
@@ -43,27 +43,34 @@ export const generalWarnings = (dwell) => unsaid(dwell).filter((text) => !namesS
 export const keyOf = (dwell) => `${dwell.start_utc} ${dwell.index}`;
 
 // The doubts that concern an element.
-const about = (doubts, k) => doubts.filter((d) => d.elements.length === 0 || d.elements.includes(k));
+export const about = (doubts, k) => doubts.filter((d) => d.elements.length === 0 || d.elements.includes(k));
+
+const limitsAbout = (limits, k) => (limits ?? []).filter((limit) => limit.element === k);
 
 // Coefficients that a dwell or its transient gives, remembered for when they are withdrawn: an operator must see that the
 // number before his eyes a second ago is gone, and from when it was.
 export class LastNumbers {
   key = null; // of their dwell
   index = null;
-  elements = []; // as in a dwell; where there is a number, also when it was new (seen) and the doubts about it then
+  elements = []; // as in a dwell; where there is a number, also when it was new (seen), its doubts and its limits then
+  model = null; // the verdict on their dwell's model, as in a dwell
   t = null; // when the newest of them were new, s of the page's clock
   ended_by = null;
+  unstated = []; // uncertainties that their ± does not cover
   #end_s = null; // end of the data that they come from, s on the run's axis
 
   take(dwell, now, nowMs) {
     const ended_ms = dwell.state === 'complete' ? utcMs(dwell, dwell.end_s) : null;
-    if (ended_ms !== null) return this.takeEnded(dwell, ended_ms, now, nowMs);
+    // The current dwell's limits have a verdict only while it is measured: the list of dwells brings those of its result.
+    if (ended_ms !== null) return this.takeEnded({ ...dwell, limits: null }, ended_ms, now, nowMs);
     if (dwell.settled_s === null || dwell.elements.length === 0) return;
     const same = this.key === keyOf(dwell);
     const t = this.#newAt(dwell, now, nowMs, same);
     const before = same ? new Map(this.elements.map((e) => [e.k, e])) : new Map();
-    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: t, doubts: about(dwell.doubts, e.k) } : before.get(e.k) ?? e));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null });
+    this.elements = dwell.elements.map((e) => (e.identifiable ? { ...e, seen: t, doubts: about(dwell.doubts, e.k),
+      limits: limitsAbout(dwell.limits, e.k) } : before.get(e.k) ?? e));
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: null, model: dwell.model ?? (same ? this.model : null),
+      unstated: dwell.unstated ?? [] });
     this.#end_s = dwell.end_s;
   }
 
@@ -81,7 +88,8 @@ export class LastNumbers {
   }
 
   // A dwell that has ended: before the page was opened, or as it was seen. The service cuts its data back to before the
-  // drive changed, so its last numbers and doubts replace those that were told live.
+  // drive changed, so its last numbers and doubts replace those that were told live. limits: null: not known; then those
+  // of the same numbers stay.
   takeEnded(dwell, ended_ms, now, nowMs) {
     const same = this.key === keyOf(dwell);
     const none = dwell.settled_s === null || dwell.elements.length === 0;
@@ -89,8 +97,13 @@ export class LastNumbers {
     if (!same && (none || (this.t !== null && this.t > t))) return;
     const elements = !none ? dwell.elements
       : this.elements.map(({ k }) => ({ k, identifiable: false, reason: 'too few of its data count' }));
-    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by,
-      elements: elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k) })) });
+    const before = same ? this.elements : [];
+    const limitsOf = (e) => (dwell.limits === null
+      ? before.find((b) => b.k === e.k && COEFFICIENTS.every(({ key }) => b[key]?.value === e[key]?.value))?.limits ?? []
+      : limitsAbout(dwell.limits, e.k));
+    Object.assign(this, { key: keyOf(dwell), index: dwell.index, t, ended_by: dwell.ended_by, model: dwell.model ?? (same ? this.model : null),
+      unstated: dwell.unstated ?? [],
+      elements: elements.map((e) => ({ ...e, seen: t, doubts: about(dwell.doubts, e.k), limits: limitsOf(e) })) });
     this.#end_s = dwell.end_s;
   }
 
@@ -100,15 +113,15 @@ export class LastNumbers {
   }
 }
 
-const marksOf = (coefficient, doubted) =>
+export const marksOf = (coefficient, doubted) =>
   [...(coefficient.significant === false ? ['n.s.'] : []), ...(doubted ? ['?'] : [])];
 
-// dwell: whose limits stand beside the numbers; null: none do.
-function cellsOf(element, doubted, struckAge, dwell = null) {
+// limits: as in a dwell; they stand beside the numbers.
+function cellsOf(element, doubted, struckAge, limits = []) {
   return COEFFICIENTS.map(({ key, letter, name }) => {
     const coefficient = element[key];
     const cell = { of: [key, element.k], symbol: letter + subscript(element.k), name, number: null, struck: struckAge, marks: [],
-      limit: dwell && element.identifiable ? limitOf(dwell, key, element.k) : null };
+      limit: element.identifiable ? limitOf({ limits }, key, element.k) : null };
     if (element.identifiable && coefficient && isNumber(coefficient.value)) {
       cell.number = numberText(coefficient.value, coefficient.U95, coefficient.unit);
       cell.marks = marksOf(coefficient, doubted);
@@ -117,19 +130,37 @@ function cellsOf(element, doubted, struckAge, dwell = null) {
   });
 }
 
-// { source, title, reason, elements: [{ k, reason, cells, last, notes }] }
+const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
+
+// What stands below the numbers. shown: as coefficientsOf() gives it.
+export function legendOf(shown) {
+  if (shown.elements.length === 0) return '';
+  const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
+  const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
+  for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
+  if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
+    parts.push('struck through: no longer renewed; its age stands beside it');
+  if (shown.unstated.length > 0)
+    parts.push(`± covers noise, clock and what the rig file states; not stated: ${shown.unstated.join(', ')}`);
+  return `${parts.join('. ')}.`;
+}
+
+// { source, title, notes, reason, unstated, elements: [{ k, reason, cells, last, notes }] }
 //   source  'measured', 'transient', 'last' or 'none'
+//   notes   { tone, text }: of 'last': the doubts, and the verdict on the model; the head tells those of a dwell of now
+//   unstated  uncertainties that no ± of these numbers covers
 //   cells   symbol, name, number (as numberText gives it; null: withheld), struck (null, or the age as text), marks,
 //           limit (as limitOf gives it)
 //   last    the cells as they were, struck, where the number is withheld now
-// view: { dwell, fresh, now, last: LastNumbers, broken: a channel that counts is gone, refused: nobody is logged in }
-export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
-  const none = (reason) => ({ source: 'none', title: '', reason, elements: [] });
+// view: { dwell, health, fresh, now, last: LastNumbers, verification: the newest, broken: a channel that counts is gone,
+// refused: nobody is logged in }
+export function coefficientsOf({ dwell, health, fresh, now, last, verification, broken, refused }) {
+  const none = (reason) => ({ source: 'none', title: '', notes: [], reason, unstated: [], elements: [] });
   if (!dwell) return none(refused ? 'nobody is logged in' : 'the service has not told of a dwell yet');
   const old = fresh.dwellOld(now);
   const age = old ? ageText(fresh.dwellAge_s(now)) : null;
 
-  const shown = (elements, source, title) => ({ source, title, reason: null, elements: elements.map((e) => {
+  const shown = (elements, source, title) => ({ source, title, notes: [], reason: null, unstated: dwell.unstated, elements: elements.map((e) => {
     const doubts = dwell.doubts.filter((d) => d.elements.includes(e.k));
     const doubted = about(dwell.doubts, e.k).length > 0;
     const before = source === 'measured' && !e.identifiable && last.key === keyOf(dwell)
@@ -137,9 +168,9 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
     return {
       k: e.k,
       reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, doubted, age, source === 'measured' ? dwell : null),
+      cells: cellsOf(e, doubted, age, source === 'measured' ? dwell.limits ?? [] : []),
       budget: e.budget ?? [],
-      last: before ? cellsOf(before, before.doubts.length > 0, ageText(now - before.seen)) : null,
+      last: before ? cellsOf(before, before.doubts.length > 0, ageText(now - before.seen), before.limits) : null,
       notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on this: ${isGeneral(d) ? 'see above' : d.what}` })),
         ...dwell.warnings.filter((text) => namesElement(text, e.k) && !dwell.doubts.some((d) => d.what === text))
           .map((text) => ({ tone: 'care', text }))],
@@ -158,19 +189,26 @@ export function coefficientsOf({ dwell, fresh, now, last, broken, refused }) {
     return none(`settling: ${dwell.settling_reason || 'the transient is not over'}`);
 
   if (last.t === null) return none(dwell.settling_reason || 'nothing has been measured yet');
-  const gone = old || broken || dwell.state === 'fault';
+  // After a recording was played to its end nothing more is expected.
+  const played = hasEnded(health);
+  const gone = old || (!played && (broken || dwell.state === 'fault'));
   const lastAge = ageText(now - last.t);
   // A dwell that has ended is told on only after the run was stopped, with that as its reason. If the stop ended it, its
   // own cause, the end of the data, says nothing more.
   const stopped = dwell.state === 'complete' && last.key === keyOf(dwell) ? dwell.settling_reason : '';
-  const causes = [stopped && last.ended_by === 'end' ? '' : last.ended_by, stopped].filter(Boolean);
+  const cause = played && last.ended_by === 'data lost' ? 'the recording ended' : last.ended_by;
+  const causes = [stopped && cause === 'end' ? '' : cause, stopped].filter(Boolean);
+  const doubts = last.doubts();
+  const model = modelOf({ ...last, doubts, state: 'complete' }, verification ?? null);
   return {
     source: 'last',
-    title: `last dwell: ${last.index}, ended ${lastAge} ago${causes.length > 0 ? `: ${causes.join('; ')}` : ''}${
-      last.doubts().map((d) => `; do not rely on ${whom([d])}: ${d.what}`).join('')}`,
+    title: `last dwell: ${last.index}, ended ${lastAge} ago${causes.length > 0 ? `: ${causes.join('; ')}` : ''}`,
+    notes: [...doubts.map((d) => ({ tone: 'alarm', text: `do not rely on ${whom([d])}: ${d.what}` })),
+      ...(model ? [{ tone: model.tone, text: `model: ${model.text}` }] : [])],
     reason: null,
+    unstated: last.unstated,
     elements: last.elements.map((e) => ({ k: e.k, reason: e.identifiable ? null : e.reason ?? 'no reason stated',
-      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null), last: null, notes: [],
+      cells: cellsOf(e, e.doubts?.length > 0, gone ? lastAge : null, e.limits), last: null, notes: [],
       budget: [] })),
   };
 }

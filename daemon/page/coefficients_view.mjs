@@ -1,6 +1,6 @@
 // The coefficients on the page: coefficients.mjs decides what stands there, this puts it there.
 import { budgetOf } from './budget.mjs';
-import { COEFFICIENTS, coefficientsOf, generalWarnings, subscript } from './coefficients.mjs';
+import { COEFFICIENTS, coefficientsOf, generalWarnings, legendOf, subscript } from './coefficients.mjs';
 import { h, keyed, s, setAttributes, setText, show } from './dom.mjs';
 import { trendPaths } from './history.mjs';
 import { percentText } from './number.mjs';
@@ -9,7 +9,6 @@ const $ = (id) => document.getElementById(id);
 
 const TREND = { width: 160, height: 32 };
 const SHORT = 36; // letters: a longer text of a deviation takes several lines
-const MARKS = { 'n.s.': 'not significant: smaller than its standard uncertainty', '?': 'do not rely on it' };
 
 // Parts of a number apart, so that they can be aligned and the unit stand smaller.
 export function makeNumber() {
@@ -19,7 +18,7 @@ export function makeNumber() {
 
 export function renewNumber(node, { number, struck, marks = [] }) {
   const [value, pm, unit, mark, age] = node.children;
-  setAttributes(node, { class: struck ? 'number struck' : 'number' });
+  setAttributes(node, { class: `number${struck ? ' struck' : ''}${marks.includes('?') ? ' doubted' : ''}` });
   setText(value, number.value);
   setText(pm, number.u ? ` ± ${number.u}` : '');
   setText(unit, number.unit ? ` ${number.unit}` : '');
@@ -100,23 +99,13 @@ function renewElement(node, element, view, source) {
 // Said above numbers that are not simply those of now.
 const FROM = { transient: 'provisional', last: 'not of now' };
 
-function legendOf(shown, dwell) {
-  if (shown.elements.length === 0) return '';
-  const parts = ['± is the half width of the 95 % interval, if the rig is as its file says'];
-  const marks = new Set(shown.elements.flatMap((e) => e.cells.flatMap((cell) => cell.marks)));
-  for (const mark of marks) parts.push(`${mark}: ${MARKS[mark]}`);
-  if (shown.elements.some((e) => e.last || e.cells.some((cell) => cell.struck)))
-    parts.push('struck through: no longer renewed; its age stands beside it');
-  if (shown.source !== 'last' && dwell.unstated.length > 0)
-    parts.push(`± covers noise, clock and what the rig file states; not stated: ${dwell.unstated.join(', ')}`);
-  return `${parts.join('. ')}.`;
-}
-
 export function showCoefficients(view) {
   const shown = coefficientsOf(view);
   setAttributes($('coefficients'), { 'data-source': shown.source });
   show($('coefficients-from'), Boolean(FROM[shown.source]));
   setText($('coefficients-from'), `${FROM[shown.source]} · ${shown.title}`);
+  show($('last-notes'), shown.notes.length > 0);
+  keyed($('last-notes'), shown.notes, (note) => note.tone + note.text, (note) => h('li', { 'data-tone': note.tone }, note.text));
   setText($('coefficients-none'), shown.reason ? `No coefficients: ${shown.reason}` : '');
   show($('coefficients-none'), shown.reason !== null);
   keyed($('elements'), shown.elements, (element) => element.k, makeElement,
@@ -124,5 +113,5 @@ export function showCoefficients(view) {
   const warnings = view.dwell ? generalWarnings(view.dwell) : [];
   show($('warnings'), warnings.length > 0);
   keyed($('warnings'), warnings, (text) => text, (text) => h('li', { 'data-tone': 'care' }, text));
-  setText($('legend'), legendOf(shown, view.dwell));
+  setText($('legend'), legendOf(shown));
 }

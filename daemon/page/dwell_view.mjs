@@ -1,29 +1,40 @@
 // One finished dwell, opened from the list: everything the service keeps of it.
 import { budgetOf } from './budget.mjs';
-import { COEFFICIENTS, subscript } from './coefficients.mjs';
+import { about, COEFFICIENTS, marksOf, subscript } from './coefficients.mjs';
 import { h, setText } from './dom.mjs';
+import { limitOf } from './limits.mjs';
 import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
+import { modelOf, whom } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 
-const line = (name, text) => h('div', {}, h('dt', {}, name), h('dd', {}, text));
+const line = (name, text, tone = 'calm') => h('div', { 'data-tone': tone }, h('dt', {}, name), h('dd', {}, text));
 
-function elementItem(e) {
+// A coefficient and, below it, the verdict on its limit.
+function coefficientParts(d, e, { key, letter }) {
+  const marks = marksOf(e[key], about(d.doubts, e.k).length > 0).map((mark) => ` ${mark}`).join('');
+  const limit = limitOf(d, key, e.k);
+  return [h('span', { class: marks.includes('?') ? 'part doubted' : 'part' },
+    `${letter}${subscript(e.k)} = ${joined(numberText(e[key].value, e[key].U95, e[key].unit))}${marks}`),
+  limit ? h('span', { class: 'limit', 'data-verdict': limit.verdict }, limit.text) : null];
+}
+
+function elementItem(d, e) {
   if (!e.identifiable) return h('li', {}, `Element ${e.k}: no coefficients: ${e.reason}`);
-  return h('li', {}, COEFFICIENTS.map(({ key, letter }) =>
-    `${letter}${subscript(e.k)} = ${joined(numberText(e[key].value, e[key].U95, e[key].unit))}`).join(', '));
+  return h('li', {}, ...COEFFICIENTS.flatMap((coefficient) => coefficientParts(d, e, coefficient)));
 }
 
 function contentOf(d) {
   const settled = d.settled_s !== null;
+  const model = modelOf({ ...d, state: 'complete' }, null);
   return [
-    h('ul', { class: 'notes' }, ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${
-      doubt.elements.length ? `element ${doubt.elements.join(', ')}` : 'any element'}: ${doubt.what}`)),
+    h('ul', { class: 'notes' }, ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${whom([doubt])}: ${doubt.what}`)),
     ...d.warnings.filter((text) => !d.doubts.some((doubt) => doubt.what === text)).map((text) => h('li', { 'data-tone': 'care' }, text))),
-    h('ul', { class: 'plain' }, ...d.elements.map(elementItem)),
+    h('ul', { class: 'plain' }, ...d.elements.map((e) => elementItem(d, e))),
     h('dl', { class: 'facts' },
       line('data', settled ? `${secondsText(d.settled_s, 2)} to ${secondsText(d.end_s, 2)} of the run` : 'never settled'),
       line('settling', d.settling_reason || NO_NUMBER),
+      ...(model ? [line('model', model.text, model.tone)] : []),
       line('frequency', joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz'))),
       line('ended by', d.ended_by),
       line('phasors', d.phasors.map((p) => `${p.channel} ${p.valid ? plainText(p.amplitude, p.unit, 4) : NO_NUMBER}`).join(', ')),

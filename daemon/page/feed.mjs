@@ -39,6 +39,7 @@ export class Feed {
   #nextEvent = 0;
   #ahead_ms = 0; // the service's clock before this computer's
   #told = '';
+  #model = ''; // the verdict on it, as told last
 
   #traces;
 
@@ -91,7 +92,10 @@ export class Feed {
     this.fresh.tookDwell(dwell, now);
     this.last.take(dwell, now, this.nowMs());
     this.history.take(dwell, this.nowMs());
-    const told = `${dwell.start_utc} ${dwell.index} ${dwell.state} ${dwell.model?.verdict}`;
+    const model = JSON.stringify(dwell.model);
+    if (model !== this.#model) this.verification = null; // its reason is of the figures before
+    this.#model = model;
+    const told = `${dwell.start_utc} ${dwell.index} ${dwell.state} ${model}`;
     if (told !== this.#told) this.#seldom_s = -Infinity; // something has ended or begun: the lists have news
     this.#told = told;
     this.#changed();
@@ -134,6 +138,13 @@ export class Feed {
     }
   }
 
+  async #askWhyUnverified() {
+    if (this.dwell?.model?.verdict !== NOT_VERIFIED) return;
+    const model = this.#model;
+    const verification = await this.#get('/api/v1/verification');
+    if (model === this.#model) this.verification = verification;
+  }
+
   // Lists that grow: only what is new is asked for. After a restart of the service its numbers begin anew.
   async #askSeldom() {
     this.#seldom_s = this.#now();
@@ -144,8 +155,10 @@ export class Feed {
     this.events = [...this.events, ...events.events.map(withState)].slice(-KEPT_EVENTS);
 
     const run = this.dwell?.start_utc;
-    const from = this.dwells.findLast((d) => d.start_utc === run)?.index;
-    const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from + 1}` : ''}`);
+    // The model of a dwell may be verified after its end: then that dwell is asked for once more.
+    const newest = this.dwells.findLast((d) => d.start_utc === run);
+    const from = newest ? newest.index + (newest.model?.verdict === NOT_VERIFIED ? 0 : 1) : null;
+    const list = await this.#get(`/api/v1/dwells?brief=1&count=100${from ? `&from=${from}` : ''}`);
     const known = new Set(list.dwells.map(keyOf));
     this.dwells = [...this.dwells.filter((d) => !known.has(keyOf(d))), ...list.dwells].slice(-KEPT_DWELLS);
     for (const dwell of list.dwells) {
@@ -154,7 +167,7 @@ export class Feed {
       this.last.takeEnded(dwell, ended, this.#now(), this.nowMs());
       if (dwell.elements.length > 0) this.history.takeEnded(dwell, ended);
     }
-    if (this.dwell?.model?.verdict === NOT_VERIFIED) this.verification = await this.#get('/api/v1/verification');
+    await this.#askWhyUnverified();
     ({ runs: this.runs, total: this.runsTotal } = await this.#get('/api/v1/runs?count=20'));
   }
 }

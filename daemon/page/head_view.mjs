@@ -1,7 +1,7 @@
 // The first line: state in word, shape and colour, and what an operator asks next.
 import { h, keyed, readable, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, instantText } from './number.mjs';
-import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from './wording.mjs';
+import { frequencyText, limitsText, modelOf, playsRecording, runText, sinceMs, stateOf, troubles, warningsText } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 
@@ -33,7 +33,11 @@ function sinceText(view) {
 function factsOf(view) {
   const { dwell, health } = view;
   const model = modelOf(dwell, view.verification);
+  const limits = limitsText(dwell);
   const facts = [
+    ['source', playsRecording(health) ? 'recording, not live' : null, 'care'],
+    ['limits', limits?.text, limits?.tone],
+    ['warnings', warningsText(dwell), 'care'],
     ['model', model?.text, model?.tone],
     ['run', runText(health)],
     ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],
@@ -42,6 +46,18 @@ function factsOf(view) {
   ];
   return facts.filter(([, text]) => text).map(([name, text, tone]) => ({ name, text, tone: tone ?? 'calm' }));
 }
+
+// A head that stays on the screen must not hide what the focus or a link goes to (WCAG 2.2, 2.4.11): the page keeps its
+// height free. Where it would take more than this part of the window it scrolls away with the rest.
+const MOST_OF_WINDOW = 1 / 3;
+function layOut() {
+  const height = $('head').getBoundingClientRect().height;
+  document.documentElement.classList.toggle('tall-head', height > MOST_OF_WINDOW * window.innerHeight);
+  const stays = getComputedStyle($('head')).position === 'sticky';
+  document.documentElement.style.setProperty('--head', `${stays ? Math.ceil(height) : 0}px`);
+}
+new ResizeObserver(layOut).observe($('head'));
+window.addEventListener('resize', layOut);
 
 let spoken = '';
 // Said aloud when the kind of state changes or a trouble comes or goes, not with each second that passes.

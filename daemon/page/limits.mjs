@@ -2,7 +2,7 @@
 import { isNumber, MAX_DIGITS, plainText } from './number.mjs';
 
 // Each verdict has a word and a shape; a colour only the one that is abnormal.
-const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
+export const SHAPES = { kept: '✓', undecided: '◇', violated: '▲', none: '–' };
 
 // At least these digits of a bound; more until the text is the bound: a rounded one would look kept, or violated, where
 // it is not.
@@ -25,6 +25,10 @@ function boundsText(limit) {
   return `${b.endsWith(` ${its}`) ? number : a} to ${b}`;
 }
 
+// A doubt stands in full once, above the numbers or beside the element.
+const DOUBTED = 'the number must not be relied on';
+const shortReason = (reason) => (reason?.startsWith(DOUBTED) ? DOUBTED : reason);
+
 // Of the coefficient (key: "stiffness", "damping") of element k; null: it has no limit, or it has no number to be held
 // against it.
 export function limitOf(dwell, key, k) {
@@ -36,7 +40,7 @@ export function limitOf(dwell, key, k) {
     kept: `limit kept: ${bounds}`,
     undecided: `limit undecided: ± reaches over ${oneEnd ? end(limit) : `an end of ${bounds}`}`,
     violated: `limit violated: ${oneEnd ? 'not' : 'outside'} ${bounds}`,
-    none: `no verdict on the limit${oneEnd ? ' of' : ''} ${bounds}: ${limit.reason}`,
+    none: `no verdict on the limit${oneEnd ? ' of' : ''} ${bounds}: ${shortReason(limit.reason)}`,
   };
   return { verdict: limit.verdict, text: `${SHAPES[limit.verdict]} ${words[limit.verdict]}` };
 }

@@ -5,7 +5,7 @@ import { Feed } from './feed.mjs';
 import { Clock } from './freshness.mjs';
 import { showHead } from './head_view.mjs';
 import { showModeShape } from './mode_shape_view.mjs';
-import { beginOperate, mayChange, showOperate } from './operate_view.mjs';
+import { beginOperate, rightsNow, showOperate } from './operate_view.mjs';
 import { showPhasors } from './phasors_view.mjs';
 import { showTables } from './tables_view.mjs';
 import { TracesView } from './traces_view.mjs';
@@ -36,7 +36,7 @@ function draw() {
   const silent = new Set((feed.channels ?? []).filter((c) => feed.health?.stale.includes(c.name)).map((c) => c.name));
   const view = { dwell: feed.dwell, health: feed.health, channels: feed.channels, events: feed.events,
     dwells: feed.dwells, runs: feed.runs, runsTotal: feed.runsTotal, verification: feed.verification, alarms: feed.alarms, fresh: feed.fresh, last: feed.last, history: feed.history, now,
-    nowMs: feed.nowMs(), broken: silent.size > 0, refused: feed.refused, mayChange: mayChange() };
+    nowMs: feed.nowMs(), broken: silent.size > 0, refused: feed.refused, rights: rightsNow() };
   showHead(view);
   showCoefficients(view);
   for (const part of slower) part(view);

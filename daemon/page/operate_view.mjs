@@ -27,8 +27,8 @@ async function ask() {
   }
 }
 
-// This page may change something, for instance acknowledge an alarm.
-export const mayChange = () => rights.change;
+// What this page may, as /api/v1/rights tells it.
+export const rightsNow = () => rights;
 
 function say(text, failed = false) {
   said = { text, failed, at_s: now_s };

@@ -1,10 +1,11 @@
 // Channels, devices, events, dwells and runs: tables that are renewed where something changed.
 import { openDwell } from './dwell_view.mjs';
-import { COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
+import { about, COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
 import { h, keyed, readable, setAttributes, setText, show } from './dom.mjs';
+import { limitOf, SHAPES } from './limits.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
 import { noDwellsText, olderRunsText, runOf } from './runs.mjs';
-import { utcMs } from './wording.mjs';
+import { isWell, utcMs } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 const EVENTS_SHOWN = 100;
@@ -22,22 +23,26 @@ function fillRows(body, rows) {
     });
 }
 
+// Until when it holds is told in full: a row has a colour only once that day has passed.
+const calibrationText = (c) => (!c ? 'none stated' : `${c.id}${c.due ? `, due ${c.due}` : ''}${c.overdue ? ': overdue' : ''}`);
+
 function showChannels({ channels, health, fresh, now }) {
   show($('channels'), channels !== null);
   const old = fresh.answersOld(now);
   const since = fresh.answersAge_s(now);
   fillRows($('channel-rows'), (channels ?? []).map((c) => {
-    const bad = c.status !== 'ok' && c.status !== 'held' && c.status !== 'gated';
+    const bad = !isWell(c);
+    const overdue = c.calibration?.overdue === true;
     const age = isNumber(c.age_s) ? c.age_s + (old ? since : 0) : null;
-    return { key: c.name, tone: bad ? 'alarm' : 'calm', struck: old || age === null || age > fresh.old_s,
-      cells: [bad ? `▲ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
+    return { key: c.name, tone: bad ? 'alarm' : overdue ? 'care' : 'calm', struck: old || age === null || age > fresh.old_s,
+      cells: [bad ? `▲ ${c.name}` : overdue ? `◆ ${c.name}` : c.name, !c.reason ? c.status : c.reason.startsWith(c.status) ? c.reason : `${c.status}: ${c.reason}`,
         isNumber(c.value) ? `${plainText(c.value, '', 5)} ${c.unit}` : NO_NUMBER, ageText(age),
         isNumber(c.rate_hz) ? `${c.rate_hz.toFixed(0)} Hz` : NO_NUMBER, isNumber(c.jitter_s) ? plainText(c.jitter_s * 1e3, '', 2) + ' ms' : NO_NUMBER,
-        count(c.received), count(c.dropped), count(c.lost), count(c.gaps)] };
+        count(c.received), count(c.dropped), count(c.lost), count(c.gaps), calibrationText(c.calibration)] };
   }));
   show($('devices'), health !== null);
-  fillRows($('device-rows'), (health?.devices ?? []).map((d) => ({ key: d.name, tone: d.up ? 'calm' : 'alarm', struck: old,
-    cells: [`${d.up ? '' : '▲ '}${d.name}${old ? `, ${ageText(since)} old` : ''}`, d.driver, d.up ? 'delivers' : 'does not deliver',
+  fillRows($('device-rows'), (health?.devices ?? []).map((d) => ({ key: d.name, tone: d.up || d.ended ? 'calm' : 'alarm', struck: old,
+    cells: [`${d.up || d.ended ? '' : '▲ '}${d.name}${old ? `, ${ageText(since)} old` : ''}`, d.driver, d.up ? 'delivers' : d.ended ? 'recording ended' : 'does not deliver',
       Object.entries(d.faults).map(([what, n]) => `${what}: ${count(n)}`).join(', ') || 'none'] })));
 }
 
@@ -53,9 +58,20 @@ function showEvents({ events, health, nowMs }) {
     h('span', {}, e.text)), (node, e) => setText(node.firstChild, dateText(e.utc, nowMs)));
 }
 
+// { text, verdict: on its limit } of each coefficient, by its symbol. A mark stands before the number.
 function coefficientCells(dwell) {
-  return COEFFICIENTS.flatMap(({ key, letter }) => dwell.elements.map((e) =>
-    [letter + subscript(e.k), e.identifiable ? joined(numberText(e[key].value, e[key].U95, e[key].unit)) : NO_NUMBER]));
+  return COEFFICIENTS.flatMap(({ key, letter }) => dwell.elements.map((e) => {
+    const verdict = e.identifiable ? limitOf(dwell, key, e.k)?.verdict ?? '' : '';
+    const marks = [...(about(dwell.doubts, e.k).length > 0 ? ['?'] : []), ...(verdict && verdict !== 'none' ? [SHAPES[verdict]] : [])];
+    return [letter + subscript(e.k), { verdict,
+      text: e.identifiable ? [...marks, joined(numberText(e[key].value, e[key].U95, e[key].unit))].join(' ') : NO_NUMBER }];
+  }));
+}
+
+function dwellMarksText(dwells) {
+  const verdicts = new Set(dwells.flatMap((d) => (d.limits ?? []).map((limit) => limit.verdict)));
+  return [...(dwells.some((d) => d.doubts.length > 0) ? ['?: do not rely on it'] : []),
+    ...['kept', 'undecided', 'violated'].filter((verdict) => verdicts.has(verdict)).map((verdict) => `${SHAPES[verdict]}: limit ${verdict}`)].join('. ');
 }
 
 let heads = '';
@@ -67,22 +83,27 @@ function showDwells({ dwells, dwell, runs, health, nowMs }) {
   if (ks.join() !== heads) {
     heads = ks.join();
     $('dwell-heads').replaceChildren(...['dwell', 'ended', 'data', 'frequency', 'table', ...COEFFICIENTS.flatMap(({ letter }) =>
-      ks.map((k) => letter + subscript(k))), 'ended by'].map((title) => h('th', { scope: 'col' }, title)));
+      ks.map((k) => letter + subscript(k))), 'model', 'ended by'].map((title) => h('th', { scope: 'col' }, title)));
   }
+  setText($('dwells-marks'), dwellMarksText(dwells));
   keyed($('dwell-rows'), [...dwells].reverse(), (d) => keyOf(d) + heads, (d) => {
     const numbers = new Map(coefficientCells(d));
     const open = h('button', { type: 'button' }, String(d.index));
     open.addEventListener('click', () => openDwell(d));
-    const doubted = d.doubts.length > 0 ? '? ' : '';
+    const cell = (text, verdict = '', doubted = false) => h('td', { 'data-verdict': verdict, 'data-doubted': doubted }, text);
     return h('tr', {}, h('th', { scope: 'row' }, open), ...['', d.settled_s === null ? 'never settled' : secondsText(d.end_s - d.settled_s),
       isNumber(d.frequency_hz.value) ? joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz')) : NO_NUMBER,
       d.table ? plainText(d.table.amplitude, d.table.unit, 4) : NO_NUMBER,
-      ...COEFFICIENTS.flatMap(({ letter }) => ks.map((k) => doubted + (numbers.get(letter + subscript(k)) ?? NO_NUMBER))),
-      d.ended_by].map((text) => h('td', {}, text)));
+    ].map((text) => cell(text)),
+    ...COEFFICIENTS.flatMap(({ letter }) => ks.map((k) => {
+      const number = numbers.get(letter + subscript(k));
+      return cell(number?.text ?? NO_NUMBER, number?.verdict, number?.text.startsWith('?'));
+    })), cell(''), cell(d.ended_by));
   }, (node, d) => {
     const earlier = dwell !== null && d.start_utc !== dwell.start_utc;
     setText(node.firstChild.firstChild, earlier ? `${d.index}, earlier run` : String(d.index));
     setText(node.children[1], instantText(utcMs(d, d.end_s), nowMs));
+    setText(node.children[node.children.length - 2], d.model?.verdict ?? NO_NUMBER); // may come after the dwell's end
   });
 }
 

@@ -1,4 +1,5 @@
-// A wall display has no hands to scroll: what finds no room on it is named at its foot.
+// A wall display has no hands to scroll. Where the elements find no room they are set closer; what finds none then is
+// named at the foot.
 import { setText, show } from './dom.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -19,8 +20,20 @@ function beyond(foot_px) {
   return [from === to ? `element ${to}` : `elements ${from} … ${to}`, ...parts];
 }
 
+// So many elements are always set closer.
+const MANY = 6;
+
+// As wide as they can be: looked at anew each time, for what needed the room may be gone.
+function layOut() {
+  const crowded = () => ['elements', 'warnings'].some((id) => bottomOf($(id)) > window.innerHeight);
+  const root = document.documentElement.classList;
+  root.toggle('compact', $('elements').children.length >= MANY);
+  if (crowded()) root.add('compact');
+}
+
 export function showBeyond() {
   if (!kiosk) return;
+  layOut();
   const on = beyond(window.innerHeight).length > 0;
   show($('beyond'), on);
   if (on) setText($('beyond'), `▼ no room here for: ${beyond(window.innerHeight - $('beyond').offsetHeight).join(', ')}`);

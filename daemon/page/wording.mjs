@@ -27,6 +27,27 @@ function withheldText(elements) {
 // A doubt about one element stands beside it, any other above them all, once.
 export const isGeneral = (doubt) => doubt.elements.length !== 1;
 
+// A recording is played in place of a rig (driver replay): nothing of it is of now.
+export const playsRecording = (health) => Boolean(health?.devices?.some((device) => device.driver === 'replay'));
+// … and all that there is to play has been played. Then no drive is seen, which is no fault.
+export const hasEnded = (health) => Boolean(health?.devices?.length) && health.devices.every((device) => device.ended);
+
+// { text, tone } of the limits that a dwell does not keep for certain, counted; null: the dwell is not measured, or has
+// none with a verdict.
+export function limitsText(dwell) {
+  const count = (verdict) => (dwell?.limits ?? []).filter((limit) => limit.verdict === verdict).length;
+  const [violated, undecided, kept] = ['violated', 'undecided', 'kept'].map(count);
+  if (dwell?.state !== 'measuring' || violated + undecided + kept === 0) return null;
+  const parts = [...(violated ? [`${violated} violated`] : []), ...(undecided ? [`${undecided} undecided`] : [])];
+  return { text: parts.length > 0 ? parts.join(', ') : 'all kept', tone: violated ? 'alarm' : 'calm' };
+}
+
+// How many warnings a dwell has beside its doubts; that it has not settled is its state. null: none.
+export function warningsText(dwell) {
+  const n = (dwell?.warnings ?? []).filter((text) => !text.startsWith('not settled: ') && !dwell.doubts.some((doubt) => doubt.what === text)).length;
+  return n === 0 ? null : String(n);
+}
+
 // The state as the page must show it. view: { dwell, health, fresh, now, refused: nobody is logged
 // in, and nothing may be read }; dwell and health may be null.
 export function stateOf({ dwell, health, fresh, now, refused }) {
@@ -43,10 +64,11 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
   if (fresh.gone(now))
     return said('gone', 'service gone', `nothing heard for ${ageText(fresh.silence_s(now))}; trying again every second`);
   if (health?.status === 'fault') return said('fault', 'service fault', health.reason ?? 'no reason stated');
+  if (hasEnded(health)) return said('complete', 'recording ended', 'it has been played to its end');
   if (dwell.state === 'fault') return said('fault', 'fault', dwell.settling_reason || 'the data do not suffice');
   if (dwell.state === 'settling') {
-    return said('settling', 'settling', isNumber(dwell.settles_in_s)
-      ? `about ${secondsText(dwell.settles_in_s)} left` : 'time left not known');
+    return said('settling', 'settling', isNumber(dwell.settles_in_s) ? `about ${ageText(dwell.settles_in_s)} left`
+      : `time left not known${dwell.settling_reason ? `: ${dwell.settling_reason}` : ''}`);
   }
   if (dwell.state === 'measuring') {
     const state = said('measuring', 'measuring', `${secondsText(dwell.end_s - dwell.settled_s)} of data`);
@@ -60,8 +82,11 @@ export function stateOf({ dwell, health, fresh, now, refused }) {
 
 // Why a dwell's model has no verdict yet. verification: the newest of the run, which may be of a dwell before.
 function unverifiedText(dwell, verification) {
-  if (!verification) return 'no reason known yet';
-  if (verification.dwell !== null && verification.dwell !== dwell.index) return 'it is being verified';
+  // The doubts themselves stand in full, in their own tone.
+  if (dwell.doubts.length > 0) return 'the coefficients are doubted';
+  const ended = dwell.state === 'complete';
+  if (!verification) return ended ? 'the dwell has ended' : 'no reason known yet';
+  if (verification.dwell !== null && verification.dwell !== dwell.index) return ended ? 'the dwell has ended' : 'it is being verified';
   return verification.reasons[0] ?? 'no reason stated';
 }
 
@@ -71,7 +96,7 @@ export function modelOf(dwell, verification) {
   if (!model) return null;
   let text = model.verdict;
   if (model.verdict === NOT_VERIFIED) text += `: ${unverifiedText(dwell, verification)}`;
-  if (isNumber(model.seen)) text += `, off by ${percentText(model.seen)} ± ${percentText(model.U)}`;
+  if (isNumber(model.seen)) text += `, off by ${joined(numberText(100 * model.seen, 100 * model.U, '%'))}`;
   text += ` (accuracy asked for: ${percentText(model.asked)})`;
   if (model.consistent === false) text += '; not consistent: more is left than noise and stated uncertainties explain, ± may be too small';
   const bad = model.verdict === 'not adequate' || model.consistent === false;
@@ -107,6 +132,9 @@ export function runText(health) {
   return `${run.run}${run.label ? `, “${run.label}”` : ''}`;
 }
 
+// Whether a channel's status is no trouble.
+export const isWell = ({ status }) => ['ok', 'held', 'gated', 'end of data'].includes(status);
+
 // What is wrong, each { tone, text }: beside the state, so that no trouble hides below. Channels that fail alike are told
 // together.
 export function troubles({ dwell, health, channels, fresh, now }) {
@@ -120,7 +148,7 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   const alike = new Map();
   const quiet = new Set(); // troubles' names of the channels whose own status is no trouble
   for (const channel of channels ?? []) {
-    if (channel.status === 'ok' || channel.status === 'held' || channel.status === 'gated') {
+    if (isWell(channel)) {
       quiet.add(`channel:${channel.name}`);
       continue;
     }
@@ -130,8 +158,10 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);
   // Of the service's troubles only those that the page tells nowhere else: of a channel whose own status is fine, and of
   // the dwell while it is measured. Others stand in the state, beside a number, or are added here below.
-  for (const trouble of health?.troubles ?? [])
+  for (const trouble of health?.troubles ?? []) {
+    if (trouble.name.startsWith('calibration:')) add('care', trouble.text);
     if (quiet.has(trouble.name) || (trouble.name === 'dwell' && dwell.state === 'measuring')) add('alarm', trouble.text);
+  }
   for (const [name, line] of Object.entries(health?.gpio ?? {})) {
     if (!line.works) add('alarm', `GPIO ${name}: ${line.reason ?? 'does not work'}`);
     else if (name === 'interlock' && line.level === 0) add('alarm', 'interlock open: the shaker may not run');

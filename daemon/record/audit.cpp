@@ -1,12 +1,19 @@
 #include "daemon/record/audit.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "daemon/record/block_count.hpp"
 #include "daemon/record/chain_audit.hpp"
+#include "daemon/record/disk_reserve.hpp"
+#include "daemon/record/file_name.hpp"
 #include "daemon/record/ledger_check.hpp"
+#include "daemon/record/regular_file.hpp"
 #include "daemon/record/result_text.hpp"
 #include "daemon/record/signature.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -109,10 +116,13 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
   audit_.id = header_.id;
   audit_.key = key_.fingerprint();
   known_.add(anchors_, origin());
-  const bool of_ledger = ledger_ != nullptr && ledger_->knows(key_);
-  // The ledger connects the keys: all of them signed it in turn, and each vouches for the entries before it.
-  audit_.trusted = options_.key ? key_ == *options_.key || of_ledger : of_ledger;
-  if (options_.key && !audit_.trusted) return fails("signed by " + audit_.key + ", not by the key asked for");
+  audit_.of_ledger = ledger_ != nullptr && ledger_->knows(key_);
+  // A ledger by a pinned key connects the keys: all of them signed it in turn, and each vouches for the entries before
+  // it. Without a pinned key a ledger vouches for itself alone: whoever forges the runs forges the ledger with them.
+  const bool pinned = std::find(options_.keys.begin(), options_.keys.end(), key_) != options_.keys.end();
+  audit_.trusted = pinned || (!options_.keys.empty() && audit_.of_ledger);
+  if (!options_.keys.empty() && !audit_.trusted)
+    return fails("signed by " + audit_.key + ", not by " + asked_for(options_.keys));
   if (ledger_ == nullptr || header_.run == 0) return {};
   if (Result<void> agrees = ledger_agrees(); !agrees) return agrees;
   if (const auto& end = ledger_->find(header_.run)->end; end && !end->head.empty())
@@ -124,7 +134,8 @@ Result<void> RunAudit::take_run(const ChainReader::Row& row) {
 // ledger and the anchors know which it is, and only by the file's name.
 Result<void> RunAudit::may_be_empty() const {
   if (ledger_ == nullptr)
-    return options_.key ? fails("it has no entry, so nothing in it is signed by the key asked for") : Result<void>();
+    return options_.keys.empty() ? Result<void>()
+                                 : fails("it has no entry, so nothing in it is signed by " + asked_for(options_.keys));
   const LedgerRun* run = ledger_->find(std::filesystem::path(audit_.file).filename().string());
   if (run == nullptr) return {};  // if it is a run's file by another name, the ledger misses that run
   KnownHeads known;
@@ -223,9 +234,31 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
   if (!ended) {
     audit.where = ended.error();
-    audit.trusted = false;
+    audit.trusted = audit.of_ledger = false;
   }
   return audit;
+}
+
+// What the file is, if name and content show another file of a recording directory; empty: it may be a run file. A file
+// with a run's name and such a content is no mistake of the caller, so it counts as tampered.
+std::string what_else(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  if (name.ends_with(kRunSuffix)) return {};
+  const auto file = open_regular(path);
+  std::array<char, 100> bytes{};
+  if (!file) return {};
+  const ssize_t count = ::pread(file->get(), bytes.data(), bytes.size(), 0);
+  const std::string_view begin(bytes.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
+  constexpr std::size_t kApplicationId = 68;  // its place in SQLite's header; four bytes, the highest first
+  if (begin.size() == bytes.size() && begin.substr(kApplicationId, 4) == "DWLG")
+    return "is a ledger, no run file; expected it with --ledger";
+  // The two magic numbers of a write-ahead log of SQLite.
+  if (name.ends_with("-wal") && (begin.empty() || begin.substr(0, 4) == std::string_view("\x37\x7f\x06\x82", 4) ||
+                                 begin.substr(0, 4) == std::string_view("\x37\x7f\x06\x83", 4)))
+    return "is the -wal of a run or a ledger and is read together with that file; expected the file itself";
+  if (name == kReserveName && begin.find_first_not_of('\0') == std::string_view::npos)
+    return "is the room that the service reserves on the disk, no run file";
+  return {};
 }
 
 }  // namespace
@@ -242,19 +275,28 @@ const char* to_string(AuditState state) noexcept {
   return "tampered";
 }
 
+std::string key_verdict(const Audit& audit) {
+  return "key " + audit.key +
+         (audit.trusted     ? " trusted"
+          : audit.of_ledger ? " not trusted (known to this ledger)"
+                            : " not trusted");
+}
+
 Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
   if (Result<void> there = readable_file(path); !there) return fails(std::move(there.error()));
   const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
   if (!anchors) return fails(anchors.error());
-  std::optional<CheckedLedger> ledger;
-  if (!options.ledger.empty()) {
+  if (const std::string other = what_else(path); !other.empty()) return fails(path + ": " + other);
+  std::shared_ptr<const CheckedLedger> ledger = options.checked;
+  if (!ledger && !options.ledger.empty()) {
     Result<CheckedLedger> checked = check_ledger(options.ledger, options);
     if (!checked) return fails(std::move(checked.error()));
-    if (checked->verifies()) ledger = std::move(*checked);
+    ledger = std::make_shared<const CheckedLedger>(std::move(*checked));
   }
   bool every_signature = options.every_signature;
   for (int tries = 1;;) {
-    Result<Audit> audit = look(path, options, every_signature, *anchors, ledger ? &*ledger : nullptr);
+    Result<Audit> audit =
+        look(path, options, every_signature, *anchors, ledger && ledger->verifies() ? ledger.get() : nullptr);
     if (!audit) {
       if (audit.error() == kAuditStopped || ++tries > kAuditTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,13 +32,22 @@ struct Audit {
   std::uint64_t samples = 0;
   std::string head;                     // of the last entry, hexadecimal
   std::string key;                      // fingerprint of the key that signs it
-  bool trusted = false;                 // it is the key asked for, or the ledger's
+  bool trusted = false;                 // a pinned key, or one that the ledger connects with a pinned key
+  bool of_ledger = false;               // the ledger knows the key; without a pinned key this proves nothing
   std::vector<std::string> signatures;  // one line each: who, what for, when, by which key
 };
 
+// The key and whether it is trusted: "key 7c0e 1969 … trusted", "key 7c0e 1969 … not trusted (known to this ledger)".
+[[nodiscard]] std::string key_verdict(const Audit& audit);
+
+struct CheckedLedger;
+
 struct AuditOptions {
-  std::optional<PublicKey> key;          // pinned: the file must be signed by it
-  std::string ledger;                    // path of a ledger; empty: none
+  std::vector<PublicKey> keys;  // pinned: one of them must have signed; empty: no key is trusted
+  std::string ledger;           // path of a ledger; empty: none
+  // The result of check_ledger() on `ledger` with these keys and anchors (ledger_check.hpp), for audits of several
+  // files. Null: the ledger is checked for this audit alone.
+  std::shared_ptr<const CheckedLedger> checked = {};
   std::vector<std::string> anchors;      // files of heads kept elsewhere
   std::function<void(double)> progress;  // 0 … 1; empty: none
   // Verify the signature of each note by itself. Not needed: the newest covers all before it, and where it does not
@@ -49,12 +59,16 @@ struct AuditOptions {
 };
 inline constexpr const char* kAuditStopped = "the audit was given up";
 
-// A file that is no run file counts as tampered, with the reason. Fails if the run file, the ledger or an anchor file
-// does not exist or may not be read. Also fails if a writer altered the run file during each of kAuditTries passes.
+// A file that is no run file counts as tampered, with the reason. A ledger, a -wal and the reserve of a recording
+// directory are told by name and content: for these the audit fails and says what the file is. It fails too if the run
+// file, the ledger or an anchor file does not exist or may not be read, or if a writer altered the run file during each
+// of kAuditTries passes.
 [[nodiscard]] Result<Audit> audit_run(const std::string& path, const AuditOptions& options);
 
 struct LedgerAudit {
   bool unbroken = false;
+  bool trusted = false;              // a pinned key has signed it
+  std::string key;                   // fingerprint of the key that signs it now; empty: it has no entry
   std::string where;                 // what is broken
   std::vector<std::string> deleted;  // runs entered as deleted, one line each: by retention, or they never had a file
   std::vector<std::string> missing;  // runs that should be in `directory` and are not

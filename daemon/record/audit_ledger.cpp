@@ -43,13 +43,19 @@ std::vector<std::string> unknown(const LedgerBook& book, const std::vector<Ancho
 }  // namespace
 
 Result<LedgerAudit> audit_ledger(const std::string& path, const std::string& directory, const AuditOptions& options) {
-  Result<CheckedLedger> ledger = check_ledger(path, options);
-  if (!ledger) return tl::unexpected(std::move(ledger.error()));
+  std::shared_ptr<const CheckedLedger> ledger = options.checked;
+  if (!ledger) {
+    Result<CheckedLedger> checked = check_ledger(path, options);
+    if (!checked) return tl::unexpected(std::move(checked.error()));
+    ledger = std::make_shared<const CheckedLedger>(std::move(*checked));
+  }
   const Result<std::vector<Anchor>> anchors = read_all_anchors(options.anchors);
   if (!anchors) return tl::unexpected(anchors.error());
   LedgerAudit audit;
   audit.unbroken = ledger->verifies();
   audit.where = ledger->broken;
+  if (!ledger->book.empty()) audit.key = ledger->book.last_signer().fingerprint();
+  audit.trusted = audit.unbroken && !options.keys.empty();  // with keys that did not sign it, it is broken
   std::size_t done = 0;
   for (const auto& [number, run] : ledger->book.runs()) {
     if (options.progress)

@@ -29,6 +29,9 @@ Block BlockCutter::take() {
       std::count_if(records_.begin(), records_.end(), [](const Record& r) { return r.kind == Kind::sample; }));
   block.first_t_ns = records_.front().t_ns;
   block.last_t_ns = records_.back().t_ns;
+  for (std::size_t i = 0; i < records_.size() && block.told.size() < kMostTold; ++i)
+    if (records_[i].kind == Kind::loss || records_[i].kind == Kind::fault)
+      block.told.emplace_back(block.first + i, records_[i]);
   block.body = encode_block(records_);
   records_.clear();
   return block;

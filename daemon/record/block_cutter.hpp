@@ -17,7 +17,11 @@ struct Block {
   std::uint64_t samples = 0;
   std::int64_t first_t_ns = 0, last_t_ns = 0;
   std::string body;
+  std::vector<std::pair<std::uint64_t, Record>> told;  // losses and faults, at most kMostTold, by number of record
 };
+// Most losses and faults of a block that become events of a run. They are needed of blocks kept from before the run. A
+// device has a few faults a second; more than these are in the stream alone.
+inline constexpr std::size_t kMostTold = 1000;
 
 // Bound to one thread. Memory: the records of one block, at most 32 MiB; take() needs up to 70 MiB more while it
 // encodes.

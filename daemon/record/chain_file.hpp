@@ -57,6 +57,9 @@ class ChainWriter {
   [[nodiscard]] Result<void> append(std::string_view kind, std::int64_t t_ns, std::string_view body);
   // Starts the log, with up to three waits for the disk. The next commit then takes one.
   [[nodiscard]] Result<void> begin_log();
+  // Moves the -wal into the file, unless somebody reads it, and starts the log again. A copy of the file alone then
+  // holds all that was committed before. Waits for the disk three times. Fails if writing failed, now or before.
+  [[nodiscard]] Result<void> merge_log();
   // Signs the head: for files where each entry is signed. commit() signs the last entry in any case.
   [[nodiscard]] Result<void> sign();
   // Signs the head and commits: the entries since the last commit survive a loss of power once this returns. Waits for

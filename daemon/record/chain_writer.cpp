@@ -224,7 +224,9 @@ struct ChainWriter::Impl {
   // SQLite would wait for the disk twice, first for the log, which the commit has just synchronized. So it is told to
   // wait for nothing, and the log is emptied only once the database is synchronized here.
   void checkpoint() {
-    if (frames < kCheckpointFrames && !stale_log) return;
+    if (frames >= kCheckpointFrames || stale_log) merge();
+  }
+  void merge() {
     if (!wal_file)
       if (Result<OpenFile> opened = open_regular(path + "-wal")) wal_file = std::move(*opened);
     const bool alone = wal_file && ::flock(wal_file.get(), LOCK_EX | LOCK_NB) == 0;
@@ -290,6 +292,11 @@ Result<ChainWriter> ChainWriter::create_ahead(const std::string& path, ChainSort
 Result<void> ChainWriter::begin_log() {
   if (execute(impl_->database.get(), ("PRAGMA user_version = " + std::to_string(kFormatVersion)).c_str())) return {};
   return impl_->failed();
+}
+
+Result<void> ChainWriter::merge_log() {
+  impl_->merge();
+  return impl_->broken.empty() ? begin_log() : fails(impl_->broken);
 }
 
 // The log first, so that whoever finds the file finds its log as well.

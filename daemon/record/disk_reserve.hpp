@@ -9,6 +9,9 @@
 
 namespace dwell::record {
 
+// Name of the reserve's file in the recording directory.
+inline constexpr const char* kReserveName = "reserve";
+
 // Bound to one thread.
 class DiskReserve {
  public:

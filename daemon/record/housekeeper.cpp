@@ -117,7 +117,7 @@ void Housekeeper::retain(const ClockPair& now) {
 
 void Housekeeper::audit(const ClockPair& now) {
   if (!outcomes_->all_listed()) return;
-  audits_.turn(now.raw_ns, list_->all());
+  audits_.turn(now.raw_ns, list_->all(), folder_.key());
   for (std::string& line : audits_.take_tampered()) tell_({Notice::Grade::warning, std::move(line), 0, {}});
 }
 

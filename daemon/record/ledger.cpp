@@ -5,6 +5,7 @@
 
 #include <array>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -49,6 +50,7 @@ struct Ledger::Impl {
   LedgerBook book;
   std::optional<ChainWriter> file;
   bool key_changed = false;
+  std::mutex writing;  // of `file`
 
   struct Addition {
     const char* kind;
@@ -57,6 +59,7 @@ struct Ledger::Impl {
 
   // All of them, in one transaction. The book first: it refuses what a reader would refuse.
   Result<void> add(std::initializer_list<Addition> additions, std::int64_t t_ns) {
+    const std::lock_guard lock(writing);
     if (key_changed) return fails(path + ": the key has changed: open the ledger with the new one");
     LedgerBook next = book;
     std::int64_t seq = file->committed();
@@ -129,6 +132,10 @@ std::string Ledger::file_of(std::int64_t run) const {
 }
 
 Result<void> Ledger::begin_log() { return impl_->file->begin_log(); }
+Result<void> Ledger::merge_log() {
+  const std::lock_guard lock(impl_->writing);
+  return impl_->file->merge_log();
+}
 
 Anchor Ledger::head() const {
   return {{}, impl_->book.origin(), impl_->file->committed(), impl_->file->committed_head()};

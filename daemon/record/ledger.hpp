@@ -36,6 +36,8 @@ class Ledger {
   [[nodiscard]] Result<void> run_begins(const RunHeader& header, const std::string& file);
   // Starts the log, with up to three waits for the disk. The next entry then takes one.
   [[nodiscard]] Result<void> begin_log();
+  // As ChainWriter::merge_log(). Any thread may call it; entries written meanwhile wait for it.
+  [[nodiscard]] Result<void> merge_log();
   // How a run's file ends. state: "closed", or "cut off" after a crash. Then `head` is that of its last committed
   // entry; if nothing was committed, it is empty and seq 0.
   struct Ending {

@@ -36,7 +36,7 @@ Result<void> walk(ChainAudit& chain, CheckedLedger& ledger, const std::vector<An
     if (Result<void> taken = take(chain, ledger, known, anchors, **row); !taken) return taken;
   }
   if (Result<void> there = known.all_there(chain.entries()); !there) return there;
-  if (ledger.book.empty()) return tl::unexpected(std::string("it has no entry"));
+  if (ledger.book.empty()) return tl::unexpected(std::string("it has no entry; is its -wal missing?"));
   return chain.finish();
 }
 
@@ -59,6 +59,10 @@ const LedgerRun* CheckedLedger::find(const std::string& file) const {
   return nullptr;
 }
 
+std::string asked_for(const std::vector<PublicKey>& keys) {
+  return keys.size() == 1 ? "the key asked for" : "one of the keys asked for";
+}
+
 Result<void> readable_file(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return tl::unexpected(path + ": " + std::strerror(errno));
@@ -77,8 +81,9 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     const Result<void> sound = chain ? walk(*chain, ledger, *anchors) : tl::unexpected(chain.error());
     if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
     if (!sound) ledger.broken = sound.error();
-    if (sound && options.key && !ledger.knows(*options.key))
-      ledger.broken = "signed by " + ledger.book.last_signer().fingerprint() + ", not by the key asked for";
+    const auto knows = [&ledger](const PublicKey& key) { return ledger.knows(key); };
+    if (sound && !options.keys.empty() && std::none_of(options.keys.begin(), options.keys.end(), knows))
+      ledger.broken = "signed by " + ledger.book.last_signer().fingerprint() + ", not by " + asked_for(options.keys);
     return ledger;
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "daemon/record/audit.hpp"
 #include "daemon/record/ledger_book.hpp"
@@ -22,6 +23,9 @@ struct CheckedLedger {
 
 // Fails only if the ledger or an anchor file does not exist or cannot be read at all.
 [[nodiscard]] Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& options);
+
+// "the key asked for", for messages.
+[[nodiscard]] std::string asked_for(const std::vector<PublicKey>& keys);
 
 // Fails where there is no readable file at `path`.
 [[nodiscard]] Result<void> readable_file(const std::string& path);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/ledger_check.hpp"
 #include "daemon/record/low_priority.hpp"
 #include "daemon/record/utc_text.hpp"
 
@@ -31,10 +32,37 @@ Identity identity_of(const std::string& path) {
   return identity;
 }
 
-RunVerdict verdict_on(const std::string& path, const std::string& directory, const JobThread::Stopping& stopping) {
-  AuditOptions options;
-  options.ledger = directory + "/ledger.dwell-ledger";
-  options.stop = stopping;
+// The ledger of the directory, verified again only when its file has changed. Bound to one thread.
+class KnownLedger {
+ public:
+  // Fills in options.ledger, keys and checked. key: the service's. Fails if the ledger cannot be read.
+  Result<void> give(AuditOptions& options, const std::string& path, const PublicKey& key) {
+    options.ledger = path;
+    options.keys = {key};
+    const Identity now = identity_of(path);
+    if (!checked_ || now != identity_) {
+      Result<CheckedLedger> checked = check_ledger(path, {});
+      if (!checked) return tl::unexpected(std::move(checked.error()));
+      // A key that the ledger announces signs nothing of it until the next run begins. If it were pinned, every earlier
+      // run would look forged. So no key is pinned until then, and nothing is trusted.
+      announced_ = checked->verifies() && checked->book.keys().back() == key && !checked->knows(key);
+      if (!announced_ && checked->verifies() && !checked->knows(key))
+        checked->broken = "signed by " + checked->book.last_signer().fingerprint() + ", not by the service's key";
+      checked_ = std::make_shared<const CheckedLedger>(std::move(*checked));
+      identity_ = now;
+    }
+    if (announced_) options.keys.clear();
+    options.checked = checked_;
+    return {};
+  }
+
+ private:
+  std::shared_ptr<const CheckedLedger> checked_;
+  Identity identity_{};
+  bool announced_ = false;
+};
+
+RunVerdict verdict_on(const std::string& path, const AuditOptions& options) {
   RunVerdict verdict;
   const Result<Audit> audit = audit_run(path, options);
   verdict.utc = iso_utc(utc_now_ns());
@@ -56,7 +84,9 @@ struct RunAudits::Shared {
   explicit Shared(std::string the_directory) : directory(std::move(the_directory)) {}
 
   const std::string directory;
-  std::map<std::string, Identity> known;  // of the audited files; the jobs' thread alone
+  // The jobs' thread alone:
+  std::map<std::string, Identity> known;  // of the audited files
+  KnownLedger ledger;
   mutable std::mutex mutex;
   // Under the mutex:
   bool busy = false;        // a job waits or is under way
@@ -105,7 +135,7 @@ struct RunAudits::Shared {
   }
 
   // Audits the newest run that has no verdict, or whose file has changed. False: there is none.
-  bool audit_next(const ListedRuns& runs, const JobThread::Stopping& stopping) {
+  bool audit_next(const ListedRuns& runs, const PublicKey& key, const JobThread::Stopping& stopping) {
     std::vector<std::string> files;
     for (auto run = runs.rbegin(); run != runs.rend() && files.size() < kAudited; ++run)
       if (run->state != "recording") files.push_back(run->file);
@@ -119,7 +149,13 @@ struct RunAudits::Shared {
         continue;
       }
       if (const auto before = known.find(file); before != known.end() && before->second == identity) continue;
-      RunVerdict verdict = verdict_on(path, directory, stopping);
+      AuditOptions options;
+      options.stop = stopping;
+      RunVerdict verdict;
+      if (auto given = ledger.give(options, directory + "/ledger.dwell-ledger", key); given)
+        verdict = verdict_on(path, options);
+      else
+        verdict.why_none = given.error();
       if (stopping()) return false;
       known[file] = identity;
       if (identity_of(path) != Identity{}) put(file, std::move(verdict));
@@ -132,7 +168,7 @@ struct RunAudits::Shared {
 RunAudits::RunAudits(std::string directory)
     : shared_(std::make_shared<Shared>(std::move(directory))), jobs_("audits") {}
 
-void RunAudits::turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns>& runs) {
+void RunAudits::turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns>& runs, const PublicKey& key) {
   const bool looks_again = now_ns >= next_look_ns_;
   {
     const std::lock_guard lock(shared_->mutex);
@@ -141,12 +177,12 @@ void RunAudits::turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns
   }
   asked_ = runs;
   next_look_ns_ = now_ns + kLookAgain_ns;
-  jobs_.post([shared = shared_, runs, looks_again](const JobThread::Stopping& stopping) {
+  jobs_.post([shared = shared_, runs, key, looks_again](const JobThread::Stopping& stopping) {
     lower_priority();
     if (looks_again) shared->forget_failures();
     bool audited = false;
     try {
-      audited = shared->audit_next(*runs, stopping);
+      audited = shared->audit_next(*runs, key, stopping);
     } catch (const std::exception&) {
       // No memory, for instance: tried again at the next look.
     }

@@ -46,8 +46,9 @@ class RunAudits {
   // The ledger that verdicts rest on lies in the directory.
   explicit RunAudits(std::string directory);
 
-  // One pass; never waits for the disk. runs: all that are listed. Bound to one thread; virtual time.
-  void turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns>& runs);
+  // One pass; never waits for the disk. runs: all that are listed. key: the service's own, pinned for the audits: a run
+  // is trusted if this key signed it, or one that the ledger connects with it. Bound to one thread; virtual time.
+  void turn(std::int64_t now_ns, const std::shared_ptr<const ListedRuns>& runs, const PublicKey& key);
   // What was found tampered since the last call, one line each. As turn().
   [[nodiscard]] std::vector<std::string> take_tampered();
 

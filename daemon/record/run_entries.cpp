@@ -356,4 +356,16 @@ Result<PersonalSignature> parse_personal_signature(const std::string& body) {
   return signature;
 }
 
+void shorten(StoredEvent& event, std::size_t most) {
+  std::string nobody;
+  for (std::string* text : {&event.utc, &event.what, &event.text, event.person ? &event.person->name : &nobody,
+                            &event.before, &event.after, &event.comment}) {
+    if (text->size() <= most) continue;
+    std::size_t kept = most;
+    while (kept > 0 && (static_cast<unsigned char>((*text)[kept]) & 0xC0U) == 0x80U) --kept;  // within a character
+    *text = text->substr(0, kept) + " … (cut: " + std::to_string(text->size() - kept) +
+            " bytes more, which are in the run file)";
+  }
+}
+
 }  // namespace dwell::record

@@ -99,6 +99,10 @@ struct StoredEvent {
   std::string before, after, comment;
 };
 
+// Cuts each text of the event after `most` bytes, between two characters. A note behind the cut says how many bytes are
+// missing, so a cut text is a little longer than `most`.
+void shorten(StoredEvent& event, std::size_t most);
+
 struct RunEnd {
   std::string why;  // "drive stopped", "operator", "service stopped", "disk full", …
   std::uint64_t records = 0, samples = 0;

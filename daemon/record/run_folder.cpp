@@ -122,7 +122,7 @@ Result<Found> look_into(const std::string& directory, CutOffRun run) {
 struct RunFolder::Impl {
   explicit Impl(FolderOptions the_options)
       : options(std::move(the_options)),
-        reserve(options.directory + "/reserve", options.reserve_bytes),
+        reserve(options.directory + "/" + kReserveName, options.reserve_bytes),
         prepared(options.directory) {}
 
   const FolderOptions options;
@@ -266,6 +266,7 @@ struct RunFolder::Impl {
 
 RunFolder::RunFolder(FolderOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 RunFolder::~RunFolder() {
+  impl_->disk_jobs.settle();
   if (impl_->signs) [[maybe_unused]]
     const auto told = impl_->tell_of_end();
 }
@@ -282,13 +283,14 @@ Result<void> RunFolder::open() {
   auto told = self.tell_of_crash();
   if (told) {
     self.prepared.make(self.signs->ledger.next_run());
-    told = self.signs->ledger.begin_log();
+    told = self.signs->ledger.merge_log();
   }
   if (!told) self.signs.reset();
   return told;
 }
 
 bool RunFolder::is_open() const noexcept { return impl_->signs.has_value(); }
+const PublicKey& RunFolder::key() const noexcept { return impl_->signs->key.public_key(); }
 
 Result<void> RunFolder::ready() {
   Impl& self = *impl_;
@@ -358,6 +360,13 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   self.file.reset();
   self.name.clear();
   const auto told = another ? Result<void>() : self.tell_of_end();
+  // Else a copy of the ledger's file alone would lack the newest entries. Nothing is recorded now that could be held
+  // up, and this thread does not wait. If the merge fails, the entries stay in the -wal.
+  if (told && !another)
+    self.disk_jobs.start([ledger = &self.signs->ledger]() -> Result<void> {
+      [[maybe_unused]] const auto merged = ledger->merge_log();
+      return {};
+    });
   return written ? told : written;
 }
 

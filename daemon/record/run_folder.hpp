@@ -44,6 +44,8 @@ class RunFolder final : public RunStore {
   // open already.
   [[nodiscard]] Result<void> open();
   [[nodiscard]] bool is_open() const noexcept;
+  // The public key of the one with which the service signs. The folder must be open.
+  [[nodiscard]] const PublicKey& key() const noexcept;
 
   [[nodiscard]] Result<void> ready() override;
   [[nodiscard]] Result<void> begin(RunHeader& header, std::int64_t t_ns, std::span<const NewEntry> first) override;

@@ -30,9 +30,12 @@ Result<std::uint64_t> ended_dwells(RunReader& reader) {
   return dwells;
 }
 
-std::string end_of_cut_off(const RunReader& reader) {
+// When the stream ended, UTC; empty: not known. The `end` entry does not say so of a child: it says when the child was
+// computed.
+std::string end_of_stream(const RunReader& reader) {
   const auto began_ns = parse_utc(reader.header().start_utc);
-  return began_ns ? iso_utc(*began_ns + reader.end_ns() - reader.begin_ns()) : std::string();
+  if (!began_ns) return reader.end() ? reader.end()->utc : std::string();
+  return iso_utc(*began_ns + static_cast<std::int64_t>(1e9 * reader.span_s().value_or(0.0)));
 }
 
 bool comes_before(const ListedRun& a, const ListedRun& b) { return a.run != b.run ? a.run < b.run : a.file < b.file; }
@@ -61,7 +64,7 @@ ListedRun look_at_run(const std::string& directory, const std::string& name) {
   listed.dwells = *dwells;
   listed.state = reader->end() ? "closed" : "cut off";
   listed.samples = reader->end() ? reader->end()->samples : 0;
-  listed.ended_utc = reader->end() ? reader->end()->utc : end_of_cut_off(*reader);
+  listed.ended_utc = end_of_stream(*reader);
   if (auto entries = ChainReader::open(path, ChainSort::run)) {
     if (const auto last = last_entry(*entries)) listed.head = hex(last->head);
   }

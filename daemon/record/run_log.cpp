@@ -146,6 +146,7 @@ void RunLog::gap(std::uint64_t lost) {
   if (run_) {
     const std::string run = named(run_->header);
     note(own_event(text));
+    keep_label(run_->header);
     end_now(why);
     interrupted(run + " ended: " + text);
     stop(text);
@@ -213,6 +214,9 @@ RunHeader RunLog::make_header(const Request* request, std::int64_t first_t_ns) {
     header.label = request->label;
     header.comment = request->event.comment;
     header.person = request->event.person;
+  } else if (header.begun_by == "service") {
+    header.label = interrupted_label_;
+    header.comment = interrupted_comment_;
   }
   header.start_utc = iso_utc(utc_of(now_, first_t_ns));
   return header;
@@ -232,16 +236,22 @@ void RunLog::begin(const Record& edge) {
   std::vector<NewEntry> batch;
   for (Block& block : blocks) {
     count(run, block);
+    for (const auto& [number, told] : block.told) told_by_stream_.take(told, number + 1 - born);
     run.bytes += block.body.size();
     batch.push_back(stream_entry(std::move(block)));
   }
   add_early_events(born, batch.back().t_ns, batch);
-  if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) return stop(begun.error());
+  if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) {
+    keep_label(run.header);
+    return stop(begun.error());
+  }
   run.committed_ns = now_.raw_ns;
   run_ = std::move(run);
   note_request(edge);
   stopped_.clear();
   interrupted_.clear();
+  interrupted_label_.clear();
+  interrupted_comment_.clear();
   goes_on_until_ns_ = INT64_MIN;
   options_.tell({Notice::Grade::info,
                  "recording " + named(run_->header) + ", begun by " + run_->header.begun_by,
@@ -287,6 +297,7 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;
   batch.push_back({"event", run_->last_t_ns, to_json(event)});
+  keep_label(run_->header);
   close(std::move(batch), reason);
   interrupted(run + " ended: " + reason);
   stop(reason);
@@ -303,6 +314,12 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why, bool another) {
                            std::to_string(run.samples) + " samples, " + std::to_string(run.dwells) + " dwells";
   if (ended) return options_.tell({Notice::Grade::info, text, run.header.run, {}});
   options_.tell({Notice::Grade::error, text + "; its file could not be closed: " + ended.error(), run.header.run, {}});
+}
+
+// The run that continues an interrupted one keeps the label and comment that the operator gave.
+void RunLog::keep_label(const RunHeader& header) {
+  interrupted_label_ = header.label;
+  interrupted_comment_ = header.comment;
 }
 
 void RunLog::stop(const std::string& why) {

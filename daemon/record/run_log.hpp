@@ -103,6 +103,7 @@ class RunLog {
   void end(const Record& edge);
   void end_now(const std::string& why, bool another = false);
   void stop(const std::string& why);
+  void keep_label(const RunHeader& header);
   void fail(std::vector<NewEntry> batch, const std::string& reason);
   void close(std::vector<NewEntry> batch, std::string why, bool another = false);
   [[nodiscard]] std::vector<NewEntry> take_batch();
@@ -135,6 +136,7 @@ class RunLog {
   std::optional<RunProgress> run_;
   std::deque<Request> requests_;  // newest last
   std::string stopped_, interrupted_;
+  std::string interrupted_label_, interrupted_comment_;  // of the run that was interrupted
   std::int64_t stopped_ns_ = 0, goes_on_until_ns_ = INT64_MIN;
 };
 

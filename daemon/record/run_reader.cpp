@@ -28,7 +28,9 @@ struct RunReader::Impl {
   RunHeader header = {};
   std::optional<RunEnd> end = std::nullopt;
   std::int64_t begin_ns = 0, end_ns = 0;
-  std::int64_t first_block = 0, last_block = 0;  // seq; 0: there is none
+  std::int64_t header_ns = 0;                           // t_ns of the `run` entry
+  std::optional<std::int64_t> ended_ns = std::nullopt;  // t_ns of the `end` entry
+  std::int64_t first_block = 0, last_block = 0;         // seq; 0: there is none
 
   // Errors of `chain` already name the file.
   [[nodiscard]] tl::unexpected<std::string> fails(const Entry& entry, const std::string& what) const {
@@ -65,6 +67,7 @@ struct RunReader::Impl {
     auto parsed = parse_run_header(entry.body);
     if (!parsed) return fails(entry, parsed.error());
     header = std::move(*parsed);
+    header_ns = entry.t_ns;
     return {};
   }
 
@@ -103,6 +106,7 @@ struct RunReader::Impl {
       auto parsed = parse_run_end(entry.body);
       if (!parsed) return tl::unexpected(parsed.error());
       end = std::move(*parsed);
+      ended_ns = entry.t_ns;
       return false;
     });
   }
@@ -190,6 +194,14 @@ const RunHeader& RunReader::header() const noexcept { return impl_->header; }
 const std::optional<RunEnd>& RunReader::end() const noexcept { return impl_->end; }
 std::int64_t RunReader::begin_ns() const noexcept { return impl_->begin_ns; }
 std::int64_t RunReader::end_ns() const noexcept { return impl_->end_ns; }
+
+std::optional<double> RunReader::span_s() const noexcept {
+  const bool child = !impl_->header.parent_id.empty();
+  const std::int64_t from_ns = child ? impl_->header_ns : impl_->begin_ns;
+  const std::int64_t to_ns = child ? impl_->ended_ns.value_or(from_ns) : impl_->end_ns;
+  if (to_ns <= from_ns) return std::nullopt;
+  return 1e-9 * (static_cast<double>(to_ns) - static_cast<double>(from_ns));
+}
 
 Result<void> RunReader::blocks(const TakeBlock& take) { return impl_->blocks(1, take); }
 

@@ -30,6 +30,9 @@ class RunReader {
   // The instants at which the stream begins and ends; both 0: there is no stream. For progress bars.
   [[nodiscard]] std::int64_t begin_ns() const noexcept;
   [[nodiscard]] std::int64_t end_ns() const noexcept;
+  // Duration of the stream, s. A child file holds no stream: then that of its parent's stream, by the entries `run` and
+  // `end`. None: not known.
+  [[nodiscard]] std::optional<double> span_s() const noexcept;
 
   // Each hands its items to `take`, in order, as long as that returns true. take must not call this reader. Fails with
   // "FILE: entry N: what is wrong", possibly after some items.

@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/record/snapshot.hpp"
 #include "daemon/record/utf8.hpp"
 
 namespace dwell::record {
@@ -55,10 +56,21 @@ constexpr int kMostTries = 200;
 Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {
   for (int tries = 0;; ++tries) {
     Result<std::optional<EndedRun>> run = read_ended(path);
+    // The service is closing the file.
+    if (!run && is_read_again(run.error()) && busy && busy(tries)) continue;
     if (!run) return fails(std::move(run.error()));
     if (*run) return std::move(**run);
     if (!busy || tries == kMostForEnd || !busy(tries))
       return fails(path + ": the run has not ended; only a closed run can be signed");
+  }
+}
+
+// Opens the file; again if the service closed it meanwhile, as long as `busy` returns true.
+template <class Open>
+Result<ChainWriter> open_again(const Open& open, const WhileBusy& busy) {
+  for (int tries = 0;; ++tries) {
+    Result<ChainWriter> file = open();
+    if (file || !is_read_again(file.error()) || !busy || !busy(tries)) return file;
   }
 }
 
@@ -107,8 +119,9 @@ Result<PersonalSignature> sign_by_service(const std::string& path, PersonalSigna
   if (!(run->key == service.public_key()))
     return fails(path + ": was recorded with the key " + run->key.fingerprint() +
                  ", which is no longer the service's; sign with a key of your own");
-  Result<ChainWriter> file =
-      ChainWriter::open(path, ChainSort::run, run->origin(), service, service.public_key(), busy);
+  Result<ChainWriter> file = open_again(
+      [&] { return ChainWriter::open(path, ChainSort::run, run->origin(), service, service.public_key(), busy); },
+      busy);
   if (!file) return fails(std::move(file.error()));
   signature.seq = file->committed();
   signature.head = hex(file->committed_head());
@@ -123,7 +136,8 @@ Result<PersonalSignature> sign_by_own_key(const std::string& path, PersonalSigna
   if (const Result<std::string> words = lines_of(signature); !words) return fails(words.error());
   const Result<EndedRun> run = wait_for_end(path, busy);
   if (!run) return fails(run.error());
-  Result<ChainWriter> file = ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key, busy);
+  Result<ChainWriter> file = open_again(
+      [&] { return ChainWriter::open_without_key(path, ChainSort::run, run->origin(), run->key, busy); }, busy);
   if (!file) return fails(std::move(file.error()));
   signature.seq = file->committed();
   signature.head = hex(file->committed_head());

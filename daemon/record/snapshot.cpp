@@ -6,8 +6,10 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include "daemon/record/chain_file.hpp"
@@ -31,8 +33,11 @@ bool same_file(const struct stat& a, const struct stat& b) {
          a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
-// How often a writer may spoil an attempt to open before it fails. A writer closes a file only once.
-constexpr int kTries = 5;
+// Attempts to open that a writer may spoil before opening fails, and the pause between two of them: 3 s in all. A
+// writer closes a file only once, but that takes three waits for the disk. Halved: with a slow disk opening may fail.
+// Doubled: a file that is written to all the time fails later.
+constexpr int kTries = 60;
+constexpr std::chrono::milliseconds kPause{50};
 
 }  // namespace
 
@@ -117,6 +122,7 @@ Result<Snapshot> Snapshot::open(const std::string& path) {
       return Snapshot(std::move(impl));
     }
     if (tries == kTries) return tl::unexpected(path + ": " + kReadAgain);
+    std::this_thread::sleep_for(kPause);
   }
 }
 

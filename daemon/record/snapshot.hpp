@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "daemon/record/result.hpp"
 
@@ -17,6 +18,8 @@ namespace dwell::record {
 
 // The reason, behind "PATH: ", if a writer merged the -wal into the file during reading. Open the file again and retry.
 inline constexpr const char* kReadAgain = "written to while it was read: read it again";
+// Whether a failure has this reason: a writer closed the file, and another attempt succeeds.
+[[nodiscard]] inline bool is_read_again(std::string_view error) noexcept { return error.ends_with(kReadAgain); }
 
 // Bound to one thread.
 class Snapshot {

@@ -9,8 +9,8 @@
 namespace dwell {
 namespace {
 
-constexpr std::array kMembers{"index", "state",     "ended_by",     "start_s",  "settled_s",
-                              "end_s", "start_utc", "frequency_hz", "elements", "doubts"};
+constexpr std::array kMembers{"index",        "state",    "ended_by", "start_s", "settled_s", "end_s",   "start_utc",
+                              "frequency_hz", "elements", "limits",   "model",   "doubts",    "unstated"};
 
 // How the table moved: the phasor of the first valid transducer on it.
 Json table_json(const Json& whole, const Rig& rig) {
@@ -26,8 +26,8 @@ Json table_json(const Json& whole, const Rig& rig) {
 
 }  // namespace
 
-Json brief_json(const Dwell& dwell, const Rig& rig, const RunInfo& run) {
-  const Json whole = json_value(make_view(dwell, rig, run), Detail::moving);
+Json brief_json(const DwellView& dwell, const Rig& rig) {
+  const Json whole = json_value(dwell, Detail::moving);
   Json brief;
   for (const char* member : kMembers)
     if (whole.contains(member)) brief[member] = whole[member];

@@ -9,6 +9,6 @@
 
 namespace dwell {
 
-[[nodiscard]] Json brief_json(const Dwell& dwell, const Rig& rig, const RunInfo& run);
+[[nodiscard]] Json brief_json(const DwellView& dwell, const Rig& rig);
 
 }  // namespace dwell

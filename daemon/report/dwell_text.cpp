@@ -285,6 +285,9 @@ Section phasor_section(const DwellView& view, const TextOptions& options, std::v
   return section;
 }
 
+// The reason, to be put behind the name of a state; empty: none.
+std::string because(const Dwell& dwell) { return dwell.settling_reason.empty() ? "" : ": " + dwell.settling_reason; }
+
 }  // namespace
 
 std::string marks(const Dwell& dwell, const ElementEstimate& element, const Coefficient& coefficient) {
@@ -332,9 +335,10 @@ std::string headline(const DwellView& view) {
   text += to_string(d.state);
   if (d.state == State::complete) text += std::string(", ended by: ") + to_string(d.ended_by);
   if (d.state == State::settling) {
-    text += std::isfinite(d.settles_in_s) ? ", about " + seconds_text(d.settles_in_s, 1) + " left"
-                                          : ", time left not known";
+    text += std::isfinite(d.settles_in_s) ? ", about " + age_text(d.settles_in_s) + " left"
+                                          : ", time left not known" + because(d);
   }
+  if (d.state == State::fault) text += because(d);
   if (settled(d)) text += ", " + seconds_text(d.end_s - d.settled_s, 1) + " of data";
   return text;
 }

@@ -31,13 +31,6 @@ struct ChannelLabel {
 
 struct MotionView;  // daemon/report/motion_report.hpp
 
-// What is known of a dwell's model, in short.
-struct ModelVerdict {
-  Verdict verdict = Verdict::not_verified;
-  std::optional<bool> consistent;
-  double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
-};
-
 // How old a live dwell was when the service told it.
 struct LiveAge {
   double s = kNaN;     // since the estimation published it, s; not finite: it has published nothing
@@ -52,9 +45,10 @@ struct DwellView {
   // Of a live dwell: its coefficients from the transient, whose `reason` says why there are none; null: nothing is
   // known of it.
   std::shared_ptr<const MotionView> transient = nullptr;
-  std::optional<ModelVerdict> model = std::nullopt;  // of a live dwell that has settled and is not stale
-  std::vector<JudgedLimit> limits = {};              // the rig's, by this dwell's coefficients
-  std::optional<LiveAge> age = std::nullopt;         // of a live dwell
+  // Of a live dwell that has settled and is not stale; of a finished one, as far as its service knows.
+  std::optional<ModelVerdict> model = std::nullopt;
+  std::vector<JudgedLimit> limits = {};       // the rig's, by this dwell's coefficients
+  std::optional<LiveAge> age = std::nullopt;  // of a live dwell
 };
 
 // Units as the JSON writes them (ASCII).

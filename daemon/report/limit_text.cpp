@@ -13,12 +13,14 @@
 namespace dwell {
 namespace {
 
-constexpr int kLeastDigits = 4;      // of a bound, significant: "7.500 to 8.500 kN/m" lines up
+constexpr int kLeastDigits = 4;  // of a bound, significant: "7.500 to 8.500 kN/m" lines up
+// How JudgedLimit::reason begins where the number is doubted (core/rig/limit.cpp). The doubt follows.
+constexpr const char* kDoubtedNumber = "the number must not be relied on";
 constexpr std::size_t kIndent = 11;  // as the lines on settling
 
 void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
   for (std::string& line : wrapped(printable("limits     " + text), options.columns, kIndent))
-    section.body.push_back({std::move(line), options.age.empty() ? style : Style::old});
+    section.body.push_back({std::move(line), options.age.empty() || options.result ? style : Style::old});
 }
 
 // With as many digits as it takes for the text to be the bound, and no more than kMaxDigits: a rounded bound would look
@@ -89,9 +91,11 @@ Section limit_section(const DwellView& view, const TextOptions& options) {
     if (limit.verdict == LimitVerdict::kept)
       kept += (kept.empty() ? "" : "; ") + what + ", " + bounds_text(limit, view.motion);
     if (limit.verdict != LimitVerdict::none) continue;
-    const auto same = std::find_if(none.begin(), none.end(), [&](const auto& n) { return n.first == limit.reason; });
+    // The doubt itself stands above the numbers.
+    const std::string reason = limit.reason.rfind(kDoubtedNumber, 0) == 0 ? kDoubtedNumber : limit.reason;
+    const auto same = std::find_if(none.begin(), none.end(), [&](const auto& n) { return n.first == reason; });
     if (same == none.end())
-      none.emplace_back(limit.reason, what);
+      none.emplace_back(reason, what);
     else
       same->second += ", " + what;
   }

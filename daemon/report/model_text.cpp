@@ -16,8 +16,6 @@ std::string stretch_text(const MotionEstimate& m) {
   return start.substr(0, start.find(' ')) + " to " + seconds_text(m.end_s, 1);
 }
 
-std::string percent_text(double value) { return std::isfinite(value) ? brief(100 * value, 2) + " %" : kNoNumber; }
-
 // Lines above a table, repeated where it goes on overleaf.
 std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options) {
   std::vector<TextLine> lines;
@@ -27,12 +25,22 @@ std::vector<TextLine> title(const MotionEstimate& m, const TextOptions& options)
   return lines;
 }
 
-void add_notes(const MotionEstimate& m, const TextOptions& options, Section& to) {
+// The legend of the estimate's ± and marks. `beside` has what the rig file leaves unstated: both have the same rig
+// file.
+std::vector<std::string> legend_below(const MotionEstimate& m, const Dwell& beside) {
+  Dwell shown;
+  shown.elements = m.elements;
+  shown.unstated = beside.unstated;
+  return legend_of({&shown});
+}
+
+void add_notes(const MotionEstimate& m, const Dwell& beside, const TextOptions& options, Section& to) {
   std::vector<std::string> texts;
   for (const ElementEstimate& e : m.elements)
     if (!e.identifiable)
       texts.push_back("element " + std::to_string(e.k) + " is not determined by the transient so far: " + e.reason);
   for (const std::string& warning : m.warnings) texts.push_back("from the transient, warning: " + warning);
+  for (std::string& text : legend_below(m, beside)) texts.push_back(std::move(text));
   for (const std::string& text : texts)
     for (std::string& line : wrapped(printable(text), options.columns, 2)) {
       to.body.push_back({std::move(line), Style::plain});
@@ -68,7 +76,7 @@ std::vector<Section> transient_sections(const DwellView& view, const TextOptions
   if (sections.empty()) return sections;
   std::vector<TextLine> head = title(m, options);
   for (Section& section : sections) section.head.insert(section.head.begin(), head.begin(), head.end());
-  add_notes(m, options, sections.back());
+  add_notes(m, view.dwell, options, sections.back());
   return sections;
 }
 
@@ -87,7 +95,7 @@ std::string agreement_text(const DwellView& view) {
 
 std::string model_text(const ModelVerdict& model) {
   std::string text = to_string(model.verdict);
-  if (std::isfinite(model.seen)) text += ", off by " + percent_text(model.seen) + " ± " + percent_text(model.U);
+  if (std::isfinite(model.seen)) text += ", off by " + join(number_text(100.0 * model.seen, 100.0 * model.U, "%"));
   text += " (accuracy " + percent(model.asked) + ")";
   if (model.consistent && !*model.consistent) text += "; not consistent: dwellctl verify says why";
   return text;

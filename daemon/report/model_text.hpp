@@ -13,8 +13,9 @@
 
 namespace dwell {
 
-// "from the transient, 0.0 to 3.2 s, an estimate before the verdict:" above a table of the coefficients; or why there
-// are none. Empty: nothing is known of the transient, or the dwell has settled.
+// The estimate from the transient: "from the transient, 0.0 to 3.2 s, an estimate before the verdict:" above a table of
+// the coefficients, or why there are none. The table's own legend stands below it, whatever TextOptions::legend says.
+// Empty: nothing is known of the transient, or the dwell has settled.
 [[nodiscard]] std::vector<Section> transient_sections(const DwellView& view, const TextOptions& options);
 
 // Whether both contradict each other (Agreement::contradicts). Differences within the stated U are tolerated: instants

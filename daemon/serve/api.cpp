@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/calibration.hpp"
 #include "daemon/freshness.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/dwell_brief.hpp"
@@ -56,6 +57,15 @@ Json rate_of(const ServiceView& view, const ChannelView& channel) {
 // As the rig file names it.
 Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
 
+// A channel's calibration, as the rig file states it; null: it states none.
+Json calibration_json(const ServiceView& view, const Channel& channel) {
+  if (channel.calibration_id.empty()) return nullptr;
+  const auto overdue = calibration_overdue(channel, view.clock_synchronized ? view.now_utc_ns : 0);
+  return {{"id", channel.calibration_id},
+          {"due", json_text(channel.calibration_due)},
+          {"overdue", overdue ? Json(*overdue) : Json(nullptr)}};
+}
+
 Json channels_json(const ServiceView& view) {
   Json list = Json::array();
   for (std::size_t i = 0; i < view.snapshot.channels.size(); ++i) {
@@ -82,6 +92,7 @@ Json channels_json(const ServiceView& view) {
                     {"dropped", tally.dropped()},
                     {"queued", tally.queued},
                     {"gaps", channel.gaps},
+                    {"calibration", calibration_json(view, view.rig.channels[i])},
                     {"dropped_by",
                      {{"refused", tally.refused},
                       {"late", tally.late},
@@ -109,6 +120,7 @@ Json devices_json(const ServiceView& view) {
     list.push_back({{"name", device.name},
                     {"driver", device.driver},
                     {"up", device.up},
+                    {"ended", device.ended},
                     {"faults", std::move(faults)},
                     {"foreign", device.foreign}});
   }
@@ -209,7 +221,8 @@ HttpReply dwells_answer(const ServiceView& view, std::string_view query) {
   std::vector<std::string> texts;
   std::size_t bytes = 0;
   const auto take = [&](const Dwell& dwell) {
-    std::string text = page->brief ? dump(brief_json(dwell, view.rig, view.run)) : to_json(dwell, view.rig, view.run);
+    const DwellView finished = finished_dwell(view, dwell);
+    std::string text = page->brief ? dump(brief_json(finished, view.rig)) : to_json(finished);
     if (texts.size() == page->count || (!texts.empty() && bytes + text.size() > kBytesOfDwells)) return false;
     bytes += text.size();
     texts.push_back(std::move(text));
@@ -242,7 +255,7 @@ HttpReply dwell_answer(const ServiceView& view, std::string_view index_text) {
     return http_error(404, "expected /api/v1/dwells/INDEX, the index of a dwell: a number from 1");
   const FinishedDwells& all = finished(view);
   for (const auto& dwell : all)
-    if (dwell->index == *index) return {200, to_json(*dwell, view.rig, view.run)};
+    if (dwell->index == *index) return {200, to_json(finished_dwell(view, *dwell))};
   if (view.snapshot.dwell.index == *index) return {200, dwell_text_json(view)};
   const std::string which = "dwell " + std::to_string(*index);
   if (!all.empty() && *index < all.front()->index.value_or(0))

@@ -1,3 +1,4 @@
+#include "daemon/calibration.hpp"
 #include "daemon/serve/channel_status.hpp"
 #include "daemon/serve/element_standing.hpp"
 #include "daemon/serve/metrics.hpp"
@@ -45,6 +46,13 @@ void write_channels(const ServiceView& now, Exposition& out) {
   each_channel(now, out, [](const ChannelView& c) { return count_value(c.clock.lost); });
   out.counter("dwell_channel_gaps_total", "Times that samples of the channel were lost.");
   each_channel(now, out, [](const ChannelView& c) { return count_value(c.gaps); });
+}
+
+void write_calibrations(const ServiceView& now, Exposition& out) {
+  out.gauge("dwell_channel_calibration_due_timestamp_seconds",
+            "When the channel's calibration stops to hold, since 1970. Absent: the rig file states no date.");
+  for (const Channel& channel : now.rig.channels)
+    if (const auto ends_s = calibration_ends_s(channel)) out.sample(*ends_s, {{"channel", channel.name}});
 }
 
 void write_dropped(const ServiceView& now, Exposition& out) {
@@ -99,6 +107,7 @@ void write_lines(const ServiceView& now, Exposition& out) {
 void write_intake_metrics(const ServiceView& now, Exposition& out) {
   if (!is_stale(now)) write_channel_states(now, out);
   write_channels(now, out);
+  write_calibrations(now, out);
   write_dropped(now, out);
   write_devices(now, out);
   write_lines(now, out);

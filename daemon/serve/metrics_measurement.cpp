@@ -67,6 +67,18 @@ void write_model(const ServiceView& now, Exposition& out) {
   out.sample(model->U);
 }
 
+void write_limits(const ServiceView& now, Exposition& out) {
+  if (is_stale(now)) return;
+  constexpr std::array kVerdicts{LimitVerdict::none, LimitVerdict::kept, LimitVerdict::undecided,
+                                 LimitVerdict::violated};
+  out.gauge("dwell_limit_verdict",
+            "The verdict on each limit of the rig file, by the current dwell: 1 for what holds. none: nothing is "
+            "measured, or there is no number that may be relied on.");
+  for (const JudgedLimit& limit : judge_limits_now(now.rig, now.snapshot.dwell))
+    write_states(out, "verdict", limit.verdict, kVerdicts,
+                 {{"element", std::to_string(limit.element)}, {"coefficient", to_string(limit.kind)}});
+}
+
 // Of the current dwell, whose state is known.
 void write_dwell(const Dwell& dwell, Exposition& out) {
   constexpr std::array kStates{State::idle, State::settling, State::measuring, State::complete, State::fault};
@@ -97,6 +109,7 @@ void write_measurement_metrics(const ServiceView& now, Exposition& out) {
   out.counter("dwell_finished_dwells_total", "Dwells of the run that have ended.");
   out.sample(count_value((now.snapshot.finished ? now.snapshot.finished->size() : 0) + now.snapshot.forgotten));
   write_coefficients(now, out);
+  write_limits(now, out);
   write_model(now, out);
 }
 

@@ -73,6 +73,20 @@ TEST_F(ClippedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasure
         expect_no_wrong_number(dwell, what);
         EXPECT_TRUE(says(dwell, "reaction: clipped")) << what << all(dwell);
         EXPECT_EQ(conditions[kCell], "clipped") << what;
+        ASSERT_EQ(dwell.phasors.size(), 4u) << what;
+        for (std::size_t c = 0; c < kCell; ++c) EXPECT_TRUE(dwell.phasors[c].valid) << what << dwell.phasors[c].reason;
+        // Clipped by 3 % the amplitude is off by 0.3 %: within what 1 % of noise leaves.
+        EXPECT_TRUE(!dwell.phasors[kCell].valid || level > 0.9) << what;
+        if (!dwell.phasors[kCell].valid) {
+          EXPECT_NE(dwell.phasors[kCell].reason.find("clipped"), std::string::npos) << dwell.phasors[kCell].reason;
+          for (const ElementEstimate& element : dwell.elements) {
+            EXPECT_FALSE(element.identifiable) << what;
+            EXPECT_NE(element.reason.find("reaction"), std::string::npos) << what << element.reason;
+          }
+        }
+        EXPECT_TRUE(dwell.doubts.empty()) << what << ", the specimen is blamed: " << dwell.doubts.front().what;
+        for (const char* blame : {"not linear", "mode at", "friction", "settle"})
+          EXPECT_FALSE(says(dwell, blame)) << what << all(dwell);
       }
 }
 

@@ -1,6 +1,7 @@
 // Readings of a chain that has what its rig file does not: a spring or damper from a mass to ground, a spring
-// between the table and a mass, friction and a cubic stiffness of an element. Integrated by Runge and Kutta's method of
-// fourth order, a step per millisecond or less; at 4 Hz and rates up to 100 per s that is 1e-6 of the motion.
+// between the table or another mass and a mass, friction and a cubic stiffness of an element. Integrated by Runge and
+// Kutta's method of fourth order, a step per millisecond or less; at 4 Hz and rates up to 100 per s that is 1e-6 of the
+// motion.
 #pragma once
 
 #include <cmath>
@@ -18,9 +19,10 @@ namespace dwell {
 struct Faults {
   int mass = 1;  // joined to the ground by …
   double ground_stiffness = 0.0, ground_damping = 0.0;
-  double table_stiffness = 0.0;  // … and to the table
+  double table_stiffness = 0.0;  // … and to the table, or to joined_to
   int element = 1;               // with …
   double friction = 0.0, cubic = 0.0;
+  int joined_to = 0;  // where table_stiffness ends: the table, or another mass
 };
 
 class FaultyMotion {
@@ -75,6 +77,7 @@ class FaultyMotion {
     if (k == faults_.element) F += faults_.cubic * d * d * d + faults_.friction * std::tanh(v / 1e-3);
     return F;
   }
+  [[nodiscard]] double joined(const State& now) const { return now.y[static_cast<std::size_t>(faults_.joined_to)]; }
   [[nodiscard]] std::vector<double> slope(double t_s, const std::vector<double>& x) const {
     const State now = state(t_s, x);
     const std::size_t n = chain_.masses.size();
@@ -86,7 +89,9 @@ class FaultyMotion {
       double sum = F[k + 2] - F[k + 1];
       if (static_cast<int>(k) + 1 == faults_.mass)
         sum -= faults_.ground_stiffness * now.y[k + 1] + faults_.ground_damping * now.velocity[k + 1] +
-               faults_.table_stiffness * (now.y[k + 1] - now.y[0]);
+               faults_.table_stiffness * (now.y[k + 1] - joined(now));
+      if (faults_.joined_to > 0 && static_cast<int>(k) + 1 == faults_.joined_to)
+        sum += faults_.table_stiffness * (now.y[static_cast<std::size_t>(faults_.mass)] - joined(now));
       out[k] = x[n + k];
       out[n + k] = sum / chain_.masses[k];
     }

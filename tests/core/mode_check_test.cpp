@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 #include <string>
 
 #include "core/model/forward.hpp"
 #include "tests/core/bench_rig.hpp"
+#include "tests/core/faulty_motion.hpp"
 
 namespace dwell {
 namespace {
@@ -82,6 +84,32 @@ TEST(ModeCheck, AChannelWhoseScaleIsOffIsDoubtedAndNamed) {
   expect_doubt(dwell_of(chain, rig_of(chain, kDrive_hz), 1, by_two_percent), "y1 reading ");
 }
 
+// inch for cm, cm for inch, lbf for kgf: the motion is plausible, and so are the coefficients.
+TEST(ModeCheck, AChannelInAnotherUnitThanStatedIsDoubtedAndNamed) {
+  struct Mistake {
+    std::uint16_t channel;
+    double factor;
+    const char* name;
+  };
+  for (const Mistake& mistake : {Mistake{1, 2.54, "y1"},
+                                 {1, 1 / 2.54, "y1"},
+                                 {2, 2.54, "y2"},
+                                 {3, 2.2046, "reaction"},
+                                 {3, 4.4482, "reaction"},
+                                 {3, 1 / 4.4482, "reaction"}}) {
+    const std::string what = std::string(mistake.name) + " times " + std::to_string(mistake.factor);
+    const Chain chain = lightly_damped_chain();
+    const Dwell dwell = dwell_of(chain, rig_of(chain, kDrive_hz), 1, [&](Record& record, double) {
+      if (record.channel == mistake.channel) record.value *= mistake.factor;
+    });
+    EXPECT_FALSE(trustworthy(dwell)) << what;
+    std::string said;
+    for (const Doubt& doubt : dwell.doubts) said += doubt.what + "\n";
+    for (const ElementEstimate& element : dwell.elements) said += element.reason + "\n";
+    EXPECT_NE(said.find(mistake.name), std::string::npos) << what << ": " << said;
+  }
+}
+
 TEST(ModeCheck, AChannelThreeTenthsOfAMillisecondLateIsDoubtedAndNamed) {
   const Chain chain = clamped_chain();
   Rig rig = rig_of(chain, kDrive_hz);
@@ -115,6 +143,39 @@ TEST(ModeCheck, ASpringFromTheMassToGroundThatTheFileDoesNotHaveIsDoubtedAndName
   rig.boundary = Boundary::free;
   rig.channels.pop_back();
   expect_doubt(dwell_of(chain, rig, 1), "N/m from mass 1 to ground");
+}
+
+TEST(ModeCheck, ASpringBetweenTwoMassesThatTheFileDoesNotHaveIsDoubtedAndNamed) {
+  const Chain chain{Boundary::clamped, {12.5, 8.0, 5.0}, {24000, 15000, 9000, 12000}, {20, 15, 10, 12}};
+  const Rig rig = rig_of(chain, kDrive_hz);
+  Faults beside;
+  beside.mass = 1;
+  beside.joined_to = 3;
+  beside.table_stiffness = 1500;
+  FaultyMotion motion(chain, beside, kTable, {{kDrive_hz, 1.0}});
+  const auto steady = steady_response(chain, 2 * M_PI * kDrive_hz, kTable);
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> normal;
+  Pipeline pipeline(rig);
+  for (int i = 0; i < 200 * 60; ++i) {
+    const FaultyMotion::State now = motion.at(i / 200.0);
+    for (std::uint16_t c = 0; c < 5; ++c) {
+      const double size = c == 4 ? std::abs(steady.F) : std::abs(steady.Y[c]);
+      Record record;
+      record.t_ns = 5'000'000LL * i;
+      record.channel = c;
+      record.value = (c == 4 ? now.force : now.y[c]) + 2e-3 * size * normal(rng);
+      pipeline.push(record);
+    }
+  }
+  pipeline.finish();
+  const Dwell& dwell = pipeline.completed();
+  EXPECT_TRUE(std::isfinite(dwell.settled_s));
+  EXPECT_FALSE(trustworthy(dwell));
+  std::string said;
+  for (const Doubt& doubt : dwell.doubts) said += doubt.what + "\n";
+  EXPECT_NE(said.find("mode at "), std::string::npos) << said;
+  EXPECT_NE(said.find(" N/m from mass 1 to mass 3"), std::string::npos) << said;
 }
 
 TEST(ModeCheck, ADwellBegunWithoutATransientHasNothingToCompare) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/motion/motion_estimate.hpp"
 #include "core/motion/motion_recorder.hpp"
 #include "tests/core/motion_case.hpp"
 
@@ -80,6 +81,51 @@ TEST(MotionRecorder, GivesReadingsInSIAtTheInstantsOfTheMotion) {
   EXPECT_EQ(data.readings[0].t_ns, to_ns(0.999));
   EXPECT_NEAR(data.readings[0].value, 6e-3, 1e-12);
   EXPECT_EQ(data.readings[1].channel, 0);
+}
+
+// At rest for 20 s, then driven for 40 s, harder from the middle on: of 36 000 readings an estimate takes 4 000.
+TEST(MotionRecorder, OfALongRecordingKeepsWhatGivesTheSameEstimateToTheLastBit) {
+  Rig rig = rig_of(clamped_chain(), 4.0);
+  rig.excitation.minimum = 2e-5;
+  DrivenChain chain(clamped_chain(), {.frequency_hz = 4.0, .amplitude = 1e-3}, DrivenChain::Start::rest);
+  // A thousandth of what each reads: 1 µm, and 20 mN of the reaction.
+  std::vector<double> sigma;
+  for (const Channel& channel : rig.channels) sigma.push_back(channel.measures == Quantity::force ? 0.02 : 1e-6);
+  const MotionData played = readings_of(rig, chain, 0.0, 40.0, 150.0, sigma, 5);
+  std::mt19937_64 rng(9);
+  std::normal_distribution<double> normal;
+  const std::size_t channels = rig.channels.size();
+  MotionRecorder all(rig, SIZE_MAX), few(rig, 9000);
+  const auto give = [&](std::int64_t t_ns, int channel, double value) {
+    Record record;
+    record.t_ns = t_ns;
+    record.channel = static_cast<std::uint16_t>(channel);
+    record.value = value;
+    all.take(record);
+    few.take(record);
+  };
+  for (int i = 0; i < 3000; ++i)
+    for (std::size_t c = 0; c < channels; ++c) give(to_ns(i / 150.0), static_cast<int>(c), sigma[c] * normal(rng));
+  for (const MotionReading& r : played.readings) {
+    const double times = r.t_ns > to_ns(20.0) ? 5.0 : 1.0;  // not as a chain would: only the activity matters there
+    give(r.t_ns + to_ns(20.0), r.channel, times * r.value);
+  }
+  EXPECT_LE(few.data().readings.size(), 11000U);
+  EXPECT_GT(all.data().readings.size(), 30000U);
+  const MotionOptions options{.most_work = 16000, .missing = false};
+  const MotionEstimate a = estimate_motion(rig, all.data(), options), b = estimate_motion(rig, few.data(), options);
+  EXPECT_EQ(a.reason, b.reason);
+  EXPECT_EQ(a.readings, b.readings);
+  EXPECT_EQ(a.start_s, b.start_s);
+  EXPECT_EQ(a.end_s, b.end_s);
+  ASSERT_FALSE(a.elements.empty()) << a.reason;
+  ASSERT_EQ(a.elements.size(), b.elements.size());
+  EXPECT_EQ(a.covariance, b.covariance);
+  for (std::size_t k = 0; k < a.elements.size(); ++k) {
+    EXPECT_EQ(a.elements[k].stiffness.value, b.elements[k].stiffness.value);
+    EXPECT_EQ(a.elements[k].stiffness.U95, b.elements[k].stiffness.U95);
+    EXPECT_EQ(a.elements[k].damping.value, b.elements[k].damping.value);
+  }
 }
 
 }  // namespace

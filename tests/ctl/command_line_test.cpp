@@ -311,7 +311,26 @@ TEST(CommandLine, CheckIsNoWhereADeviceDoesNotAnswer) {
           "device = \"recording\"\nregister = 2\ntype = \"float32\"\nmeasures = \"f");
   const Outcome outcome = run({"check", "--rig", folder.file("rig.toml", rig)});
   EXPECT_EQ(outcome.code, 1) << outcome.err;
-  EXPECT_NE(outcome.out.find("refused"), std::string::npos) << outcome.out;
+  const std::string reason = "127.0.0.1:" + port + ": Connection refused";
+  EXPECT_NE(outcome.out.find("\ny0        no answer  recording "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("  " + reason + "\n"), std::string::npos) << outcome.out;
+  const Json channel = Json::parse(run({"check", "--rig", folder.path("rig.toml"), "--json"}).out)["channels"][0];
+  EXPECT_EQ(channel["status"], "no answer");
+  EXPECT_EQ(channel.value("reason", ""), reason);
+}
+
+TEST(CommandLine, CheckIsNoWhereAChannelIsGatedAndSaysSo) {
+  const test::TemporaryFolder folder;
+  const std::string gated =
+      R"({"channels":[{"name":"y0","value":1.5,"unit":"mm","status":"ok","reason":null},)"
+      R"({"name":"y2","value":1.7e-29,"unit":"mm","status":"gated","reason":"check type and order"}]})"
+      "\n";
+  ScriptedServer server({Reply{gated, true}}, folder.path("control"));
+  const Outcome outcome = run({"check", "--control", folder.path("control")});
+  EXPECT_EQ(outcome.code, 1) << outcome.out;
+  EXPECT_NE(outcome.err.find("y2 answers, and its readings cannot be relied on: gated: check type and order"),
+            std::string::npos)
+      << outcome.err;
 }
 
 TEST(CommandLine, AFullDiskIsNotSuccess) {

@@ -185,5 +185,16 @@ TEST(Wrapped, TakesTheLargestEventOfARunFile) {
   EXPECT_EQ(lines[1], std::string(10, ' ') + text.substr(0, 70));
 }
 
+// A drive beyond the search range settled for ever, and nobody was told why; the time left jumped to "165.3 s".
+TEST(DwellText, ATimeLeftThatIsNotKnownHasItsReasonAndALongOneNoTenths) {
+  Dwell dwell = test::settling_dwell();
+  dwell.settles_in_s = 165.3;
+  const auto line = [&] { return headline(make_view(dwell, test::sample_rig(), test::sample_run())); };
+  EXPECT_EQ(line(), "dwell 2 · settling, about 165 s left");
+  dwell.settles_in_s = kNaN;
+  dwell.settling_reason = "the drive is at 5.5 Hz, beyond the search range";
+  EXPECT_EQ(line(), "dwell 2 · settling, time left not known: the drive is at 5.5 Hz, beyond the search range");
+}
+
 }  // namespace
 }  // namespace dwell

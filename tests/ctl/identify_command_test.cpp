@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -112,6 +113,35 @@ TEST(CommandLine, IdentifyDoubtsADwellWhoseStartContradictsTheChain) {
   ASSERT_EQ(dwell["doubts"].size(), 1U);
   EXPECT_EQ(dwell["warnings"][0], dwell["doubts"][0]["what"]);
   EXPECT_EQ(dwell["doubts"][0]["what"].get<std::string>().find("any motion: "), 0U);
+}
+
+// A clipped load cell reads less force than there is. A search for what the rig file lacks would call that a scale.
+TEST(CommandLine, IdentifyBlamesClippedReadingsAndLooksForNothingElse) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig);
+  std::string clipped;
+  std::istringstream lines(start_up(0.0));
+  for (std::string line; std::getline(lines, line);) {
+    const auto comma = line.rfind(',');
+    const double force = std::atof(line.c_str() + comma + 1);
+    if (clipped.empty() || std::abs(force) < 90) {
+      clipped += line + "\n";
+    } else {
+      clipped += line.substr(0, comma) + (force > 0 ? ",90\n" : ",-90\n");
+    }
+  }
+  const std::string data = folder.file("clipped.csv", clipped);
+  for (const char* method : {"both", "motion"}) {
+    const Outcome outcome = run({"identify", "--rig", rig, data, "--method", method});
+    EXPECT_EQ(outcome.code, 1) << outcome.out;
+    EXPECT_NE(
+        outcome.out.find("the readings themselves are at fault, so nothing that the rig file lacks is looked for: "
+                         "reaction: clipped: "),
+        std::string::npos)
+        << method << outcome.out;
+    for (const char* sought : {"missing: ", "scale of reaction", "check the rig file"})
+      EXPECT_EQ(outcome.out.find(sought), std::string::npos) << method << outcome.out;
+  }
 }
 
 TEST(CommandLine, IdentifyIgnoresAnUnknownColumnWithAWarning) {

@@ -45,6 +45,16 @@ TEST(LimitText, TheViolatedComeFirstAndThoseAloneAreLoud) {
     EXPECT_EQ(line.style == Style::alarm, line.text.find("violated") != std::string::npos) << line.text;
 }
 
+TEST(LimitText, ADoubtThatTakesALimitItsVerdictIsNotToldOnceMore) {
+  Rig rig = test::sample_rig();
+  rig.limits = {{1, Bounds{23e3, 24e3}, std::nullopt}};
+  Dwell dwell = test::sample_dwell();
+  dwell.doubts = {{{}, "mode at 4.77 Hz"}};
+  EXPECT_EQ(
+      lines_of(limit_section(make_view(dwell, rig, test::sample_run()), {})),
+      (std::vector<std::string>{"limits     no verdict on stiffness of element 1: the number must not be relied on"}));
+}
+
 TEST(LimitText, ABoundHasAsManyDigitsAsItTakesToBeIt) {
   JudgedLimit limit;
   limit.bounds = {8000.4, 8499.9};

@@ -16,7 +16,9 @@ namespace dwell {
 namespace {
 
 TEST(TransientText, StandsAboveTheSettlingNoticeAndSaysThatItIsNoVerdict) {
-  const std::string text = dwell_text(test::settling_view());
+  DwellView view = test::settling_view();
+  view.dwell.unstated = {"mass 1", "scales of y0 and a1"};
+  const std::string text = dwell_text(view);
   EXPECT_EQ(text.substr(0, text.find("reason ")), R"(dwell 2 · settling, about 3.2 s left
 
 from the transient, 40.0 to 43.2 s, an estimate before the verdict:
@@ -26,6 +28,8 @@ element  stiffness               damping
       3  1.23457 ± 0.00020 MN/m   210 ± 790 mN·s/m n.s.
 element 2 is not determined by the transient so far: the readings do not determine it
 from the transient, warning: the residuals of y2 are not white: uncertainties are widened
+± is the half width of the 95 % interval, if the rig is as its file says; n.s.: not significant, smaller than its standard uncertainty
+± covers only noise, clock and what the rig file states; not stated: mass 1, scales of y0 and a1
 
 settled    no
 )") << text;
@@ -114,11 +118,11 @@ TEST(TransientText, OnceTheDwellHasSettledStillSaysWhyTheTransientGaveNoCoeffici
 }
 
 TEST(ModelText, IsOneLineBelowTheVerdict) {
-  EXPECT_NE(dwell_text(test::measured_view(0.4)).find("model      adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)\n"),
+  EXPECT_NE(dwell_text(test::measured_view(0.4)).find("model      adequate, off by 1.20 ± 0.80 % (accuracy 5 %)\n"),
             std::string::npos)
       << dwell_text(test::measured_view(0.4));
   EXPECT_EQ(model_text({Verdict::adequate, false, 0.05, 0.012, 0.008}),
-            "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %); not consistent: dwellctl verify says why");
+            "adequate, off by 1.20 ± 0.80 % (accuracy 5 %); not consistent: dwellctl verify says why");
   EXPECT_EQ(model_text({Verdict::not_verified, {}, 0.05, kNaN, kNaN}), "not verified yet (accuracy 5 %)");
 }
 

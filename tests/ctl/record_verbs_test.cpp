@@ -61,6 +61,38 @@ TEST_F(RecordVerbs, AuditSaysUntilWhenAnOpenFileHolds) {
   EXPECT_EQ(outcome.out.rfind(run.path + ": open until ", 0), 0u) << outcome.out;
 }
 
+TEST_F(RecordVerbs, AuditCountsAFileWithoutAnEndAsAFailureWhereItIsAskedTo) {
+  SampleRun run = make("open.dwell");
+  run.closed = false;
+  write(run, key);
+  const Outcome outcome = test::run({"audit", run.path});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, ": it has no end (crashed, running, or cut off)")) << outcome.out;
+  EXPECT_EQ(test::run({"audit", "--closed", run.path}).code, 1);
+  EXPECT_EQ(test::run({"audit", "--closed", written("run.dwell")}).code, 0);
+}
+
+// `audit DIR/*` finds them beside the runs.
+TEST_F(RecordVerbs, AuditSaysOfFilesBesideTheRunsWhatTheyAre) {
+  const std::string good = written("good.dwell"), bad = written("bad.dwell");
+  alter(bad, "UPDATE entry SET t_ns = t_ns + 1 WHERE seq = 4");
+  const std::string ledger = folder.path("ledger.dwell-ledger");
+  auto made = record::Ledger::open(folder.path(""), key);
+  ASSERT_TRUE(made && made->begin_log());
+  const std::string reserve = folder.file("reserve", std::string(1000, '\0'));
+  for (const auto& [file, words] :
+       {std::pair(ledger, "is a ledger, no run file"), std::pair(ledger + "-wal", "is the -wal of a run or a ledger"),
+        std::pair(reserve, "is the room that the service reserves")}) {
+    const Outcome outcome = test::run({"audit", good, file});
+    EXPECT_EQ(outcome.code, 2) << file;
+    EXPECT_TRUE(holds(outcome.err, words)) << outcome.err << outcome.out;
+    EXPECT_FALSE(holds(outcome.out, "tampered")) << outcome.out;
+    EXPECT_EQ(test::run({"audit", bad, file}).code, 1) << "what is tampered with decides";
+  }
+  std::filesystem::copy_file(ledger, folder.path("run.dwell"));
+  EXPECT_EQ(test::run({"audit", folder.path("run.dwell")}).code, 1) << "in a run's place it is none";
+}
+
 TEST_F(RecordVerbs, AuditAsJsonIsAsTheInterfaceSays) {
   const std::string bad = written("bad.dwell");
   alter(bad, "DELETE FROM entry WHERE seq = 4");
@@ -97,6 +129,8 @@ TEST_F(RecordVerbs, AuditWithTheLedgerMissesARunThatWasRemoved) {
   const Outcome there = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(there.code, 0) << there.out << there.err;
   EXPECT_TRUE(holds(there.out, ledger + ": unbroken\n")) << there.out;
+  const Outcome alone = test::run({"audit", "--ledger", ledger});
+  EXPECT_EQ(alone.out, ledger + ": unbroken, key " + key.public_key().fingerprint() + " not trusted\n");
   std::filesystem::remove(run.path);
   const Outcome gone = test::run({"audit", "--ledger", ledger, "--key", key.public_key().vkey()});
   EXPECT_EQ(gone.code, 1);

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "config/rig_file.hpp"
+#include "daemon/ctl/child_file.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/identify.hpp"
 #include "daemon/ctl/run_source.hpp"
@@ -318,6 +320,64 @@ std::vector<std::string> states_told(const std::vector<Record>& stream, const st
   for (const Record& record : stream) measurement.take(record);
   measurement.finish();
   return told;
+}
+
+// Written with the results of `child`, each given to `alter`, and signed by a key of its own.
+void forge_child(const std::string& child, const std::string& forged, const record::RunHeader& header,
+                 const std::function<bool(record::StoredResult&)>& alter) {
+  auto reader = record::RunReader::open(child);
+  ASSERT_TRUE(reader);
+  auto file = ChildFile::create(forged, header, *record::SigningKey::make("forger"), 0);
+  ASSERT_TRUE(file) << file.error();
+  ASSERT_TRUE(reader->results(false, [&](record::StoredResult result) {
+    if (alter(result)) file->add(0, result);
+    return true;
+  }));
+  ASSERT_TRUE(file->finish(1, *reader->end()));
+}
+
+TEST_F(AmendTest, AChildIsComparedWithItsParent) {
+  const std::string parent = write("run.dwell"), child = folder.path("child.dwell");
+  ASSERT_EQ(amend(parent, bench().rig_text(1.002), child).code, kDone);
+  const auto against = [&](const std::string& file) {
+    return printed([&] { return replay({.file = parent, .against = file, .json = true}); });
+  };
+  const Printed same = against(child);
+  EXPECT_EQ(same.code, kDone) << same.err;
+  EXPECT_EQ(same.json()["identical"], true);
+  EXPECT_GT(same.json()["compared"]["results"], written.finals);
+
+  const record::RunHeader header = record::RunReader::open(child)->header();
+  const auto forged = [&](const char* name, record::RunHeader its,
+                          const std::function<bool(record::StoredResult&)>& alter) {
+    forge_child(child, folder.path(name), std::move(its), alter);
+    return against(folder.path(name));
+  };
+  const auto as_it_is = [](record::StoredResult&) { return true; };
+  EXPECT_EQ(forged("copy.dwell", header, as_it_is).code, kDone) << "whoever signs it: the results are those";
+  const Printed altered = forged("altered.dwell", header, [](record::StoredResult& result) {
+    if (result.final) result.dwell.replace(result.dwell.find("\"end_s\":") + 8, 1, "9");
+    return true;
+  });
+  EXPECT_EQ(altered.code, kNo);
+  EXPECT_EQ(altered.json()["identical"], false);
+  EXPECT_EQ(
+      forged("fewer.dwell", header, [n = 0](record::StoredResult& result) mutable { return result.final || ++n != 3; })
+          .code,
+      kNo)
+      << "a result that is missing";
+  record::RunHeader other = header;
+  other.parent_id = std::string(32, '0');
+  const Printed of_another = forged("other.dwell", other, as_it_is);
+  EXPECT_EQ(of_another.code, kNo);
+  EXPECT_NE(of_another.err.find("was computed from run 000"), std::string::npos) << of_another.err;
+  other = header;
+  other.parent_head = std::string(64, '0');
+  EXPECT_NE(forged("head.dwell", other, as_it_is).err.find("another state of this run"), std::string::npos);
+  other = header;
+  other.rig.sha256 = std::string(64, '0');
+  EXPECT_NE(forged("rig.dwell", other, as_it_is).err.find("whose SHA-256 it states"), std::string::npos);
+  EXPECT_EQ(against(parent).code, kUsage) << "is no child";
 }
 
 TEST_F(AmendTest, AChildHoldsTheEventsOfItsReplay) {

@@ -31,6 +31,17 @@ y0       ok       4.70639 mm   0.002 s  499.9 Hz  device 500.021 Hz  0.290 ms  4
 )");
 }
 
+TEST(Tables, ChannelsShowTheirCalibrationsWhereOneIsStated) {
+  const Json list = Json::parse(R"([
+    {"name":"y0","status":"ok","calibration":{"id":"K-2231","due":"2027-03-31","overdue":false}},
+    {"name":"y1","status":"ok","calibration":{"id":"K-7","due":"2025-03-31","overdue":true}},
+    {"name":"y2","status":"ok","calibration":null}])");
+  const std::string text = channels_table(list);
+  EXPECT_NE(text.find("calibration"), std::string::npos) << text;
+  EXPECT_NE(text.find("K-2231, due 2027-03-31\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("K-7, due 2025-03-31: overdue\n"), std::string::npos) << text;
+}
+
 TEST(Tables, DwellsHaveOneLinePerElement) {
   Dwell first = test::sample_dwell();
   first.state = State::complete;
@@ -65,6 +76,18 @@ TEST(Tables, DwellsSayFirstWhichNumbersMustNotBeReliedOnAndBelowWhatTheyLeaveOut
       << text;
 }
 
+TEST(Tables, DwellsShowTheVerdictsOnTheirLimitsAndModels) {
+  Rig rig = test::sample_rig();
+  rig.limits = {{1, Bounds{20e3, 21e3}, Bounds{0.0, 100.0}}};
+  DwellView view = make_view(test::sample_dwell(), rig, {});
+  view.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.012, 0.004};
+  const std::string text = dwells_table({view});
+  EXPECT_NE(text.find("24.010 ±   0.027 kN/m limit violated  60.20 ± 0.79 N·s/m limit kept"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("  model"), std::string::npos) << text;
+  EXPECT_NE(text.find("  adequate"), std::string::npos) << text;
+}
+
 // A stuck or clipped reading, and garbage, in a table that stays one.
 TEST(Tables, ChannelsShowTheConditionOfTheirReadingsAndLineUpForGarbage) {
   const Json list = Json::parse(R"([
@@ -90,11 +113,11 @@ TEST(Tables, ACheckSaysWhoAnswers) {
   ASSERT_EQ(channels.size(), 2U);
   EXPECT_TRUE(channels[0].answers());
   EXPECT_FALSE(channels[1].answers());
-  for (const char* status :
-       {"overrange", "stuck: the same reading for 12.0 s", "held", "clipped: at 9.998 mm", "gated"}) {
+  for (const char* status : {"overrange", "stuck", "held", "clipped", "gated"}) {
     Probed probed;
     probed.status = status;
     EXPECT_TRUE(probed.answers()) << status;
+    EXPECT_EQ(probed.gated(), std::string(status) == "gated");
   }
   EXPECT_EQ(check_table(channels),
             R"(channel   status   device     value       rate  latency
@@ -102,6 +125,7 @@ y0        ok       amplifier  4.7 mm  499.9 Hz  0.90 ms
 reaction  timeout  bus          —            —        —  no answer
 )");
   EXPECT_EQ(check_json(channels)["channels"][1]["value"], nullptr);
+  EXPECT_EQ(check_json(channels)["channels"][1]["reason"], "no answer");
   EXPECT_EQ(check_json(channels)["channels"][0]["latency_s"], 0.0009);
 }
 
@@ -135,6 +159,10 @@ TEST(Truth, AgreesOnlyIfEveryCoefficientIsThereAndNearEnough) {
 
 TEST(GpioText, TellsHowTheInterlockStandsAndWhatDoesNotWork) {
   EXPECT_EQ(gpio_text(Json::parse(R"({"status":"ok"})")), "");
+  EXPECT_EQ(recording_text(Json::parse(R"({"status":"ok","troubles":[]})")), "");
+  EXPECT_EQ(recording_text(Json::parse(
+                R"({"troubles":[{"name":"x","text":"y1 is silent"},{"name":"r","text":"recording: disk full"}]})")),
+            "recording  disk full\n");
   EXPECT_EQ(gpio_text(Json::parse(R"({"gpio":{"interlock":{"works":true,"reason":null,"level":1}}})")),
             "interlock  closed\n");
   EXPECT_EQ(gpio_text(Json::parse(R"({"gpio":{"interlock":{"works":true,"reason":null,"level":0},

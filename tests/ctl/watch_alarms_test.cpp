@@ -89,22 +89,33 @@ TEST(WatchAlarms, ThoseThatNobodyKnowsOfAreCountedOnTopWithThePageOfTheList) {
   state.take(listed(), 100.0);
   const std::vector<Page> pages = alarm_pages(state, {24, 80});
   for (const Page& page : pages) {
-    const auto line = line_with(page, "2 alarms not acknowledged, page ");
+    const auto line = line_with(page, "1 alarm not acknowledged, page ");
     ASSERT_TRUE(line);
     EXPECT_EQ(line->style, Style::alarm);
     const std::size_t at = std::stoul(line->text.substr(line->text.find("page ") + 5));
     EXPECT_NE(line->text.find(": ", line->text.find("page ")), std::string::npos)
         << "the first of them: " << line->text;
+    EXPECT_NE(line->text.find("; 1 more over"), std::string::npos) << line->text;
     EXPECT_TRUE(line_with(pages.at(at - 1), "unacknowledged: channel:y1, 7 times"));
   }
 }
 
-TEST(WatchAlarms, OnlyThoseThatWaitAreLoud) {
+// After a device was back, watch said in red that it does not deliver.
+TEST(WatchAlarms, OneThatIsOverIsNotToldAsOneThatLasts) {
+  WatchState state = limited_dwell();
+  const Json value{{"unacknowledged", 1}, {"left_out", 0}, {"alarms", {alarm("clock", "returned-unacknowledged")}}};
+  state.take(alarms_from_json(value).value_or(AlarmsList{}), 100.0);
+  const auto line = line_with(alarm_pages(state, {24, 80}), "1 alarm not acknowledged, over");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->style, Style::plain);
+}
+
+TEST(WatchAlarms, OnlyThoseThatLastAndWaitAreLoud) {
   WatchState state = limited_dwell();
   state.take(listed(), 100.0);
   const std::vector<Page> pages = alarm_pages(state, {24, 80});
   EXPECT_EQ(line_with(pages, "unacknowledged: channel:y1").value().style, Style::alarm);
-  EXPECT_EQ(line_with(pages, "returned-unacknowledged: clock").value().style, Style::alarm);
+  EXPECT_EQ(line_with(pages, "returned-unacknowledged: clock").value().style, Style::plain);
   EXPECT_EQ(line_with(pages, "acknowledged: recording").value().style, Style::plain);
   EXPECT_EQ(line_with(pages, "violated: stiffness of element 1").value().style, Style::alarm);
   EXPECT_EQ(line_with(pages, "kept: damping of element 1").value().style, Style::plain);
@@ -137,7 +148,7 @@ TEST(WatchAlarms, AListFromBeforeTheConnectionWasLostSaysSo) {
   WatchState state = limited_dwell();
   state.take(listed(), 100.0);
   state.trouble = "trying again";
-  EXPECT_TRUE(line_with(alarm_pages(state, {24, 80}), "when last heard: 2 alarms not acknowledged"));
+  EXPECT_TRUE(line_with(alarm_pages(state, {24, 80}), "when last heard: 1 alarm not acknowledged"));
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // Old numbers on the screen of watch: grey, marked with their age, and who is silent.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 
+#include "core/rig/limit.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "tests/ctl/watched.hpp"
 
@@ -203,6 +205,33 @@ TEST(WatchOld, ARunThatWasStoppedLeavesAResultWithTheTimeSinceItsEnd) {
   EXPECT_GE(numbers, 2);
   EXPECT_NE(text_of(page).find("      1  56 s  24.011 ± 0.027 kN/m"), std::string::npos) << text_of(page);
   EXPECT_NE(last_words(state, nullptr, 100.1).find("NOT OF NOW, ended 56 s ago: the run"), std::string::npos);
+}
+
+// When the drive had stopped, nobody saw any longer that a limit is violated, and that the model is adequate.
+TEST(WatchOld, AResultKeepsTheVerdictsOnItsLimitsAndItsModel) {
+  Rig rig = test::sample_rig();
+  rig.limits = {{1, Bounds{20e3, 21e3}, std::nullopt}};
+  Dwell dwell = test::sample_dwell();
+  DwellView measured = make_view(dwell, rig, test::sample_run());
+  measured.model = ModelVerdict{Verdict::adequate, true, 0.05, 0.012, 0.004};
+  Dwell none;
+  none.state = State::idle;
+  DwellView idle = make_view(none, rig, test::sample_run(), judge_limits_now(rig, none));
+  dwell.state = State::complete;
+  DwellView ended = make_view(dwell, rig, test::sample_run(), judge_limits_now(rig, dwell));
+  ASSERT_EQ(ended.limits.front().verdict, LimitVerdict::none);
+  ended.model = measured.model;
+  for (const DwellView& after : {idle, ended}) {
+    WatchState state = test::watched(measured);
+    state.take(after, 101.0);
+    const Page page = test::at(state, {}, {60, 120}, 101.1);
+    const std::string text = test::text_of(page);
+    EXPECT_NE(text.find("model adequate"), std::string::npos) << text;
+    const auto loud = std::find_if(page.lines.begin(), page.lines.end(),
+                                   [](const TextLine& l) { return l.text.rfind("limits     violated", 0) == 0; });
+    ASSERT_NE(loud, page.lines.end()) << text;
+    EXPECT_EQ(loud->style, Style::alarm);
+  }
 }
 
 TEST(WatchOld, ADwellThatHadEndedBeforeTheRunWasStoppedKeepsItsCause) {

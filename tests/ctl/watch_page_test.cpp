@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "daemon/record/utc_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "tests/ctl/sample_dwell.hpp"
 #include "tests/ctl/watched.hpp"
@@ -204,6 +205,32 @@ TEST(WatchPage, TheHeaderSaysHowManyWarningsThereAreAndWhere) {
   EXPECT_NE(text_of(pages[2]).find("warning: channel y2 is stale: timeout\nwarning: hum\n"), std::string::npos);
 }
 
+// At an idle rig, where all is well, the header counted a warning.
+TEST(WatchPage, ThatADwellHasNotSettledIsNoWarning) {
+  Dwell idle;
+  idle.state = State::idle;
+  idle.settling_reason = "the table does not move";
+  idle.warnings = {"not settled: the table does not move"};
+  const std::string text = text_of(at(watched(make_view(idle, test::sample_rig(), test::sample_run())), {}, kUsual));
+  EXPECT_EQ(text.find("warning"), std::string::npos) << text;
+}
+
+// A device had been dead for 6 s, and the first line said "age 0.0 s" and no reason.
+TEST(WatchPage, AFaultHasItsReasonInTheFirstLineAndTheAgeOfTheNumbers) {
+  Dwell fault;
+  fault.state = State::fault;
+  fault.settling_reason = "the drive is not seen: y0 is timeout";
+  WatchState state = watched(chain(3));
+  const double end_s = chain(3).dwell.end_s;
+  const auto start_ns = record::parse_utc(test::sample_run().start_utc);
+  ASSERT_TRUE(start_ns);
+  state.take_utc(*start_ns + static_cast<std::int64_t>(1e9 * (end_s + 6.0)), 106.0);
+  state.take(make_view(fault, test::sample_rig(), test::sample_run()), 106.0);
+  const Page page = at(state, {}, kUsual, 106.0);
+  EXPECT_NE(page.lines[0].text.find("age 6.0 s"), std::string::npos) << page.lines[0].text;
+  EXPECT_EQ(page.lines[1].text, "fault: the drive is not seen: y0 is timeout");
+}
+
 TEST(WatchPage, DoubtsLongerThanAScreenLeaveTheCoefficientsOnTheFirstPage) {
   DwellView view = chain(4);
   for (int i = 0; i < 50; ++i) view.dwell.doubts.push_back({{}, "doubt" + std::to_string(i)});
@@ -314,6 +341,18 @@ TEST(WatchPage, ShowsTheCoefficientsOfTheTransientAboveTheSettlingNotice) {
   EXPECT_LT(text_of(page).find("from the transient"), text_of(page).find("settled    no"));
   const Page old = at(state, {}, {24, 80}, 100.0 + 60.0);
   for (const TextLine& line : old.lines) EXPECT_NE(line.style, Style::tentative) << line.text;
+}
+
+TEST(WatchPage, SaysWhatTheUncertaintyOfTheLastDwellDoesNotCover) {
+  Dwell idle, last = test::sample_dwell();
+  idle.state = State::idle;
+  last.state = State::complete;
+  last.unstated = {"mass 1"};
+  WatchState state = watched(make_view(idle, test::sample_rig(), test::sample_run()));
+  state.take_last(make_view(last, test::sample_rig(), test::sample_run()), 100.0);
+  const std::string text = text_of(at(state, {}, {60, 120}));
+  EXPECT_NE(text.find("not of now"), std::string::npos) << text;
+  EXPECT_NE(text.find("what the rig file states; not stated: mass 1"), std::string::npos) << text;
 }
 
 TEST(WatchPage, CountsAContradictionAmongTheWarnings) {

@@ -326,6 +326,25 @@ TEST_F(ApiTest, ADwellThatHasEndedKeepsItsVerdictsAndTheCurrentOneHasThemWhileIt
   EXPECT_EQ(get("/api/v1/dwell")["limits"][0]["reason"], "the dwell has ended");
   EXPECT_EQ(get("/api/v1/dwells")["dwells"][0]["limits"][0]["verdict"], "kept");
   EXPECT_EQ(get("/api/v1/dwells/1")["limits"][0]["verdict"], "kept");
+  const Json brief = Json::parse(http_answer(view(), "/api/v1/dwells", "brief=1").body);
+  EXPECT_EQ(brief["dwells"][0]["limits"][0]["verdict"], "kept");
+}
+
+// A model that was adequate while its dwell was on was null once the next one had begun.
+TEST_F(ApiTest, ADwellThatHasEndedKeepsTheVerdictOnItsModel) {
+  keep_a_limit(State::complete);
+  snapshot.finished = std::make_shared<FinishedDwells>(1, std::make_shared<const Dwell>(snapshot.dwell));
+  snapshot.dwell.index = 2;
+  const auto brief = [this] { return Json::parse(http_answer(view(), "/api/v1/dwells", "brief=1").body)["dwells"][0]; };
+  EXPECT_EQ(get("/api/v1/dwells/1")["model"]["verdict"], "not verified yet");
+  EXPECT_EQ(brief()["model"]["verdict"], "not verified yet");
+  ModelVerdict adequate;
+  adequate.verdict = Verdict::adequate;
+  adequate.seen = 0.012;
+  snapshot.models = std::make_shared<VerifiedModels>(VerifiedModels{{1, adequate}});
+  EXPECT_EQ(get("/api/v1/dwells/1")["model"]["verdict"], "adequate");
+  EXPECT_EQ(get("/api/v1/dwells")["dwells"][0]["model"]["seen"], 0.012);
+  EXPECT_EQ(brief()["model"]["verdict"], "adequate");
 }
 
 TEST_F(ApiTest, BeforeThereIsAVerificationItSaysWhy) {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
+
 #include "tests/daemon/log_to_read.hpp"
 #include "tests/durations.hpp"
 
@@ -63,6 +66,32 @@ TEST_F(DeviceIntakeTest, HandsOnEverySampleAndThatTheChannelsAreUp) {
   EXPECT_EQ(view().driver, "modbus");
   EXPECT_TRUE(view().up);
   EXPECT_EQ(log.lines(), std::vector<std::string>{"info device a: y0, y1 delivering"});
+}
+
+TEST_F(DeviceIntakeTest, ReadingsInTheWrongOrderOfWordsHintAtTypeAndOrder) {
+  const auto hinted = [this](std::size_t channel) {
+    (void)view();
+    return shown.channels[channel].condition_reason.find("check type and order") != std::string::npos;
+  };
+  const auto read = [this](int from, int to, bool swapped) {
+    for (int i = from; i < to; ++i) {
+      const double motion = 4.7 * std::sin(0.05 * i);  // exactly 0 at first
+      auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(motion));
+      if (swapped) bits = bits << 16 | bits >> 16;
+      // A gateway's zeros and a spike now and then are no such thing.
+      const double other = i % 50 == 7 ? 1e30 : i % 10 == 3 ? 0.0 : motion;
+      now_ns += 5 * kMs_ns;
+      const dwell_sample scan[2] = {{now_ns, std::bit_cast<float>(bits), 1000, 0, 0}, {now_ns, other, 1000, 1, 0}};
+      ASSERT_TRUE(link.push(scan, 2));
+      intake->take(now_ns);
+      (void)stream();
+    }
+  };
+  read(0, 200, true);
+  EXPECT_TRUE(hinted(0)) << shown.channels[0].condition_reason;
+  EXPECT_FALSE(hinted(1)) << shown.channels[1].condition_reason;
+  read(200, 600, false);
+  EXPECT_FALSE(hinted(0)) << "the order was corrected";
 }
 
 TEST_F(DeviceIntakeTest, ADriverThatDoesNotTurnIsFoundAndToldOfOnce) {

@@ -20,7 +20,7 @@ struct HealthTest : testing::Test {
     snapshot.dwell.elements[0].identifiable = true;
   }
   [[nodiscard]] Health judge() const {
-    return judge_health(rig, snapshot, now_ns, lines, log, trouble, recorder, synchronized);
+    return judge_health(rig, snapshot, now_ns, lines, log, trouble, recorder, synchronized, utc_ns);
   }
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> names;
@@ -41,6 +41,7 @@ struct HealthTest : testing::Test {
   std::string trouble;
   std::vector<record::RecorderAlarm> recorder;
   bool synchronized = true;
+  std::int64_t utc_ns = 0;
   std::int64_t now_ns = 100'000'000;  // 0.1 s after the estimate
 };
 
@@ -134,6 +135,32 @@ TEST_F(HealthTest, IsNotDegradedByReadingsThatAreModelledOrLeftOut) {
   expect(Health::Status::ok, true, "");
 }
 
+// Then the garbage may be what keeps it from settling, and the dwell itself does not say so.
+TEST_F(HealthTest, IsDegradedByAGatedChannelWhileTheDwellSettles) {
+  snapshot.dwell.state = State::settling;
+  snapshot.dwell.settled_s = kNaN;
+  rig.channels[1].at = 1;
+  snapshot.channels[1].condition = Condition::gated;
+  snapshot.channels[1].condition_reason = "left out of 2804 readings: 169 readings far from all others";
+  expect(Health::Status::degraded, false, "channel y1: left out of 2804 readings: 169 readings far from all others");
+  EXPECT_EQ(names(), (std::vector<std::string>{"channel:y1"}));
+  snapshot.channels[1].fault = Fault::timeout;
+  EXPECT_EQ(names().size(), 1u) << "one trouble of a channel";
+  snapshot.channels[1].fault = Fault::none;
+  rig.channels[1].measures = Quantity::auxiliary;
+  expect(Health::Status::ok, false, "");
+  // Another transducer at the same place does.
+  rig.channels[1].measures = Quantity::displacement;
+  rig.channels.push_back(rig.channels[1]);
+  rig.channels.back().name = "y1 again";
+  snapshot.channels.push_back(snapshot.channels[0]);
+  expect(Health::Status::ok, false, "");
+  now_ns = 2'600'000'000;
+  rig.channels.pop_back();
+  snapshot.channels.pop_back();
+  EXPECT_TRUE(names().empty()) << "the estimate is overdue: nothing is known of now";
+}
+
 // A channel that was stuck and moves again seems well. Without a re-arm its elements stay withheld.
 TEST_F(HealthTest, IsDegradedByAChannelThatTheDwellDoesNotUse) {
   snapshot.dwell.phasors.resize(2);
@@ -201,6 +228,36 @@ TEST_F(HealthTest, TellsOfGpioLinesAndIsNotReadyWhileTheInterlockIsOpen) {
 TEST_F(HealthTest, IsAFaultWhereTheServiceItselfDoesNotWork) {
   trouble = "thread estimate has not turned for 3.0 s";
   expect(Health::Status::fault, false, "thread estimate has not turned for 3.0 s");
+}
+
+constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+
+// The date stood only in exports and reports: nobody saw that a transducer's calibration had expired.
+TEST_F(HealthTest, ACalibrationThatWasDueIsATroubleThatLeavesTheStatusOk) {
+  rig.channels[1].calibration_id = "K-2231";
+  rig.channels[1].calibration_due = "1970-01-11";
+  utc_ns = 11 * kDay_ns - 1;
+  EXPECT_TRUE(names().empty()) << "it holds to the end of that day";
+  utc_ns = 11 * kDay_ns;
+  EXPECT_EQ(names(), (std::vector<std::string>{"calibration:y1"}));
+  EXPECT_EQ(judge().troubles[0].text, "channel y1: the calibration K-2231 was due on 1970-01-11");
+  expect(Health::Status::ok, true, "");
+  synchronized = false;
+  EXPECT_EQ(names(), (std::vector<std::string>{"clock"})) << "nobody knows what day it is";
+}
+
+// A recording that was played to its end raised three alarms.
+TEST_F(HealthTest, TheEndOfARecordingIsNoTrouble) {
+  snapshot.devices.resize(1);
+  snapshot.devices[0].ended = true;
+  for (std::size_t i = 0; i < 2; ++i) {
+    rig.channels[i].device = 0;
+    snapshot.channels[i].fault = Fault::end_of_data;
+  }
+  snapshot.dwell.state = State::fault;
+  snapshot.dwell.settling_reason = "the drive is not seen: y0 is end of data";
+  EXPECT_TRUE(names().empty());
+  expect(Health::Status::ok, false, "");
 }
 
 TEST_F(HealthTest, CountsReasonsBeyondTheFirstFew) {

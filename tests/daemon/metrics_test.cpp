@@ -98,6 +98,34 @@ TEST_F(Metrics, NoStateIsToldThatTheEstimationNoLongerRenews) {
   EXPECT_NE(of("dwell_channel_received_samples_total"), "") << "a count stays what it was";
 }
 
+// Neighbours were told of coefficients, and not that one violates its limit.
+TEST_F(Metrics, EachLimitHasItsVerdict) {
+  EXPECT_EQ(of("dwell_limit_verdict"), "");
+  rig.limits = {{1, Bounds{20e3, 21e3}, Bounds{0.0, 100.0}}};
+  EXPECT_EQ(of("dwell_limit_verdict"),
+            "dwell_limit_verdict{element=\"1\",coefficient=\"stiffness\",verdict=\"none\"} 0\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"stiffness\",verdict=\"kept\"} 0\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"stiffness\",verdict=\"undecided\"} 0\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"stiffness\",verdict=\"violated\"} 1\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"damping\",verdict=\"none\"} 0\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"damping\",verdict=\"kept\"} 1\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"damping\",verdict=\"undecided\"} 0\n"
+            "dwell_limit_verdict{element=\"1\",coefficient=\"damping\",verdict=\"violated\"} 0\n");
+  snapshot.dwell.state = State::complete;
+  EXPECT_NE(of("dwell_limit_verdict").find("verdict=\"none\"} 1\n"), std::string::npos) << "none is measured now";
+  now_ns += 3'000'000'000;
+  EXPECT_EQ(of("dwell_limit_verdict"), "") << "stale";
+}
+
+TEST_F(Metrics, ACalibrationHasTheEndOfTheDayOnWhichItIsDue) {
+  EXPECT_EQ(of("dwell_channel_calibration_due_timestamp_seconds"), "");
+  rig.channels[0].calibration_id = "K-2231";
+  EXPECT_EQ(of("dwell_channel_calibration_due_timestamp_seconds"), "");
+  rig.channels[0].calibration_due = "2027-03-31";
+  EXPECT_EQ(of("dwell_channel_calibration_due_timestamp_seconds"),
+            "dwell_channel_calibration_due_timestamp_seconds{channel=\"y0\"} 1806537600\n");
+}
+
 TEST_F(Metrics, AStateIsOneOfItsNames) {
   EXPECT_EQ(of("dwell_state"),
             "dwell_state{state=\"idle\"} 0\ndwell_state{state=\"settling\"} 0\ndwell_state{state=\"measuring\"} 1\n"
@@ -141,6 +169,8 @@ TEST_F(Metrics, AreReadByPrometheusAndSufficeForTheDashboard) {
   recorder.emplace().recording = true;
   modbus.emplace();
   verify(Verdict::adequate);
+  rig.limits = {{1, Bounds{20e3, 21e3}, std::nullopt}};
+  rig.channels[0].calibration_due = "2027-03-31";
   for (ChannelView& channel : snapshot.channels) channel.clock.jitter_s = 1e-4;
   std::ofstream(folder + "/translation") << metrics_text(view());
   rig.motion = Motion::rotation;

@@ -19,7 +19,7 @@ for page in range(7):
     registers = answer.registers
     assert registers == client.read_holding_registers(200 * page, 125, slave=255).registers, "both tables are one"
     assert registers[0] == registers[124] == 1, "the generation"
-    assert registers[1] == 1 and registers[3] == 2 and registers[6] == 1 and registers[7] == 65, registers[:24]
+    assert registers[1] == 2 and registers[3] == 2 and registers[6] == 1 and registers[7] == 65, registers[:24]
     for i in range(10):
         k, at = 10 * page + i + 1, 24 + 10 * i
         numbers = [float32(registers, at + 2 * j) for j in range(1, 5)]

@@ -111,6 +111,26 @@ TEST_F(RegisterMap, AlarmsThatWaitForSomebodyAreCounted) {
   EXPECT_EQ(word(image(), 22), 2) << "one lasts, one has returned; the third is acknowledged";
 }
 
+TEST_F(RegisterMap, ViolatedLimitsHaveABitEach) {
+  EXPECT_EQ(word(image(), 1), 2) << "the version that has this register";
+  chain_of(20);
+  EXPECT_EQ(word(image(), 23), 0);
+  // c = 1000 k, U95 = 10 k
+  rig.limits = {
+      {3, Bounds{0.0, 10.0}, std::nullopt}, {4, Bounds{0.0, 5e3}, std::nullopt}, {12, std::nullopt, Bounds{0.0, 1.0}}};
+  EXPECT_EQ(word(image(), 23), 0x8004) << "element 3, and some limit of the rig";
+  EXPECT_EQ(word(image(), kPageStride + 23), 0x8002) << "element 12 is the second one of its page";
+  EXPECT_EQ(word(image(), 2 * kPageStride + 23), 0x8000);
+  rig.limits = {{4, Bounds{0.0, 4e3}, std::nullopt}};
+  EXPECT_EQ(word(image(), 23), 0x4000) << "undecided";
+  rig.limits = {{3, Bounds{0.0, 10.0}, std::nullopt}};
+  snapshot.dwell.state = State::complete;
+  EXPECT_EQ(word(image(), 23), 0) << "none is measured now";
+  snapshot.dwell.state = State::measuring;
+  now_ns += 3'000'000'000;
+  EXPECT_EQ(word(image(), 23), 0) << "stale";
+}
+
 TEST_F(RegisterMap, TheHeartbeatStandsStillWithTheEstimation) {
   const RegisterImage before(view(), 1), after(view(), 2);
   EXPECT_EQ(word(before, 2), 77);

@@ -84,6 +84,27 @@ TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
   EXPECT_NE(record::Scratch::read(scratch_.path("out.html")).find("class=\"state tampered\""), std::string::npos);
 }
 
+// A child file holds no stream: nothing may be said about readings, samples or losses as if there were none.
+TEST_F(HandonCommand, ReportsAnAmendmentAsWhatItIs) {
+  ASSERT_EQ(say("export run.dwell --format csv -o out.csv").code, 0);
+  ASSERT_EQ(say("keygen --key own.key").code, 0);
+  const Said made = say("replay run.dwell --rig out.rig.toml -o child.dwell --key own.key");
+  ASSERT_TRUE(there("child.dwell")) << made.err;
+  ASSERT_EQ(say("report child.dwell -o child.html").code, 0);
+  const std::string page = record::Scratch::read(scratch_.path("child.html"));
+  const std::string id = test::select(run_).header().id;
+  EXPECT_NE(page.find("<h1>Amendment of run " + id.substr(0, 8)), std::string::npos);
+  EXPECT_NE(page.find("Amendment of run " + id + ", head "), std::string::npos);
+  for (const char* untrue : {"Losses and faults", "Readings over time", "<th>samples</th>", "0.0 s</td>", "<td>0</td>"})
+    EXPECT_EQ(page.find(untrue), std::string::npos) << untrue;
+  const Said page_of_text = say("show child.dwell");
+  EXPECT_NE(page_of_text.out.find("amendment of run " + id.substr(0, 8)), std::string::npos) << page_of_text.out;
+  EXPECT_EQ(page_of_text.out.find("0 samples"), std::string::npos) << page_of_text.out;
+  EXPECT_NE(page_of_text.out.find("covers     3.0 s"), std::string::npos) << page_of_text.out;
+  const Said list = say("runs .");
+  EXPECT_NE(list.out.find("3.0 s  closed"), std::string::npos) << list.out;
+}
+
 TEST_F(HandonCommand, TrustsThePinnedKeyAlone) {
   const std::string vkey = test::select(run_).header().vkey;
   EXPECT_NE(say("report run.dwell --overwrite -o out.html --key '" + vkey + "'").out.find(" trusted"),
@@ -153,6 +174,13 @@ TEST_F(HandonCommand, WrongUsageIsExitCode2AndSaysWhatWasExpected) {
   refused("export run.dwell --format csv -o out --to nan", "expected seconds of the run");
   refused("export run.dwell --format csv -o out --dwell 9", "there is no dwell 9 in it; expected 1 to 1");
   refused("export none.dwell --format csv -o out", "none.dwell");
+  refused("export run.dwell --format csv -o -", "standard output is no file");
+  refused("report run.dwell -o -", "standard output is no file");
+  refused("export run.dwell --format csv -o out --from 100 --to 200",
+          "the range lies outside of the run, which is from");
+  refused("export run.dwell --format hdf5 -o out --in-unit", "--in-unit belongs to --format csv");
+  refused("export run.dwell --format csv -o out --binary", "--binary belongs to --format uff");
+  EXPECT_FALSE(there("out") || there("-"));
   refused("export run.dwell --format csv -o run.dwell", "is the run file itself");
   refused("report run.dwell -o run.dwell", "is the run file itself");
   refused("export --model readings.csv -o out", "a recording as text needs its rig file: --rig RIG.toml");

@@ -84,6 +84,16 @@ TEST(Report, HoldsADwellAgainstTheLimitsOfTheRigFile) {
       << "what is held against it";
 }
 
+TEST(Report, SaysBelowTheCoefficientsWhatTheirUncertaintyDoesNotCover) {
+  Dwell dwell = test::sample_dwell();
+  const auto html = [&dwell] { return report_dwell(make_view(dwell, test::sample_rig(), test::sample_run())); };
+  EXPECT_EQ(html().find("not stated"), std::string::npos);
+  dwell.unstated = {"mass 1", "scale of <y0>"};
+  const std::string said =
+      "± covers only noise, clock and what the rig file states; not stated: mass 1, scale of &lt;y0&gt;";
+  EXPECT_NE(html().find(said), std::string::npos) << html();
+}
+
 TEST(Html, EscapesWhatComesFromOutside) {
   EXPECT_EQ(escaped("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
   EXPECT_EQ(escaped("µm ± °C 𝛼"), "µm ± °C 𝛼");

@@ -90,9 +90,25 @@ test('an alarm that returns unseen waits as such', async () => {
   await row(page, 'device:amplifier').waitFor();
   bench.rig.signal('SIGCONT');
   await page.locator('#alarm-rows li[data-tone=care]', { hasText: /^returned, unacknowledged .*device amplifier/s }).waitFor();
+  assert.match(await page.locator('#alarm-link').innerText(), /not acknowledged: (?!device amplifier).*; \d more over$|not acknowledged, over: device amplifier/);
   await check(page, 'alarm-returned-phone');
   await page.locator('button[aria-label="Acknowledge device:amplifier"]').click();
   await row(page, 'device:amplifier').waitFor({ state: 'detached' });
+  await page.close();
+});
+
+// The clock of this machine may be synchronized or not: what the service would say is put in its place.
+test('a clock that is not synchronized is an alarm, and the numbers may be used', async () => {
+  const page = await open();
+  await page.waitForSelector('#state[data-kind=measuring]');
+  const now = new Date().toISOString();
+  const text = "the computer's clock is not synchronized: dates may be wrong";
+  await page.route('**/api/v1/alarms', (route) => route.fulfill({ json: { unacknowledged: 1, left_out: 0, alarms: [{ name: 'clock', text,
+    state: 'unacknowledged', since: now, changed: now, count: 1, acknowledged_by: null, comment: null }] } }));
+  await page.locator('#alarm-line[data-tone=alarm]', { hasText: `1 alarm not acknowledged: ${text}` }).waitFor();
+  await page.locator('#alarm-rows li[data-tone=alarm]', { hasText: text }).waitFor();
+  await page.waitForSelector('#state[data-kind=measuring][data-tone=calm]');
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.close();
 });
 
@@ -105,10 +121,40 @@ test('an acknowledgement without an answer is not said to be undone: it is not k
   await page.close();
 });
 
+test('a violated limit that is acknowledged stays in the head; when the drive stops it stays with the numbers', async () => {
+  const page = await open();
+  await page.waitForSelector('#state[data-kind=measuring]');
+  const button = page.locator('button[aria-label="Acknowledge limit:stiffness:2"]');
+  await button.click();
+  await button.waitFor({ state: 'hidden' });
+  await page.locator('#facts [data-tone=alarm]', { hasText: /^limits\s*1 violated, 1 undecided$/ }).waitFor();
+  await check(page, 'acknowledged-limit-desk');
+  bench.rig.say('stop');
+  await page.waitForSelector('#coefficients[data-source=last] .element');
+  const violated = page.locator('.limit[data-verdict=violated]', { hasText: '▲ limit violated: outside 12.00 to 13.00 kN/m' });
+  await violated.first().waitFor();
+  await page.locator('#last-notes li', { hasText: /^model: / }).waitFor();
+  await page.locator('#dwell-rows tr').first().locator('td[data-verdict=violated]', { hasText: /^▲ [78]\./ }).waitFor();
+  await page.locator('#dwells-marks', { hasText: '▲: limit violated' }).waitFor();
+  await page.locator('#dwell-rows button').first().click();
+  await page.locator('#dwell-content .limit[data-verdict=violated]').waitFor();
+  await page.locator('#dwell-content dt', { hasText: 'model' }).waitFor();
+  await check(page, 'violated-result-desk');
+  await page.keyboard.press('Escape');
+  await page.setViewportSize(SIZES.phone);
+  await check(page, 'violated-result-phone');
+  bench.rig.say('start');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.close();
+});
+
 test('who has no right sees the alarms and no button', async () => {
   const page = await open({ token: '' });
   await page.locator('#alarm-rows li').first().waitFor();
   await page.locator('#event-rows li').first().waitFor(); // by then the rights have been asked for
   assert.equal(await page.locator('#alarm-rows button:not([hidden])').count(), 0);
+  assert.match(await page.locator('#alarms-how').innerText(), /^To acknowledge: log in below, or dwellctl acknowledge NAME on this computer/);
+  await page.locator('#alarm-rows li:not([data-tone=calm]) code').first().waitFor();
+  await check(page, 'alarms-locked-desk');
   await page.close();
 });

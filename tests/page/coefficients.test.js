@@ -1,7 +1,7 @@
 // Numbers, or the reason in place of the number.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
+import { channelWarnings, coefficientsOf, generalWarnings, LastNumbers, legendOf, namesChannel, namesElement } from '../../daemon/page/coefficients.mjs';
 import { joined } from '../../daemon/page/number.mjs';
 import { utcMs } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
@@ -73,6 +73,19 @@ test('the drive has stopped: the last numbers hold, as those of a dwell that end
   const shown = coefficientsOf(view);
   assert.equal(shown.title, 'last dwell: 3, ended 2.0 s ago: drive stopped');
   assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
+});
+
+test('the legend says what ± does not cover, of whichever dwell the numbers are', () => {
+  const unstated = ['mass 1', 'scales of y0 and y1'];
+  const covers = /\. ± covers noise, clock and what the rig file states; not stated: mass 1, scales of y0 and y1\.$/;
+  assert.doesNotMatch(legendOf(coefficientsOf(after(dwellOf()))), /not stated/);
+  assert.match(legendOf(coefficientsOf(after(dwellOf({ unstated })))), covers);
+  const motion = { start_s: 0.6, end_s: 3.9, elements: dwellOf().elements };
+  assert.match(legendOf(coefficientsOf(after(settlingOf({ motion, unstated })))), covers);
+  const last = coefficientsOf(after(dwellOf({ unstated }), dwellOf({ unstated, state: 'complete', ended_by: 'drive stopped' }), idleOf()));
+  assert.equal(last.source, 'last');
+  assert.match(legendOf(last), covers);
+  assert.equal(legendOf(coefficientsOf(after(settlingOf({ unstated })))), '', 'there are no numbers');
 });
 
 // As the service shows the last dwell of a run that an operator stopped while the drive is on.
@@ -195,11 +208,55 @@ test('the last dwell keeps its doubts: its end makes no number reliable', () => 
   const withheld = dwellOf().elements.map((e) => ({ k: e.k, identifiable: false, reason: 'y0: timeout' }));
   for (const view of [after(dwellOf({ doubts }), idleOf()), after(dwellOf({ doubts }), dwellOf({ elements: withheld }), idleOf()), after(idleOf())]) {
     if (view.last.t === null) view.last.takeEnded(dwellOf({ state: 'complete', ended_by: 'drive stopped', doubts }), 1_000_000, view.now, 1_060_000);
-    const { source, title, elements } = coefficientsOf(view);
+    const { source, title, notes, elements } = coefficientsOf(view);
     assert.equal(source, 'last');
-    assert.match(title, /; do not rely on element 2: r_2 is negative$/);
+    assert.doesNotMatch(title, /rely/);
+    assert.deepEqual(notes, [{ tone: 'alarm', text: 'do not rely on element 2: r_2 is negative' }]);
     assert.deepEqual(elements.map((e) => e.cells.map((c) => c.marks)), [[[], []], [['?'], ['?']]]);
   }
+});
+
+// When the drive stopped, a violated limit stood there in grey without a verdict, and an adequate model was forgotten.
+const adequate = { verdict: 'adequate', consistent: true, asked: 0.05, seen: 0.012, U: 0.004 };
+const limitsOf = (verdict, reason = null) => [{ element: 2, coefficient: 'stiffness', low: 5000, high: 6000, unit: 'N/m', verdict, reason }];
+const verdictsOf = (shown) => shown.elements.flatMap((e) => e.cells.map((c) => c.limit?.verdict ?? null));
+
+test('the last dwell keeps the verdicts on its limits and on its model', () => {
+  const live = dwellOf({ limits: limitsOf('violated'), model: adequate });
+  const stopped = stoppedOf({ limits: limitsOf('none', 'the dwell has ended') });
+  const idle = idleOf({ limits: limitsOf('none', 'not settled') });
+  for (const view of [after(live, idle), after(live, stopped), after(live, stopped, idle)]) {
+    const shown = coefficientsOf(view);
+    assert.equal(shown.source, 'last');
+    assert.deepEqual(verdictsOf(shown), [null, null, 'violated', null]);
+    assert.deepEqual(shown.notes, [{ tone: 'calm', text: 'model: adequate, off by 1.20 ± 0.40 % (accuracy asked for: 5 %)' }]);
+  }
+  const later = after(stopped); // the page is opened now; the list brings the verdicts
+  assert.deepEqual(verdictsOf(coefficientsOf(later)), [null, null, null, null]);
+  later.last.takeEnded(stoppedOf({ limits: limitsOf('violated'), model: adequate }), utcAt(AT), AT + 1, utcAt(AT + 1));
+  tell(later, stopped, AT + 2);
+  assert.deepEqual(verdictsOf(coefficientsOf(later)), [null, null, 'violated', null]);
+  assert.match(coefficientsOf(later).notes[0].text, /^model: adequate/);
+});
+
+test('a verdict is never beside a number that it was not made from', () => {
+  const [first, second] = dwellOf().elements;
+  const other = { ...second, stiffness: { ...second.stiffness, value: 5500 } };
+  const view = after(dwellOf({ limits: limitsOf('violated') }), stoppedOf({ elements: [first, other], limits: limitsOf('none', 'the dwell has ended') }));
+  assert.deepEqual(verdictsOf(coefficientsOf(view)), [null, null, null, null]);
+});
+
+test('a model that was never verified, of a dwell that has ended, is not said to be verified still', () => {
+  const model = { ...adequate, verdict: 'not verified yet', seen: null, U: null };
+  const view = after(dwellOf({ model }), idleOf());
+  assert.deepEqual(coefficientsOf(view).notes, [{ tone: 'calm', text: 'model: not verified yet: the dwell has ended (accuracy asked for: 5 %)' }]);
+});
+
+test('the numbers of a recording that was played to its end are a result', () => {
+  const view = after(dwellOf(), dwellOf({ state: 'complete', ended_by: 'data lost' }), idleOf({ state: 'fault', settling_reason: 'y0 is end of data' }));
+  const shown = coefficientsOf({ ...view, broken: true, health: { devices: [{ driver: 'replay', ended: true }] } });
+  assert.equal(shown.title, 'last dwell: 3, ended 2.0 s ago: the recording ended');
+  assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
 });
 
 test('names are found as words', () => {

@@ -1,7 +1,7 @@
 // Verdicts on limits, and alarms in words.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { alarmRows, waitingText } from '../../daemon/page/alarms.mjs';
+import { alarmRows, howToAcknowledge, waitingText } from '../../daemon/page/alarms.mjs';
 import { coefficientsOf, LastNumbers } from '../../daemon/page/coefficients.mjs';
 import { limitOf } from '../../daemon/page/limits.mjs';
 import { give, noteText } from '../../daemon/page/order.mjs';
@@ -14,6 +14,11 @@ test('each verdict has its word, its shape and the limit', () => {
   assert.equal(limitOf(limited('violated'), 'stiffness', 2).text, '▲ limit violated: outside 7.500 to 8.500 kN/m');
   assert.equal(limitOf(limited('undecided'), 'stiffness', 2).text, '◇ limit undecided: ± reaches over an end of 7.500 to 8.500 kN/m');
   assert.equal(limitOf(limited('none', 'not settled'), 'stiffness', 2).text, '– no verdict on the limit 7.500 to 8.500 kN/m: not settled');
+});
+
+test('a doubt that takes a limit its verdict is not told once more there', () => {
+  assert.equal(limitOf(limited('none', 'the number must not be relied on: mode at 4.77 Hz, decaying at 1.97 /s'), 'stiffness', 2).text,
+    '– no verdict on the limit 7.500 to 8.500 kN/m: the number must not be relied on');
 });
 
 test('a bound has as many digits as it takes to be it: none is rounded to the number beside it', () => {
@@ -88,9 +93,28 @@ test('that it was done is said for 10 s, why it was not until the next attempt',
 });
 
 test('the head counts those that wait and names the first, and is silent where none does', () => {
-  assert.equal(waitingText({ unacknowledged: 1, alarms: [alarm('unacknowledged')] }), '1 alarm not acknowledged: channel y1: timeout');
-  assert.equal(waitingText({ unacknowledged: 2, alarms: [alarm('unacknowledged'), alarm('unacknowledged')] }), '2 alarms not acknowledged: channel y1: timeout …');
+  assert.deepEqual(waitingText({ unacknowledged: 1, alarms: [alarm('unacknowledged')] }), { tone: 'alarm', text: '1 alarm not acknowledged: channel y1: timeout' });
+  assert.equal(waitingText({ unacknowledged: 2, alarms: [alarm('unacknowledged'), alarm('unacknowledged')] }).text, '2 alarms not acknowledged: channel y1: timeout …');
   assert.equal(waitingText({ unacknowledged: 0, alarms: [] }), null);
   assert.equal(waitingText(null), null);
   assert.deepEqual(alarmRows(null, NOW), []);
+});
+
+// After a device was back, the head said in red that it does not deliver.
+test('an alarm that is over is not told as one that lasts', () => {
+  const over = alarm('returned-unacknowledged', { text: 'device amplifier does not deliver' });
+  assert.deepEqual(waitingText({ unacknowledged: 1, alarms: [over] }), { tone: 'care', text: '1 alarm not acknowledged, over: device amplifier does not deliver' });
+  assert.equal(waitingText({ unacknowledged: 2, alarms: [over, over] }).text, '2 alarms not acknowledged, over: device amplifier does not deliver …');
+  assert.deepEqual(waitingText({ unacknowledged: 2, alarms: [alarm('unacknowledged'), over] }),
+    { tone: 'alarm', text: '1 alarm not acknowledged: channel y1: timeout; 1 more over' });
+});
+
+test('where the page has no button for it, it says how else an alarm is acknowledged', () => {
+  const list = { unacknowledged: 1, alarms: [alarm('unacknowledged')] };
+  const how = (rights, host = '127.0.0.1') => howToAcknowledge(list, { read: true, change: false, token: false, ...rights }, host);
+  assert.equal(how({ change: true }), '');
+  assert.match(how({ token: true }), /^To acknowledge: log in below, or dwellctl acknowledge NAME on this computer\. /);
+  assert.match(how({}), /^To acknowledge: dwellctl acknowledge NAME on this computer\. /);
+  assert.match(how({}, 'rig-2.lab'), /on the computer of the service\. /);
+  assert.equal(howToAcknowledge({ unacknowledged: 0, alarms: [] }, {}, ''), '');
 });

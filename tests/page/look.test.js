@@ -80,6 +80,28 @@ for (const [size, query] of [['phone', ''], ['desk', ''], ['wall', '?kiosk']]) {
   });
 }
 
+// Three of the four elements have reasons, and the one that may be used was pushed off the screen.
+test('a stuck transducer pushes no element of a usual rig off a wall display', async () => {
+  const page = await open('wall', '?kiosk');
+  await page.waitForSelector('#coefficients[data-source=measured] .element');
+  assert.equal(await page.locator('html.compact').count(), 0);
+  bench.rig.say('stuck y2 on');
+  try {
+    await page.waitForFunction(() => document.querySelectorAll('.element.withheld .number.struck').length === 6);
+    await page.waitForFunction(() => [...document.querySelectorAll('.element')].every((e) => e.getBoundingClientRect().bottom <= window.innerHeight));
+    const usable = await page.evaluate(() => [...document.querySelectorAll('.element:not(.withheld) .number')].map((n) => n.getBoundingClientRect().bottom <= window.innerHeight));
+    assert.deepEqual(usable, [true, true]);
+    const foot = page.locator('#beyond:not([hidden])');
+    if (await foot.count()) assert.doesNotMatch(await foot.innerText(), /element/);
+    await check(page, 'stuck-wall');
+  } finally {
+    bench.rig.say('stuck y2 off');
+  }
+  await page.waitForFunction(() => !document.documentElement.classList.contains('compact'), null, { timeout: 3 * PATIENCE_MS });
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.close();
+});
+
 test('thirteen elements fit on a wall display', async () => {
   const many = await Bench.begin(chainOf(12));
   try {
@@ -113,6 +135,7 @@ test('thirty elements, all withheld: each is named on a wall display, a longer r
         reason: `the deformation (${i}.2 µm) is less than three times its uncertainty: drive it harder, or nearer to a resonance in which it deforms` })) })}\n\n` }));
   await page.goto(`${bench.url}/?kiosk`);
   await page.waitForFunction(() => document.querySelectorAll('.element').length === 30);
+  await page.waitForSelector('html.compact');
   const boxes = () => page.evaluate(() => [...document.querySelectorAll('.element')].map((e) => {
     const [box, reason] = [e.getBoundingClientRect(), e.querySelector('.reason')];
     return { named: e.querySelector('h3').getBoundingClientRect().width > 20, left: box.left, top: box.top, bottom: box.bottom,

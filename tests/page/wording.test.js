@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frequencyText, modelOf, runText, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { frequencyText, limitsText, modelOf, playsRecording, warningsText, runText, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -19,7 +19,8 @@ test('the state is one word, what belongs to it, and a colour only where it is a
   assert.equal(said(viewOf(null)), 'connecting calm: connecting, waiting for the first word of the service');
   assert.equal(said({ ...viewOf(null), refused: true }), 'locked calm: logged out, log in below to read');
   assert.equal(said(viewOf(settlingOf())), 'settling calm: settling, about 3.2 s left');
-  assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known');
+  assert.equal(said(viewOf(settlingOf({ settles_in_s: null }))), 'settling calm: settling, time left not known: transient left in y1: 22 times the allowed size');
+  assert.equal(said(viewOf(settlingOf({ settles_in_s: 165.3 }))), 'settling calm: settling, about 165 s left');
   assert.equal(said(viewOf(dwellOf())), 'measuring calm: measuring, 10.0 s of data');
   assert.equal(said(viewOf(idleOf())), 'idle calm: idle, the table does not move');
   assert.equal(said(viewOf(dwellOf({ state: 'complete', ended_by: 'end', settling_reason: 'the run was stopped' }))), 'complete calm: complete, the run was stopped');
@@ -78,7 +79,9 @@ test('what the service holds against a channel that seems well stands in the hea
 test('the model is told with figures, and colours only where it is not good', () => {
   const model = { verdict: 'adequate', consistent: true, asked: 0.05, seen: 0.012, U: 0.004 };
   const of = (verdict, verification) => modelOf(dwellOf({ model: verdict }), verification);
-  assert.deepEqual(of(model), { text: 'adequate, off by 1.2 % ± 0.4 % (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.deepEqual(of(model), { text: 'adequate, off by 1.20 ± 0.40 % (accuracy asked for: 5 %)', tone: 'calm' });
+  assert.match(of({ ...model, seen: 0.0098, U: 0.0013 }).text, /off by 0\.98 ± 0\.13 %/, 'as many digits as ± has');
+  assert.match(of({ ...model, seen: 0, U: 0.015 }).text, /off by 0\.0 ± 1\.5 %/);
   assert.equal(of({ ...model, verdict: 'not adequate' }).tone, 'care');
   assert.equal(of({ ...model, consistent: false }).tone, 'care');
   assert.equal(modelOf(dwellOf()), null);
@@ -92,6 +95,9 @@ test('a model without a verdict has the first reason beside it', () => {
     { text: 'not verified yet: the transient is too weak (accuracy asked for: 5 %)', tone: 'calm' });
   assert.match(said({ dwell: null, reasons: ['the dwell has just settled: its model is being verified'] }).text, /: the dwell has just settled/);
   assert.match(said({ dwell: 2, reasons: ['of the dwell before'] }).text, /^not verified yet: it is being verified \(/);
+  // The doubt stands below the state in full: once is enough.
+  const doubted = { ...dwell, doubts: [{ elements: [], what: 'mode at 4.77 Hz' }] };
+  assert.match(modelOf(doubted, { dwell: 3, reasons: ['coefficients are doubted: mode at 4.77 Hz'] }).text, /^not verified yet: the coefficients are doubted \(/);
   assert.match(said({ dwell: 3, reasons: [] }).text, /: no reason stated \(/);
   assert.match(said(null).text, /: no reason known yet \(/);
 });
@@ -141,4 +147,34 @@ test('the run', () => {
   assert.equal(runText({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }), '17, “new bush”');
   assert.equal(runText({ run: { recorded: true }, recorder: { run: null } }), 'none goes on');
   assert.equal(runText({ run: { recorded: false }, recorder: null }), 'not recorded');
+});
+
+test('limits and warnings of the dwell are counted for the head, acknowledged or not', () => {
+  const of = (...verdicts) => limitsText(dwellOf({ limits: verdicts.map((verdict) => ({ verdict })) }));
+  assert.deepEqual(of('violated', 'undecided', 'kept', 'none'), { text: '1 violated, 1 undecided', tone: 'alarm' });
+  assert.deepEqual(of('undecided'), { text: '1 undecided', tone: 'calm' });
+  assert.deepEqual(of('kept'), { text: 'all kept', tone: 'calm' });
+  assert.equal(of(), null);
+  assert.equal(limitsText(idleOf({ limits: [{ verdict: 'none' }] })), null);
+  assert.equal(warningsText(dwellOf({ warnings: ['a', 'b', 'c'], doubts: [{ elements: [1], what: 'a' }] })), '2');
+  assert.equal(warningsText(dwellOf({ warnings: ['a'] })), '1');
+  assert.equal(warningsText(idleOf()), null, 'that it has not settled is its state');
+});
+
+test('a recording that is played does not pass for a rig, and its end for a fault', () => {
+  const device = { name: 'recording', driver: 'replay', up: true, ended: false };
+  assert.equal(playsRecording({ devices: [device] }), true);
+  assert.equal(playsRecording({ devices: [{ ...device, driver: 'modbus' }] }), false);
+  assert.equal(playsRecording(null), false);
+  const fault = idleOf({ state: 'fault', settling_reason: 'the drive is not seen: y0 is end of data' });
+  const channels = [{ name: 'y0', status: 'end of data', reason: 'the recording has been played to its end' }];
+  const view = viewOf(fault, { channels, health: { status: 'ok', log: {}, devices: [{ ...device, up: false, ended: true }] } });
+  assert.equal(said(view), 'complete calm: recording ended, it has been played to its end');
+  assert.deepEqual(troubles(view), []);
+  assert.match(said(viewOf(fault, { health: { status: 'ok', devices: [{ ...device, up: false }] } })), /^fault alarm/);
+});
+
+test('a calibration that was due stands in the head in the tone of care', () => {
+  const health = { status: 'ok', log: {}, troubles: [{ name: 'calibration:y1', text: 'channel y1: the calibration K-7 was due on 2025-03-31', degrades: false }] };
+  assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 was due on 2025-03-31' }]);
 });

@@ -12,7 +12,7 @@ namespace {
 
 AuditOptions by_all(const Scratch& scratch) {
   AuditOptions options = with_ledger(scratch);
-  options.key = sample_key().public_key();
+  options.keys = {sample_key().public_key()};
   return options;
 }
 
@@ -51,6 +51,29 @@ TEST(Forger, ARunOfWhichOnlyAnAnchorKnowsAnEntryCannotBeEmptied) {
   options.anchors = {scratch.write("anchors", to_line(anchor))};
   const Audit audit = audited(scratch.path("b.dwell"), options);
   EXPECT_TRUE(says(audit.where, "cut after entry 0; the anchor of 2026-11-24")) << audit.where;
+}
+
+// Whoever may write the directory can write all of it anew with a key of their own, the ledger included.
+TEST(Forger, ALedgerAloneMakesNoKeyTrusted) {
+  const Scratch scratch(true);
+  const Ledger ledger = recorded(scratch, 1);
+  const std::string path = scratch.path("a.dwell");
+  const Audit alone = audited(path, with_ledger(scratch));
+  EXPECT_EQ(alone.state, AuditState::intact) << alone.where;
+  EXPECT_FALSE(alone.trusted);
+  EXPECT_EQ(key_verdict(alone), "key " + alone.key + " not trusted (known to this ledger)");
+  const Audit pinned = audited(path, by_all(scratch));
+  EXPECT_TRUE(pinned.trusted);
+  EXPECT_EQ(key_verdict(pinned), "key " + pinned.key + " trusted");
+  const std::string file = with_ledger(scratch).ledger;
+  EXPECT_FALSE(audit_ledger(file, scratch.path(), {})->trusted);
+  EXPECT_EQ(audit_ledger(file, scratch.path(), {})->key, alone.key);
+  EXPECT_TRUE(audit_ledger(file, scratch.path(), by_all(scratch))->trusted);
+  AuditOptions another = with_ledger(scratch);
+  another.keys = {sample_other().public_key()};
+  EXPECT_EQ(audited(path, another).state, AuditState::tampered);
+  another.keys.push_back(sample_key().public_key());
+  EXPECT_TRUE(audited(path, another).trusted) << "one of several";
 }
 
 TEST(Forger, AFileInARunsPlaceThatIsNoRunIsMissed) {

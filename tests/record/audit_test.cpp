@@ -91,7 +91,7 @@ TEST(Audit, AnAlteredSignatureUnderAnEarlierNoteIsFoundThoughOnlyTheNewestIsVeri
     ASSERT_NE(files_in(scratch), files);
     for (const bool every : {false, true}) {
       const Audit audit =
-          audited(path, {.key = {}, .ledger = {}, .anchors = {}, .progress = {}, .every_signature = every});
+          audited(path, {.keys = {}, .ledger = {}, .anchors = {}, .progress = {}, .every_signature = every});
       EXPECT_EQ(audit.state, AuditState::tampered);
       EXPECT_TRUE(says(audit.where, "the note on entry 4: the signature does not hold")) << audit.where;
     }
@@ -102,7 +102,7 @@ TEST(Audit, EverySignatureCanBeVerifiedByItself) {
   const Scratch scratch(true);
   const std::string path = scratch.path("a.dwell");
   write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_both});
-  const Audit audit = audited(path, {.key = {}, .ledger = {}, .anchors = {}, .progress = {}, .every_signature = true});
+  const Audit audit = audited(path, {.keys = {}, .ledger = {}, .anchors = {}, .progress = {}, .every_signature = true});
   EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
   EXPECT_EQ(audit.head, audited(path).head);
 }
@@ -114,9 +114,11 @@ TEST(Audit, WhatIsNoRunFileIsTamperedAndWhatIsNotThereIsAnError) {
   EXPECT_FALSE(audit_run(scratch.path("c.dwell"), {}));
   EXPECT_FALSE(audit_run(scratch.path(), {}));
   const Ledger ledger = recorded(scratch, 1);
-  EXPECT_EQ(audited(scratch.path("ledger.dwell-ledger")).state, AuditState::tampered);
+  const auto ledgers = audit_run(scratch.path("ledger.dwell-ledger"), {});
+  ASSERT_FALSE(ledgers);
+  EXPECT_TRUE(says(ledgers.error(), "is a ledger, no run file")) << ledgers.error();
   EXPECT_FALSE(
-      audit_run(scratch.path("a.dwell"), {.key = {}, .ledger = scratch.path("none"), .anchors = {}, .progress = {}}));
+      audit_run(scratch.path("a.dwell"), {.keys = {}, .ledger = scratch.path("none"), .anchors = {}, .progress = {}}));
 }
 
 TEST(Audit, SignaturesAreListedWithWhoVouches) {
@@ -240,13 +242,13 @@ TEST(Audit, AnAnchorTellsACutTailFromACrash) {
   EXPECT_TRUE(says(audited(path, with_anchors(scratch, to_line(other))).where, "another chain"));
 }
 
-TEST(Audit, TheLedgerMakesItsKeyTrustedAndItsRunsKnown) {
+TEST(Audit, TheLedgerMakesItsRunsKnown) {
   const Scratch scratch(true);
   const Ledger ledger = recorded(scratch, 3, true);
   for (const char* name : {"a.dwell", "b.dwell"}) {
     const Audit audit = audited(scratch.path(name), with_ledger(scratch));
     EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
-    EXPECT_TRUE(audit.trusted);
+    EXPECT_TRUE(audit.of_ledger);
   }
   EXPECT_EQ(audited(scratch.path("c.dwell"), with_ledger(scratch)).state, AuditState::open);
   // What was cut after the service took note of it.
@@ -343,7 +345,7 @@ TEST(Audit, KeysAreConnectedByTheLedger) {
   }
   for (const SigningKey* key : {&sample_key(), &sample_other()}) {
     AuditOptions options = with_ledger(scratch);
-    options.key = key->public_key();
+    options.keys = {key->public_key()};
     for (const char* name : {"a.dwell", "b.dwell"}) {
       const Audit audit = audited(scratch.path(name), options);
       EXPECT_EQ(audit.state, AuditState::intact) << audit.where;
@@ -351,7 +353,7 @@ TEST(Audit, KeysAreConnectedByTheLedger) {
     }
   }
   AuditOptions options = with_ledger(scratch);
-  options.key = SigningKey::make("third")->public_key();
+  options.keys = {SigningKey::make("third")->public_key()};
   EXPECT_FALSE(audit_ledger(options.ledger, scratch.path(), options)->unbroken);
   EXPECT_EQ(audited(scratch.path("a.dwell"), options).state, AuditState::tampered);
 }

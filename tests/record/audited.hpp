@@ -18,13 +18,13 @@ inline Audit audited(const std::string& path, const AuditOptions& options = {}) 
 }
 
 inline AuditOptions pinned(const SigningKey& key) {
-  return {.key = key.public_key(), .ledger = {}, .anchors = {}, .progress = {}};
+  return {.keys = {key.public_key()}, .ledger = {}, .anchors = {}, .progress = {}};
 }
 inline AuditOptions with_ledger(const Scratch& scratch) {
-  return {.key = {}, .ledger = scratch.path("ledger.dwell-ledger"), .anchors = {}, .progress = {}};
+  return {.keys = {}, .ledger = scratch.path("ledger.dwell-ledger"), .anchors = {}, .progress = {}};
 }
 inline AuditOptions with_anchors(const Scratch& scratch, const std::string& lines) {
-  return {.key = {}, .ledger = {}, .anchors = {scratch.write("anchors", lines)}, .progress = {}};
+  return {.keys = {}, .ledger = {}, .anchors = {scratch.write("anchors", lines)}, .progress = {}};
 }
 
 inline bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -31,6 +31,49 @@ TEST_F(InterruptedRecording, AFullDiskEndsTheRunWithItsReasonAndTheNextRunSaysSo
   EXPECT_EQ(events_of(store.runs[1])[0].text, "goes on after an interruption: run 1 ended: disk full");
 }
 
+struct NamedByAnOperator : InterruptedRecording {
+  void begin() {
+    Request request;
+    request.number = 5;
+    request.label = "mount A";
+    request.event.comment = "new bearing";
+    request.event.person = Person{1000, "anna"};
+    log.request(request);
+    stream.armed();
+    stream.play(1.0);
+    stream.begins(5);
+    stream.play(3.0);
+  }
+  void go_on() {
+    EXPECT_EQ(log.stopped(), "disk full");
+    store.full = false;
+    log.goes_on();
+    stream.ends(EndOfRun::by_operator);
+    stream.starts();
+    stream.play(2.0);
+    EXPECT_EQ(store.runs.back().header.begun_by, "service");
+    EXPECT_EQ(store.runs.back().header.label, "mount A");
+    EXPECT_EQ(store.runs.back().header.comment, "new bearing");
+  }
+};
+
+TEST_F(NamedByAnOperator, ARunThatGoesOnKeepsItsLabelAndTheNextOneDoesNot) {
+  begin();
+  store.full = true;
+  stream.play(1.5);
+  go_on();
+  stream.ends(EndOfRun::drive_stopped);
+  stream.starts();
+  stream.play(2.0);
+  EXPECT_EQ(store.runs.back().header.label, "");
+}
+
+TEST_F(NamedByAnOperator, ARunThatCouldNotBeginKeepsItsLabelToo) {
+  store.full = true;
+  begin();
+  go_on();
+}
+
 TEST_F(InterruptedRecording, ADiskThatIsFullAsTheRunBeginsIsToldAndTheRunIsNotRecorded) {
   store.full = true;
   stream.armed();

@@ -270,7 +270,7 @@ TEST(Mutation, NoUntouchedFileIsReported) {
     write_sample(path, run);
     const Files before = files_in(scratch);
     const Result<Audit> audit =
-        audit_run(path, {.key = sample_key().public_key(), .ledger = {}, .anchors = {}, .progress = {}});
+        audit_run(path, {.keys = {sample_key().public_key()}, .ledger = {}, .anchors = {}, .progress = {}});
     ASSERT_TRUE(audit) << audit.error();
     EXPECT_EQ(audit->state, is_open(end) ? AuditState::open : AuditState::intact) << audit->where;
     EXPECT_TRUE(audit->trusted);

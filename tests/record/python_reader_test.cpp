@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -62,6 +63,14 @@ std::string line_of(const Record& r) {
                 static_cast<long long>(r.stamped_ns), static_cast<unsigned long long>(bits), r.t_half_ns, r.channel,
                 static_cast<unsigned>(r.kind), r.flags);
   return text;
+}
+
+TEST_F(PythonReader, IsShorterThan250Lines) {
+  std::ifstream file(PYTHON_RUN_READER);
+  int lines = 0;
+  for (std::string line; std::getline(file, line);) ++lines;
+  EXPECT_GT(lines, 100);
+  EXPECT_LT(lines, 250);
 }
 
 TEST_F(PythonReader, ReadsEveryRecordToTheLastBitAndEveryHead) {

@@ -101,8 +101,7 @@ def records(body):
 
     columns = (numbers(0, 1), numbers(1, 1), numbers(2, 1), numbers(3, 2), numbers(5, 4), numbers(9, 8),
                numbers(17, 8), numbers(25, 8))
-    t = 0
-    gaps, halves, delays, values = {}, {}, {}, {}
+    t, gaps, halves, delays, values = 0, {}, {}, {}, {}
     for kind, flags, form, channel, half, instant, delay, value in zip(*columns):
         key = (kind, channel)
         gaps[key] = (gaps.get(key, 0) + unzigzag(instant)) % WORD

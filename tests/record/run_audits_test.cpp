@@ -27,7 +27,7 @@ struct RunAuditsTest : testing::Test {
   // Calls turn() at one instant of virtual time until `known` is true.
   void turn_until(double t_s, const std::function<bool()>& known) {
     do {
-      audits->turn(static_cast<std::int64_t>(t_s * 1e9), runs);
+      audits->turn(static_cast<std::int64_t>(t_s * 1e9), runs, service_key);
       for (const std::string& line : audits->take_tampered()) tampered.push_back(line);
       std::this_thread::yield();
     } while (!known());
@@ -39,7 +39,8 @@ struct RunAuditsTest : testing::Test {
   }
 
   Scratch scratch;
-  const Ledger ledger = recorded(scratch, 3, true);
+  PublicKey service_key = sample_key().public_key();
+  Ledger ledger = recorded(scratch, 3, true);
   std::shared_ptr<const ListedRuns> runs = std::make_shared<ListedRuns>(
       ListedRuns{listed(1, "a.dwell"), listed(2, "b.dwell"), listed(3, "c.dwell", "cut off")});
   std::optional<RunAudits> audits{std::in_place, scratch.path()};
@@ -54,11 +55,27 @@ TEST_F(RunAuditsTest, TellsOfEachRunWhatTheAuditSays) {
   EXPECT_EQ(of("c.dwell")->state, AuditState::open);
   EXPECT_TRUE(of("c.dwell")->until_s.has_value());
   EXPECT_EQ(of("b.dwell")->state, AuditState::intact);
-  EXPECT_TRUE(of("b.dwell")->trusted) << "by the ledger of the directory";
+  EXPECT_TRUE(of("b.dwell")->trusted) << "by the service's own key";
   EXPECT_EQ(of("a.dwell")->state, AuditState::tampered);
   EXPECT_EQ(of("a.dwell")->where, audited(scratch.path("a.dwell"), with_ledger(scratch)).where);
   turn_until(0.0, [&] { return !tampered.empty(); });
   EXPECT_EQ(tampered.front(), "a.dwell is tampered with: " + of("a.dwell")->where);
+}
+
+TEST_F(RunAuditsTest, ADirectoryThatWasWrittenAnewWithAnotherKeyIsTampered) {
+  service_key = sample_other().public_key();
+  turn_until(0.0, [&] { return of("b.dwell") != nullptr; });
+  EXPECT_EQ(of("b.dwell")->state, AuditState::tampered);
+  EXPECT_FALSE(of("b.dwell")->trusted);
+  EXPECT_NE(of("b.dwell")->where.find("not by the key asked for"), std::string::npos) << of("b.dwell")->where;
+}
+
+TEST_F(RunAuditsTest, AKeyThatHasSignedNothingYetMakesNoEarlierRunTampered) {
+  ASSERT_TRUE(ledger.key_changes(sample_other().public_key()));
+  service_key = sample_other().public_key();
+  turn_until(0.0, [&] { return of("b.dwell") != nullptr; });
+  EXPECT_EQ(of("b.dwell")->state, AuditState::intact) << of("b.dwell")->where;
+  EXPECT_FALSE(of("b.dwell")->trusted);
 }
 
 TEST_F(RunAuditsTest, ReadsAFileAgainOnlyWhereItHasChanged) {

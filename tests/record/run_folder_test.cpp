@@ -91,6 +91,29 @@ TEST(RunFolder, RunsAreFilesOfTheirOwnThatAuditAsIntactAndTheLedgerKnowsThem) {
   EXPECT_EQ(listed.head.size(), 64u);
 }
 
+// While the service lives, its ledger is in use; people copy the file by itself.
+TEST(RunFolder, ACopyOfTheLedgerAloneKnowsTheRunsThatHaveEnded) {
+  const Scratch scratch, elsewhere;
+  FolderRig rig(scratch.path());
+  rig.stream.armed();
+  rig.stream.play(0.5);
+  rig.stream.begins();
+  rig.stream.play(2.5);
+  rig.stream.ends();
+  rig.stream.play(1.5);
+  rig.folder.settle();
+  const std::string copy = elsewhere.path("ledger.dwell-ledger");
+  std::filesystem::copy_file(ledger_of(scratch.path()), copy);
+  const auto audit = audit_ledger(copy, scratch.path(), {});
+  ASSERT_TRUE(audit) << audit.error();
+  EXPECT_TRUE(audit->unbroken) << audit->where;
+  const auto files = run_files(scratch.path());
+  ASSERT_EQ(files.size(), 1u);
+  AuditOptions options;
+  options.ledger = copy;
+  EXPECT_EQ(audit_run(files[0], options)->state, AuditState::intact) << audit_run(files[0], options)->where;
+}
+
 TEST(RunFolder, ARunWhoseDwellsCannotBeReadIsListedAsUnreadable) {
   const Scratch scratch;
   RunFolder folder(folder_options(scratch.path()));

@@ -179,6 +179,23 @@ TEST_F(RunLogTest, WhatTheStreamTellsOfLossesAndFaultsIsAnEventAtItsPosition) {
   EXPECT_EQ(events[3].text, "channel y1 delivers");
 }
 
+// Else the events of a run tell of fewer faults than its stream, by those of the 10 s before the drive.
+TEST_F(RunLogTest, FaultsBeforeTheDriveThatAreInTheRunAreEventsOfItToo) {
+  stream.armed();
+  stream.play(1.0);
+  stream.put(
+      {.t_ns = stream.t_ns(), .value = 4.0, .kind = Kind::fault, .flags = static_cast<std::uint8_t>(Fault::timeout)});
+  const std::uint64_t position = stream.position();
+  stream.play(2.5);
+  stream.begins();
+  stream.play(2.0);
+  const auto events = events_of(store.runs.at(0));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].what, "fault");
+  EXPECT_NE(events[0].text.find("4 times"), std::string::npos) << events[0].text;
+  EXPECT_LE(events[0].position, position + 1);
+}
+
 TEST_F(RunLogTest, AWallClockThatIsSetIsAnEvent) {
   stream.starts();
   stream.play(1.0);

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <random>
+#include <thread>
+
 #include "tests/record/altered_files.hpp"
 #include "tests/record/audited.hpp"
 
@@ -46,6 +50,37 @@ TEST(Signature, RightAfterTheEndWaitsUntilTheServiceHasClosedTheRun) {
     const auto made = sign([&](int tries) { return tries < 2 || service.close().has_value(); });
     EXPECT_TRUE(made) << made.error();
     EXPECT_EQ(audited(path).state, AuditState::intact);
+  }
+}
+
+// Closing the file while it is read spoils the reading, at whatever instant it comes.
+TEST(Signature, WhileTheServiceClosesTheFileIsTriedAgain) {
+  const Scratch scratch(true);
+  PersonalSignature signature;
+  signature.name = "Anna";
+  signature.meaning = "reviewed";
+  signature.utc = "2026-11-24T08:00:00.000000Z";
+  std::mt19937_64 rng(4);
+  std::string noise(1 << 16, ' ');
+  for (int round = 0; round < 100; ++round) {
+    const std::string path = scratch.path("r" + std::to_string(round) + ".dwell");
+    const RunHeader header = sample_header(7, sample_key());
+    ChainWriter service = *ChainWriter::create(path, ChainSort::run, "dwell/run/" + header.id, sample_key());
+    ASSERT_TRUE(service.append("run", 0, to_json(header)));
+    for (int i = 0; i < 20; ++i) {
+      for (char& c : noise) c = static_cast<char>('a' + rng() % 26);
+      StoredEvent event{1, "2026-11-24T08:00:00Z", "state", noise, {}, "", "", ""};
+      ASSERT_TRUE(service.append("event", 1, to_json(event)));
+    }
+    ASSERT_TRUE(service.append("end", 1, to_json(RunEnd{"operator", 0, 0, "2026-11-23T03:13:00Z"})));
+    ASSERT_TRUE(service.commit());
+    std::thread closes([&service, wait = std::chrono::microseconds(rng() % 1500)] {
+      std::this_thread::sleep_for(wait);
+      EXPECT_TRUE(service.close());
+    });
+    const auto made = sign_by_own_key(path, signature, sample_other());
+    closes.join();
+    ASSERT_TRUE(made) << "round " << round << ": " << made.error();
   }
 }
 

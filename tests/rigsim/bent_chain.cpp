@@ -85,7 +85,11 @@ void BentChain::choose_step() {
 }
 
 BentChain::Table BentChain::table_at(double t_s) const {
-  const double since = t_s - changed_s_, omega = kTwoPi * drive_.frequency_hz;
+  const double since = t_s - changed_s_, drifting_s = std::max(0.0, t_s);
+  // θ'' (hastening) and θ' (omega). The drift's part of θ is the same before and after a change of the drive.
+  const double hastening = t_s > 0 ? kTwoPi * bend_.drift_hz : 0.0;
+  const double omega = kTwoPi * drive_.frequency_hz + hastening * drifting_s;
+  const double theta = phase_ + kTwoPi * drive_.frequency_hz * since + 0.5 * hastening * drifting_s * drifting_s;
   const double part = drive_.ramp_s > 0 ? std::clamp(since / drive_.ramp_s, 0.0, 1.0) : 1.0;
   const double slope = part < 1 && drive_.ramp_s > 0 ? 1 / drive_.ramp_s : 0.0;
   // The carrier, and its first two derivatives.
@@ -93,11 +97,12 @@ BentChain::Table BentChain::table_at(double t_s) const {
   const auto add = [&](int multiple, std::complex<double> to) {
     const auto h = static_cast<std::size_t>(multiple);
     const std::complex<double> from = h < from_.size() ? from_[h] : 0.0;
-    const std::complex<double> jw{0.0, multiple * omega}, turn = std::polar(1.0, multiple * (phase_ + omega * since));
+    const std::complex<double> jw{0.0, multiple * omega}, turn = std::polar(1.0, multiple * theta);
     const std::complex<double> now = from + part * (to - from), change = slope * (to - from);
     y += now * turn;
     v += (jw * now + change) * turn;
-    a += (jw * jw * now + 2.0 * jw * change) * turn;
+    const std::complex<double> jdw{0.0, multiple * hastening};
+    a += ((jw * jw + jdw) * now + 2.0 * jw * change) * turn;
   };
   std::vector<std::complex<double>> to(from_.size());
   to.resize(std::max<std::size_t>(to.size(), 2));
@@ -109,7 +114,8 @@ BentChain::Table BentChain::table_at(double t_s) const {
   }
   for (std::size_t h = 1; h < to.size(); ++h) add(static_cast<int>(h), to[h]);
   const double hunting = kTwoPi * bend_.hunt_hz, at = hunting * t_s;
-  const double g = 1 + bend_.hunt * std::sin(at), dg = bend_.hunt * hunting * std::cos(at);
+  const double g = 1 + bend_.hunt * std::sin(at) + bend_.drift * drifting_s;
+  const double dg = bend_.hunt * hunting * std::cos(at) + (t_s > 0 ? bend_.drift : 0.0);
   const double ddg = -bend_.hunt * hunting * hunting * std::sin(at);
   const double offset = offset_from_ + part * (drive_.offset - offset_from_);
   return {offset + g * y.imag(), slope * (drive_.offset - offset_from_) + g * v.imag() + dg * y.imag(),

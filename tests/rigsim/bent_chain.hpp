@@ -1,9 +1,10 @@
 // A chain that is more than masses, springs and dampers in a row: friction and cubic springs in its elements, springs
-// beside it, and a drive whose amplitude hunts. Integrated in time.
+// beside it, and a drive whose amplitude hunts and drifts, and whose frequency drifts. Integrated in time.
 //
 // Element k's force: c d + r d' + cubic d³ + friction tanh(d'/v), v being 2 % of the table's largest velocity, so that
-// the force has a slope. The table: offset + (1 + hunt sin 2π f_h t) Σ A_h sin(hθ + φ_h). Classical Runge-Kutta of
-// fourth order, at least 400 steps a period; between steps cubic by values and slopes.
+// the force has a slope. The table: offset + (1 + hunt sin 2π f_h t + drift t) Σ A_h sin(hθ + φ_h), with θ' = 2π (f +
+// drift_hz t). Classical Runge-Kutta of fourth order, at least 400 steps a period; between steps cubic by values and
+// slopes.
 #pragma once
 
 #include <complex>
@@ -28,8 +29,11 @@ struct Bend {
   std::vector<Element> elements;
   std::vector<SideSpring> side;
   double hunt = 0.0, hunt_hz = 0.0;
+  double drift = 0.0, drift_hz = 0.0;  // growth per second from t = 0 on: part of the table's amplitude; Hz
 
-  [[nodiscard]] bool any() const { return !elements.empty() || !side.empty() || hunt != 0.0; }
+  [[nodiscard]] bool any() const {
+    return !elements.empty() || !side.empty() || hunt != 0.0 || drift != 0.0 || drift_hz != 0.0;
+  }
   // What of it this chain has not ("--friction 9:1: the chain has 4 elements"), or empty.
   [[nodiscard]] std::string fault(const dwell::Chain& chain) const;
 };

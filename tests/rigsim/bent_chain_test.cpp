@@ -98,6 +98,24 @@ TEST(BentChain, TheAmplitudeHunts) {
                 1e-12);
 }
 
+TEST(BentChain, AmplitudeAndFrequencyDriftAndGoOnThroughAChangeOfTheDrive) {
+  Bend bend;
+  bend.drift = 0.05;
+  bend.drift_hz = 0.2;
+  BentChain bent(kChain, bend, {4.0, 0.005, 0.0, 0.0, {}}, false);
+  const auto table = [](double t_s) {
+    return 0.005 * (1 + 0.05 * t_s) * std::sin(kTwoPi * (4.0 + 0.5 * 0.2 * t_s) * t_s);
+  };
+  for (double t_s = 0.0173; t_s < 3.0; t_s += 0.0173) {
+    const dwell::ChainMotion now = bent.at(t_s);
+    EXPECT_NEAR(now.y[0], table(t_s), 1e-12);
+    EXPECT_NEAR(now.velocity[0], (table(t_s + 1e-5) - table(t_s - 1e-5)) / 2e-5, 1e-8);
+    EXPECT_NEAR(now.acceleration[0], (table(t_s + 1e-4) - 2 * table(t_s) + table(t_s - 1e-4)) / 1e-8, 1e-4);
+  }
+  bent.set_drive(3.0, {4.0, 0.005, 0.0, 0.0, {}});
+  EXPECT_NEAR(bent.at(3.5).y[0], table(3.5), 1e-9);
+}
+
 TEST(BentChain, SaysWhatTheChainHasNot) {
   Bend bend;
   EXPECT_EQ(bend.fault(kChain), "");

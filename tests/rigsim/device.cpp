@@ -111,6 +111,7 @@ double Device::measured(std::size_t channel, double truth) {
   if (faults.noise > 0.0) truth += faults.noise * full_[channel] * gauss_(random_);
   truth = reading_faults_.converted(channel, truth);
   if (const double step = faults.quantize * full_[channel]; step > 0.0) truth = step * std::nearbyint(truth / step);
+  truth += reading_faults_.glitch(channel, random_);
   if (faults.invalid > 0.0 && std::bernoulli_distribution(faults.invalid)(random_))
     truth = std::numeric_limits<double>::quiet_NaN();
   return truth;
@@ -124,20 +125,25 @@ void Device::read(double t_s, std::span<double> values, int station) {
       values[i] = *stuck_[i];
       continue;
     }
-    const double taken_s = reading_faults_.taken_at(i, station, t_s);
-    if (taken_s == t_s) {
-      values[i] = measured(i, values[i]);
+    const std::optional<double> taken_s = reading_faults_.taken_at(i, station, t_s);
+    const double lag_s = reading_faults_.lag_s(i);
+    const auto truth_at = [&](double s) {
+      before.resize(channels_.size());
+      truth(std::max(0.0, s - lag_s), before);
+      return before[i];
+    };
+    if (!taken_s) {
+      values[i] = measured(i, lag_s > 0 ? truth_at(t_s) : values[i]);
       continue;
     }
     Held& held = held_.try_emplace({station, i}, Held{-1.0, 0.0}).first->second;
-    if (held.t_s != taken_s) {
-      before.resize(channels_.size());
-      truth(taken_s, before);
-      held = {taken_s, measured(i, before[i])};
+    if (held.t_s != *taken_s) {
+      const double value = measured(i, truth_at(*taken_s));
+      held = {*taken_s, value};
     }
     values[i] = held.value;
   }
-  reading_faults_.pass_on(station, values, random_);
+  reading_faults_.pass_on(t_s, station, values, random_);
 }
 
 void Device::apply_drive(double t_s) {

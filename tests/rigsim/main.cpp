@@ -37,9 +37,11 @@ struct Arguments {
   std::string masses, tcp, unit = "m", csv;
   std::vector<std::string> harmonics, stuck, friction, cubic, side;
   std::vector<std::string> knocks;
-  std::string hunt;
+  std::string hunt, drift;
   std::vector<std::pair<const char*, std::vector<std::string>>> readings{
-      {"refresh", {}}, {"sample", {}}, {"clip", {}}, {"converter", {}}, {"zeros", {}}, {"repeats", {}}};
+      {"refresh", {}}, {"sample", {}}, {"clip", {}},   {"converter", {}}, {"zeros", {}},
+      {"repeats", {}}, {"stale", {}},  {"freeze", {}}, {"garbage", {}},   {"low-byte", {}},
+      {"glitch", {}},  {"scale", {}},  {"lag", {}},    {"swap", {}}};
   bool print_truth = false;
   bool print_dbc = false;
 };
@@ -83,7 +85,15 @@ void define(CLI::App& app, Arguments& arguments) {
       "CHANNEL:LOW:HIGH, where its readings end, in its steady amplitudes; repeatable",
       "CHANNEL:BITS:REACH, its converter ends at +-REACH steady amplitudes; repeatable",
       "[CHANNEL:]P, probability of a zero in place of a reading (without CHANNEL: of a whole scan); repeatable",
-      "[CHANNEL:]P, probability of the reading before in its place (likewise); repeatable"};
+      "[CHANNEL:]P, probability of the reading before in its place (likewise); repeatable",
+      "[CHANNEL:]N, every Nth reading is the one before once more; repeatable",
+      "CHANNEL|all:P:S, probability that a register then holds for S seconds; repeatable",
+      "[CHANNEL:]P, probability of a float32 in the wrong order of words; repeatable",
+      "CHANNEL:CODE, the low byte of its converter is stuck at 0 ... 255; repeatable",
+      "CHANNEL:X[:P], the first reading (with P: with this probability each) is off by X steady amplitudes; repeatable",
+      "CHANNEL:FACTOR, its readings are multiplied by this (-1: reversed); repeatable",
+      "CHANNEL:S, its readings are so late; repeatable",
+      "CHANNEL:CHANNEL, two channels swapped; repeatable"};
   for (std::size_t i = 0; i < arguments.readings.size(); ++i)
     app.add_option("--" + std::string(arguments.readings[i].first), arguments.readings[i].second, kReadings[i]);
   app.add_option("--friction", arguments.friction, "ELEMENT:N, Coulomb friction in an element; repeatable");
@@ -91,6 +101,7 @@ void define(CLI::App& app, Arguments& arguments) {
   app.add_option("--side-spring", arguments.side,
                  "MASS:TO:N/M[:N*S/M], beside the chain, TO a mass, 0 (the table) or ground; repeatable");
   app.add_option("--hunt", arguments.hunt, "PART:HZ, the table's amplitude swings by this part");
+  app.add_option("--drift", arguments.drift, "PART:HZ, by which the table's amplitude and frequency grow each second");
   app.add_option(
       "--knocks", arguments.knocks,
       "MASS:N*S:EVERY_S[:UNTIL_S], an impulse to a mass at random instants, so often on average; repeatable");
@@ -178,6 +189,13 @@ std::string settle_bend(Arguments& arguments) {
       return "--hunt " + arguments.hunt + ": expected PART:HZ, the part 0 to 1, at most 1000 Hz";
     bend.hunt = values[0];
     bend.hunt_hz = values[1];
+  }
+  if (!arguments.drift.empty()) {
+    const auto values = numbers_of(arguments.drift, 2, 2);
+    if (values.empty() || std::abs(values[0]) > 1 || std::abs(values[1]) > 1e3)
+      return "--drift " + arguments.drift + ": expected PART:HZ, each second, the part -1 to 1, at most 1000 Hz";
+    bend.drift = values[0];
+    bend.drift_hz = values[1];
   }
   return bend.fault(arguments.rig.chain);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -25,11 +26,12 @@ Options steady(std::vector<std::string> lines) {
   return options;
 }
 
-// One channel at 1 kHz for a second, at no instant of a refresh.
-std::vector<double> readings(Device& device, std::size_t channel, int station = 0) {
+// One channel at 1 kHz for a second. First read half a millisecond after the beginning, it is read at no instant of a
+// refresh.
+std::vector<double> readings(Device& device, std::size_t channel, int station = 0, double first_s = 0.0005) {
   std::vector<double> values(device.channels().size()), of;
   for (int i = 0; i < 1000; ++i) {
-    device.read(0.0005 + 0.001 * i, values, station);
+    device.read(first_s + 0.001 * i, values, station);
     of.push_back(values[channel]);
   }
   return of;
@@ -54,6 +56,14 @@ TEST(ReadingFaults, AChannelRefreshedSlowlyHoldsTheValueOfItsLastRefresh) {
   for (std::size_t i = 0; i < force.size(); ++i)
     EXPECT_LT(std::abs(force[i] - truth[i - i % 5]), 0.02 * largest(truth));
   EXPECT_GT(different(readings(device, 0)), 900U);
+}
+
+TEST(ReadingFaults, AReadingAtTheInstantOfARefreshTakesTheValueThatIsThenHeld) {
+  Options options = steady({"refresh reaction 0.005"});
+  options.faults.noise = 0.001;
+  Device device(options);
+  const std::vector<double> force = readings(device, kForce, 0, 0.0);
+  EXPECT_EQ(different(force), 200U);
 }
 
 TEST(ReadingFaults, AStationIsRefreshedByItself) {
@@ -105,6 +115,86 @@ TEST(ReadingFaults, ZerosAndRepeatsOfAGatewayBefallWholeScansAndThoseOfAChannelT
   }
 }
 
+TEST(ReadingFaults, EverySecondReadingIsTheOneBeforeOnceMore) {
+  Options options = steady({"stale reaction 2"});
+  options.faults.noise = 0.001;
+  Device device(options);
+  const std::vector<double> force = readings(device, kForce);
+  for (std::size_t i = 1; i < force.size(); ++i) EXPECT_EQ(force[i] == force[i - 1], i % 2 == 1) << i;
+  EXPECT_EQ(different(readings(device, 0)), 1000U);
+}
+
+TEST(ReadingFaults, ARegisterHoldsInBursts) {
+  Options options = steady({"freeze reaction 0.01 0.05"});
+  options.faults.noise = 0.001;
+  Device device(options);
+  const std::vector<double> force = readings(device, kForce);
+  std::map<std::size_t, int> runs;  // by length
+  for (std::size_t i = 0, from = 0; i < force.size(); ++i)
+    if (force[i] != force[from]) ++runs[i - from], from = i;
+  // Some 50 readings in a burst, one reading in a hundred begins one.
+  EXPECT_GT(runs[1], 250);
+  EXPECT_GE(runs.rbegin()->first, 50U);
+  EXPECT_LE(different(force), 850U);
+  EXPECT_EQ(different(readings(device, 1)), 1000U);
+}
+
+TEST(ReadingFaults, GarbageIsAFloatInTheWrongOrderOfWords) {
+  Device device(steady({"garbage y1 0.5"})), exact(steady({}));
+  const std::vector<double> read = readings(device, 1), truth = readings(exact, 1);
+  int garbage = 0, wild = 0;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    garbage += read[i] != truth[i];
+    wild += std::abs(read[i]) > 1e3 || std::abs(read[i]) < 1e-12;
+  }
+  EXPECT_NEAR(garbage, 500, 70);
+  EXPECT_GT(wild, 300);
+}
+
+TEST(ReadingFaults, TheLowByteOfAConverterIsStuck) {
+  Device device(steady({"converter reaction 16 1.2", "low-byte reaction 90"})), exact(steady({}));
+  const std::vector<double> force = readings(device, kForce), truth = readings(exact, kForce);
+  const double step = 1.2 * largest(truth) / 32768;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const double code = force[i] / step;
+    EXPECT_NEAR(std::remainder(code - 90, 256), 0.0, 0.1) << i;  // `largest` is not the amplitude itself
+    EXPECT_NEAR(force[i], truth[i], 257 * step);
+  }
+}
+
+TEST(ReadingFaults, AGlitchIsOffTheGridOfTheRoundingAndComesOnce) {
+  Device device(steady({})), same(steady({}));
+  device.faults.quantize = same.faults.quantize = 0.01;
+  std::vector<double> values(device.channels().size()), good(values.size());
+  int off = 0;
+  for (int i = 0; i < 100; ++i) {
+    if (i == 50) {
+      EXPECT_EQ(device.command(0.05, {"glitch", "reaction", "0.0037"}), "");
+    }
+    device.read(0.001 * i, values);
+    same.read(0.001 * i, good);
+    if (values[kForce] == good[kForce]) continue;
+    ++off;
+    EXPECT_EQ(i, 50);
+    EXPECT_NEAR(values[kForce] - good[kForce], 0.0037 * 54.6, 1e-4 * 54.6);
+  }
+  EXPECT_EQ(off, 1);
+}
+
+// What a rig file may state wrongly of its channels.
+TEST(ReadingFaults, AChannelIsLateOrOfAnotherScaleOrReversedOrSwapped) {
+  Device late(steady({"lag y1 0.01"})), scaled(steady({"scale y1 -2.54"})), swapped(steady({"swap y1 y2"})),
+      exact(steady({}));
+  const std::vector<double> y1 = readings(exact, 1), y2 = readings(exact, 2);
+  const std::vector<double> of_late = readings(late, 1), of_scaled = readings(scaled, 1);
+  for (std::size_t i = 10; i < y1.size(); ++i) {
+    EXPECT_NEAR(of_late[i], y1[i - 10], 1e-9);
+    EXPECT_NEAR(of_scaled[i], -2.54 * y1[i], 1e-12);
+  }
+  EXPECT_EQ(readings(swapped, 1), y2);
+  EXPECT_EQ(readings(swapped, 2), y1);
+}
+
 TEST(ReadingFaults, EachStationSamplesWhereInItsTurnaroundItIsTold) {
   Options options = steady({"sample all answer", "sample 2 request", "sample 3 middle"});
   options.faults.latency_s = 0.002;
@@ -117,9 +207,17 @@ TEST(ReadingFaults, EachStationSamplesWhereInItsTurnaroundItIsTold) {
 }
 
 TEST(ReadingFaults, WhatIsWrongWithALineIsSaid) {
-  for (const char* line : {"refresh", "refresh y9 1", "refresh all -1", "sample y1 request", "sample 1 never",
-                           "clip y1 1 0.5", "clip all 0 1", "converter y1 40 1", "converter y1 8 0", "zeros 2 0.1",
-                           "zeros all 2", "repeats y1 x", "nonsense 1", ""}) {
+  for (const char* line : {"refresh",          "refresh y9 1",
+                           "refresh all -1",   "sample y1 request",
+                           "sample 1 never",   "clip y1 1 0.5",
+                           "clip all 0 1",     "converter y1 40 1",
+                           "converter y1 8 0", "zeros 2 0.1",
+                           "zeros all 2",      "repeats y1 x",
+                           "stale y1 1",       "freeze y1 0.1",
+                           "garbage y9 1",     "glitch y1",
+                           "scale y1 0",       "lag y1 -1",
+                           "low-byte y1 256",  "swap y1 y1",
+                           "nonsense 1",       ""}) {
     Options options;
     options.lines = {line};
     EXPECT_NE(Device::fault(options), "") << line;

@@ -123,8 +123,11 @@ bool names(const Case& about, const Disturbance& disturbance, const std::string&
   return is_of_model(disturbance.kind) && (has_word(line, "elements") || blames_chain(line));
 }
 
+bool says_chance(const std::string& line) { return has(line, "by chance this happens in one of 40 dwells"); }
+
 bool blames(const Case& about, const std::string& said) {
   const std::string line = lowered(said);
+  if (says_chance(line)) return false;
   if (has(line, "if there is any")) return false;  // of hum or folded harmonics, which nobody can see
   bool named = has_word(line, "drive") || has_word(line, "table") || has(line, "element");
   for (const Channel& channel : about.rig.channels) named = named || has_word(line, channel.name);

@@ -28,11 +28,14 @@ struct DisturbedOutcome {
   double worst_silent = 0.0;  // … of the dwells without such a warning
   bool doubted = false;       // what is worst_silent carries a doubt, of another cause
   bool told_beside = false;   // what is worst_silent is named by the method of any motion beside the dwell
+  bool told_live = false;     // … is named by what the service says beside the live dwell
   double moved = 0.0;         // largest shift of a coefficient that stands out, over its u
   // It shows a coefficient that is wrong, and nothing says why.
   [[nodiscard]] bool silent() const { return counts && worst_silent > kWrong; }
   // … and the method of any motion does not say it either.
   [[nodiscard]] bool silent_throughout() const { return silent() && !told_beside; }
+  // … and what the service says beside the live dwell does not say it either.
+  [[nodiscard]] bool silent_live() const { return silent() && !told_live; }
 };
 
 [[nodiscard]] DisturbedOutcome play_disturbed(const Case& about, const Trace& trace = {});
@@ -43,6 +46,8 @@ struct DisturbedOutcome {
 // drive is at fault. Where the model is, a mass, an element or the chain will do: which of mass, spring and
 // transducer is to blame, no steady motion tells.
 [[nodiscard]] bool names(const Case& about, const Disturbance& disturbance, const std::string& line);
+// Whether a line says that a coefficient may be negative by chance. Such a line blames nothing.
+[[nodiscard]] bool says_chance(const std::string& line);
 // Whether a line of a healthy dwell blames a channel, an element or the drive for any of the kinds.
 [[nodiscard]] bool blames(const Case& about, const std::string& line);
 

@@ -184,17 +184,17 @@ Row late_row(const std::vector<Outcome>& outcomes, Population population, double
   return row;
 }
 
-Row blamed_row(const std::vector<Outcome>& outcomes, double slack) {
+std::vector<Row> blamed_rows(const std::vector<Outcome>& outcomes, double slack) {
   const long blamed =
-      std::count_if(outcomes.begin(), outcomes.end(), [](const Outcome& o) { return !o.blamed.empty(); });
+                 std::count_if(outcomes.begin(), outcomes.end(), [](const Outcome&o) { return !o.blamed.empty(); }),
+             by_chance = std::count_if(outcomes.begin(), outcomes.end(), [](const Outcome&o) { return o.by_chance; });
   const auto count = static_cast<long>(outcomes.size());
-  return {"healthy dwells (white, tracked, type B, quantized) that blame a channel, an element or the drive",
-          text("%ld", blamed),
-          "<= 1 in 1000",
-          count,
-          static_cast<double>(blamed) <= (1e-3 + 0.02 * slack) * static_cast<double>(count),
-          static_cast<double>(blamed),
-          static_cast<double>(blamed)};
+  return {{"healthy dwells (white, tracked, type B, quantized) that blame a channel, an element or the drive",
+           text("%ld", blamed), "<= 1 in 1000", count,
+           static_cast<double>(blamed) <= (1e-3 + 0.02 * slack) * static_cast<double>(count),
+           static_cast<double>(blamed), static_cast<double>(blamed)},
+          {"  … that withhold an element whose coefficient comes out negative, and say that chance may have made it so",
+           text("%ld", by_chance), "", count, true, static_cast<double>(by_chance), static_cast<double>(by_chance)}};
 }
 
 Row step_row(const std::vector<StepOutcome>& outcomes, Population population, double slack) {

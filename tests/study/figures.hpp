@@ -28,8 +28,9 @@ namespace dwell::study {
 [[nodiscard]] Row late_row(const std::vector<Outcome>& outcomes, Population population, double slack);
 // An element that must not be reported, and that must be.
 [[nodiscard]] std::vector<Row> reported_rows(const std::vector<Outcome>& outcomes, double slack);
-// Healthy dwells in which a channel, an element or the drive is blamed for a disturbance.
-[[nodiscard]] Row blamed_row(const std::vector<Outcome>& outcomes, double slack);
+// Healthy dwells in which a channel, an element or the drive is blamed for a disturbance; and those that withhold an
+// element because its coefficient may be negative by chance.
+[[nodiscard]] std::vector<Row> blamed_rows(const std::vector<Outcome>& outcomes, double slack);
 // Every step seen in time.
 [[nodiscard]] Row step_row(const std::vector<StepOutcome>& outcomes, Population population, double slack);
 // others: false re-arms elsewhere in the study.

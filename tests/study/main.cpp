@@ -124,7 +124,7 @@ void study(const Options& options, Population population, Results& results) {
       break;
     case Population::disturbed:
       results.disturbed =
-          play_all<DisturbedOutcome>(options, population, options.count(kKinds, 179 * kKinds), play_disturbed);
+          play_all<DisturbedOutcome>(options, population, options.count(2 * kKinds, 179 * kKinds), play_disturbed);
       break;
     case Population::resonance:
     case Population::knocks:

@@ -8,9 +8,9 @@
 
 namespace dwell::study {
 
-// Estimates from the case's readings up to until_s, with the search for what is missing. Why there are no coefficients;
-// or the warnings, what becomes a doubt of a dwell, and which coefficient contradicts one. Empty: no objection. Takes
-// seconds, up to minutes where instants are irregular.
+// Estimates any motion from the case's readings up to until_s, and searches for what is missing. One line per
+// objection: why there are no coefficients; or the warnings, what becomes a doubt of a dwell, and which coefficient
+// contradicts a dwell's. Empty: no objection. Takes seconds, up to minutes where instants are irregular.
 [[nodiscard]] std::vector<std::string> objections_of_motion(const Case& about, double until_s);
 
 }  // namespace dwell::study

@@ -28,7 +28,8 @@ struct Outcome {
   bool completed = false;  // there is a result
   bool doubted = false;    // although the rig is as its file says
   bool hum_inseparable = false, hum_warned = false;
-  std::string blamed;  // what a channel, an element or the drive is blamed for; empty: nothing
+  bool by_chance = false;  // an element is withheld since chance may have made its coefficient negative
+  std::string blamed;      // what a channel, an element or the drive is blamed for; empty: nothing
   double tau_periods = 0.0, period_s = 0.0;
   double verdict_s = 0.0, oracle_s = 0.0;  // from the start of the drive that is judged
   double left = 0.0;                       // largest transient from the earliest verdict on, over its threshold

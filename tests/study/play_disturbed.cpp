@@ -6,6 +6,7 @@
 #include "tests/study/disturbed.hpp"
 #include "tests/study/motion_witness.hpp"
 #include "tests/study/recording.hpp"
+#include "tests/study/service_witness.hpp"
 
 namespace dwell::study {
 namespace {
@@ -113,6 +114,14 @@ void judge(const Case& about, const Dwell& dwell, const Moved& moved, DisturbedO
   if (trace) tell(about, dwell, worst, warned, trace);
 }
 
+void hear_service(const Case& about, double until_s, DisturbedOutcome& outcome, const Trace& trace) {
+  for (const std::string& line : objections_of_service(about, until_s)) {
+    if (trace) trace("service: " + line);
+    for (const Disturbance& disturbance : about.disturbances)
+      outcome.told_live = outcome.told_live || names(about, disturbance, line);
+  }
+}
+
 void hear_motion(const Case& about, double until_s, DisturbedOutcome& outcome, const Trace& trace) {
   const std::vector<std::string> lines = objections_of_motion(about, until_s);
   if (trace && lines.empty()) trace("any motion: no objection");
@@ -160,7 +169,10 @@ DisturbedOutcome play_disturbed(const Case& about, const Trace& trace) {
     }
   } while (player.now_s() < end_s);
   if (pipeline.finish() & kCompleted) judge(about, pipeline.completed(), moved, outcome, trace);
-  if (trace || outcome.silent()) hear_motion(about, end_s, outcome, trace);
+  if (trace || outcome.silent()) {
+    hear_motion(about, end_s, outcome, trace);
+    hear_service(about, end_s, outcome, trace);
+  }
   if (trace)
     trace(outcome.silent_throughout() ? text("WRONG WITHOUT A WORD: %.3g u", outcome.worst_silent)
           : outcome.silent()       ? text("wrong by %.3g u, and said by the method of any motion", outcome.worst_silent)

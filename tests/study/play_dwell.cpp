@@ -57,7 +57,11 @@ void judge_elements(const Case& about, const Dwell& dwell, Outcome& outcome) {
   outcome.hum_warned = speaks_of_hum(dwell);
   for (const std::string& line : told_by(dwell))
     if (outcome.blamed.empty() && blames(about, line)) outcome.blamed = line;
-  if (outcome.blamed.empty() && !dwell.doubts.empty()) outcome.blamed = dwell.doubts.front().what;
+  for (const Doubt& doubt : dwell.doubts)
+    if (says_chance(doubt.what))
+      outcome.by_chance = true;
+    else if (outcome.blamed.empty())
+      outcome.blamed = doubt.what;
   outcome.answer_s = true_s(about, dwell.end_s) - about.change_s;
   const Script script = run_script(about);
   outcome.naive_answer_s = script.answer_s - about.change_s;

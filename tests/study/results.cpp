@@ -61,7 +61,7 @@ std::vector<Row> rows_of(const Results& results, double slack) {
   if (!results.ramps.empty()) rows.push_back(ramps_row(results.ramps, slack));
   if (!results.disturbed.empty()) append(rows, disturbed_rows(results.disturbed, slack));
   if (const std::vector<Outcome> begun = results.all_begun(); !begun.empty()) append(rows, settling_rows(begun, slack));
-  if (!healthy.empty()) rows.push_back(blamed_row(results.of(healthy), slack));
+  if (!healthy.empty()) append(rows, blamed_rows(results.of(healthy), slack));
   const std::vector<Outcome> judged = results.of({Population::white, Population::tracked, Population::stiff});
   if (!judged.empty()) append(rows, reported_rows(judged, slack));
   return rows;

@@ -35,6 +35,7 @@ void walk(Outcome& o, Visit&& visit) {
   visit("completed", o.completed);
   visit("hum_inseparable", o.hum_inseparable);
   visit("hum_warned", o.hum_warned);
+  visit("by_chance", o.by_chance);
   bool blamed = !o.blamed.empty();
   visit("blamed", blamed);
   if (blamed && o.blamed.empty()) o.blamed = "blamed";
@@ -93,6 +94,7 @@ void walk(DisturbedOutcome& o, Visit&& visit) {
   visit("worst_silent", o.worst_silent);
   visit("doubted", o.doubted);
   visit("told_beside", o.told_beside);
+  visit("told_live", o.told_live);
   visit("moved", o.moved);
 }
 

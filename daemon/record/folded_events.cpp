@@ -1,4 +1,4 @@
-#include "daemon/ctl/folded_events.hpp"
+#include "daemon/record/folded_events.hpp"
 
 #include <charconv>
 #include <map>
@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-namespace dwell::ctl {
+namespace dwell::record {
 namespace {
 
 // A text around the number that it counts: "device amplifier: timeout, " 3 " times".
@@ -33,14 +33,14 @@ Counted parts_of(const std::string& text) {
   return {text, {}, 0};
 }
 
-bool folds(const record::StoredEvent& event) { return event.what == "fault" || event.what == "loss"; }
+bool folds(const StoredEvent& event) { return event.what == "fault" || event.what == "loss"; }
 
 }  // namespace
 
-std::vector<FoldedEvent> folded(const std::vector<record::StoredEvent>& events) {
+std::vector<FoldedEvent> folded(const std::vector<StoredEvent>& events) {
   std::vector<FoldedEvent> all;
   std::map<std::tuple<std::string, std::string, std::string>, std::pair<std::size_t, std::uint64_t>> seen;
-  for (const record::StoredEvent& event : events) {
+  for (const StoredEvent& event : events) {
     Counted parts = folds(event) ? parts_of(event.text) : Counted();
     if (folds(event)) {
       const auto [found, fresh] =
@@ -60,4 +60,4 @@ std::vector<FoldedEvent> folded(const std::vector<record::StoredEvent>& events) 
   return all;
 }
 
-}  // namespace dwell::ctl
+}  // namespace dwell::record
