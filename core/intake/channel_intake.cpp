@@ -12,9 +12,6 @@ namespace {
 
 // Noise below this part of the largest reading is the rounding of double precision.
 constexpr double kRealNoise = 1e-9;
-// Noise in rounding steps from which on no number comes back often, though the motion is read at the same instants of
-// each period: one in 25 readings there at most.
-constexpr double kFarAbove = 10.0;
 // A run of identical readings longer than any motion explains. A sine whose mean difference is kMoves rounding steps
 // has √(readings a period) / 5 identical readings at its crest, where it is slowest; with noise fewer. kAtCrest is that
 // factor with a margin.
@@ -160,15 +157,10 @@ void ChannelIntake::begin_hold() noexcept {
   left_.begin_hold();
   residuals2_ = INFINITY;
   held_at_begin_ = held();
-  counting_ = false;
-  left_.begin_to_count(times_.count(), motion_.foreign().all());
+  begin_to_count();
 }
 
-void ChannelIntake::begin_to_count() noexcept {
-  left_.begin_to_count(times_.count(), motion_.foreign().all());
-  counting_ = true;
-  pile_up_.begin_to_count();
-}
+void ChannelIntake::begin_to_count() noexcept { left_.begin_to_count(times_.count(), motion_.foreign().all()); }
 
 bool ChannelIntake::left_out_matters() const noexcept {
   return left_.matters(times_.count(), motion_.foreign().all(), held());
@@ -188,12 +180,7 @@ void ChannelIntake::see_residuals(double sigma) noexcept {
 
 PileUp::Noise ChannelIntake::noise() const noexcept {
   const double noise = std::min(motion_.noise(), std::sqrt(residuals2_));
-  if (!(noise > kRealNoise * codes_.largest())) return {0.0, apart()};
-  // Few readings are seldom as near to each other as a fine step. So the smallest distance seen says nothing, where the
-  // noise is far above the step and the distance does not recur.
-  const double fine = rounding_.step();
-  if (counting_ && noise > kFarAbove * fine && !held_.step_recurs()) return {noise, fine, true};
-  return {noise, apart()};
+  return {noise > kRealNoise * codes_.largest() ? noise : 0.0, apart()};
 }
 
 double ChannelIntake::clipping_bias() const noexcept { return pile_up_.loss(noise()); }

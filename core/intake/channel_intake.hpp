@@ -144,8 +144,7 @@ class ChannelIntake {
   // Variance of the residuals in this hold, mean over about eight periods, the device's numbers squared.
   double residuals2_ = INFINITY;
   bool overrange_now_ = false, held_at_begin_ = false;
-  bool counting_ = false;  // the data count
-  bool stuck_ = false;     // the newest reading belongs to a run that no motion explains
+  bool stuck_ = false;  // the newest reading belongs to a run that no motion explains
 };
 
 }  // namespace dwell

@@ -39,10 +39,8 @@ namespace dwell {
 class Crest {
  public:
   // sigma: standard deviation of a reading, rounding included; step: of the rounding, 0: none. The device's numbers.
-  // assumed: the step is less than any distance of two readings that has been seen.
   struct Noise {
     double sigma, step;
-    bool assumed = false;
   };
   // Proof asked for, -ln of the probability that chance brings as much.
   struct Proof {
@@ -88,11 +86,9 @@ class Crest {
     const bool noisy = noise.sigma > kNoisy * noise.step;
     std::int64_t commonest = 0;
     for (std::size_t i = 1; i < kDepth; ++i) commonest = std::max(commonest, numbers_[i].readings);
-    if (exceeds(topmost.readings, commonest, noisy && !noise.assumed ? 1.0 / 2 : 10.0 / 11, proof.unlikely))
-      return topmost.readings;
+    if (exceeds(topmost.readings, commonest, noisy ? 1.0 / 2 : 10.0 / 11, proof.unlikely)) return topmost.readings;
     if (exceeds(stuck_, elsewhere, kStuckAtExtreme, proof.unlikely_runs)) return topmost.readings;
     if (!noisy || topmost.runs < kFewest) return 0;
-    if (noise.assumed && kSingle * commonest > topmost.runs) return 0;
     std::int64_t others = 0;
     for (std::size_t i = 1; i < kDepth && numbers_[i].runs > 0; ++i) {
       others += numbers_[i].runs;
@@ -107,9 +103,6 @@ class Crest {
  private:
   static constexpr std::size_t kDepth = 12;  // topmost numbers that are counted
   static constexpr std::int64_t kFewest = 4;
-  // Where the step is assumed, numbers below the topmost have come back seldom: once for so many runs at the top. Else
-  // rounding makes them few, at a whole fraction of the period, and the step is not what it is assumed to be.
-  static constexpr std::int64_t kSingle = 4;
   static constexpr double kUnrounded = 1e6;  // steps: beyond, p no longer matters
   static constexpr double kNoisy = 0.8;      // steps: 3/4 of noise, with the 1/√12 of rounding
   static constexpr double kStuckAtExtreme = 1.0 / 5;

@@ -67,7 +67,7 @@ class HeldReadings {
       before_repeated_ = before_;
       if (onwards) interrupting_ += std::min(run_ - 1, ++interruptions_);
       // Readings rounded twice keep the coarser step of the first rounding: their smallest differences all equal it.
-      const double rounding = step_recurs() ? std::max(grid, step()) : grid;
+      const double rounding = differences_.least() > kSameStep * step() ? std::max(grid, step()) : grid;
       beat_.repeat(onwards, std::min(std::abs(before_), size), rounding, kDensity);
     }
     before_ = jump;
@@ -117,8 +117,6 @@ class HeldReadings {
   }
   // The third smallest difference above 0, at least the rounding step; INFINITY: not known.
   [[nodiscard]] double step() const noexcept { return differences_.step(); }
-  // Whether the three smallest differences are equal, as those of a rounding step.
-  [[nodiscard]] bool step_recurs() const noexcept { return differences_.least() > kSameStep * step(); }
   // A run has interrupted the motion, or repeats have come with a beat: refreshes are timed from now on.
   [[nodiscard]] bool suspected() const noexcept { return interrupting_ > 0 || beat_.suspected(); }
   // The register is refreshed more slowly than it is read.

@@ -40,24 +40,6 @@ TEST_F(ClippedReadings, AChannelThatIsClippedFromSomeInstantOnIsNamedAndWithheld
   }
 }
 
-TEST_F(ClippedReadings, AChannelThatBecomesClippedIsNamedWithinTwentyPeriodsHoweverSeldomItIsRead) {
-  for (const double rate : {23.0, 50.0, 100.0, 200.0}) {
-    rate_hz = rate;
-    const double limit = 0.9 * std::abs(steady_response(chain, 2 * M_PI * 4, 0.002).Y[1]);
-    const Dwell dwell = measured(
-        [&](Record& record, double t) {
-          if (record.channel == 1 && t > 41.3) record.value = std::clamp(record.value, -limit, limit);
-        },
-        41.3 + 20.0 / 4);
-    const std::string what = std::to_string(rate) + " Hz";
-    expect_no_wrong_number(dwell, what);
-    ASSERT_EQ(dwell.elements.size(), 3u) << what << all(dwell);
-    EXPECT_FALSE(dwell.elements[0].identifiable) << what << all(dwell);
-    EXPECT_TRUE(says(dwell, "y1: clipped")) << what << all(dwell);
-    EXPECT_EQ(conditions[1], "clipped") << what;
-  }
-}
-
 TEST_F(ClippedReadings, AClippedLoadCellIsNamedAndWithheldAndTheOthersAreMeasured) {
   for (const double level : {0.5, 0.8, 0.9, 0.97})
     for (const bool both : {true, false})

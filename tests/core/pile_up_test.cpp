@@ -41,7 +41,6 @@ void play(PileUp& pile_up, const NoisyMotion& motion, double periods, std::uint6
 
 std::int64_t found(const NoisyMotion& motion, double periods, std::uint64_t seed) {
   PileUp pile_up;
-  pile_up.begin_to_count();
   play(pile_up, motion, periods, seed);
   EXPECT_EQ(pile_up.below(seen(motion)), 0) << seed;
   return pile_up.above(seen(motion));
@@ -216,25 +215,6 @@ TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwoStretches) {
       EXPECT_LT(pile_up.loss(seen(narrow)), 1.05 * half) << end;  // noise puts 5 % more readings at the end
       EXPECT_GT(pile_up.loss(seen(narrow)), 0.7 * half) << end;   // at most 280 of the 1000 periods are missing
     }
-}
-
-// With few readings a period. How soon does not depend on the rate, nor on how long the hold has lasted.
-TEST(PileUp, ACrestCutOffFromSomeInstantOnIsFoundWithinTwentyPeriodsWhereNoiseSmoothsTheRounding) {
-  std::uint64_t seed = 0;
-  for (const double readings : {5.77, 12.4, 25.0, 50.3})
-    for (const NoisyMotion& kind : {NoisyMotion{1e-3}, NoisyMotion{0.01, 1e-6}})
-      for (const double before : {301.0, 308.7, 1003.3}) {
-        NoisyMotion wide = kind;
-        wide.readings_a_period = readings;
-        NoisyMotion narrow = wide;
-        narrow.end = 0.9;
-        PileUp pile_up;
-        pile_up.begin_to_count();
-        play(pile_up, wide, before, ++seed);
-        EXPECT_EQ(pile_up.above(seen(wide)), 0);
-        play(pile_up, narrow, 20.0, ++seed);
-        EXPECT_GT(pile_up.above(seen(narrow)), 0) << readings << " readings a period, after " << before;
-      }
 }
 
 // A day at 1 Hz: chance gets no more occasions, however long the hold.
