@@ -22,8 +22,8 @@ constexpr int kHighest = 20;
 
 // Turns of the alias against the fundamental within the dwell from which on the alias is ignored. At kResolved it
 // averages out: the first null of the dwell's transform. Beyond it the scatter over the dwell covers the rest
-// (core/fit/scatter.hpp). Halved: an alias that turns by half a turn is ignored, of which two thirds remain. Doubled:
-// little changes, since the second lobe of the transform is 0.2 high.
+// (core/fit/scatter.hpp). Halved: an alias that makes half a turn would be ignored, although two thirds of it remain in
+// the phasor. Doubled: little changes, since the second lobe of the transform is 0.2 high.
 constexpr double kResolved = 1.0;
 // Below so many turns the data do not show the alias, and the dwell warns. At 0.1 it would warn of one healthy dwell in
 // 400, at sampling rates up to 20 f.

@@ -13,13 +13,13 @@
 // mean is known from n distances. By Wald's inequality random repeats reach a proof of 7 with a probability of at most
 // 1/1000.
 //
-// The jump after the repeat. The reading after a repeated answer is up to date, so the motion catches up: after a run
-// of r identical readings it jumps r times as far as around the run. The next value of a register is one refresh later,
-// and jumps no farther than any other. Take the jump after the run, per reading of the run, over the mean of the jumps
-// around it. This ratio is 1 for repeated answers and 1/2 for a register. (Seen in 50 registers each, refreshed every
-// 1.004 … 1.16 readings: at most 0.6 where refreshes jitter by ± 0.3 readings; 0.76 by ± 0.8. In repeated answers 0.9 …
-// 1.4, noise up to a quarter of the steepest jump.) With noise as large as the jumps the ratio falls towards 0: then a
-// register is assumed.
+// The jump after the repeat. The reading after a repeated answer is up to date, so the motion catches up: r identical
+// readings are followed by a jump r times as large as those around them. The next value of a register is one refresh
+// later, and jumps no farther than any other. Take the jump after the run, per reading of the run, over the mean of the
+// jumps around it. This ratio is 1 for repeated answers and 1/2 for a register. (Seen in 50 registers each, refreshed
+// every 1.004 … 1.16 readings: at most 0.6 where refreshes jitter by ± 0.3 readings; 0.76 by ± 0.8. In repeated answers
+// 0.9 … 1.4, noise up to a quarter of the steepest jump.) With noise as large as the jumps the ratio falls towards 0:
+// then a register is assumed.
 //
 // Repeats are random only if distances and jumps both say so, since jittering instants alone make distances irregular.
 // If a register were taken for random repeats, its channel would be late by half a refresh interval, and nothing would

@@ -77,7 +77,7 @@ class Stretch {
     for (const double value : {next.lowest_, next.low_}) take_low(value);
     for (const double value : {next.highest_, next.high_}) take_high(value);
   }
-  // Half of what the readings span, the outermost on either side left out: it may be a spike.
+  // Half of the readings' range, without the largest and the smallest: either may be a spike.
   [[nodiscard]] double half_range() const { return count_ < 5 ? 0.0 : 0.5 * (high_ - low_); }
   [[nodiscard]] double middle() const { return sum_ / static_cast<double>(count_); }
   [[nodiscard]] double length_s() const { return last_s_ - first_s_; }

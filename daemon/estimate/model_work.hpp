@@ -20,7 +20,7 @@ namespace dwell {
 // Bound to the estimation thread, the slot of `work` apart.
 class ModelWork {
  public:
-  // Dwells of which the verdict on the model is kept, the newest ones: as many as EstimatorOptions keeps dwells.
+  // The verdicts on the models of so many dwells are kept, the newest. EstimatorOptions keeps as many dwells.
   static constexpr std::size_t kMostVerdicts = 1000;
 
   explicit ModelWork(std::shared_ptr<LongWork> work);

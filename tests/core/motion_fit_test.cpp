@@ -88,7 +88,7 @@ TEST(MotionRecorder, OfALongRecordingKeepsWhatGivesTheSameEstimateToTheLastBit) 
   Rig rig = rig_of(clamped_chain(), 4.0);
   rig.excitation.minimum = 2e-5;
   DrivenChain chain(clamped_chain(), {.frequency_hz = 4.0, .amplitude = 1e-3}, DrivenChain::Start::rest);
-  // A thousandth of what each reads: 1 µm, and 20 mN of the reaction.
+  // Noise of a thousandth of each amplitude: 1 µm, and 20 mN of the reaction.
   std::vector<double> sigma;
   for (const Channel& channel : rig.channels) sigma.push_back(channel.measures == Quantity::force ? 0.02 : 1e-6);
   const MotionData played = readings_of(rig, chain, 0.0, 40.0, 150.0, sigma, 5);

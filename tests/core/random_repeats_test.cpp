@@ -27,7 +27,7 @@ struct RandomRepeats : DisturbedReadings {
         },
         until_s, noise);
   }
-  // wider: U95 is less than so many times that of the healthy rig.
+  // wider: the largest U95 allowed, over that of the healthy rig.
   void expect_measured(const Dwell& dwell, const Dwell& healthy, int channel, const std::string& what,
                        double wider = 2) {
     expect_no_wrong_number(dwell, what, 4);
