@@ -22,11 +22,8 @@ std::string stale_reason(const ServiceView& now) {
 // or the dwell has not settled.
 std::optional<ModelVerdict> model_of(const ServiceView& now, const Dwell& dwell) {
   if (!now.verification.live || !std::isfinite(dwell.settled_s)) return std::nullopt;
-  const auto& verified = now.snapshot.verified;
-  if (verified && verified->dwell.index == dwell.index) return in_short(verified->verification);
-  if (now.snapshot.models && dwell.index)
-    for (const VerifiedModel& known : *now.snapshot.models)
-      if (known.dwell == *dwell.index) return known.model;
+  const auto* const known = dwell.index ? verdict_on(now.snapshot.models.get(), *dwell.index) : nullptr;
+  if (known != nullptr) return known->model;
   ModelVerdict none;
   none.asked = now.verification.accuracy;
   return none;

@@ -308,10 +308,10 @@ void name_missing(const Rig& rig, const MotionData& data, const MotionCourse& co
 // Takes the place of name_missing() where readings are at fault. A dwell withholds such a channel, but the estimate of
 // any motion uses it, so its reason or a warning says so. The residuals of such readings are no evidence against the
 // chain. So `contradicted` is cleared, and the dwell's own numbers are not doubted.
-void blame_readings(const std::vector<std::string>& at_fault, MotionEstimate& out) {
+void blame_readings(const std::vector<ChannelFault>& at_fault, MotionEstimate& out) {
   out.contradicted = false;
   std::string text;
-  for (const std::string& fault : at_fault) text += (text.empty() ? "" : "; ") + fault;
+  for (const ChannelFault& fault : at_fault) text += (text.empty() ? "" : "; ") + fault.what;
   text = "the readings themselves are at fault, so nothing that the rig file lacks is looked for: " + text;
   if (out.reason.empty())
     out.warnings.push_back(std::move(text));

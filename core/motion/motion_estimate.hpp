@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/motion/likelihood.hpp"
+#include "core/result/condition.hpp"
 #include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
 
@@ -20,10 +21,10 @@ struct MotionOptions {
   // Whether to look for what the rig file lacks: a third of the time more on a healthy rig, some times it on one that
   // the readings contradict.
   bool missing = true;
-  // Channels whose readings are at fault, each with what is wrong: "reaction: clipped: …". If there are any, the search
+  // Channels whose readings are at fault. If there are any, the search
   // for what the rig file lacks is skipped, whatever `missing` says, and the estimate says so. The search would explain
   // faulty readings by terms of the rig, and takes ten times as long as the estimate.
-  std::vector<std::string> at_fault{};
+  std::vector<ChannelFault> at_fault{};
 };
 
 // data.readings: by time, t_ns less each channel's stated delay; data.stretches: none. Where the readings do not carry

@@ -19,6 +19,8 @@ constexpr double kFirst = 2.0;
 // From one estimate to the next the readings grow by this factor. All together they cost 1/(1 - 1/1.5) = 3 times the
 // last. Closer to 1: newer numbers, and more work; 2: twice the last, and numbers up to half the stretch old.
 constexpr double kGrowth = 1.5;
+// … once the readings contradict the chain. An estimate then looks for what is missing, and costs ten times as much.
+constexpr double kGrowthContradicted = 4.0;
 // If a hold of so many periods ends while the dwell settles, the drive has changed, and another stretch begins. A ramp
 // leaves a hold every period. Longer: an operator's change of the drive goes unnoticed. Shorter: a slow ramp is torn.
 constexpr double kSteady = 8.0;
@@ -30,11 +32,14 @@ std::size_t most_readings(const Rig& rig) {
 }  // namespace
 
 void TransientJob::run(const Rig& rig) {
+  if (readings.empty()) return;
   MotionRecorder recorder(rig);
   for (const HoldRecord::Reading& reading : readings)
     recorder.take(
         {.t_ns = reading.t_ns, .value = reading.value, .channel = static_cast<std::uint16_t>(reading.channel)});
-  result.estimate = estimate_motion(rig, recorder.data());
+  MotionOptions options;
+  options.at_fault = at_fault;
+  result.estimate = estimate_motion(rig, recorder.data(), options);
 }
 
 TransientWatch::TransientWatch(const Rig& rig)
@@ -48,62 +53,93 @@ void TransientWatch::take(const Record& record, std::int64_t t_ns, std::uint64_t
   now_s_ = to_s(t_ns);
 }
 
-void TransientWatch::follow(const Dwell& now) {
+void TransientWatch::follow(const Dwell& now, std::vector<ChannelFault> at_fault) {
   const bool on = now.index && (now.state == State::settling || now.state == State::measuring);
   if (!on || !std::isfinite(now.start_s)) return wait();
-  const bool other_drive = now.start_s - hold_s_ >= kSteady * period_s_;
-  if (now.index != dwell_ || other_drive) begin(now);
-  hold_s_ = now.start_s;
-  if (std::isfinite(now.settled_s)) {
-    if (phase_ != Phase::taken_over) record_.roll();
-    phase_ = Phase::taken_over;
-  } else if (phase_ == Phase::taken_over && record_.resume()) {
-    phase_ = out_ ? Phase::estimating : Phase::gathering;
-  }
+  const bool other_drive = now.start_s - stretch_.hold_s >= kSteady * period_s_;
+  if (now.index != stretch_.dwell || other_drive) begin(now);
+  stretch_.hold_s = now.start_s;
+  stretch_.settled_s = now.settled_s;
+  at_fault_ = std::move(at_fault);
 }
 
 void TransientWatch::wait() {
   if (phase_ == Phase::waiting) return;
+  before_ = job();
   phase_ = Phase::waiting;
   record_.roll();
-  dwell_.reset();
+  stretch_.dwell.reset();
   newest_.reset();
 }
 
 void TransientWatch::begin(const Dwell& now) {
-  if (now.index != dwell_) newest_.reset();
-  dwell_ = now.index;
-  start_s_ = now.start_s;
-  record_.begin(to_ns(start_s_ - kBefore * period_s_));
-  ++stretch_;
-  handed_ = 0;
+  if (now.index != stretch_.dwell) {
+    if (phase_ != Phase::waiting) before_ = job();
+    newest_.reset();
+  }
+  stretch_ = {.dwell = now.index, .number = stretch_.number + 1, .start_s = now.start_s};
+  record_.begin(to_ns(now.start_s - kBefore * period_s_));
   phase_ = Phase::gathering;
 }
 
+void TransientWatch::ended(const Dwell& dwell) {
+  if (dwell.index == stretch_.dwell) wait();
+  if (!before_ || before_->dwell != dwell.index) return;
+  if (std::isfinite(dwell.settled_s)) {
+    final_ = std::move(before_);
+    final_->of = std::make_shared<const Dwell>(dwell);
+  }
+  before_.reset();
+}
+
 bool TransientWatch::due() const noexcept {
-  if (phase_ != Phase::gathering || out_) return false;
-  const std::size_t size = record_.size();
-  if (handed_ == 0) return size > 0 && (record_.full() || now_s_ - start_s_ >= kFirst * period_s_);
-  return static_cast<double>(size) >= kGrowth * static_cast<double>(handed_) || (record_.full() && size > handed_);
+  if (out_) return false;
+  if (final_) return true;
+  if (phase_ != Phase::gathering) return false;
+  const std::size_t size = record_.size(), handed = stretch_.handed;
+  if (handed == 0) return size > 0 && (record_.full() || now_s_ - stretch_.start_s >= kFirst * period_s_);
+  const double growth = newest_ && newest_->estimate.contradicted ? kGrowthContradicted : kGrowth;
+  const bool grown = static_cast<double>(size) >= growth * static_cast<double>(handed);
+  const bool just_settled = stretch_.handed_until_s <= stretch_.settled_s;
+  return size > handed && (grown || just_settled || record_.full());
+}
+
+TransientJob TransientWatch::job() const {
+  TransientJob job;
+  job.dwell = stretch_.dwell;
+  job.stretch = stretch_.number;
+  job.at_fault = at_fault_;
+  if (newest_ && newest_->last == last_ && record_.size() == newest_->given) {
+    job.result = *newest_;
+    return job;
+  }
+  job.readings = record_.readings();
+  job.result.given = job.readings.size();
+  job.result.last = last_;
+  if (job.readings.empty()) return job;
+  job.result.from_s = to_s(job.readings.front().t_ns);
+  job.result.until_s = to_s(job.readings.back().t_ns);
+  return job;
 }
 
 TransientJob TransientWatch::hand_over() {
-  TransientJob job;
-  job.stretch = stretch_;
-  job.readings = record_.readings();
-  job.result.from_s = to_s(job.readings.front().t_ns);
-  job.result.until_s = to_s(job.readings.back().t_ns);
-  job.result.given = handed_ = job.readings.size();
-  job.result.last = last_;
   out_ = true;
+  if (final_) {
+    TransientJob last = std::move(*final_);
+    final_.reset();
+    return last;
+  }
   phase_ = Phase::estimating;
-  return job;
+  TransientJob next = job();
+  stretch_.handed = next.result.given;
+  stretch_.handed_until_s = next.result.until_s;
+  return next;
 }
 
 void TransientWatch::take_back(TransientJob job) {
   out_ = false;
   if (phase_ == Phase::estimating) phase_ = Phase::gathering;
-  if (phase_ != Phase::waiting && job.stretch == stretch_)
+  if (phase_ != Phase::waiting && !job.of && job.stretch == stretch_.number)
     newest_ = std::make_shared<const TransientEstimate>(std::move(job.result));
 }
 

@@ -1,20 +1,21 @@
-// Coefficients while a dwell settles: when they are estimated from its transient, and from which readings.
+// Coefficients by the method of any motion beside a dwell: when they are estimated, and from which readings.
 //
 // A stretch begins one and a half periods before its first hold. estimate_motion() is given its readings two periods
-// after the hold began, and again each time they have become half as many more. So all estimates of a stretch together
-// cost three times the last one, however long the rig takes to settle. An idle rig costs nothing.
+// after the hold began, and again each time they have become half as many more, until the dwell ends or the stretch is
+// as long as an estimate may be. So all estimates of a stretch together cost three times the last one. Readings that
+// contradict the chain are looked at again when they are four times as many, since such an estimate costs more.
+// Whatever came before, the readings are looked at when the dwell has settled. Until the dwell has settled they are its
+// only coefficients, from the transient. Afterwards they are a second opinion on the dwell's. A dwell that has ended
+// gets a last one, from all of its stretch. An idle rig costs nothing.
 //
 //   state        what is so                              left for
 //   waiting      no dwell is on                          gathering, when a dwell begins
 //   gathering    the stretch grows                       estimating, when a job is handed over
 //   estimating   it grows, a job is out                  gathering, when the job comes back
-//   taken over   the dwell has settled; the newest       gathering, when the verdict is taken back or a dwell begins
-//                estimate stays, for comparison
 //
-// From any state the end of a dwell leads to waiting, its verdict to taken over. Another dwell begins another stretch
-// and drops the estimate. Within a dwell a drive that leaves a hold of some periods begins another stretch too, and the
-// estimate stays until there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with
-// its stretch.
+// From any state the end of a dwell leads to waiting. Another dwell begins another stretch and drops the estimate.
+// Within a dwell a drive that leaves a hold of some periods begins another stretch too, and the estimate stays until
+// there is a newer one. A drive that leaves one hold after another, as a ramp does, goes on with its stretch.
 //
 // This class decides and remembers; it does not estimate. Whoever owns it runs the jobs, on another thread or by hand.
 // Virtual time; the same records and the same calls give the same jobs.
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include "core/motion/hold_record.hpp"
+#include "core/result/condition.hpp"
 #include "core/result/dwell.hpp"
 #include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
@@ -47,9 +49,13 @@ struct TransientEstimate {
 
 // Work for whoever has time: run(), then TransientWatch::take_back(). Owns all it needs; may go to another thread.
 struct TransientJob {
+  std::optional<int> dwell;  // its index
   std::uint64_t stretch = 0;
-  std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came
+  std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came; empty: the result is known
   TransientEstimate result;
+  std::shared_ptr<const Dwell> of;  // the dwell that has ended, of which this is the last; null: the dwell is on
+
+  std::vector<ChannelFault> at_fault;  // channels whose readings are
 
   // Takes seconds; allocates. The rig must be the watch's.
   void run(const Rig& rig);
@@ -58,15 +64,19 @@ struct TransientJob {
 // Bound to one thread.
 class TransientWatch {
  public:
-  enum class Phase : std::uint8_t { waiting, gathering, estimating, taken_over };
+  enum class Phase : std::uint8_t { waiting, gathering, estimating };
 
   // Everything that is kept of the stream is allocated here: 24 bytes for each reading that an estimate takes.
   explicit TransientWatch(const Rig& rig);
 
   // A record of the stream, its instant on the run's axis, and its position. Real-time safe.
   void take(const Record& record, std::int64_t t_ns, std::uint64_t position = 0) noexcept;
-  // The dwell as it stands now. A few times a second.
-  void follow(const Dwell& now);
+  // The dwell as it stands now, and the channels that it withholds because their readings are at fault. A few times a
+  // second. Where a dwell ends, copies its readings: a millisecond at most.
+  void follow(const Dwell& now, std::vector<ChannelFault> at_fault = {});
+  // A dwell has ended; before follow() knows, or after. A dwell that has settled gets a last estimate, from all of its
+  // stretch. It replaces one that waits for the dwell before.
+  void ended(const Dwell& dwell);
 
   // Whether a job is to be done now; at most one is out at a time.
   [[nodiscard]] bool due() const noexcept;
@@ -79,22 +89,33 @@ class TransientWatch {
   [[nodiscard]] const std::shared_ptr<const TransientEstimate>& newest() const noexcept { return newest_; }
 
  private:
+  // The readings from shortly before a hold on, of one dwell.
+  struct Stretch {
+    std::optional<int> dwell;      // its index; none: no dwell is on
+    std::uint64_t number = 0;      // of stretches so far
+    double start_s = kNaN;         // when its first hold began …
+    double hold_s = kNaN;          // … and its newest
+    double settled_s = kNaN;       // of the dwell
+    std::size_t handed = 0;        // readings in the last job …
+    double handed_until_s = kNaN;  // … and the newest of them
+  };
+
   void wait();
   void begin(const Dwell& now);
+  [[nodiscard]] TransientJob job() const;
 
   std::vector<bool> counts_;  // by Rig::channels: all but auxiliary ones
   double period_s_;           // of the nominal drive
   HoldRecord record_;
   Phase phase_ = Phase::waiting;
-  std::optional<int> dwell_;  // index of the dwell that is on
-  double start_s_ = kNaN;     // when the stretch's first hold began …
-  double hold_s_ = kNaN;      // … and its newest
-  double now_s_ = kNaN;       // of the newest reading
-  std::uint64_t stretch_ = 0;
+  Stretch stretch_;
+  double now_s_ = kNaN;     // of the newest reading
   std::uint64_t last_ = 0;  // position of the newest reading in record_
-  std::size_t handed_ = 0;  // readings of the stretch in the last job
   bool out_ = false;        // a job is
+  std::vector<ChannelFault> at_fault_;
   std::shared_ptr<const TransientEstimate> newest_;
+  std::optional<TransientJob> before_;  // of the dwell before, until its end is reported
+  std::optional<TransientJob> final_;   // of a dwell that has ended; waits
 };
 
 }  // namespace dwell

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 namespace dwell {
 
@@ -15,5 +16,11 @@ enum class Condition : std::uint8_t {
   stuck,      // one and the same reading for longer than the drive's motion allows
 };
 [[nodiscard]] const char* to_string(Condition condition) noexcept;  // "ok", "stuck", …
+
+// A channel that is withheld because its readings are at fault.
+struct ChannelFault {
+  int channel = 0;   // index into Rig::channels
+  std::string what;  // "reaction: clipped: …"
+};
 
 }  // namespace dwell

@@ -14,6 +14,6 @@ const char* to_string(Verdict verdict) noexcept {
   return "";
 }
 
-ModelVerdict in_short(const Verification& v) noexcept { return {v.verdict, v.consistent, v.accuracy, v.seen, v.U}; }
+ModelVerdict in_short(const Verification& v) noexcept { return {v.verdict, v.consistent, v.accuracy, v.seen, v.U, {}}; }
 
 }  // namespace dwell

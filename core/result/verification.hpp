@@ -60,6 +60,9 @@ struct ModelVerdict {
   Verdict verdict = Verdict::not_verified;
   std::optional<bool> consistent;
   double asked = kNaN, seen = kNaN, U = kNaN;  // parts of the rms of the channel that decides
+  // What the method of any motion holds against the dwell (core/motion/dwell_agreement.hpp); empty: nothing, or it was
+  // not asked yet.
+  std::string objection{};
 };
 [[nodiscard]] ModelVerdict in_short(const Verification& verification) noexcept;
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/dwell/pipeline.hpp"
+#include "core/dwell/readings_at_fault.hpp"
 #include "core/motion/motion_estimate.hpp"
 #include "core/motion/motion_recorder.hpp"
 
@@ -27,20 +28,12 @@ Dwell on_recording_axis(Dwell dwell, double first_s) {
   return dwell;
 }
 
-// Adds the channels that the dwell withholds because their readings are at fault, each once. Held channels are not
-// added: the estimate models them. to: may be null.
-void add_faults(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell, std::vector<std::string>* to) {
+// Adds the channels whose readings are at fault, each once, with the first reason. to: may be null.
+void add_faults(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell, std::vector<ChannelFault>* to) {
   if (to == nullptr) return;
-  for (std::size_t i = 0; i < std::min(rig.channels.size(), dwell.phasors.size()); ++i) {
-    const auto c = static_cast<int>(i);
-    const Condition condition = pipeline.channel(c).condition;
-    const bool foreign = condition == Condition::clipped || condition == Condition::stuck ||
-                         condition == Condition::gated || condition == Condition::overrange;
-    if (!foreign || dwell.phasors[i].valid || rig.channels[i].measures == Quantity::auxiliary) continue;
-    const std::string name = rig.channels[i].name + ": ", why = pipeline.condition_reason(c);
-    if (std::none_of(to->begin(), to->end(), [&](const std::string& fault) { return fault.starts_with(name); }))
-      to->push_back(name + (why.empty() ? to_string(condition) : why));
-  }
+  for (ChannelFault& fault : readings_at_fault(rig, pipeline, dwell))
+    if (std::none_of(to->begin(), to->end(), [&](const ChannelFault& known) { return known.channel == fault.channel; }))
+      to->push_back(std::move(fault));
 }
 
 }  // namespace
@@ -70,7 +63,7 @@ ColumnMatch match_columns(const Rig& rig, const CsvRecording& recording) {
 
 tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const RecordSource& source,
                                                        const Progress& progress, VerificationReadings* readings,
-                                                       std::vector<std::string>* at_fault) {
+                                                       std::vector<ChannelFault>* at_fault) {
   Pipeline pipeline(rig);
   std::vector<Dwell> dwells;
   double first_s = kNaN;
@@ -101,7 +94,7 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
 }
 
 tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source,
-                                                          std::vector<std::string> at_fault) {
+                                                          std::vector<ChannelFault> at_fault) {
   MotionRecorder recorder(rig);
   const auto played = source.play({}, [&](const Record& record) { recorder.take(record); });
   if (!played) return tl::unexpected(played.error());

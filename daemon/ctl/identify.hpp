@@ -6,6 +6,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/result/condition.hpp"
 #include "core/result/dwell.hpp"
 #include "core/result/motion.hpp"
 #include "core/rig/rig.hpp"
@@ -31,11 +32,11 @@ struct ColumnMatch {
 [[nodiscard]] tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const RecordSource& source,
                                                                      const Progress& progress = {},
                                                                      VerificationReadings* readings = nullptr,
-                                                                     std::vector<std::string>* at_fault = nullptr);
+                                                                     std::vector<ChannelFault>* at_fault = nullptr);
 
 // The coefficients of any motion from a recording. at_fault: as identify() gives it. Takes seconds.
 [[nodiscard]] tl::expected<MotionEstimate, std::string> identify_motion(const Rig& rig, const RecordSource& source,
-                                                                        std::vector<std::string> at_fault = {});
+                                                                        std::vector<ChannelFault> at_fault = {});
 
 // The same of a recording as text, on its own t axis.
 [[nodiscard]] std::vector<Dwell> identify(const Rig& rig, const CsvRecording& recording);

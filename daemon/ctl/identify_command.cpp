@@ -63,7 +63,7 @@ int identify_recording(const IdentifyOptions& options) {
   };
   // The dwells are identified for the method of any motion alone too: they tell which readings are at fault.
   std::vector<Dwell> dwells;
-  std::vector<std::string> at_fault;
+  std::vector<ChannelFault> at_fault;
   {
     ProgressBar bar("identifying");
     auto found = identify(run->rig(), run->source(), bar.progress(), nullptr, &at_fault);

@@ -1,8 +1,11 @@
 #include "daemon/estimate/model_work.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
+#include "core/dwell/readings_at_fault.hpp"
 #include "core/motion/dwell_agreement.hpp"
 
 namespace dwell {
@@ -10,22 +13,18 @@ namespace dwell {
 ModelWork::ModelWork(std::shared_ptr<LongWork> work)
     : work_(std::move(work)), transient_(work_->rig), verification_(work_->rig) {}
 
-void ModelWork::turn(const Dwell& now, std::uint64_t position) {
-  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) {
-    if (auto* const transient = std::get_if<TransientJob>(&*job)) {
-      const auto before = transient_.newest();
-      transient_.take_back(std::move(*transient));
-      if (transient_.newest() != before) news_ = transient_.newest();
-    } else {
-      verification_.take_back(std::move(std::get<VerificationJob>(*job)));
-      news_ = verification_.newest();
-      keep_verdict();
-    }
-  }
-  transient_.follow(now);
+void ModelWork::ended(const Dwell& dwell, std::uint64_t position) {
+  transient_.ended(dwell);
+  verification_.ended(dwell, position);
+}
+
+void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline) {
+  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) take_back(std::move(*job));
+  transient_.follow(now, readings_at_fault(work_->rig, pipeline, now));
   verification_.follow(now, position);
+  if (const auto& newest = transient_.newest()) object(now, newest->estimate);
   if (!work_->slot.free()) return;
-  // A transient first: the operator waits for its numbers.
+  // An estimate first: while the dwell settles, the operator waits for its numbers.
   if (transient_.due()) {
     work_->slot.put(transient_.hand_over());
     out_ = true;
@@ -35,18 +34,48 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position) {
   }
 }
 
+void ModelWork::take_back(LongJob job) {
+  if (auto* const transient = std::get_if<TransientJob>(&job)) {
+    if (transient->of) object(*transient->of, transient->result.estimate);
+    const auto before = transient_.newest();
+    transient_.take_back(std::move(*transient));
+    if (transient_.newest() != before) news_ = transient_.newest();
+    return;
+  }
+  verification_.take_back(std::move(std::get<VerificationJob>(job)));
+  news_ = verification_.newest();
+  const VerifiedDwell& of = *verification_.newest();
+  if (!of.dwell.index) return;
+  change_verdict(*of.dwell.index, [&](ModelVerdict& verdict) {
+    std::string objection = std::move(verdict.objection);
+    verdict = in_short(of.verification);
+    verdict.objection = std::move(objection);
+  });
+}
+
+// What any motion holds against a dwell that has settled. An estimate that says nothing about the chain takes nothing
+// back.
+void ModelWork::object(const Dwell& dwell, const MotionEstimate& motion) {
+  if (motion.elements.empty() && !motion.contradicted) return;
+  if (!dwell.index || !std::isfinite(dwell.settled_s)) return;
+  const std::optional<Objection> objection = objection_to(dwell, motion);
+  const std::string what = objection ? objection->what : std::string();
+  const VerifiedModel* const known = verdict_on(models_.get(), *dwell.index);
+  if (known != nullptr ? known->model.objection == what : what.empty()) return;
+  change_verdict(*dwell.index, [&](ModelVerdict& verdict) { verdict.objection = what; });
+}
+
 // Readers may still hold the list, so it is replaced and never altered.
-void ModelWork::keep_verdict() {
-  const auto& newest = verification_.newest();
-  if (!newest || !newest->dwell.index) return;
+template <class Change>
+void ModelWork::change_verdict(int dwell, Change change) {
   auto models = models_ ? std::make_shared<VerifiedModels>(*models_) : std::make_shared<VerifiedModels>();
-  const auto at = std::lower_bound(models->begin(), models->end(), *newest->dwell.index,
-                                   [](const VerifiedModel& m, int dwell) { return m.dwell < dwell; });
-  const VerifiedModel kept{*newest->dwell.index, in_short(newest->verification)};
-  if (at != models->end() && at->dwell == kept.dwell)
-    *at = kept;
-  else
-    models->insert(at, kept);
+  auto at = std::lower_bound(models->begin(), models->end(), dwell,
+                             [](const VerifiedModel& m, int index) { return m.dwell < index; });
+  if (at == models->end() || at->dwell != dwell) {
+    at = models->insert(at, VerifiedModel{dwell, {}});
+    at->model.asked = work_->accuracy;
+  }
+  change(at->model);
   if (models->size() > kMostVerdicts) models->erase(models->begin());
   models_ = std::move(models);
 }

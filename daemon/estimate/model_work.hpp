@@ -1,6 +1,6 @@
-// What is computed beside a dwell, on the thread for long work: its coefficients while it settles, and the verification
-// of its model. This is the estimation thread's side of it: it gathers what comes by, hands over a job when the slot is
-// free, and keeps the results for the next snapshot. It never waits.
+// What is computed beside a dwell, on the thread for long work: its coefficients by the method of any motion, and the
+// verification of its model. This is the estimation thread's side of it: it gathers what comes by, hands over a job
+// when the slot is free, and keeps the results for the next snapshot. It never waits.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/dwell/pipeline.hpp"
 #include "core/motion/transient_watch.hpp"
 #include "core/verify/verification_watch.hpp"
 #include "daemon/estimate/long_work.hpp"
@@ -31,16 +32,17 @@ class ModelWork {
     transient_.take(record, t_ns, position);
   }
   // A dwell has ended with the record `position`.
-  void ended(const Dwell& dwell, std::uint64_t position) { verification_.ended(dwell, position); }
+  void ended(const Dwell& dwell, std::uint64_t position);
   // Call a few times a second, with the readings that count; null: not available now. origin_ns: t = 0 of the run on
   // their clock. Real-time safe.
   void gather(const SampleHistory* readings, std::int64_t origin_ns) noexcept {
     if (readings != nullptr) verification_.take(*readings, origin_ns);
   }
   // Call a few times a second on the one object that may use the slot. now: the current dwell, as it stood after the
-  // record `position`. Takes finished work back and hands the next job over, in a millisecond at most. Drops a job that
-  // another object has handed over before.
-  void turn(const Dwell& now, std::uint64_t position);
+  // record `position`; pipeline: that it comes from, of which only the channels' conditions are asked. Takes finished
+  // work back and hands the next job over, in a millisecond at most. Drops a job that another object has handed over
+  // before.
+  void turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline);
   // What the last turn() took back; each once.
   [[nodiscard]] std::optional<record::ModelResult> take_news() noexcept { return std::exchange(news_, std::nullopt); }
 
@@ -50,7 +52,10 @@ class ModelWork {
   const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
   TransientWatch transient_;
   VerificationWatch verification_;
-  void keep_verdict();
+  void take_back(LongJob job);
+  void object(const Dwell& dwell, const MotionEstimate& motion);
+  template <class Change>
+  void change_verdict(int dwell, Change change);
 
   std::shared_ptr<const VerifiedModels> models_;
   std::optional<record::ModelResult> news_;

@@ -222,7 +222,7 @@ void RunCycle::show(Snapshot& to) {
     if (pipeline->model() != nullptr)
       pipeline->model()->gather(pipeline->measurement().readings(), pipeline->origin_ns());
   if (ModelWork* const model = past && past_.model ? past_.model.get() : shown.model()) {
-    model->turn(to.dwell, shown.measurement().current_at());
+    model->turn(to.dwell, shown.measurement().current_at(), shown.measurement().pipeline());
     model->show(to.dwell, to);
     if (auto news = model->take_news(); news && run_.on) tap_.model(shown, std::move(*news));
   }

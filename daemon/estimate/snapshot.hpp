@@ -3,6 +3,7 @@
 // those of Rig::channels, the devices those of Rig::devices, in that order.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -62,12 +63,19 @@ struct RunView {
   std::uint32_t number = 0;  // runs of the session so far
 };
 
-// The newest verdict on the model of each verified dwell of a run, in the order of the dwells.
+// The newest verdict on the model of each dwell of a run that was verified or objected to, in the order of the dwells.
 struct VerifiedModel {
   int dwell = 0;  // its index
   ModelVerdict model;
 };
 using VerifiedModels = std::vector<VerifiedModel>;
+// Of that dwell; null: none is known. models: may be null. O(log dwells), no allocation.
+[[nodiscard]] inline const VerifiedModel* verdict_on(const VerifiedModels* models, int dwell) noexcept {
+  if (models == nullptr) return nullptr;
+  const auto at = std::lower_bound(models->begin(), models->end(), dwell,
+                                   [](const VerifiedModel& m, int index) { return m.dwell < index; });
+  return at != models->end() && at->dwell == dwell ? &*at : nullptr;
+}
 
 using FinishedDwells = std::vector<std::shared_ptr<const Dwell>>;
 
@@ -78,8 +86,8 @@ struct Snapshot {
   std::int64_t origin_ns = 0;     // the same instant on the stream's clock, exactly
   RunView run;
   Dwell dwell;
-  // Coefficients from the transient of `dwell`; null: none yet. Made by the worker, handed on unchanged: whoever holds
-  // the pointer may read it on any thread.
+  // Coefficients of `dwell` by the method of any motion; null: none yet. Made by the worker, handed on unchanged:
+  // whoever holds the pointer may read it on any thread.
   std::shared_ptr<const TransientEstimate> transient;
   std::optional<Agreement> transient_agreement;   // of these with the coefficients of `dwell`; nullopt: not compared
   std::shared_ptr<const VerifiedDwell> verified;  // the newest verification of the run; null: none yet. As `transient`

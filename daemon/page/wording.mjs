@@ -99,7 +99,8 @@ export function modelOf(dwell, verification) {
   if (isNumber(model.seen)) text += `, off by ${joined(numberText(100 * model.seen, 100 * model.U, '%'))}`;
   text += ` (accuracy asked for: ${percentText(model.asked)})`;
   if (model.consistent === false) text += '; not consistent: more is left than noise and stated uncertainties explain, ± may be too small';
-  const bad = model.verdict === 'not adequate' || model.consistent === false;
+  if (model.objection) text += `; ${model.objection}`;
+  const bad = model.verdict === 'not adequate' || model.consistent === false || Boolean(model.objection);
   return { text, tone: bad ? 'care' : 'calm' };
 }
 

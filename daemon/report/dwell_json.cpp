@@ -59,7 +59,8 @@ Json model_value(const ModelVerdict& model) {
           {"consistent", model.consistent ? Json(*model.consistent) : Json(nullptr)},
           {"asked", json_number(model.asked)},
           {"seen", json_number(model.seen)},
-          {"U", json_number(model.U)}};
+          {"U", json_number(model.U)},
+          {"objection", model.objection.empty() ? Json(nullptr) : Json(model.objection)}};
 }
 
 Json limit_value(const JudgedLimit& limit, Motion motion) {

@@ -104,6 +104,8 @@ std::optional<ModelVerdict> model_of(const Json& value) {
   model.asked = real_of(*found, "asked");
   model.seen = real_of(*found, "seen");
   model.U = real_of(*found, "U");
+  if (const auto said = found->find("objection"); said != found->end() && !said->is_null())
+    model.objection = string_of(*found, "objection");
   return model;
 }
 

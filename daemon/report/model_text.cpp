@@ -87,9 +87,9 @@ bool contradicts(const DwellView& view) {
 std::string agreement_text(const DwellView& view) {
   if (!view.transient) return {};
   if (const std::string& reason = view.transient->estimate.reason; !reason.empty())
-    return "not known, since the transient gives no coefficients: " + reason;
+    return "not known, since any motion gives no coefficients: " + reason;
   if (!view.transient->agreement) return {};
-  return "the coefficients from the transient, " + stretch_text(view.transient->estimate) + ", " +
+  return "the coefficients of any motion, " + stretch_text(view.transient->estimate) + ", " +
          verdict_on(*view.transient->agreement);
 }
 
@@ -98,6 +98,7 @@ std::string model_text(const ModelVerdict& model) {
   if (std::isfinite(model.seen)) text += ", off by " + join(number_text(100.0 * model.seen, 100.0 * model.U, "%"));
   text += " (accuracy " + percent(model.asked) + ")";
   if (model.consistent && !*model.consistent) text += "; not consistent: dwellctl verify says why";
+  if (!model.objection.empty()) text += "; " + model.objection;
   return text;
 }
 

@@ -136,28 +136,96 @@ TEST(TransientWatch, AsksOnceItIsFullWhereTwoPeriodsDoNotFit) {
   EXPECT_GT(start.jobs[0].result.until_s, 130.0) << "half of it after the beginning";
 }
 
-TEST(TransientWatch, IsTakenOverByTheDwellAndKeepsTheNewestEstimateToCompare) {
+TEST(TransientWatch, GoesOnAfterTheVerdictAndKeepsTheNewestEstimateToCompare) {
   WatchedStart start;
   start.go_on(3.0, dwell_of(1, 1.0));
   start.go_on(4.0, settled_dwell(1, 1.0, 3.5));
-  EXPECT_EQ(start.watch.phase(), Phase::taken_over);
   start.give_back("came late");
   ASSERT_TRUE(start.watch.newest());
   EXPECT_EQ(start.watch.newest()->estimate.reason, "came late") << "its readings are this dwell's";
-  start.go_on(30.0, settled_dwell(1, 1.0, 3.5));
-  EXPECT_EQ(start.jobs.size(), 1u);
-  EXPECT_TRUE(start.watch.newest());
-}
-
-TEST(TransientWatch, GoesOnWhereTheVerdictIsTakenBack) {
-  WatchedStart start;
-  start.go_on(3.0, dwell_of(1, 1.0));
-  start.give_back();
-  start.go_on(4.0, settled_dwell(1, 1.0, 3.5));
-  start.go_on(6.0, dwell_of(1, 1.0));
+  start.go_on(6.0, settled_dwell(1, 1.0, 3.5));
   ASSERT_EQ(start.jobs.size(), 2u);
   EXPECT_EQ(start.jobs[1].result.from_s, start.jobs[0].result.from_s);
   EXPECT_GE(start.jobs[1].result.until_s, 4.0);
+}
+
+// Such an estimate looks for what is missing, and costs ten times as much.
+TEST(TransientWatch, LooksSeldomAtReadingsThatContradictButAlwaysWhenTheDwellHasSettled) {
+  WatchedStart start;
+  start.go_on(1.0, Dwell());
+  const auto contradict = [&] {
+    TransientJob job = start.jobs.back();
+    job.result.estimate.contradicted = true;
+    start.watch.take_back(std::move(job));
+  };
+  start.go_on(2.0, dwell_of(1, 1.0));
+  ASSERT_EQ(start.jobs.size(), 1u);
+  contradict();
+  start.go_on(4.0, dwell_of(1, 1.0));  // three times as many readings
+  EXPECT_EQ(start.jobs.size(), 1u);
+  start.go_on(4.2, settled_dwell(1, 1.0, 3.5));
+  ASSERT_EQ(start.jobs.size(), 2u);
+  contradict();
+  start.go_on(12.0, settled_dwell(1, 1.0, 3.5));
+  EXPECT_EQ(start.jobs.size(), 2u);
+  start.go_on(16.0, settled_dwell(1, 1.0, 3.5));
+  EXPECT_EQ(start.jobs.size(), 3u);
+}
+
+TEST(TransientWatch, GivesADwellThatHasEndedALastEstimateFromAllOfItsStretch) {
+  for (const bool told_late : {false, true}) {
+    WatchedStart start;
+    start.go_on(1.0, Dwell());
+    start.go_on(3.0, dwell_of(1, 1.0));
+    start.give_back();
+    start.hands_over = false;
+    const Dwell settled = settled_dwell(1, 1.0, 3.5);
+    start.go_on(20.0, settled);
+    if (told_late) start.go_on(21.0, dwell_of(2, 20.0));  // the next dwell is on before the end of this one is told
+    start.watch.ended(settled);
+    ASSERT_TRUE(start.watch.due());
+    TransientJob last = start.watch.hand_over();
+    ASSERT_TRUE(last.of);
+    EXPECT_EQ(last.of->index, 1);
+    EXPECT_NEAR(last.result.from_s, 1.0 - 1.5 / kDrive_hz, 0.01);
+    EXPECT_NEAR(last.result.until_s, 20.0, 0.11) << "told late: " << told_late;
+    last.result.estimate.reason = "of the dwell that has ended";
+    start.watch.take_back(std::move(last));
+    EXPECT_FALSE(start.watch.newest()) << "it is no estimate of the dwell that is on";
+  }
+}
+
+TEST(TransientWatch, EstimatesNothingTwiceAndNothingOfADwellThatNeverSettled) {
+  WatchedStart start;
+  start.go_on(3.0, dwell_of(1, 1.0));
+  start.give_back("as it stands");
+  start.watch.ended(dwell_of(1, 1.0));
+  EXPECT_FALSE(start.watch.due());
+
+  WatchedStart full;
+  for (double t = 1.0; t < 200.0; t += 1.0) {
+    full.go_on(t, settled_dwell(1, 1.0, 3.5));
+    if (full.watch.phase() == Phase::estimating) full.give_back("as it stands");
+  }
+  full.watch.ended(settled_dwell(1, 1.0, 3.5));
+  ASSERT_TRUE(full.watch.due());
+  TransientJob last = full.watch.hand_over();
+  last.run(full.rig);
+  EXPECT_EQ(last.result.estimate.reason, "as it stands") << "there are no other readings than those of the newest";
+}
+
+TEST(TransientWatch, HandsOnWhichReadingsAreAtFault) {
+  WatchedStart start;
+  start.go_on(2.0, dwell_of(1, 1.0));
+  start.watch.follow(dwell_of(1, 1.0), {{1, "y1: clipped: 12 %"}});
+  start.give_back();
+  start.hands_over = false;
+  start.go_on(4.0, dwell_of(1, 1.0));
+  start.watch.follow(dwell_of(1, 1.0), {{1, "y1: clipped: 12 %"}});
+  ASSERT_TRUE(start.watch.due());
+  const TransientJob job = start.watch.hand_over();
+  ASSERT_EQ(job.at_fault.size(), 1u);
+  EXPECT_EQ(job.at_fault[0].what, "y1: clipped: 12 %");
 }
 
 TEST(TransientWatch, BeginsANewStretchWithANewHoldAndDropsWhatComesOfTheOldOne) {

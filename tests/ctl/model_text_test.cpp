@@ -88,13 +88,13 @@ DwellView compared(double over_U, bool contradicts) {
 
 TEST(TransientText, OnceTheDwellHasSettledSaysWhetherBothAgree) {
   const std::string agrees = dwell_text(compared(0.5, false));
-  EXPECT_NE(agrees.find("agreement  the coefficients from the transient, 40.0 to 43.2 s, agree with these: the "
+  EXPECT_NE(agrees.find("agreement  the coefficients of any motion, 40.0 to 43.2 s, agree with these: the "
                         "largest difference, in the damping of element 2, is 0.5 of the joint U of both\n"),
             std::string::npos)
       << agrees;
   EXPECT_EQ(agrees.find("an estimate before the verdict"), std::string::npos) << "the dwell has taken over";
   const std::string contradicts = dwell_text(compared(2.5, true));
-  EXPECT_NE(contradicts.find("warning: the coefficients from the transient, 40.0 to 43.2 s, contradict these: the "
+  EXPECT_NE(contradicts.find("warning: the coefficients of any motion, 40.0 to 43.2 s, contradict these: the "
                              "damping of element 2 differs by 2.5 of the joint U of both"),
             std::string::npos)
       << contradicts;
@@ -111,7 +111,7 @@ TEST(TransientText, OnceTheDwellHasSettledStillSaysWhyTheTransientGaveNoCoeffici
   none->agreement = std::nullopt;
   view.transient = none;
   EXPECT_NE(
-      dwell_text(view).find("agreement  not known, since the transient gives no coefficients: the chain of the rig "
+      dwell_text(view).find("agreement  not known, since any motion gives no coefficients: the chain of the rig "
                             "file does not explain y1\n"),
       std::string::npos)
       << dwell_text(view);
@@ -121,6 +121,8 @@ TEST(ModelText, IsOneLineBelowTheVerdict) {
   EXPECT_NE(dwell_text(test::measured_view(0.4)).find("model      adequate, off by 1.20 ± 0.80 % (accuracy 5 %)\n"),
             std::string::npos)
       << dwell_text(test::measured_view(0.4));
+  EXPECT_EQ(model_text({Verdict::adequate, true, 0.05, 0.012, 0.008, "any motion: the chain does not explain y1"}),
+            "adequate, off by 1.20 ± 0.80 % (accuracy 5 %); any motion: the chain does not explain y1");
   EXPECT_EQ(model_text({Verdict::adequate, false, 0.05, 0.012, 0.008}),
             "adequate, off by 1.20 ± 0.80 % (accuracy 5 %); not consistent: dwellctl verify says why");
   EXPECT_EQ(model_text({Verdict::not_verified, {}, 0.05, kNaN, kNaN}), "not verified yet (accuracy 5 %)");

@@ -58,11 +58,14 @@ struct LiveRig {
   }
   void scan(std::int64_t t_ns) {
     const double t_s = moving_s(t_ns);
+    if (t_s > silent_from_s) return;
     std::vector<dwell_sample> samples;
     for (std::size_t c = 0; c < rig.channels.size(); ++c) {
       const double moved = t_s < 0 ? 0.0 : exact_reading(rig, motion.at(t_s), static_cast<int>(c));
       const double scale = rig.channels[c].measures == Quantity::force ? 1e4 : 1.0;
-      samples.push_back({t_ns, moved + scale * normal(rng), 1000, static_cast<std::uint16_t>(c), 0});
+      const double gain =
+          rig.channels[c].measures == Quantity::displacement && rig.channels[c].at == 1 ? gain_of_y1 : 1;
+      samples.push_back({t_ns, gain * moved + scale * normal(rng), 1000, static_cast<std::uint16_t>(c), 0});
     }
     ASSERT_TRUE(link->push(samples.data(), samples.size()));
   }
@@ -83,6 +86,8 @@ struct LiveRig {
   std::shared_ptr<LongWork> work;
   std::optional<Estimator> estimator;
   std::int64_t now_ns = kStart_ns;
+  double silent_from_s = INFINITY;  // the device sends nothing from then on
+  double gain_of_y1 = 1.0;          // that the rig file does not know of
   int jobs = 0;
 };
 
@@ -127,13 +132,38 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
   ASSERT_EQ(now.dwell.state, State::measuring) << now.dwell.settling_reason;
   ASSERT_TRUE(now.transient);
   ASSERT_EQ(now.transient->estimate.reason, "");
-  EXPECT_LT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "taken over by the dwell";
+  EXPECT_GT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "a second opinion on the dwell's own data";
   ASSERT_TRUE(now.transient_agreement);
   EXPECT_LT(now.transient_agreement->e_n, 1.5) << "eight differences, over U";
   ASSERT_TRUE(now.verified);
   EXPECT_EQ(now.verified->dwell.index, now.dwell.index);
   EXPECT_EQ(now.verified->verification.verdict, Verdict::adequate)
       << (now.verified->verification.reasons.empty() ? "" : now.verified->verification.reasons.front());
+}
+
+TEST(LiveModel, TellsWhatAnyMotionHoldsAgainstADwellWhileItIsOnAndAfterItsEnd) {
+  LiveRig live(clamped_chain(), 0.005, 1e-5);
+  live.gain_of_y1 = 1.1;
+  live.silent_from_s = 20.0;
+  const auto objection = [&] {
+    const VerifiedModel* const known = verdict_on(live.latest().models.get(), 1);
+    return known != nullptr ? known->model.objection : std::string();
+  };
+  live.run(19.0);
+  ASSERT_EQ(live.latest().dwell.state, State::measuring) << live.latest().dwell.settling_reason;
+  EXPECT_TRUE(objection().starts_with("any motion: the chain of the rig file does not explain")) << objection();
+  live.run(30.0);
+  EXPECT_NE(live.latest().dwell.index, 1);
+  EXPECT_TRUE(objection().starts_with("any motion: the chain of the rig file does not explain")) << objection();
+}
+
+TEST(LiveModel, HoldsNothingAgainstADwellThatIsRight) {
+  LiveRig live(clamped_chain(), 0.005, 1e-5);
+  live.silent_from_s = 20.0;
+  live.run(30.0);
+  const VerifiedModel* const known = verdict_on(live.latest().models.get(), 1);
+  ASSERT_TRUE(known);
+  EXPECT_EQ(known->model.objection, "");
 }
 
 // What is recorded of an estimate names its stretch of the stream. From that alone it is computed again, bit by bit.

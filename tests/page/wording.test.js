@@ -84,6 +84,8 @@ test('the model is told with figures, and colours only where it is not good', ()
   assert.match(of({ ...model, seen: 0, U: 0.015 }).text, /off by 0\.0 ± 1\.5 %/);
   assert.equal(of({ ...model, verdict: 'not adequate' }).tone, 'care');
   assert.equal(of({ ...model, consistent: false }).tone, 'care');
+  assert.deepEqual(of({ ...model, objection: 'any motion: the chain does not explain y1' }).tone, 'care');
+  assert.match(of({ ...model, objection: 'any motion: the chain does not explain y1' }).text, /; any motion: the chain does not explain y1$/);
   assert.equal(modelOf(dwellOf()), null);
   assert.equal(modelOf(null), null);
 });

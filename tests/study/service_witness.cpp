@@ -1,6 +1,7 @@
 #include "tests/study/service_witness.hpp"
 
 #include "core/dwell/pipeline.hpp"
+#include "core/dwell/readings_at_fault.hpp"
 #include "core/motion/dwell_agreement.hpp"
 #include "core/motion/transient_watch.hpp"
 #include "core/verify/verification_watch.hpp"
@@ -19,47 +20,46 @@ class Service {
   void take(const Record& record, double now_s) {
     const bool completed = (pipeline_.push(record) & kCompleted) != 0;
     transient_.take(record, record.t_ns);
-    if (completed) {
-      compare(pipeline_.completed());
-      verification_.ended(pipeline_.completed());
-      verify();
-    }
+    if (completed) ended();
     if (now_s < next_s_) return;
     next_s_ = now_s + rig_.update_s;
     verification_.take(pipeline_.readings(), 0);
     const Dwell now = pipeline_.current();
-    transient_.follow(now);
+    transient_.follow(now, readings_at_fault(rig_, pipeline_, now));
     verification_.follow(now);
-    if (transient_.due()) {
-      TransientJob job = transient_.hand_over();
-      job.run(rig_);
-      transient_.take_back(std::move(job));
-    }
+    estimate();
     verify();
   }
   std::vector<std::string> end() {
-    if (pipeline_.finish() & kCompleted) {
-      compare(pipeline_.completed());
-      verification_.ended(pipeline_.completed());
-      verify();
-    }
+    if (pipeline_.finish() & kCompleted) ended();
     if (const auto& of = verification_.newest()) tell(of->verification);
     return std::move(lines_);
   }
 
  private:
+  void ended() {
+    transient_.ended(pipeline_.completed());
+    verification_.ended(pipeline_.completed());
+    estimate();
+    verify();
+  }
   void verify() {
     if (!verification_.due()) return;
     VerificationJob job = verification_.hand_over();
     job.run(rig_, kAccuracy);
     verification_.take_back(std::move(job));
   }
-  void compare(const Dwell& dwell) {
-    if (!transient_.newest()) return;
-    const MotionEstimate& motion = transient_.newest()->estimate;
-    if (motion.contradicted) lines_.push_back("transient: no coefficients: " + motion.reason);
+  void estimate() {
+    if (!transient_.due()) return;
+    TransientJob job = transient_.hand_over();
+    job.run(rig_);
+    if (job.of) compare(*job.of, job.result.estimate);
+    transient_.take_back(std::move(job));
+  }
+  void compare(const Dwell& dwell, const MotionEstimate& motion) {
+    if (const auto objection = objection_to(dwell, motion)) lines_.push_back(objection->what);
     if (const auto with = agreement_of(motion, dwell); with && with->contradicts)
-      lines_.push_back(text("transient: contradicts: %s of element %d by %.2g of the joint U", to_string(with->kind),
+      lines_.push_back(text("any motion: contradicts: %s of element %d by %.2g of the joint U", to_string(with->kind),
                             with->element, with->over_U));
   }
   void tell(const Verification& of) {
