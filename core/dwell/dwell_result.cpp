@@ -62,7 +62,7 @@ std::string Pipeline::Impl::unseen_reason() const {
 
 std::string Pipeline::Impl::barred_reason() const {
   if (std::string reason = unseen_reason(); !reason.empty()) return reason;
-  if (window.too_few() && !states.measuring())
+  if (windows.length().too_few() && !states.measuring())
     return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(harmonics()) + " harmonics: at least " + std::to_string(2 * (harmonics() + 1)) +
            " are needed" +
@@ -155,11 +155,10 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now, HarmonicFits& fit
     result.withheld = "stuck at one reading";
   else if (up_to_now && !delivers(c))
     result.withheld = channel.silent_reason();
-  if (states.measuring() && transient[static_cast<std::size_t>(c)] > 0 &&
-      std::isfinite(provisional_chain.time_constant_s())) {
+  if (states.measuring() && windows.left_at_verdict(c) > 0 && std::isfinite(provisional_chain.time_constant_s())) {
     // Over the D that count, a decay with T has the mean T/D (1 - exp(-D/T)) of its beginning. Taken as rectangular.
     const double D = std::max(to_s(now_ns - at.settled_ns), 1e-9);
-    const double u = transient[static_cast<std::size_t>(c)] * provisional_chain.time_constant_s() / D *
+    const double u = windows.left_at_verdict(c) * provisional_chain.time_constant_s() / D *
                      -std::expm1(-D / provisional_chain.time_constant_s()) / std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
@@ -215,7 +214,7 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   int quarters_left = 0;
   for (int i = 0; i < to; ++i) quarters_left += blocks().block(i).quarters;
   const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
-  const int from = settled ? 0 : std::max(0, to - kQuarters * window.periods());
+  const int from = settled ? 0 : std::max(0, to - kQuarters * windows.length().periods());
   const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
   // ω in the middle of the data.
   const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);

@@ -165,7 +165,8 @@ State Pipeline::state() const noexcept { return impl_->states.state(); }
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
   if (p.at.origin_ns == INT64_MIN) return {kNaN, kNaN};
-  const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window.periods());
+  const int from =
+      p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.windows.length().periods());
   const HarmonicFit fit = p.data.fit_now(channel, from, p.states.measuring(), p.now_ns);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;
