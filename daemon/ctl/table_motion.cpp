@@ -45,7 +45,7 @@ class TableReadings {
       if (record.kind != Kind::sample || record.channel != index_) return;
       const double value = channel_.scale * record.value + channel_.offset;
       const bool beyond =
-          (channel_.range_low && value < *channel_.range_low) || (channel_.range_high && value > *channel_.range_high);
+          (channel_.range.low && value < *channel_.range.low) || (channel_.range.high && value > *channel_.range.high);
       if (!std::isfinite(value) || beyond) return;
       if (number >= first && number < last) take(1e-9 * static_cast<double>(record.t_ns), channel_.si_per_unit * value);
       ++number;

@@ -25,8 +25,8 @@ Traces::Traces(const Rig& rig)
   traces_.reserve(rig.channels.size());
   for (const Channel& channel : rig.channels)
     traces_.push_back({channel.scale, channel.offset,
-                       channel.range_low.value_or(-std::numeric_limits<double>::infinity()),
-                       channel.range_high.value_or(std::numeric_limits<double>::infinity()), false,
+                       channel.range.low.value_or(-std::numeric_limits<double>::infinity()),
+                       channel.range.high.value_or(std::numeric_limits<double>::infinity()), false,
                        TraceReadings(readings_each(rig.channels.size()))});
 }
 

@@ -193,7 +193,7 @@ TEST(Readings, TransducersThatContradictEachOtherAreSaidTo) {
 TEST(Readings, HostileRecordsAreAllCounted) {
   const Chain chain = free_chain();
   Rig rig = rig_of(chain, 3);
-  rig.channels[1].range_high = 1.0;
+  rig.channels[1].range.high = 1.0;
   Pipeline pipeline(rig);
   std::mt19937_64 rng(2);
   std::uint64_t sent = 0;
