@@ -226,10 +226,11 @@ void warn_of_harmonic(const Rig& rig, const SeenMode& mode, int harmonic, Dwell&
   std::size_t count = 0, able = 0;
   const std::string names = shown_by(rig, mode, count, able);
   if (count == 0) return;
-  dwell.warnings.push_back("harmonic " + std::to_string(harmonic) + " of the drive, at " +
-                           brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " + names +
-                           " and is not fitted: set excitation.harmonics to " +
-                           std::to_string(std::min(harmonic, kMaxHarmonics)));
+  dwell.warnings.push_back({WarningKind::drive_harmonic, "harmonic " + std::to_string(harmonic) + " of the drive, at " +
+                                                             brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " +
+                                                             names +
+                                                             " and is not fitted: set excitation.harmonics to " +
+                                                             std::to_string(std::min(harmonic, kMaxHarmonics))});
 }
 
 // Adds a doubt for an oscillation that the identified chain does not have. Two channels must show it plainly, or the

@@ -56,8 +56,10 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   }
   if (refused.empty()) return;
   if (!surely) {
-    doubts.push_back({refused, first_of(found, "coefficients") + ": by chance this happens in one of 40 dwells "
-                                                                 "where an element has next to none; measure longer"});
+    doubts.push_back({refused,
+                      first_of(found, "coefficients") + ": by chance this happens in one of 40 dwells "
+                                                        "where an element has next to none; measure longer",
+                      true});
     return;
   }
   std::vector<std::string> names;

@@ -193,8 +193,9 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
           names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
-      dwell.warnings.push_back("hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
-                               std::to_string(h) + " in " + names + ": choose another frequency or sampling rate");
+      dwell.warnings.push_back(
+          {WarningKind::hum, "hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                                 std::to_string(h) + " in " + names + ": choose another frequency or sampling rate"});
     }
 }
 
@@ -255,7 +256,7 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
       axis_s(with_open || to == 0 ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns));
   for (int c = 0; c < live.count(); ++c) {
     const auto warn = [&](const std::string& of) {
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + of);
+      dwell.warnings.push_back({WarningKind::readings, rig.channels[static_cast<std::size_t>(c)].name + ": " + of});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
     if (!(results[static_cast<std::size_t>(c)].quantization_u > 0)) continue;  // noise smooths the steps of rounding
@@ -265,12 +266,12 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
     if (states.measuring()) {
       dwell.settling_reason =
           "too few data: the newest may have been taken while the drive changed; hold the drive longer";
-      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+      dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
     } else if (active) {
       if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
           verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns))
         dwell.settles_in_s = verdict.settles_in_s;
-      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+      dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
     }
     return DwellDraft(std::move(dwell));
   }
@@ -279,15 +280,17 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
   dwell.settles_in_s = 0.0;
   if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && !modes.removal().active())
-    dwell.warnings.push_back(
-        "the chain identified while settling has oscillations that grow: the windows alone judged the transient; check "
-        "signs, instants and masses");
-  if (std::string missed = reference.missed(); !missed.empty()) dwell.warnings.push_back(std::move(missed));
+    dwell.warnings.push_back({WarningKind::growing_chain,
+                              "the chain identified while settling has oscillations that grow: the windows alone "
+                              "judged the transient; check "
+                              "signs, instants and masses"});
+  if (std::string missed = reference.missed(); !missed.empty())
+    dwell.warnings.push_back({WarningKind::sync_pulses, std::move(missed)});
   const std::string reason = reference.unfit_reason(refined, results[static_cast<std::size_t>(drive_channel())].fit, w,
                                                     u, refresh_u_omega(seconds));
   if (!reason.empty()) {
     dwell.settling_reason = reason;
-    dwell.warnings.push_back("no coefficients: " + reason);
+    dwell.warnings.push_back({WarningKind::no_coefficients, "no coefficients: " + reason});
     return DwellDraft(std::move(dwell));
   }
   warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);

@@ -110,16 +110,18 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
     const Wander wander = wander_of(results[c]);
     if (std::max(wander.amplitude, wander.phase_rad) > kTold * rig.tolerance)
-      dwell.warnings.push_back(rig.channels[c].name + " is not steady: its ratio to the table varies by " +
-                               brief(std::sqrt(scatter.ratio), 2) +
-                               " times its noise; check the transducer and its mount");
+      dwell.warnings.push_back({WarningKind::unsteady, rig.channels[c].name +
+                                                           " is not steady: its ratio to the table varies by " +
+                                                           brief(std::sqrt(scatter.ratio), 2) +
+                                                           " times its noise; check the transducer and its mount"});
   }
   const Wander drive_wanders = wander_of(results[table]);
   if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&
       std::max(drive_wanders.amplitude, drive_wanders.phase_rad) > kTold * rig.tolerance) {
-    dwell.warnings.push_back("the drive is not steady: within the dwell its amplitude varies by " +
-                             percent(drive_wanders.amplitude) + " and its phase by " +
-                             brief(drive_wanders.phase_rad, 2) + " rad (rms); c and r are those of the mean");
+    dwell.warnings.push_back(
+        {WarningKind::unsteady, "the drive is not steady: within the dwell its amplitude varies by " +
+                                    percent(drive_wanders.amplitude) + " and its phase by " +
+                                    brief(drive_wanders.phase_rad, 2) + " rad (rms); c and r are those of the mean"});
     return;
   }
   const Complex rate = results[table].slope.value / results[table].fit.X[0];
@@ -136,9 +138,10 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
     const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel(), data.totals().t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * variance_since_fitted(results[table].fit))
-      dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
-                               percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
-                               " rad; the uncertainties allow for it (\"drive's change while settling\")");
+      dwell.warnings.push_back(
+          {WarningKind::unsteady, "the drive is not steady: while the rig settled its amplitude changed by " +
+                                      percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
+                                      " rad; the uncertainties allow for it (\"drive's change while settling\")"});
     return;
   }
   const std::string seen = "the drive is not steady: its amplitude changes by " + percent(rate.real()) +
@@ -146,7 +149,8 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   if (rig.mass_count() > 0 && results[table].scatter.dof == 0 && changed > kDoubted * rig.tolerance)
     dwell.doubts.push_back({{}, seen + ", in data of " + brief(seconds, 2) + " s; wait until it is steady"});
   else
-    dwell.warnings.push_back(seen + "; the uncertainties allow for it (\"change within the dwell\")");
+    dwell.warnings.push_back(
+        {WarningKind::unsteady, seen + "; the uncertainties allow for it (\"change within the dwell\")"});
 }
 
 // Factor by which wandering phases widen the standard uncertainty of the frequency, over that by white residuals.

@@ -15,7 +15,7 @@ ElementEstimate element_with(double c, double u) {
   element.identifiable = true;
   element.stiffness = {c, u, 100.0, 2 * u, true};
   element.damping = {10.0, 0.1, 100.0, 0.2, true};
-  element.budget = {{"noise of y1", 0.5, 0.5}, {"scale of y1", 0.5, 0.5}};
+  element.budget = {{"noise of y1", 0.5, 0.5, SourceKind::noise, "y1"}, {"scale of y1", 0.5, 0.5}};
   return element;
 }
 

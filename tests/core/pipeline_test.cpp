@@ -43,7 +43,7 @@ TEST(Pipeline, WarnsOfHumThatNothingCanTellFromAHarmonic) {
     ASSERT_EQ(bench.dwells.size(), 1u);
     const auto& warnings = bench.dwells[0].warnings;
     EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
-                          [](const std::string& w) { return w.find("hum of 50 Hz") != std::string::npos; }),
+                          [](const Warning& w) { return w.what.find("hum of 50 Hz") != std::string::npos; }),
               f == 10.0);
   }
 }
@@ -194,7 +194,7 @@ TEST(Pipeline, AnElementThatChangesWithinTheDwellIsNotReportedAsIfItHadNot) {
   bench.run(40);
   const Dwell dwell = bench.pipeline.current();
   EXPECT_TRUE(std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
-                          [](const std::string& w) { return w.find("y2 is not steady") == 0; }));
+                          [](const Warning& w) { return w.what.find("y2 is not steady") == 0; }));
   // Twelve stretches, half of them off by d/2 either way: their spread is d/2, as the error is.
   EXPECT_LT(std::abs(dwell.elements[2].stiffness.value - chain.stiffness[2]), 2 * dwell.elements[2].stiffness.u);
 }
@@ -464,7 +464,7 @@ class FrictionDamper {
 
 bool says_far_from_linear(const Dwell& dwell) {
   return std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
-                     [](const std::string& w) { return w.find("far from linear") != std::string::npos; });
+                     [](const Warning& w) { return w.what.find("far from linear") != std::string::npos; });
 }
 
 TEST(Pipeline, FindsTheHoldOfAFrictionDamperAndNothingOfItsRamps) {
