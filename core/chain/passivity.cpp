@@ -8,16 +8,14 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kNamed = 4;  // most coefficients or channels named in one message
-
 bool negative(const Coefficient& coefficient) { return coefficient.value < -coefficient.U95; }
 // Below by 3.9 standard uncertainties: a coefficient of zero comes out so once in 20 000 times.
 bool beyond_chance(const Coefficient& coefficient) { return coefficient.value < -2 * coefficient.U95; }
 
 std::string first_of(std::vector<std::string> names, const char* what) {
-  if (names.size() > kNamed) {
-    const std::string more = std::to_string(names.size() - kNamed) + " more " + what;
-    names.resize(kNamed);
+  if (names.size() > kMostNamed) {
+    const std::string more = std::to_string(names.size() - kMostNamed) + " more " + what;
+    names.resize(kMostNamed);
     names.push_back(more);
   }
   return listed(names);

@@ -5,6 +5,8 @@
 #include <array>
 #include <complex>
 
+#include "core/fit/blocks.hpp"
+
 namespace dwell {
 
 class DriveMonitor {
@@ -31,16 +33,14 @@ class DriveMonitor {
   [[nodiscard]] int windows_since_good() const noexcept { return since_good_; }
 
  private:
-  static constexpr int kLag = 4;          // windows in a period
   static constexpr long kReference = 64;  // windows of a hold in the mean that is its reference
-  static constexpr double kSure = 4.0;    // standard deviations that noise explains
   struct Window {
     double centre_s;
     std::complex<double> Y;
     double u;
   };
   double tolerance_;
-  std::array<Window, kLag> last_{};
+  std::array<Window, kQuarters> last_{};
   long seen_ = 0;         // windows since restart
   long frequencies_ = 0;  // windows that gave a frequency
   double amplitude_ = 0.0, omega_ = 0.0;

@@ -11,6 +11,8 @@ namespace dwell {
 
 // An iteration on ω ends once its step is below this part of ω's standard uncertainty.
 inline constexpr double kNegligibleStep = 1e-2;
+// Steps of an iteration on ω, at most. From half a cell away five suffice: each squares the error.
+inline constexpr int kMostSteps = 10;
 
 struct Refined {
   double omega = 0.0;      // rad/s

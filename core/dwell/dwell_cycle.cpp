@@ -1,11 +1,6 @@
 #include "core/dwell/pipeline_impl.hpp"
 
 namespace dwell {
-namespace {
-
-constexpr int kIdleBlocks = 64;  // kept while no dwell is on
-
-}  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (blocks().serials() % kQuarters == 0) live.next_period();
@@ -199,7 +194,7 @@ void Pipeline::Impl::rearm() {
 }
 
 void Pipeline::Impl::refresh_reference() {
-  if (blocks().count() < kIdleBlocks) return;
+  if (blocks().count() < Blocks::kFine) return;
   data.clear();
   for (int c = 0; c < live.count(); ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }

@@ -4,11 +4,6 @@
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
-namespace {
-
-constexpr std::int64_t kEmptyBlocks = 64;  // without a record: a longer gap is skipped, not stepped through
-
-}  // namespace
 
 std::uint8_t Pipeline::Impl::push(const Record& record) {
   changes = kNothing;
@@ -100,7 +95,7 @@ void Pipeline::Impl::advance() {
   }
   if (now_ns < blocks().open_end_ns()) return;
   const auto quarter_ns = to_ns(period_s() / kQuarters);
-  if (now_ns - blocks().open_end_ns() > kEmptyBlocks * quarter_ns) {
+  if (now_ns - blocks().open_end_ns() > Blocks::kFine * quarter_ns) {
     data.close();
     lose_data();
     data.clear();

@@ -6,6 +6,8 @@ namespace dwell {
 // Of one channel. One thread; real-time safe.
 class AnswerLateness {
  public:
+  static constexpr double kHeldUp = 1.5;  // times the usual half width
+
   // The next answer. first: the median has not been learnt yet. The first answer may be a late one, so the median moves
   // five times as fast at first.
   void see(double half_ns, bool first) noexcept {
@@ -22,7 +24,6 @@ class AnswerLateness {
 
  private:
   static constexpr double kLearn = 0.02;  // relative step of the median
-  static constexpr double kHeldUp = 1.5;  // medians
   static constexpr double kByFar = 5.0;   // medians; exponentially distributed delays exceed it in 3 % (2⁻⁵)
   static constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
   static constexpr double kRare = 0.1;               // of the answers

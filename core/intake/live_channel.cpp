@@ -6,12 +6,10 @@
 
 #include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
+#include "core/intake/answer_lateness.hpp"
 
 namespace dwell {
 namespace {
-
-constexpr double kLost_s = 1.0;  // without a sample, and at least kLostPeriods: the channel no longer delivers
-constexpr double kHeldUp = 1.5;  // times the mean half width: a reading beyond was held up
 
 // Part of a phasor's standard uncertainty that clipping or repeats may cost without being reported.
 constexpr double kBiasMatters = 0.3;
@@ -24,7 +22,7 @@ constexpr double kMostLeftOut = 0.15;
 }  // namespace
 
 double LiveChannel::extra_u_s(const Reading& reading) const noexcept {
-  return 1e-9 * std::max(0.0, reading.half_ns - kHeldUp * half_ns_sum_ / half_count_);
+  return 1e-9 * std::max(0.0, reading.half_ns - AnswerLateness::kHeldUp * half_ns_sum_ / half_count_);
 }
 
 void LiveChannel::begin_hold() noexcept {
@@ -36,7 +34,7 @@ void LiveChannel::begin_hold() noexcept {
 
 bool LiveChannel::delivers(std::int64_t now_ns, double period_s) const noexcept {
   return now_.fault == Fault::none && last_ns_ != INT64_MIN &&
-         to_s(now_ns - last_ns_) <= std::max(kLost_s, kLostPeriods * period_s);
+         to_s(now_ns - last_ns_) <= std::max(kSilent_s, kLostPeriods * period_s);
 }
 
 bool LiveChannel::unfit(double period_s, double tolerance) const noexcept {

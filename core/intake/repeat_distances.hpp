@@ -25,6 +25,8 @@ class RepeatDistances {
  public:
   static constexpr double kSure = 7.0;        // -ln of 1/1000
   static constexpr double kIrregular = -2.3;  // ln of the part of P_A that is P_B
+  static constexpr double kRegular = 0.12;  // relative deviation of a distance; random repeats keep to it once in eight
+  static constexpr double kBunch = 0.3;     // part of the mean distance within which repeats are one: instants jitter
 
   // Counts further readings.
   void pass(std::size_t readings) noexcept {
@@ -46,10 +48,9 @@ class RepeatDistances {
   [[nodiscard]] bool irregular() const noexcept { return irregular_; }
 
  private:
-  static constexpr double kMost = 16.0;                   // bounds the proof: ten repeats show another pattern
-  static constexpr double kBunch = 0.3, kBunched = 10.0;  // of the mean distance; least mean distance for that
-  static constexpr double kRegular = 0.12;                // relative deviation of a distance, as RepeatBeat's
-  static constexpr int kLearned = 16;                     // distances that make up the mean
+  static constexpr double kMost = 16.0;     // bounds the proof: ten repeats show another pattern
+  static constexpr double kBunched = 10.0;  // least mean distance for kBunch
+  static constexpr int kLearned = 16;       // distances that make up the mean
   // While the mean has fewer than kSettled distances: a distance above kBunchOfFirst means shows that they lie in one
   // bunch.
   static constexpr int kSettled = 3;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMains = 8, kLines = 400;  // lines searched: of hum at 50 and 60 Hz; of the grid, at most
 // Searched: so many periods from the begin of the fit, up to this multiple of the drive's ω.
-constexpr double kSearchPeriods = 10.0, kSearchHarmonics = 12.0;
+constexpr double kSearchPeriods = 10.0;
 constexpr double kSureOfLine = 9.0;  // noise alone exceeds it by exp(-9): once in 8000 searches
 constexpr double kFewest = 16.0;     // readings of a channel, at least
 // The power of a mains line counts this many times that of a line of the grid.
@@ -103,7 +103,7 @@ double ForeignLines::strongest_line(double stretch_s, const HoldNow& now) noexce
     if (!fit.usable(c)) continue;
     const double rate = fit.samples(c) / seen_s;
     const auto lines = static_cast<std::size_t>(
-        std::clamp(std::min(std::numbers::pi * 0.9 * rate, kSearchHarmonics * now.omega) / grid, 0.0,
+        std::clamp(std::min(std::numbers::pi * 0.9 * rate, kHighestSearched * now.omega) / grid, 0.0,
                    static_cast<double>(spectrum_.size() - kMains)));
     std::fill(spectrum_.begin(), spectrum_.end(), Complex{});
     double squares = 0.0, count = 0.0;

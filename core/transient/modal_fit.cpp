@@ -107,9 +107,8 @@ void ModalFit::propagate_poles(bool omega_known) noexcept {
     at(c).errors.known = true;
   }
   const double seen_s = std::max(1e-9, 1e-9 * static_cast<double>(newest_ns_ - t0_ns()));
-  constexpr double kOpen = ModalMotion::kOpen, kGiven = ModalMotion::kGiven;
-  const double of_omega =
-      omega() * omega() * stated_.information() + (omega_known ? 1 / (kGiven * kGiven) : 1 / (kOpen * kOpen));
+  const double width = omega_known ? ModalMotion::kGiven : ModalMotion::kOpen;
+  const double of_omega = omega() * omega() * stated_.information() + 1 / (width * width);
   const bool solved = errors_.solve(layout(), motion, seen_s, of_omega);
   for (PerChannel& channel : channels_) {
     channel.errors.known = channel.errors.known && solved;

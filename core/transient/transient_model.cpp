@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/complex.hpp"
+#include "core/result/dwell.hpp"
 
 namespace dwell {
 namespace {
@@ -21,8 +21,6 @@ constexpr double kAfterKnock = 2.5;  // periods from an alarm to the refit
 // After a knock that is not explained the hold is fitted again after this part of the time since, at least a period.
 constexpr double kLookAgain = 0.25;
 constexpr double kShortest = 2.0;  // periods before anything is said, kUnsure aside
-
-constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 int most_modes(const Rig& rig) { return std::min(2 * rig.mass_count() + 2, ModalFit::kMaxModes); }
 
@@ -114,10 +112,10 @@ TransientModel::Judgement TransientModel::judge(double left_before, std::int64_t
   const bool believes = schedule_.believes({verdict.worst_left, left_before, left_.rounded(now)}, now.period_s(),
                                            knocks_.free_since_ns(), now.now_ns);
   const bool waits = !believes || !fit_.determined() || knocks_.alarmed_since(*schedule_.made_ns());
-  verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNotKnown
+  verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
                          : verdict.worst_left > 1 ? std::log(verdict.worst_left) / fit_.slowest_rate()
                          : !believes              ? to_s(*schedule_.confirm_ns() - now.now_ns)
-                                                  : kNotKnown;
+                                                  : kNaN;
   if (!waits) judged.counts_from_ns = left_.counts_from(end_ns, now);
   return judged;
 }
