@@ -155,10 +155,10 @@ double CountedData::seen_drift(int first, double omega, std::int64_t about_ns) c
   if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
   // Fits a parabola to the table's phase, relative to the dwell's, in stretches of equal length. One noise is taken for
   // all stretches: that of a stretch of few readings is itself uncertain.
-  struct Stretch {
+  struct DrivePhase {
     double u, phase, information;  // information: for noise of unit variance
   };
-  std::array<Stretch, 2 * kStretches> stretches;
+  std::array<DrivePhase, 2 * kStretches> stretches;
   std::size_t count = 0;
   double before = 0.0, squares = 0.0, freedom = 0.0;
   for (int from = first, to = first; from < blocks_.count() && count < stretches.size(); from = to) {

@@ -46,7 +46,7 @@ struct TracesTest : testing::Test {
 
   Rig rig = two_channels();
   Traces traces{rig};
-  Traces::Stretch stretch;
+  Traces::BinRange stretch;
 };
 
 TEST_F(TracesTest, ABinHoldsTheLeastAndTheGreatestReadingInTheChannelsUnit) {
