@@ -5,8 +5,8 @@
 #include <map>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/rounding.hpp"
-#include "core/base/sigmas.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/chain/chain_state.hpp"

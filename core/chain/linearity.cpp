@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/angle.hpp"
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/chain/chain_state.hpp"

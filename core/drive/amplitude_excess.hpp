@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 #include "core/fit/blocks.hpp"
 
 namespace dwell {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/base/angle.hpp"
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 
 namespace dwell {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
-#include "core/base/sigmas.hpp"
 #include "core/drive/frequency_search.hpp"
 #include "core/fit/blocks.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
-#include "core/base/sigmas.hpp"
 #include "core/drive/refine.hpp"
 #include "core/result/dwell.hpp"
 

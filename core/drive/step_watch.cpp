@@ -4,9 +4,10 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 #include "core/fit/blocks.hpp"
 #include "core/fit/moments.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell {
 namespace {
@@ -14,9 +15,6 @@ namespace {
 constexpr double kSureOfStep =
     5.6;  // standard deviations: chance 1 in 5e7 a test, some tests a second (study: docs/method.md, 5)
 constexpr double kBeyond = 1.5;  // tolerances that a step must exceed too
-// The drive is in doubt if its amplitude or its frequency deviates by more than sigmas::kNoise standard deviations plus
-// kUnsureBy tolerances.
-constexpr double kUnsureBy = 0.1;
 // A residual is clipped, so that one disturbed reading does not look like a step. Over the shortest stretch a step by
 // one tolerance adds up to a certain sum of residuals; a single reading counts at most kClipPart of that sum. The clip
 // is never below sigmas::kShown standard deviations of a reading.
@@ -117,8 +115,8 @@ inline double StepWatch::weigh(const Change& change, bool far_back) noexcept {
     return 0.0;
   const double u_alpha = std::sqrt(change.u2_alpha), u_drift = std::sqrt(change.u2_drift);
   const double tolerated = excess_.tolerated(), by_phase = tolerated / change.since_s;
-  doubt_.see(alpha > sigmas::kNoise * u_alpha + kUnsureBy * tolerance_ + tolerated,
-             drift > sigmas::kNoise * u_drift + kUnsureBy * tolerance_ * now_.omega + by_phase, far_back);
+  doubt_.see(alpha > sigmas::kNoise * u_alpha + kToleranceShare * tolerance_ + tolerated,
+             drift > sigmas::kNoise * u_drift + kToleranceShare * tolerance_ * now_.omega + by_phase, far_back);
   const double by_amplitude =
       alpha / (std::max((kBeyond + beats_) * tolerance_, kSureOfStep * u_alpha) + tolerated + change.extra_u2);
   const double by_drift = drift / (std::max(kBeyond * tolerance_ * now_.omega, kSureOfStep * u_drift) + by_phase);
@@ -170,8 +168,8 @@ int StepWatch::changed() const noexcept {
   }
   // A ramp is dated a little late: quarters before that deviate by themselves belong to it.
   const auto alone = [&](double r, double p) {
-    return p > 0 &&
-           std::abs(r / p) > sigmas::kNoise * now_.sigma / std::sqrt(p) + kUnsureBy * tolerance_ + excess_.tolerated();
+    return p > 0 && std::abs(r / p) >
+                        sigmas::kNoise * now_.sigma / std::sqrt(p) + kToleranceShare * tolerance_ + excess_.tolerated();
   };
   for (int more = 0; more < kQuarters && changed < most; ++more, ++changed) {
     const ResidualBlock& before = blocks_.back(changed);

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
-#include "core/base/sigmas.hpp"
 #include "core/drive/refine.hpp"
 #include "core/fit/scatter.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/wording.hpp"
 
 namespace dwell {

@@ -14,7 +14,7 @@
 #include <limits>
 
 #include "core/base/angle.hpp"
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {

@@ -13,8 +13,6 @@ namespace {
 
 // Part of a phasor's standard uncertainty that clipping or repeats may cost without being reported.
 constexpr double kBiasMatters = 0.3;
-// The same while settling, where no uncertainty is known: part of the tolerance, relative to the amplitude.
-constexpr double kBiasShows = 0.1;
 // Part of the readings that may be left out. With more, enough bad readings also pass the gate: of 30 % zeros and 1 %
 // noise an error of 30 u passed, of 10 % zeros none.
 constexpr double kMostLeftOut = 0.15;
@@ -38,7 +36,7 @@ bool LiveChannel::delivers(std::int64_t now_ns, double period_s) const noexcept 
 }
 
 bool LiveChannel::unfit(double period_s, double tolerance) const noexcept {
-  return stuck(period_s) || std::max(intake_.clipping_bias(), intake_.repeat_bias()) > kBiasShows * tolerance ||
+  return stuck(period_s) || std::max(intake_.clipping_bias(), intake_.repeat_bias()) > kToleranceShare * tolerance ||
          intake_.clustered() || intake_.left_out() > kMostLeftOut;
 }
 
@@ -91,7 +89,7 @@ std::vector<std::string> LiveChannel::warnings(double tolerance) const {
   if (intake_.late() > kMostLeftOut)
     out.push_back(percent(intake_.late()) +
                   " of its readings do not count: they were answered too late; the computer or the gateway is busy");
-  if (intake_.clipping_bias() > kBiasShows * tolerance)
+  if (intake_.clipping_bias() > kToleranceShare * tolerance)
     out.push_back(intake_.clipped_reason() + "; choose a larger range, or a smaller amplitude, then re-arm");
   return out;
 }

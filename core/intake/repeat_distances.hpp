@@ -9,8 +9,8 @@
 //   P_B = q (1 + q (g - g₀) / n)^-(n + 1),   q = 1 / (M - g₀ + 1)
 //
 // M: the mean of the n distances before; g₀: the smallest distance that counts. P_B is the geometric distribution whose
-// mean is known from n distances. By Wald's inequality random repeats reach a proof of 7 with a probability of at most
-// 1/1000.
+// mean is known from n distances. By Wald's inequality random repeats reach a proof of 6.9 with a probability of at
+// most 1/1000.
 #pragma once
 
 #include <algorithm>
@@ -18,12 +18,13 @@
 #include <cstddef>
 #include <optional>
 
+#include "core/base/chance.hpp"
+
 namespace dwell {
 
 // Of one channel. Bound to one thread; real-time safe. O(1) per call.
 class RepeatDistances {
  public:
-  static constexpr double kSure = 7.0;        // -ln of 1/1000
   static constexpr double kIrregular = -2.3;  // ln of the part of P_A that is P_B
   static constexpr double kRegular = 0.12;  // relative deviation of a distance; random repeats keep to it once in eight
   static constexpr double kBunch = 0.3;     // part of the mean distance within which repeats are one: instants jitter
@@ -44,7 +45,7 @@ class RepeatDistances {
 
   // Logarithm of the odds; above 0: a register.
   [[nodiscard]] double proof() const noexcept { return proof_; }
-  // The proof has fallen below -kSure, and not risen to 0 since.
+  // The proof has fallen below -ln 1000, and not risen to 0 since.
   [[nodiscard]] bool irregular() const noexcept { return irregular_; }
 
  private:
@@ -58,7 +59,7 @@ class RepeatDistances {
 
   void prove(double by) noexcept {
     proof_ = std::clamp(proof_ + by, -kMost, kMost);
-    if (proof_ <= -kSure) irregular_ = true;
+    if (proof_ <= -nats::kOneIn1000) irregular_ = true;
     if (proof_ >= 0.0) irregular_ = false;
   }
   void distance(double g, double least) noexcept {

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/chance.hpp"
 #include "core/intake/repeat_catch_up.hpp"
 #include "core/intake/repeat_distances.hpp"
 
@@ -28,9 +29,9 @@ class RepeatPattern {
     catch_up_.add(run, before, after, next, mean);
   }
 
-  // Whether the repeats come at a constant rate of refresh.
+  // Whether the repeats come at a constant rate of refresh. If the jumps speak against it, more proof is needed.
   [[nodiscard]] bool regular() const noexcept {
-    return distances_.proof() >= (catch_up_.shown() ? kSurely : RepeatDistances::kSure);
+    return distances_.proof() >= (catch_up_.shown() ? nats::kOneIn1e6 : nats::kOneIn1000);
   }
   // Whether they come at random.
   [[nodiscard]] bool random() const noexcept { return distances_.irregular() && catch_up_.shown(); }
@@ -42,7 +43,6 @@ class RepeatPattern {
   }
 
  private:
-  static constexpr double kSurely = 12.0;      // -ln of 6e-6: proof needed where the jumps speak against a register
   static constexpr std::int64_t kLongest = 3;  // run of a register that seldom repeats one
 
   RepeatDistances distances_;

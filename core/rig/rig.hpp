@@ -94,6 +94,10 @@ struct Excitation {
 
 inline constexpr int kMaxHarmonics = 8;
 
+// The part of Rig::tolerance below which a deviation is neither told nor counted against the drive. Halved, sound
+// dwells get warnings. Doubled, errors of a fifth of what is allowed go unsaid.
+inline constexpr double kToleranceShare = 0.1;
+
 // low < high, SI. One of them may be infinite: there is no bound on that side.
 struct Bounds {
   double low = 0.0;

@@ -4,6 +4,7 @@
 
 #include "core/base/complex.hpp"
 #include "core/transient/fit_limits.hpp"
+#include "core/transient/hold_now.hpp"
 
 namespace dwell {
 namespace {
@@ -12,8 +13,7 @@ namespace {
 // that does not explain the data skips kSkippedMore further, up to kSkippedMost.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
 constexpr int kRefinements = 2;  // refinement steps for poles believed so far and at each begin after a knock, at most
-constexpr double kPenalty = 50.0;    // added to the misfit for each pole beside the chain's
-constexpr double kFewPeriods = 2.0;  // periods of undisturbed motion that a fit after a knock needs at least
+constexpr double kPenalty = 50.0;  // added to the misfit for each pole beside the chain's
 
 bool any_near(std::span<const Complex> poles, Complex pole) {
   return std::any_of(poles.begin(), poles.end(),
@@ -146,7 +146,7 @@ bool HoldRefit::explain_since_knock(double omega, const HoldNow& now) {
 bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldNow& now) {
   auto& [chain, fit, noise, knocks, search, lines] = parts_;
   const std::int64_t was_from_ns = fit.from_ns();
-  const auto least_ns = to_ns(kFewPeriods * now.period_s());
+  const auto least_ns = to_ns(kFewestPeriods * now.period_s());
   known_.assign(search.poles().chain.begin(), search.poles().chain.end());
   for (const Complex& pole : chain.last())
     if (!any_near(known_, pole)) known_.push_back(pole);

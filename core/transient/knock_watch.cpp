@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 
 namespace dwell {
 

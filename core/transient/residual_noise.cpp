@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 
 namespace dwell {
 

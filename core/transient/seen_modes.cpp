@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/chance.hpp"
 #include "core/base/complex.hpp"
-#include "core/base/sigmas.hpp"
 
 namespace dwell {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
 // alone. At a tenth of this, brackets that ring beside a mode are taken for the chain. At ten times as much a sound
 // mode goes unused now and then, which the next fit mends.
 constexpr double kOneChannel = 1e-3;
-constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
+constexpr int kMostChanges = 2 * ModalMotion::kMaxModes + 1;  // of the poles and of ω
 
 }  // namespace
 
@@ -105,7 +105,7 @@ double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double
 void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const double> left_over) noexcept {
   const double seen_s = to_s(now.now_ns - fit.t0_ns());
   const auto refined = fit.moved_poles();
-  std::array<double, ModalFit::kMaxModes> u{}, extra{};
+  std::array<double, ModalMotion::kMaxModes> u{}, extra{};
   for (std::size_t m = 0; m < refined.size(); ++m) {
     const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
     extra[m] = extra_pole_variance(fit, m, scale, now, left_over);

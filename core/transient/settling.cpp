@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/sigmas.hpp"
+#include "core/base/chance.hpp"
 #include "core/fit/blocks.hpp"
 #include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
+#include "core/transient/hold_now.hpp"
 
 namespace dwell {
 namespace {
@@ -84,7 +86,7 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
   // The drive must agree more closely than the channels: a ramp of the drive is no transient that decays.
   const double u_table = std::hypot(then.table_u, now.table_u);
   if (std::abs(then.table_amplitude - now.table_amplitude) >
-      std::max(0.1 * tolerance_ * now.table_amplitude, sigmas::kNoise * u_table))
+      std::max(kToleranceShare * tolerance_ * now.table_amplitude, sigmas::kNoise * u_table))
     return false;
   for (int c = 0; c < channels_; ++c) {
     const Reading& a = reading(window, c);
@@ -159,7 +161,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
   const double agreed_s = agreeing < static_cast<int>(windows_.size())
                               ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s
                               : period_s;
-  const double wanted_s = kPeriods * period_s - agreed_s;
+  const double wanted_s = kFewestPeriods * period_s - agreed_s;
   if (verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s) {
     verdict.settled = true;
     verdict.settles_in_s = 0.0;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/base/chance.hpp"
 #include "core/base/complex.hpp"
 #include "core/base/instants.hpp"
-#include "core/base/sigmas.hpp"
 #include "core/transient/fit_limits.hpp"
 #include "core/transient/pole_search.hpp"
 
@@ -22,7 +22,7 @@ constexpr double kMostWork = 4e8;
 // was tried.
 constexpr double kEarlier = 0.6;
 // Periods: from the hold's beginning to the earliest begin; the first stretch of residuals that is compared.
-constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;
+constexpr double kFirst = 0.25;
 constexpr double kTrust = 0.1;  // damping of one step: width of a relative change of a pole
 // A further pole is searched in so many periods of the beginning, up to this multiple of the drive's ω. The lines are a
 // quarter of a cycle over that stretch apart. At most so many lines and samples are used.
@@ -52,7 +52,7 @@ double deviations(double chi2, double freedom, double samples) {
 
 WholeHold::WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated)
     : fit_(channels, harmonics, modes),
-      most_poles_(std::min(static_cast<std::size_t>(modes), std::size_t{ModalFit::kMaxModes})) {
+      most_poles_(std::min(static_cast<std::size_t>(modes), std::size_t{ModalMotion::kMaxModes})) {
   fit_.state_omega(stated);
   poles_.reserve(most_poles_);
   trial_.reserve(most_poles_);
@@ -68,7 +68,7 @@ void WholeHold::begin(const Given& given) noexcept {
 }
 
 bool WholeHold::earlier(const Given& given) noexcept {
-  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirstBegin * given.period_s);
+  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirst * given.period_s);
   if (from_ns_ <= first_ns) return false;
   from_ns_ = std::max(first_ns, given.begin_ns + whole_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
   omega_ += given.latest.rate() * to_s(from_ns_ - omega_at_ns_);
@@ -196,7 +196,7 @@ bool WholeHold::explains(const Given& given) noexcept {
   const std::int64_t until_ns = given.latest.t0_ns();
   for (PerChannel& channel : channels_) channel.squares = channel.count = 0.0;
   std::uint64_t i = given.history.first_at(from_ns_);
-  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
+  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirst * given.period_s));; length_ns *= 2) {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];

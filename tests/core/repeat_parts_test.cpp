@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/base/chance.hpp"
 #include "core/intake/answer_lateness.hpp"
 #include "core/intake/prediction_errors.hpp"
 #include "core/intake/repeat_catch_up.hpp"
@@ -52,7 +53,7 @@ TEST(RepeatDistances, EvenDistancesProveARegisterAndRandomOnesRefuteIt) {
     uneven.pass(static_cast<std::size_t>(2 + geometric(random)));
     uneven.repeat(false);
   }
-  EXPECT_GE(even.proof(), RepeatDistances::kSure);
+  EXPECT_GE(even.proof(), nats::kOneIn1000);
   EXPECT_FALSE(even.irregular());
   EXPECT_LT(uneven.proof(), 0.0);
   EXPECT_TRUE(uneven.irregular());
