@@ -28,18 +28,19 @@ Dwell on_recording_axis(Dwell dwell, double first_s) {
 }
 
 // Adds the channels that the dwell withholds because their readings are at fault, each once. Held channels are not
-// added: the estimate models them. to: may be null.
-void add_faults(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell, std::vector<std::string>* to) {
+// added: the estimate models them. added: whether to holds this channel already, by channel. to: may be null.
+void add_faults(const Rig& rig, const Pipeline& pipeline, const Dwell& dwell, std::vector<bool>& added,
+                std::vector<std::string>* to) {
   if (to == nullptr) return;
   for (std::size_t i = 0; i < std::min(rig.channels.size(), dwell.phasors.size()); ++i) {
     const auto c = static_cast<int>(i);
     const Condition condition = pipeline.channel(c).condition;
     const bool foreign = condition == Condition::clipped || condition == Condition::stuck ||
                          condition == Condition::gated || condition == Condition::overrange;
-    if (!foreign || dwell.phasors[i].valid || rig.channels[i].measures == Quantity::auxiliary) continue;
-    const std::string name = rig.channels[i].name + ": ", why = pipeline.condition_reason(c);
-    if (std::none_of(to->begin(), to->end(), [&](const std::string& fault) { return fault.starts_with(name); }))
-      to->push_back(name + (why.empty() ? to_string(condition) : why));
+    if (!foreign || added[i] || dwell.phasors[i].valid || rig.channels[i].measures == Quantity::auxiliary) continue;
+    const std::string why = pipeline.condition_reason(c);
+    to->push_back(rig.channels[i].name + ": " + (why.empty() ? to_string(condition) : why));
+    added[i] = true;
   }
 }
 
@@ -73,6 +74,7 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
                                                        std::vector<std::string>* at_fault) {
   Pipeline pipeline(rig);
   std::vector<Dwell> dwells;
+  std::vector<bool> faults_added(rig.channels.size());
   double first_s = kNaN;
   std::vector<Record> waiting;
   waiting.reserve(kTogether);
@@ -80,7 +82,7 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
     for (std::span<const Record> left = waiting; !left.empty();) {
       std::size_t taken = pipeline.push_in_block(left);
       if (taken == 0 && (pipeline.push(left[taken++]) & kCompleted) != 0) {
-        add_faults(rig, pipeline, pipeline.completed(), at_fault);
+        add_faults(rig, pipeline, pipeline.completed(), faults_added, at_fault);
         dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
       }
       left = left.subspan(taken);
@@ -95,7 +97,7 @@ tl::expected<std::vector<Dwell>, std::string> identify(const Rig& rig, const Rec
   });
   if (!played) return tl::unexpected(played.error());
   take_waiting();
-  add_faults(rig, pipeline, pipeline.current(), at_fault);
+  add_faults(rig, pipeline, pipeline.current(), faults_added, at_fault);
   if ((pipeline.finish() & kCompleted) != 0) dwells.push_back(on_recording_axis(pipeline.completed(), first_s));
   return dwells;
 }
