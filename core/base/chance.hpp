@@ -7,6 +7,7 @@
 //   kShown 4   once in 16 000                    the program decides about its own data, some times a dwell
 //   kSure  5   once in 1.7 million               a person is told, a cause is named, a motion is found
 //   kAlarm 6   once in 5·10⁸                     asked some times a second, for hours
+//   kPlain 8   once in 10¹⁵                      it must be plain even where the noise is not normal
 //
 // Halved, kNoise calls a seventh of all healthy differences real, and kSure takes chance for a fault in one dwell of a
 // hundred. Doubled, kNoise lets transients of six standard deviations pass as settled, and with kSure a wrong scale
@@ -20,7 +21,7 @@
 namespace dwell {
 
 namespace sigmas {
-inline constexpr double kNoise = 3.0, kShown = 4.0, kSure = 5.0, kAlarm = 6.0;
+inline constexpr double kNoise = 3.0, kShown = 4.0, kSure = 5.0, kAlarm = 6.0, kPlain = 8.0;
 }
 
 namespace nats {

@@ -1,6 +1,8 @@
 // Which answers of a device were held up on their way, by the half widths of their instants.
 #pragma once
 
+#include "core/intake/median_step.hpp"
+
 namespace dwell {
 
 // Of one channel. One thread; real-time safe.
@@ -12,7 +14,7 @@ class AnswerLateness {
   // five times as fast at first.
   void see(double half_ns, bool first) noexcept {
     if (median_ns_ == 0.0) median_ns_ = half_ns;
-    const double learn = first ? 5 * kLearn : kLearn;
+    const double learn = first ? 5 * kMedianStep : kMedianStep;
     median_ns_ *= half_ns > median_ns_ ? 1 + learn : 1 - learn;
     const bool far = by_far(half_ns);
     if (far || part_ > 0) part_ += kLearnRare * ((far ? 1.0 : 0.0) - part_);
@@ -23,8 +25,7 @@ class AnswerLateness {
   [[nodiscard]] bool rare() const noexcept { return part_ < kRare; }
 
  private:
-  static constexpr double kLearn = 0.02;  // relative step of the median
-  static constexpr double kByFar = 5.0;   // medians; exponentially distributed delays exceed it in 3 % (2⁻⁵)
+  static constexpr double kByFar = 5.0;  // medians; exponentially distributed delays exceed it in 3 % (2⁻⁵)
   static constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
   static constexpr double kRare = 0.1;               // of the answers
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/intake/median_step.hpp"
+
 namespace dwell {
 
 // Of one channel, in any unit. One thread; real-time safe.
@@ -13,7 +15,8 @@ class PredictionErrors {
   // The next error: while the median is not known, and of a reading of the motion from then on.
   void learn(double error) noexcept {
     ++seen_;
-    median_ = seen_ <= 8 ? std::max(median_, error) : median_ * (error > median_ ? 1 + 5 * kLearn : 1 - 5 * kLearn);
+    median_ =
+        seen_ <= 8 ? std::max(median_, error) : median_ * (error > median_ ? 1 + 5 * kMedianStep : 1 - 5 * kMedianStep);
   }
   void add(double error) noexcept { median_ *= kTowards[error > median_ ? 1 : 0]; }
   // Another motion has begun, with this error.
@@ -26,10 +29,9 @@ class PredictionErrors {
   static constexpr double kMedianOfNormal = 0.6745;  // of |x|, in standard deviations
 
  private:
-  static constexpr int kFewest = 40;      // the median is then known to 20 %
-  static constexpr double kLearn = 0.02;  // relative step of the median: it follows a decay of 1 % a reading
+  static constexpr int kFewest = 40;  // the median is then known to 20 %
   // A step, by whether the newest is above the median. No branch: noise cannot be guessed.
-  static constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
+  static constexpr double kTowards[] = {1 - kMedianStep, 1 + kMedianStep};
   static constexpr double kJumped = 6.0;  // after a jump the median is at least its error over this
 
   double median_ = 0.0;
