@@ -96,7 +96,7 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
                       brief(kNormal95 * std::sqrt(variance), 2) + " " + unit + ")");
   }
   if (off.empty()) return {};
-  if (figures.size() > kMostNamed) figures.resize(kMostNamed);
+  if (figures.size() > kNamedAtMost) figures.resize(kNamedAtMost);
   Doubt doubt;
   doubt.elements = elements_using(rig, gain, off, omega);
   doubt.what = listed(names) + " contradict" + (off.size() == 1 ? "s" : "") +

@@ -13,9 +13,9 @@ bool negative(const Coefficient& coefficient) { return coefficient.value < -coef
 bool beyond_chance(const Coefficient& coefficient) { return coefficient.value < -2 * coefficient.U95; }
 
 std::string first_of(std::vector<std::string> names, const char* what) {
-  if (names.size() > kMostNamed) {
-    const std::string more = std::to_string(names.size() - kMostNamed) + " more " + what;
-    names.resize(kMostNamed);
+  if (names.size() > kNamedAtMost) {
+    const std::string more = std::to_string(names.size() - kNamedAtMost) + " more " + what;
+    names.resize(kNamedAtMost);
     names.push_back(more);
   }
   return listed(names);

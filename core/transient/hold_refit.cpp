@@ -146,7 +146,7 @@ bool HoldRefit::explain_since_knock(double omega, const HoldNow& now) {
 bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldNow& now) {
   auto& [chain, fit, noise, knocks, search, lines] = parts_;
   const std::int64_t was_from_ns = fit.from_ns();
-  const auto least_ns = to_ns(kFewestPeriods * now.period_s());
+  const auto least_ns = to_ns(kPeriodsToTell * now.period_s());
   known_.assign(search.poles().chain.begin(), search.poles().chain.end());
   for (const Complex& pole : chain.last())
     if (!any_near(known_, pole)) known_.push_back(pole);

@@ -40,7 +40,7 @@ bool RefitSchedule::believes(const Claim& claim, double period_s, std::int64_t f
   }
   if (!confirm_ns_) {
     if (!claim.rounded || !(claim.left_before > kSudden)) return true;
-    confirm_ns_ = now_ns + std::max(to_ns(kFewestPeriods * period_s),
+    confirm_ns_ = now_ns + std::max(to_ns(kPeriodsToTell * period_s),
                                     static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_since_ns)));
     plan(*confirm_ns_);
   }

@@ -161,7 +161,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
   const double agreed_s = agreeing < static_cast<int>(windows_.size())
                               ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s
                               : period_s;
-  const double wanted_s = kFewestPeriods * period_s - agreed_s;
+  const double wanted_s = kPeriodsToTell * period_s - agreed_s;
   if (verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s) {
     verdict.settled = true;
     verdict.settles_in_s = 0.0;

@@ -49,7 +49,7 @@ void TransientModel::begin_hold(std::int64_t steady_ns) noexcept {
 }
 
 bool TransientModel::too_early(std::int64_t end_ns, const HoldNow& now) const noexcept {
-  return to_s(end_ns - knocks_.free_since_ns()) < (kUnsure + kFewestPeriods) * 0.99 * now.period_s();
+  return to_s(end_ns - knocks_.free_since_ns()) < (kUnsure + kPeriodsToTell) * 0.99 * now.period_s();
 }
 
 bool TransientModel::wants_refit(std::int64_t end_ns, const HoldNow& now) {
