@@ -62,8 +62,11 @@ ElementEstimate element(const Json& value, Motion& motion) {
   e.damping = coefficient(member(value, "damping"));
   e.loss_factor = estimate(member(value, "loss_factor"));
   for (const Json& share : array_of(value, "budget")) {
-    e.budget.push_back(
-        {string_of(share, "source"), real_of(share, "stiffness_share"), real_of(share, "damping_share")});
+    e.budget.push_back({string_of(share, "source"),
+                        real_of(share, "stiffness_share"),
+                        real_of(share, "damping_share"),
+                        SourceKind::other,
+                        {}});
   }
   return e;
 }
