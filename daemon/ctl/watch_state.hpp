@@ -173,17 +173,6 @@ class WatchState {
   Heard<std::vector<ChannelState>> channels_;
   Heard<AlarmsList> alarms_;
   Heard<std::string> gpio_;
-};  // times between the last renewals, newest first
-Trend trend_;
-Deviation deviation_;
-std::string run_;
-std::optional<std::pair<State, std::int64_t>> since_;
-std::vector<ChannelState> channels_;
-double channels_s_ = kNever;
-AlarmsList alarms_;
-double alarms_s_ = kNever;
-std::string gpio_;
-double gpio_s_ = kNever;
 };
 
 }  // namespace dwell::ctl
