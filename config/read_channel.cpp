@@ -184,20 +184,20 @@ Filter read_filter(Section& channel, const char* key, Draft& draft) {
 void read_range(Section& section, Channel& channel) {
   double low = 0.0, high = 0.0;
   if (!section.interval("range", low, high, "[low, high] in the channel's unit, low < high")) return;
-  channel.range_low = low;
-  channel.range_high = high;
+  channel.range.low = low;
+  channel.range.high = high;
 }
 
 void read_calibration(Section& channel_section, Channel& channel, Draft& draft) {
   const toml::table* table = channel_section.table("calibration", "a table { id, due }");
   if (table == nullptr) return;
   Section section(*table, "\"calibration\"", draft.mistakes);
-  section.text("id", channel.calibration_id, "the number of the certificate, text", Need::required);
+  section.text("id", channel.calibration.id, "the number of the certificate, text", Need::required);
   if (const toml::node* due = section.value("due")) {
     if (const auto* date = due->as_date()) {
       std::ostringstream text;
       text << date->get();
-      channel.calibration_due = text.str();
+      channel.calibration.due = text.str();
     } else {
       section.wrong_type(*due, "due", "a date without quotes, for instance 2027-03-31");
     }
@@ -210,10 +210,10 @@ void read_conversion(Section& section, Channel& channel, Draft& draft) {
     section.wrong("scale", "\"scale\" is 0: expected a number other than 0");
   }
   section.real("offset", channel.offset, {"a number, in the channel's unit"});
-  channel.scale_u_stated =
+  channel.stated.scale_u =
       section.real("scale_u", channel.scale_u, {"a number from 0, below 1 (relative)", 0.0, 1.0, false, true});
   section.real("delay", channel.delay_s, {"a number from -10 to 10 (s)", -10.0, 10.0});
-  channel.delay_u_stated = section.real("delay_u", channel.delay_u_s, {"a number from 0 to 10 (s)", 0.0, 10.0});
+  channel.stated.delay_u = section.real("delay_u", channel.delay_u_s, {"a number from 0 to 10 (s)", 0.0, 10.0});
   channel.lowpass = read_filter(section, "lowpass", draft);
   channel.highpass = read_filter(section, "highpass", draft);
   if (channel.lowpass.hz > 0.0 && channel.highpass.hz >= channel.lowpass.hz) {

@@ -12,14 +12,14 @@ namespace dwell {
 // Whether the calibration has expired. The date is the last day on which it holds, in UTC. utc_ns: UTC now, ns since
 // 1970, of a synchronized clock; 0: there is none. None: the rig file states no date, or the day of today is not known.
 [[nodiscard]] inline std::optional<bool> calibration_overdue(const Channel& channel, std::int64_t utc_ns) {
-  if (channel.calibration_due.empty() || utc_ns == 0) return std::nullopt;
-  return channel.calibration_due < record::iso_utc(utc_ns).substr(0, 10);  // ISO dates sort as text
+  if (channel.calibration.due.empty() || utc_ns == 0) return std::nullopt;
+  return channel.calibration.due < record::iso_utc(utc_ns).substr(0, 10);  // ISO dates sort as text
 }
 
 // When the calibration expires: the end of that day, UTC, s since 1970. None: the rig file states no date.
 [[nodiscard]] inline std::optional<double> calibration_ends_s(const Channel& channel) {
-  if (channel.calibration_due.empty()) return std::nullopt;
-  const auto begin_ns = record::parse_utc(channel.calibration_due + "T00:00:00Z");
+  if (channel.calibration.due.empty()) return std::nullopt;
+  const auto begin_ns = record::parse_utc(channel.calibration.due + "T00:00:00Z");
   constexpr double kDay_s = 86400.0;
   if (!begin_ns) return std::nullopt;
   return 1e-9 * static_cast<double>(*begin_ns) + kDay_s;

@@ -108,9 +108,9 @@ struct Service::Impl {
     now.now_ns = raw_now_ns();
     now.now_utc_ns = utc_now_ns();
     now.uptime_s = static_cast<double>(now.now_ns - started_ns) * 1e-9;
-    if (http) now.http = http->server().stats();
-    if (rights) now.wrong_tokens = rights->failures();
-    if (plc) now.modbus = plc->server().stats();
+    if (http) now.clients.http = http->server().stats();
+    if (rights) now.clients.wrong_tokens = rights->failures();
+    if (plc) now.clients.modbus = plc->server().stats();
     now.log = log.stats();
     now.events = &log.newest();
     now.alarms = &alarms.list();
@@ -119,13 +119,13 @@ struct Service::Impl {
     now.traces = &session->traces();
     now.verification = session->file().verification;
     if (record::Recorder* const recorder = session->recorder()) {
-      now.recorder = recorder->state(now.now_ns);
-      now.runs = recorder->runs();
-      now.audits = recorder->audits();
+      now.recording.state = recorder->state(now.now_ns);
+      now.recording.runs = recorder->runs();
+      now.recording.audits = recorder->audits();
     }
     now.clock_synchronized = record::clock_synchronized();
     now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, watch.trouble(),
-                              now.recorder ? now.recorder->alarms : std::vector<record::RecorderAlarm>(),
+                              now.recording.state ? now.recording.state->alarms : std::vector<record::RecorderAlarm>(),
                               now.clock_synchronized, now.now_utc_ns);
     return now;
   }

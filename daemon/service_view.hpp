@@ -23,6 +23,19 @@ namespace dwell {
 
 class AlarmList;
 
+// What those who ask the service have got from it.
+struct Clients {
+  HttpStats http{};
+  std::uint64_t wrong_tokens = 0;
+  std::optional<ModbusStats> modbus{};  // none: PLCs are not served
+};
+
+struct Recording {
+  std::optional<record::RecorderState> state{};         // none: the service does not record
+  std::shared_ptr<const record::ListedRuns> runs{};     // null: as an empty list
+  std::shared_ptr<const record::RunVerdicts> audits{};  // of the runs; null: none is audited yet
+};
+
 // The references live as long as the call that is given it.
 struct ServiceView {
   const Rig& rig;
@@ -33,19 +46,15 @@ struct ServiceView {
   std::int64_t now_utc_ns = 0;     // 0: not known
   bool clock_synchronized = true;  // the computer's clock is
   double uptime_s = 0.0;
-  HttpStats http{};
-  std::uint64_t wrong_tokens = 0;
-  std::optional<ModbusStats> modbus{};  // none: PLCs are not served
+  Clients clients{};
   LogStats log{};
   std::vector<WatchedThread> threads{};
-  gpio::Status gpio{};                                  // of the lines that are configured
-  std::optional<record::RecorderState> recorder{};      // none: the service does not record
-  std::shared_ptr<const record::ListedRuns> runs{};     // null: as an empty list
-  std::shared_ptr<const record::RunVerdicts> audits{};  // of the runs; null: none is audited yet
-  const NewestLines* events = nullptr;                  // null: none are kept
-  const AlarmList* alarms = nullptr;                    // null: as an empty list
-  const Traces* traces = nullptr;                       // null: none are kept
-  config::VerificationSettings verification{};          // what is asked of the model, as the rig file has it
+  gpio::Status gpio{};  // of the lines that are configured
+  Recording recording{};
+  const NewestLines* events = nullptr;          // null: none are kept
+  const AlarmList* alarms = nullptr;            // null: as an empty list
+  const Traces* traces = nullptr;               // null: none are kept
+  config::VerificationSettings verification{};  // what is asked of the model, as the rig file has it
 };
 
 // The current dwell with what stands beside it: its coefficients from the transient, what is known of its model, its

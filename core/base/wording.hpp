@@ -1,10 +1,13 @@
 // Numbers and lists as core's messages show them. Allocates; off the sample path.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace dwell {
+
+inline constexpr std::size_t kNamedAtMost = 4;  // coefficients or channels in one message
 
 // `digits` significant digits: "16.6", "0.25", "1.2e+07". No exponent from 1e-3 to below 1e6; "—" if not finite.
 [[nodiscard]] std::string brief(double value, int digits = 3);

@@ -5,6 +5,8 @@
 #include <map>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/chain/chain_state.hpp"
@@ -15,12 +17,6 @@ namespace dwell {
 namespace {
 
 using Eigen::Index;
-
-// In standard deviations. One source (a scale) may be the whole difference, so the normal law holds: one false doubt in
-// two million dwells per redundant transducer. With 3 it is one in 370; with 6 a wrong scale a fifth larger stays
-// unseen.
-constexpr double kSureOfContradiction = 5.0;
-constexpr double kRoundingOfSums = 1e-9;  // relative to the largest reading: a smaller difference is rounding
 
 struct Observed {
   Eigen::VectorXcd o;                    // displacement or force on the ground
@@ -89,7 +85,8 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
     double largest = 0.0;
     for (Index other = 0; other < count; ++other)
       if (rest(c, other) != 0) largest = std::max(largest, std::abs(seen.o(other)));
-    if (!(std::abs(left(c)) > kSureOfContradiction * std::sqrt(variance) + kRoundingOfSums * largest)) continue;
+    // One source, a scale, may be the whole difference: so the normal law holds.
+    if (!(std::abs(left(c)) > sigmas::kSure * std::sqrt(variance) + kOnlyRounding * largest)) continue;
     const bool force = channel.measures == Quantity::force, turns = rig.motion == Motion::rotation;
     const std::string unit = force ? (turns ? "N·m" : "N") : (turns ? "rad" : "m");
     off.push_back(c);
@@ -99,8 +96,7 @@ std::vector<Doubt> contradictions(const Rig& rig, const Eigen::MatrixXd& G, cons
                       brief(kNormal95 * std::sqrt(variance), 2) + " " + unit + ")");
   }
   if (off.empty()) return {};
-  constexpr std::size_t kNamed = 4;
-  if (figures.size() > kNamed) figures.resize(kNamed);
+  if (figures.size() > kNamedAtMost) figures.resize(kNamedAtMost);
   Doubt doubt;
   doubt.elements = elements_using(rig, gain, off, omega);
   doubt.what = listed(names) + " contradict" + (off.size() == 1 ? "s" : "") +

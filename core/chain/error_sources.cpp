@@ -115,13 +115,19 @@ void Collection::add_noise(Index c) {
   turn << per_reading.real(), -per_reading.imag(), per_reading.imag(), per_reading.real();
   // Each 2 × 2 covariance gives two independent errors, along its principal axes.
   const double rounding = std::norm(per_reading) * seen.quantization_u * seen.quantization_u;
-  for (const auto& [name, covariance, dof] :
-       {std::tuple<const char*, Eigen::Matrix2d, double>{"noise of ", turn * seen.covariance * turn.transpose(),
-                                                         seen.dof},
-        {"transient left in ", turn * seen.transient * turn.transpose(), kTypeB},
-        {"quantization of ", rounding * Eigen::Matrix2d::Identity(), kTypeB},
-        {"folded harmonics of ", std::norm(per_reading) * seen.folded_u * seen.folded_u * Eigen::Matrix2d::Identity(),
-         kTypeB}}) {
+  struct Part {
+    SourceKind kind;
+    const char* name;
+    Eigen::Matrix2d covariance;
+    double dof;
+  };
+  const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
+  for (const auto& [kind, name, covariance, dof] :
+       {Part{SourceKind::noise, "noise of ", turn * seen.covariance * turn.transpose(), seen.dof},
+        Part{SourceKind::other, "transient left in ", turn * seen.transient * turn.transpose(), kTypeB},
+        Part{SourceKind::other, "quantization of ", rounding * one, kTypeB},
+        Part{SourceKind::folded_harmonics, "folded harmonics of ",
+             std::norm(per_reading) * seen.folded_u * seen.folded_u * one, kTypeB}}) {
     if (covariance.isZero(0)) continue;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
     for (Index axis = 0; axis < 2; ++axis) {
@@ -130,7 +136,9 @@ void Collection::add_noise(Index c) {
                       .dof = dof,
                       .on_x = through_channel(c, {step(0), step(1)}),
                       .on_Z = no_Z(),
-                      .residual = std::isfinite(dof)});
+                      .residual = std::isfinite(dof),
+                      .kind = kind,
+                      .channel = kind == SourceKind::other ? "" : channel(c).name});
     }
   }
 }

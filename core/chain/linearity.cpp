@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/student.hpp"
 #include "core/base/wording.hpp"
 #include "core/chain/chain_state.hpp"
@@ -16,11 +17,6 @@ namespace {
 
 using Eigen::VectorXcd;
 using Index = Eigen::Index;
-
-// In standard deviations of noise and stated uncertainties together. Chance takes one component beyond 5 with
-// probability 6e-7: one false warning in 4000 dwells of 30 elements and 7 harmonics. With 4 it would be one in 40; with
-// 6 a fifth more friction would stay unseen.
-constexpr double kSureOfHarmonic = 5.0;
 
 // An element is far from linear if a harmonic exceeds this part of its force, whatever the change of c and r: the
 // harmonic linearization assumes small harmonics.
@@ -112,7 +108,7 @@ Excess excess_of(const Rig& rig, const Gain& gain, const std::vector<Evidence>& 
   variance += std::norm(times_x(at.chain.force_row(element.k))) * clock * clock;
   // With few degrees of freedom the noise estimate is itself uncertain.
   const double few = std::pow(student_t95(least_dof) / kNormal95, 2);
-  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), kSureOfHarmonic * few * std::sqrt(variance),
+  return {times_x(row) * std::polar(1.0, -at.h * phase_rad), sigmas::kSure * few * std::sqrt(variance),
           std::move(by_channel)};
 }
 
@@ -160,7 +156,7 @@ std::string words_of(const Rig& rig, const ElementEstimate& element, const Exces
                      double omega, bool is_far) {
   const bool turns = rig.motion == Motion::rotation;
   const std::string newton = turns ? "N·m" : "N";
-  const double a = element.deformation.value, U = third.sure * kNormal95 / kSureOfHarmonic;
+  const double a = element.deformation.value, U = third.sure * kNormal95 / sigmas::kSure;
   const double elastic = third.force.real(), dissipative = third.force.imag();
   std::string text = "element " + std::to_string(element.k) + (is_far ? " is far from linear: " : " is not linear: ");
   text += parts.significant_c && parts.significant_r

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/complex.hpp"
 #include "core/base/wording.hpp"
 #include "core/chain/identify.hpp"
@@ -25,7 +26,6 @@ constexpr int kMostMasses = 24;  // larger chains are not checked: eigenvectors 
 // errors would raise one false doubt in 10⁵ dwells. The study doubts six of 8000 healthy dwells.
 constexpr double kFalseAlarm = 1e-6;
 constexpr double kSameMode = 0.2;       // relative distance: a pole farther from every eigenvalue is not the chain's
-constexpr double kPlain = 8.0;          // standard deviations from which an amplitude is plain
 constexpr double kMissing = 1.0 / 3;    // a mode is missing in a channel below this part of its expected amplitude
 constexpr double kExplains = 0.3;       // part of the contradiction (√χ²) that a single fault may leave unexplained
 constexpr double kLargestError = 0.5;   // largest relative error of a mass or reading that is named as a cause
@@ -63,7 +63,7 @@ bool of_one_channel(const Rig& rig, const ElementsResult& identified, double ome
   const double factor = std::abs(seen.amplitude(most)) / shown(rig, identified, omega, mode, most);
   for (Index c = 0; c < seen.amplitude.size(); ++c) {
     const double expected = factor * shown(rig, identified, omega, mode, c);
-    if (seen.fitted[static_cast<std::size_t>(c)] && expected > kPlain * seen.u_amplitude(c) &&
+    if (seen.fitted[static_cast<std::size_t>(c)] && expected > sigmas::kPlain * seen.u_amplitude(c) &&
         std::abs(seen.amplitude(c)) < kMissing * expected)
       return true;
   }
@@ -209,7 +209,8 @@ std::string shown_by(const Rig& rig, const SeenMode& mode, std::size_t& count, s
     if (channel.measures == Quantity::auxiliary || (channel.at == 0 && !channel.relative_to)) continue;
     ++able;
     const auto i = static_cast<Index>(c);
-    if (mode.fitted[c] && std::abs(mode.amplitude(i)) > kPlain * mode.u_amplitude(i)) names.push_back(channel.name);
+    if (mode.fitted[c] && std::abs(mode.amplitude(i)) > sigmas::kPlain * mode.u_amplitude(i))
+      names.push_back(channel.name);
   }
   count = names.size();
   return listed(names);
@@ -226,10 +227,11 @@ void warn_of_harmonic(const Rig& rig, const SeenMode& mode, int harmonic, Dwell&
   std::size_t count = 0, able = 0;
   const std::string names = shown_by(rig, mode, count, able);
   if (count == 0) return;
-  dwell.warnings.push_back("harmonic " + std::to_string(harmonic) + " of the drive, at " +
-                           brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " + names +
-                           " and is not fitted: set excitation.harmonics to " +
-                           std::to_string(std::min(harmonic, kMaxHarmonics)));
+  dwell.warnings.push_back({WarningKind::drive_harmonic, "harmonic " + std::to_string(harmonic) + " of the drive, at " +
+                                                             brief(mode.pole.imag() / kTwoPi, 4) + " Hz, shows in " +
+                                                             names +
+                                                             " and is not fitted: set excitation.harmonics to " +
+                                                             std::to_string(std::min(harmonic, kMaxHarmonics))});
 }
 
 // Adds a doubt for an oscillation that the identified chain does not have. Two channels must show it plainly, or the

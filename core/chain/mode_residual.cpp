@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
 #include "core/chain/chain_state.hpp"
 #include "core/chain/identify.hpp"
 
@@ -17,7 +18,6 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr double kPoleStep = 1e-5;  // relative step of a pole for a central difference
-constexpr double kNothing = 1e-9;   // relative to the norm of a row: a smaller entry is rounding of a zero
 
 // The matrix that multiplies (Re, Im) by z.
 Matrix2d turn(std::complex<double> z) {
@@ -39,7 +39,7 @@ ModeResidual::ModeResidual(const Rig& rig, const ElementsResult& identified, dou
   x_ = identified.gain * o;
   const auto is_seen = [&](const Eigen::RowVectorXcd& by_channel) {
     for (Index c = 0; c < channels; ++c)
-      if (!seen.fitted[static_cast<std::size_t>(c)] && std::abs(by_channel(c)) > kNothing * by_channel.norm())
+      if (!seen.fitted[static_cast<std::size_t>(c)] && std::abs(by_channel(c)) > kOnlyRounding * by_channel.norm())
         return false;
     return true;
   };

@@ -8,16 +8,14 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kNamed = 4;  // most coefficients or channels named in one message
-
 bool negative(const Coefficient& coefficient) { return coefficient.value < -coefficient.U95; }
 // Below by 3.9 standard uncertainties: a coefficient of zero comes out so once in 20 000 times.
 bool beyond_chance(const Coefficient& coefficient) { return coefficient.value < -2 * coefficient.U95; }
 
 std::string first_of(std::vector<std::string> names, const char* what) {
-  if (names.size() > kNamed) {
-    const std::string more = std::to_string(names.size() - kNamed) + " more " + what;
-    names.resize(kNamed);
+  if (names.size() > kNamedAtMost) {
+    const std::string more = std::to_string(names.size() - kNamedAtMost) + " more " + what;
+    names.resize(kNamedAtMost);
     names.push_back(more);
   }
   return listed(names);
@@ -56,8 +54,10 @@ void refuse_negative(const Rig& rig, const std::vector<std::vector<bool>>& used,
   }
   if (refused.empty()) return;
   if (!surely) {
-    doubts.push_back({refused, first_of(found, "coefficients") + ": by chance this happens in one of 40 dwells "
-                                                                 "where an element has next to none; measure longer"});
+    doubts.push_back({refused,
+                      first_of(found, "coefficients") + ": by chance this happens in one of 40 dwells "
+                                                        "where an element has next to none; measure longer",
+                      true});
     return;
   }
   std::vector<std::string> names;

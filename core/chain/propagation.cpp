@@ -59,6 +59,8 @@ void Propagation::add(const ErrorSource& source) {
   const double mass_u = source.mass > 0 ? chain_.rig.mass_u[static_cast<std::size_t>(source.mass - 1)] : 0.0;
   Contribution& of_name =
       add_effect(source.name, source.dof, {v, source.mass, mass_u, source.clock_u, source.readings});
+  of_name.kind = source.kind;
+  of_name.channel = source.channel;
   for (Index e = 0; e < count; ++e)
     if (const Scatter& scatter = scatter_[static_cast<std::size_t>(e)]; source.residual && scatter.shows())
       of_name.dof.segment<2>(2 * e).setConstant(scatter.dof);
@@ -98,7 +100,8 @@ std::vector<BudgetShare> Propagation::budget(Index e) const {
   std::vector<BudgetShare> out;
   const double c = covariance_(2 * e, 2 * e), r = covariance_(2 * e + 1, 2 * e + 1);
   for (const auto& [name, part] : by_name_) {
-    BudgetShare share{name, c > 0 ? part.variance(2 * e) / c : 0.0, r > 0 ? part.variance(2 * e + 1) / r : 0.0};
+    BudgetShare share{name, c > 0 ? part.variance(2 * e) / c : 0.0, r > 0 ? part.variance(2 * e + 1) / r : 0.0,
+                      part.kind, part.channel};
     if (share.stiffness_share > 0 || share.damping_share > 0) out.push_back(std::move(share));
   }
   std::stable_sort(out.begin(), out.end(), [](const BudgetShare& a, const BudgetShare& b) {

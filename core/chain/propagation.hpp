@@ -36,7 +36,9 @@ struct ErrorSource {
   int mass = 0;           // as in SourceEffect
   double clock_u = 0.0;
   std::vector<ReadingError> readings = {};
-  Eigen::VectorXcd bends_x = {};  // second-order change of x: -φ²/2 of the phasors turned by φ; empty: none
+  Eigen::VectorXcd bends_x = {};        // second-order change of x: -φ²/2 of the phasors turned by φ; empty: none
+  SourceKind kind = SourceKind::other;  // as in BudgetShare
+  std::string channel = {};
 };
 
 // Effect of one standard deviation of a source, member by member as in CoefficientError.
@@ -77,6 +79,8 @@ class Propagation {
  private:
   struct Contribution {
     Eigen::VectorXd variance, dof;  // per coefficient
+    SourceKind kind = SourceKind::other;
+    std::string channel = {};
   };
   Contribution& add_effect(const std::string& name, double dof, SourceEffect effect);
 

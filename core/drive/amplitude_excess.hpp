@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/chance.hpp"
+#include "core/fit/blocks.hpp"
+
 namespace dwell {
 
 class AmplitudeExcess {
@@ -16,20 +19,18 @@ class AmplitudeExcess {
   // variance of that by noise. tolerance: relative change that makes another drive. u_rounding: relative standard
   // uncertainty by rounding that repeats with the motion.
   void take(double deviation, double variance, double tolerance, double u_rounding) noexcept {
-    constexpr int kQuartersAPeriod = 4;
-    excess_ += kForget / kQuartersAPeriod *
+    excess_ += kForget / kQuarters *
                (std::min(deviation * deviation, 9 * variance + tolerance * tolerance) - variance - excess_);
     const double shown = std::clamp(excess_ - kExcess * variance, 0.0, tolerance * tolerance / 2);
-    tolerated_ = kBeyond * std::sqrt(shown) + kSureOfRounding * u_rounding;
+    tolerated_ = kBeyond * std::sqrt(shown) + sigmas::kNoise * u_rounding;
   }
   // Relative deviation to tolerate, beside what noise and tolerance allow.
   [[nodiscard]] double tolerated() const noexcept { return tolerated_; }
 
  private:
-  static constexpr double kForget = 1.0 / 64;     // weight of a period in the mean
-  static constexpr double kExcess = 0.6;          // part of the noise variance below which no excess shows
-  static constexpr double kBeyond = 1.5;          // tolerated multiple of √excess
-  static constexpr double kSureOfRounding = 3.0;  // tolerated multiple of u_rounding
+  static constexpr double kForget = 1.0 / 64;  // weight of a period in the mean
+  static constexpr double kExcess = 0.6;       // part of the noise variance below which no excess shows
+  static constexpr double kBeyond = 1.5;       // tolerated multiple of √excess
   double excess_ = 0.0, tolerated_ = 0.0;
 };
 

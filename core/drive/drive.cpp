@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 
 namespace dwell {
 
@@ -18,7 +19,7 @@ void DriveMonitor::restart() noexcept {
 void DriveMonitor::refer(double amplitude, double omega) noexcept {
   amplitude_ = amplitude;
   omega_ = omega;
-  seen_ = std::max(seen_, kReference + seen_ % kLag);  // leaves seen_ % kLag, the place in last_, as it is
+  seen_ = std::max(seen_, kReference + seen_ % kQuarters);  // leaves seen_ % kQuarters, the place in last_, as it is
   frequencies_ = std::max(frequencies_, 1L);
 }
 
@@ -31,17 +32,17 @@ bool DriveMonitor::update(double centre_s, std::complex<double> Y, double u, dou
   bool other = false, good = true;
   if (seen_ > 0) {
     const double off = std::abs(amplitude - amplitude_);
-    const double noise = kSure * u * std::sqrt(1.0 + 1.0 / static_cast<double>(seen_));
+    const double noise = sigmas::kShown * u * std::sqrt(1.0 + 1.0 / static_cast<double>(seen_));
     other = off > tolerance_ * amplitude_ + noise;
     good = off <= 0.1 * tolerance_ * amplitude_ + noise;
   }
-  Window& before = last_[static_cast<std::size_t>(seen_ % kLag)];
+  Window& before = last_[static_cast<std::size_t>(seen_ % kQuarters)];
   double measured = std::numeric_limits<double>::quiet_NaN();
-  if (seen_ >= kLag && before.centre_s < centre_s) {
+  if (seen_ >= kQuarters && before.centre_s < centre_s) {
     const double step = centre_s - before.centre_s;
     const double turn = std::remainder(std::arg(Y * std::conj(before.Y)) - omega * step, kTwoPi);
     measured = omega + turn / step;
-    const double noise = kSure * std::hypot(u, before.u) / std::max(amplitude, 1e-300) / step;
+    const double noise = sigmas::kShown * std::hypot(u, before.u) / std::max(amplitude, 1e-300) / step;
     if (frequencies_ > 0) {
       const double off = std::abs(measured - omega_);
       other = other || off > 1.5 * tolerance_ * omega_ + noise;

@@ -5,6 +5,8 @@
 #include <array>
 #include <complex>
 
+#include "core/fit/blocks.hpp"
+
 namespace dwell {
 
 class DriveMonitor {
@@ -19,9 +21,9 @@ class DriveMonitor {
   // Amplitude of the reference, m (rad); 0 before the first window.
   [[nodiscard]] double amplitude() const noexcept { return amplitude_; }
 
-  // Takes one window, a quarter of a period after the last: its centre, the table's phasor Y about that centre (m,
-  // rad), the standard deviation u of either component, and the omega (rad/s) of its fit. True: this window and the one
-  // before differ from the reference; one disturbed window alone is not enough. Real-time safe.
+  // Takes one window, a quarter of a period after the last. Y: the table's phasor about the window's centre, m (rad);
+  // u: standard deviation of either component; omega: of the window's fit, rad/s. Returns true if this window and the
+  // one before differ from the reference: one disturbed window alone is not enough. Real-time safe.
   bool update(double centre_s, std::complex<double> Y, double u, double omega) noexcept;
 
   // Angular frequency of the reference, rad/s, from the phase's advance; NaN before a period has passed.
@@ -31,16 +33,14 @@ class DriveMonitor {
   [[nodiscard]] int windows_since_good() const noexcept { return since_good_; }
 
  private:
-  static constexpr int kLag = 4;          // windows in a period
   static constexpr long kReference = 64;  // windows of a hold in the mean that is its reference
-  static constexpr double kSure = 4.0;    // standard deviations that noise explains
   struct Window {
     double centre_s;
     std::complex<double> Y;
     double u;
   };
   double tolerance_;
-  std::array<Window, kLag> last_{};
+  std::array<Window, kQuarters> last_{};
   long seen_ = 0;         // windows since restart
   long frequencies_ = 0;  // windows that gave a frequency
   double amplitude_ = 0.0, omega_ = 0.0;

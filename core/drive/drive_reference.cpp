@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
 #include "core/result/dwell.hpp"
@@ -13,9 +14,6 @@ namespace {
 
 // Table and pulses contradict each other if their frequencies differ by more than this many tolerances.
 constexpr double kContradicts = 2.0;
-// In the data that count they agree within the sum of so many standard deviations and so many tolerances.
-constexpr double kSureOfOff = 4.0;
-constexpr double kOffMatters = 0.1;
 constexpr double kCovered = 0.5;  // part of the data's length that the pulses must span to give the frequency
 
 std::string hz(double omega) { return std::to_string(omega / kTwoPi).substr(0, 8) + " Hz"; }
@@ -93,7 +91,7 @@ std::string DriveReference::pulses_unfit(const HarmonicFit& table, double omega,
   if (!(table.information > 0)) return "";
   const double off = table.score / table.information;
   const double explained =
-      kSureOfOff * std::hypot(u, 1 / std::sqrt(table.information)) + kOffMatters * rig_.tolerance * omega;
+      sigmas::kShown * std::hypot(u, 1 / std::sqrt(table.information)) + kToleranceShare * rig_.tolerance * omega;
   if (std::abs(off) <= explained) return "";
   return two_frequencies(omega + off, omega);
 }

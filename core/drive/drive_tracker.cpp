@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
 #include "core/drive/frequency_search.hpp"
 #include "core/fit/blocks.hpp"
@@ -15,7 +16,6 @@ constexpr double kBeats = 0.5;         // part of the drive's frequency: hum far
 constexpr double kInPhase_rad = 0.02;  // table against dwell, beyond noise: up to here in phase
 constexpr double kSlip_rad = 0.1;      // table against dwell, beyond noise: from here on another frequency
 constexpr double kStopped = 0.25;      // part of the reference's amplitude: an uncertain window below it shows no drive
-constexpr double kUncertain = 3.0;     // standard deviations: a window with a smaller amplitude is uncertain
 
 }  // namespace
 
@@ -40,14 +40,14 @@ DriveTracker::Sight DriveTracker::see(const Window& window, double acquired_omeg
   seen_.take(amplitude, seen_omega / kTwoPi, during.dwell);
   // While measuring the amplitude must be small as well: one bad reading makes a window uncertain too.
   const bool uncertain =
-      amplitude < kUncertain * u && (!during.measuring || amplitude < kStopped * monitor_.amplitude());
+      amplitude < sigmas::kNoise * u && (!during.measuring || amplitude < kStopped * monitor_.amplitude());
   const bool low = amplitude < rig_.excitation.minimum || uncertain;
   // A drive at twice the window's frequency has the fundamental zero here, and yet the table moves.
-  const bool elsewhere = low && window.elsewhere >= rig_.excitation.minimum && window.elsewhere >= kUncertain * u;
+  const bool elsewhere = low && window.elsewhere >= rig_.excitation.minimum && window.elsewhere >= sigmas::kNoise * u;
   if (low && !elsewhere) return ++low_windows_ >= 2 ? Sight::rests : Sight::low;
   low_windows_ = 0;
   if (elsewhere) return Sight::elsewhere;
-  return amplitude < kSurelyMoves * u ? Sight::faint : Sight::moves;
+  return amplitude < sigmas::kSure * u ? Sight::faint : Sight::moves;
 }
 
 bool DriveTracker::changed(const Window& window, double since_s, double bend_rad, double omega,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
 #include "core/drive/refine.hpp"
 #include "core/result/dwell.hpp"
@@ -13,7 +14,6 @@
 namespace dwell {
 namespace {
 
-constexpr int kGaussNewtonSteps = 10;  // at most
 // Cost of one reading, in multiplications: in one cell, and where it needs a sine and a cosine.
 constexpr double kOfCell = 12.0, kOfSine = 100.0;
 
@@ -86,7 +86,7 @@ double FrequencySearch::best_cell(const Readings& readings) noexcept {
 
 std::optional<double> FrequencySearch::refined(const Readings& readings, double omega) const noexcept {
   bool sure = false;
-  for (int step = 0; step < kGaussNewtonSteps; ++step) {
+  for (int step = 0; step < kMostSteps; ++step) {
     // Products of 1, sin, cos, u sin, u cos and y. With b, p, q fitted, the derivative by ω is p u cos - q u sin.
     Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Zero();
     readings.each([&](double u, double y) {
@@ -106,7 +106,8 @@ std::optional<double> FrequencySearch::refined(const Readings& readings, double 
     const double gy = theta(1) * G(4, 5) - theta(2) * G(3, 5);
     const double information = gg - gX.dot(llt.solve(gX)), score = gy - gX.dot(theta);
     const Eigen::Matrix3d covariance = sigma2 * llt.solve(Eigen::Matrix3d::Identity());
-    sure = theta.tail<2>().squaredNorm() > kSurelyMoves * kSurelyMoves * 0.5 * (covariance(1, 1) + covariance(2, 2));
+    // At this amplitude ω is known to 0.11/T, less than half a cell.
+    sure = theta.tail<2>().squaredNorm() > sigmas::kSure * sigmas::kSure * 0.5 * (covariance(1, 1) + covariance(2, 2));
     if (!(information > 0)) return {};
     const double next = std::clamp(omega + score / information, low_, high_);
     const bool found = std::abs(next - omega) < kNegligibleStep * std::sqrt(sigma2 / information);

@@ -19,11 +19,6 @@
 
 namespace dwell {
 
-// A motion counts as found if its amplitude exceeds this many standard deviations. Noise alone exceeds them with a
-// probability of exp(-5²/2): in one of 270 000 windows, or cells of a search. At this amplitude ω is known to 0.11/T,
-// less than half a cell.
-inline constexpr double kSurelyMoves = 5.0;
-
 // Bound to one thread; real-time safe except for the constructor. Angular frequencies in rad/s.
 class FrequencySearch {
  public:

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr double kLeast = 0.02, kMost = 0.2;  // bounds of allowed(), in periods
-constexpr double kSureOfAPulse = 8.0;         // standard deviations allowed between these bounds
 
 }  // namespace
 
@@ -29,7 +29,7 @@ double NextPulse::periods_to(std::int64_t t_ns) const noexcept { return (to_s(t_
 
 double NextPulse::allowed() const noexcept {
   // Too few pulses tell little of their jitter.
-  return count_ < kRecent ? kJitter : std::clamp(kSureOfAPulse * spread_s_ / T_s_, kLeast, kMost);
+  return count_ < kRecent ? kJitter : std::clamp(sigmas::kPlain * spread_s_ / T_s_, kLeast, kMost);
 }
 
 void NextPulse::fit() noexcept {

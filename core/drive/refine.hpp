@@ -11,6 +11,8 @@ namespace dwell {
 
 // An iteration on ω ends once its step is below this part of ω's standard uncertainty.
 inline constexpr double kNegligibleStep = 1e-2;
+// Steps of an iteration on ω, at most. From half a cell away it ends before: each step about squares the error.
+inline constexpr int kMostSteps = 10;
 
 struct Refined {
   double omega = 0.0;      // rad/s
@@ -23,7 +25,7 @@ struct Refined {
 // Gauss-Newton on ω within the rig's search range. Each channel of motion or force is weighted by its own residuals. A
 // fixed reference is a prior (core/fit/frequency_prior.hpp). `sums`: the data, at an ω near the solution. `out` gets
 // the sums at the refined ω about the centroid of `reference_channel`, where phase and frequency are uncorrelated.
-// Seven steps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
+// kMostSteps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
 [[nodiscard]] Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept;
 
 // The same if pulses give the frequency: nothing is fitted. `out` is about the instant of phase zero nearest to the

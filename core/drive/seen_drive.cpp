@@ -27,7 +27,7 @@ std::string SeenDrive::at_rest(const Rig& rig) const {
 }
 
 std::string SeenDrive::unsteady(const Rig& rig, double seconds) const {
-  if (windows_ <= kFirst) return "too few periods seen since the drive began";
+  if (windows_ <= kQuarters) return "too few periods seen since the drive began";
   std::string text = "the table moves by " + length(rig, most_);
   if (fastest_ > 0) text += " at " + range(slowest_, fastest_, 4) + " Hz";
   text += ", but not steadily: in " + brief(seconds, 2) + " s its amplitude was between " +

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/fit/blocks.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -20,7 +21,7 @@ class SeenDrive {
     newest_ = amplitude;
     largest_ = std::max(largest_, amplitude);
     // The first period may hold the drive's beginning.
-    if (!moves || ++windows_ <= kFirst) return;
+    if (!moves || ++windows_ <= kQuarters) return;
     least_ = std::min(least_, amplitude);
     most_ = std::max(most_, amplitude);
     if (!std::isfinite(frequency_hz)) return;
@@ -35,7 +36,6 @@ class SeenDrive {
   [[nodiscard]] std::string unsteady(const Rig& rig, double seconds) const;
 
  private:
-  static constexpr int kFirst = 4;       // windows that may hold the drive's beginning: one period of quarters
   double newest_ = 0.0, largest_ = 0.0;  // amplitudes of all windows ever
   double least_ = INFINITY, most_ = 0.0, slowest_ = 0.0, fastest_ = 0.0;
   int windows_ = 0;

@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
+#include "core/fit/blocks.hpp"
 #include "core/fit/moments.hpp"
+#include "core/rig/rig.hpp"
 
 namespace dwell {
 namespace {
@@ -12,19 +15,14 @@ namespace {
 constexpr double kSureOfStep =
     5.6;  // standard deviations: chance 1 in 5e7 a test, some tests a second (study: docs/method.md, 5)
 constexpr double kBeyond = 1.5;  // tolerances that a step must exceed too
-// The drive is in doubt if its amplitude or its frequency deviates by more than kInDoubt standard deviations plus
-// kUnsureBy tolerances.
-constexpr double kInDoubt = 3.0;
-constexpr double kUnsureBy = 0.1;
 // A residual is clipped, so that one disturbed reading does not look like a step. Over the shortest stretch a step by
 // one tolerance adds up to a certain sum of residuals; a single reading counts at most kClipPart of that sum. The clip
-// is never below kClip standard deviations of a reading.
-constexpr double kClip = 4.0;
+// is never below sigmas::kShown standard deviations of a reading.
 constexpr double kClipPart = 0.5;
 // rad: largest phase since an earlier reading at which a reading's turn follows from that one's by a polynomial
 // (moments::sin_cos, exact below π/4 = 0.785). Smaller: libm is called more often.
 constexpr double kNear = 0.78;
-constexpr int kQuartersAPeriod = 4, kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look
+constexpr int kNearQuarters = 32;  // stretches up to kNearQuarters are tested at every look
 
 }  // namespace
 
@@ -87,7 +85,7 @@ void StepWatch::add(std::int64_t t_ns, double value, double extra_u_s) noexcept 
     predicted += (now_.X[static_cast<std::size_t>(h)] * turn).imag();  // p sin + q cos = Im (p + jq) exp(jωt)
   const std::complex<double> now = now_.X[0] * step;
   const double most =
-      std::max(kClip * now_.sigma, kClipPart * kShortest * blocks_.in_quarter() * tolerance_ * amplitude_);
+      std::max(sigmas::kShown * now_.sigma, kClipPart * kShortest * blocks_.in_quarter() * tolerance_ * amplitude_);
   const double r = std::clamp(value - predicted, -most, most);
   blocks_.add(t_s, r, now, extra_u_s);
 }
@@ -112,12 +110,13 @@ inline StepWatch::Change StepWatch::change_since(const ResidualsSince& sums, dou
 inline double StepWatch::weigh(const Change& change, bool far_back) noexcept {
   const double alpha = std::abs(change.alpha), drift = std::abs(change.drift);
   // The usual case: neither is in doubt, so neither is beyond its limit.
-  if (!(alpha * alpha > kInDoubt * kInDoubt * change.u2_alpha || drift * drift > kInDoubt * kInDoubt * change.u2_drift))
+  if (!(alpha * alpha > sigmas::kNoise * sigmas::kNoise * change.u2_alpha ||
+        drift * drift > sigmas::kNoise * sigmas::kNoise * change.u2_drift))
     return 0.0;
   const double u_alpha = std::sqrt(change.u2_alpha), u_drift = std::sqrt(change.u2_drift);
   const double tolerated = excess_.tolerated(), by_phase = tolerated / change.since_s;
-  doubt_.see(alpha > kInDoubt * u_alpha + kUnsureBy * tolerance_ + tolerated,
-             drift > kInDoubt * u_drift + kUnsureBy * tolerance_ * now_.omega + by_phase, far_back);
+  doubt_.see(alpha > sigmas::kNoise * u_alpha + kToleranceShare * tolerance_ + tolerated,
+             drift > sigmas::kNoise * u_drift + kToleranceShare * tolerance_ * now_.omega + by_phase, far_back);
   const double by_amplitude =
       alpha / (std::max((kBeyond + beats_) * tolerance_, kSureOfStep * u_alpha) + tolerated + change.extra_u2);
   const double by_drift = drift / (std::max(kBeyond * tolerance_ * now_.omega, kSureOfStep * u_drift) + by_phase);
@@ -127,24 +126,23 @@ inline double StepWatch::weigh(const Change& change, bool far_back) noexcept {
 bool StepWatch::close() noexcept {
   if (!referred_ || !blocks_.close()) return false;
   const int most = blocks_.kept();
-  const double quarter_s = kTwoPi / now_.omega / kQuartersAPeriod, now_s = blocks_.back(0).t_s + quarter_s / 2;
+  const double quarter_s = kTwoPi / now_.omega / kQuarters, now_s = blocks_.back(0).t_s + quarter_s / 2;
   ResidualsSince sums;
   double worst = 0;
   // Changes that take long to show are looked for once a period.
-  const bool far = blocks_.seen() % kQuartersAPeriod == 0;
+  const bool far = blocks_.seen() % kQuarters == 0;
   doubt_.begin(far);
   for (int k = 0; k < (far ? most : std::min(most, kNearQuarters)); ++k) {
     const double ago = now_s - blocks_.back(k).t_s;
     sums.take(blocks_.back(k), ago);
-    if (k + 1 == kQuartersAPeriod) extra_u_s_ = std::sqrt(sums.extra_u2 / sums.n);
+    if (k + 1 == kQuarters) extra_u_s_ = std::sqrt(sums.extra_u2 / sums.n);
     // Beyond kNearQuarters not every length is tested: similar lengths show the same.
-    if (k + 1 < kQuartersAPeriod || (k > kNearQuarters && (k & (k >> 5 > 1 ? 7 : 3)) != 3) ||
-        !(sums.mm > 0 && sums.q0 > 0))
+    if (k + 1 < kQuarters || (k > kNearQuarters && (k & (k >> 5 > 1 ? 7 : 3)) != 3) || !(sums.mm > 0 && sums.q0 > 0))
       continue;
     const Change change = change_since(sums, ago + quarter_s / 2, now_s);
     const double beyond = weigh(change, k >= kNearQuarters);
     if (k + 1 >= kShortest) worst = std::max(worst, beyond);
-    if (k + 1 == kQuartersAPeriod && doubt_.amplitude() == 0)
+    if (k + 1 == kQuarters && doubt_.amplitude() == 0)
       excess_.take(change.alpha, change.u2_alpha, tolerance_, now_.u_rounding);
   }
   doubt_.end();
@@ -155,7 +153,7 @@ bool StepWatch::close() noexcept {
 // How many quarter periods ago the drive changed: the instant at which a change explains most of the residuals.
 int StepWatch::changed() const noexcept {
   const int most = blocks_.kept();
-  const double quarter_s = kTwoPi / now_.omega / kQuartersAPeriod, now_s = blocks_.back(0).t_s + quarter_s / 2;
+  const double quarter_s = kTwoPi / now_.omega / kQuarters, now_s = blocks_.back(0).t_s + quarter_s / 2;
   ResidualsSince sums;
   double most_explained = 0;
   int changed = 0;
@@ -170,10 +168,10 @@ int StepWatch::changed() const noexcept {
   }
   // A ramp is dated a little late: quarters before that deviate by themselves belong to it.
   const auto alone = [&](double r, double p) {
-    return p > 0 &&
-           std::abs(r / p) > kInDoubt * now_.sigma / std::sqrt(p) + kUnsureBy * tolerance_ + excess_.tolerated();
+    return p > 0 && std::abs(r / p) >
+                        sigmas::kNoise * now_.sigma / std::sqrt(p) + kToleranceShare * tolerance_ + excess_.tolerated();
   };
-  for (int more = 0; more < kQuartersAPeriod && changed < most; ++more, ++changed) {
+  for (int more = 0; more < kQuarters && changed < most; ++more, ++changed) {
     const ResidualBlock& before = blocks_.back(changed);
     if (!alone(before.rm, before.mm) && !alone(before.rq, before.qq)) break;
   }

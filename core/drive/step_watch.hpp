@@ -26,8 +26,6 @@ namespace dwell {
 // Bound to one thread; real-time safe except for the constructor.
 class StepWatch {
  public:
-  static constexpr int kLongest = ResidualBlocks::kLongest;  // quarter periods that the test goes back
-
   // tolerance: relative change of amplitude or frequency; beyond 1.5 times as much it is another drive.
   explicit StepWatch(double tolerance) : tolerance_(tolerance) {}
 
@@ -50,7 +48,7 @@ class StepWatch {
   // Takes one reading. extra_u_s: by how much its instant is less certain than usual. Costs a polynomial for
   // sine and cosine, and a few times a period a call of libm. Does nothing before the first reference.
   void add(std::int64_t t_ns, double value, double extra_u_s = 0.0) noexcept;
-  // Ends a quarter of a period. True: the drive differs from the reference. O(kLongest).
+  // Ends a quarter of a period. True: the drive differs from the reference. O(ResidualBlocks::kLongest).
   [[nodiscard]] bool close() noexcept;
 
   // Quarter periods since the drive agreed with the reference beyond doubt; 0: it does now.

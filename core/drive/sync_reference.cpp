@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/instants.hpp"
+
 namespace dwell {
 
 SyncReference::SyncReference(double low_hz, double high_hz) : strays_(low_hz, high_hz) {}
 
 bool SyncReference::present(std::int64_t t_ns) const noexcept {
   return train_.number != 0 &&
-         static_cast<double>(t_ns - newest_ns()) * 1e-9 <= std::max(kLost_s, kLostPeriods * next_.T_s());
+         static_cast<double>(t_ns - newest_ns()) * 1e-9 <= std::max(kSilent_s, kLostPeriods * next_.T_s());
 }
 
 void SyncReference::pulse(std::int64_t t_ns) noexcept {

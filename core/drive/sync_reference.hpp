@@ -36,9 +36,9 @@ class SyncReference {
   [[nodiscard]] double omega() const noexcept {
     return train_.number != 0 ? kTwoPi / next_.T_s() : std::numeric_limits<double>::quiet_NaN();
   }
-  // Whether a train goes on at t: its newest pulse is no older than kLost_s or kLostPeriods, whichever is longer.
+  // Whether a train goes on at t: its newest pulse is no older than kSilent_s or kLostPeriods, whichever is longer.
   [[nodiscard]] bool present(std::int64_t t_ns) const noexcept;
-  // The line through the pulses of [from, to], see PulseRuns::over(). None with fewer than kFewest. O(runs).
+  // The line through the pulses of [from, to], see PulseRuns::over(). None with fewer than PulseRuns::kFewest. O(runs).
   [[nodiscard]] std::optional<PulseLine> over(std::int64_t from_ns, std::int64_t to_ns) const noexcept {
     return runs_.over(from_ns, to_ns);
   }
@@ -47,8 +47,6 @@ class SyncReference {
   [[nodiscard]] std::int64_t newest_ns() const noexcept { return next_.newest_ns(); }
 
   static constexpr double kLostPeriods = 8.0;
-  static constexpr double kLost_s = 1.0;
-  static constexpr int kFewest = PulseRuns::kFewest;
 
  private:
   static constexpr double kFarthest = 16.0;  // periods between pulses of a train: more cannot be counted with certainty

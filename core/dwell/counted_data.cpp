@@ -7,7 +7,10 @@
 #include <numbers>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/base/instants.hpp"
+#include "core/drive/refine.hpp"
+#include "core/fit/scatter.hpp"
 
 namespace dwell {
 namespace {
@@ -15,13 +18,10 @@ namespace {
 constexpr int kTurns = 3;                     // sums of the data, at most, each at a better ω
 constexpr std::int64_t kEnoughQuarters = 40;  // from then on an eighth of the data may be dropped
 constexpr double kMisjudged = 3e-4;           // relative error of ω in a block whose turning costs 1e-8
-constexpr int kStretches = 12;                // of the data, in which the drive's phase is fitted
 constexpr double kShortestDrift = 20.0;       // periods
-constexpr double kSureOfDrift = 4.0;          // standard deviations
 constexpr double kDriftMatters = 0.02;        // rad per square of the data's length
 constexpr double kGrowth = 1.17;              // of the data, before ω is refined again
 
-constexpr int kWindowSteps = 10;    // of Gauss-Newton
 constexpr double kAcquired = 1e-2;  // largest relative standard uncertainty of ω
 
 }  // namespace
@@ -44,7 +44,7 @@ void CountedData::take_drive(double omega, const Blocks::Drift& drift) noexcept 
 
 void CountedData::acquire(int from, int to, std::int64_t centre_ns, double near) noexcept {
   double w = near, information = 0.0;
-  for (int step = 0; step < kWindowSteps; ++step) {
+  for (int step = 0; step < kMostSteps; ++step) {
     const HarmonicFit table = fit(channels_.drive(), from, to, w, centre_ns);
     if (!(table.information > 0)) return;
     information = table.information;
@@ -155,10 +155,10 @@ double CountedData::seen_drift(int first, double omega, std::int64_t about_ns) c
   if (to_s(length_ns) < kShortestDrift * period_s()) return 0.0;
   // Fits a parabola to the table's phase, relative to the dwell's, in stretches of equal length. One noise is taken for
   // all stretches: that of a stretch of few readings is itself uncertain.
-  struct Stretch {
+  struct DrivePhase {
     double u, phase, information;  // information: for noise of unit variance
   };
-  std::array<Stretch, 2 * kStretches> stretches;
+  std::array<DrivePhase, 2 * kStretches> stretches;
   std::size_t count = 0;
   double before = 0.0, squares = 0.0, freedom = 0.0;
   for (int from = first, to = first; from < blocks_.count() && count < stretches.size(); from = to) {
@@ -185,7 +185,7 @@ double CountedData::seen_drift(int first, double omega, std::int64_t about_ns) c
   if (llt.info() != Eigen::Success) return 0.0;
   const double more = llt.solve(b)(2), u_more = std::sqrt(llt.solve(Eigen::Vector3d::Unit(2))(2));  // rad per length²
   // A drift within its uncertainty, or one that hardly turns a phasor, is ignored.
-  if (!(std::abs(more) > kSureOfDrift * u_more && std::abs(more) > kDriftMatters)) return 0.0;
+  if (!(std::abs(more) > sigmas::kShown * u_more && std::abs(more) > kDriftMatters)) return 0.0;
   return more / (to_s(length_ns) * to_s(length_ns));
 }
 

@@ -1,18 +1,13 @@
 #include "core/dwell/pipeline_impl.hpp"
 
 namespace dwell {
-namespace {
-
-constexpr int kIdleBlocks = 64;  // kept while no dwell is on
-
-}  // namespace
 
 void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (blocks().serials() % kQuarters == 0) live.next_period();
   data.take_block(end_ns);
   const bool unknown = inexact() && (states.at_rest() || !std::isfinite(tracker.omega()));
   const double near = unknown ? search_drive(end_ns) : omega();
-  const int quarters = kQuarters * window.periods();
+  const int quarters = kQuarters * windows.length().periods();
   if (blocks().count() < quarters) return;
   const int from = blocks().count() - quarters, to = blocks().count();
   const std::int64_t begin_ns = blocks().block(from).begin_ns;
@@ -23,8 +18,8 @@ void Pipeline::Impl::on_block(std::int64_t end_ns) {
   if (unknown) data.acquire(from, to, centre_ns, near);
   const HarmonicFit fit = data.fit(drive_channel(), from, to, omega(), centre_ns);
   if (!delivers(drive_channel())) return lose_data();
-  if (!fit.usable) return window.not_fitted(fit.samples > 0);
-  window.fitted();
+  if (!fit.usable) return windows.length().not_fitted(fit.samples > 0);
+  windows.length().fitted();
   const DriveTracker::Window table{centre_ns, fit, as_observed(rig, drive_channel(), fit.X[0], omega(), 1),
                                    moves_elsewhere(fit)};
   if (!look_at_drive(table, from)) return;
@@ -51,7 +46,7 @@ double Pipeline::Impl::search_drive(std::int64_t end_ns) {
   const double nominal = data.nominal_omega();
   if (!search.wanted()) return nominal;
   const std::int64_t since_ns = std::max(states.at_rest() ? blocks().block(0).begin_ns : at.armed_ns,
-                                         end_ns - to_ns(search.longest_s() * window.periods()));
+                                         end_ns - to_ns(search.longest_s() * windows.length().periods()));
   const double taken_at = blocks().block(blocks().count() - 1).omega;
   const auto found = search.find(history, drive_channel(), since_ns, end_ns);
   if (!found) return search.near(taken_at, nominal) ? nominal : taken_at;
@@ -60,7 +55,7 @@ double Pipeline::Impl::search_drive(std::int64_t end_ns) {
   data.take_omega(omega);
   rebuild_blocks(since_ns, end_ns);
   if (states.at_rest()) return omega;
-  begin_hold(std::max(0, blocks().count() - kQuarters * window.periods()));
+  begin_hold(std::max(0, blocks().count() - kQuarters * windows.length().periods()));
   at.start_ns = at.steady_ns;
   return omega;
 }
@@ -90,8 +85,8 @@ bool Pipeline::Impl::look_at_drive(const DriveTracker::Window& table, int from) 
     return false;
   }
   // A drive that has been steady again for two periods has changed; any other may still stop.
-  if (waited_enough ||
-      (states.awaits_reason() && blocks().serials() - at.steady_serial >= (2 * window.periods() + 1) * kQuarters))
+  if (waited_enough || (states.awaits_reason() &&
+                        blocks().serials() - at.steady_serial >= (2 * windows.length().periods() + 1) * kQuarters))
     emit(EndedBy::drive_changed);
   // Without a known frequency there is nothing to judge.
   if (!states.at_rest()) return sight != DriveTracker::Sight::elsewhere || std::isfinite(tracker.omega());
@@ -161,7 +156,7 @@ void Pipeline::Impl::stop() {
     states.forget_dwell();  // the one armed after the change was no dwell
     emit(EndedBy::drive_stopped);
   } else if (!states.at_rest()) {
-    conclude(blocks_before(kQuarters * window.periods() + doubtful_quarters() + 2), false);
+    conclude(blocks_before(kQuarters * windows.length().periods() + doubtful_quarters() + 2), false);
     emit(EndedBy::drive_stopped);
   }
   states.rest();
@@ -199,7 +194,7 @@ void Pipeline::Impl::rearm() {
 }
 
 void Pipeline::Impl::refresh_reference() {
-  if (blocks().count() < kIdleBlocks) return;
+  if (blocks().count() < Blocks::kFine) return;
   data.clear();
   for (int c = 0; c < live.count(); ++c) data.set_reference(c, std::isfinite(live[c].value()) ? live[c].value() : 0.0);
 }

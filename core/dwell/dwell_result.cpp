@@ -62,7 +62,7 @@ std::string Pipeline::Impl::unseen_reason() const {
 
 std::string Pipeline::Impl::barred_reason() const {
   if (std::string reason = unseen_reason(); !reason.empty()) return reason;
-  if (window.too_few() && !states.measuring())
+  if (windows.length().too_few() && !states.measuring())
     return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
            std::to_string(harmonics()) + " harmonics: at least " + std::to_string(2 * (harmonics() + 1)) +
            " are needed" +
@@ -155,11 +155,10 @@ ChannelResult Pipeline::Impl::result_of(int c, bool up_to_now, HarmonicFits& fit
     result.withheld = "stuck at one reading";
   else if (up_to_now && !delivers(c))
     result.withheld = channel.silent_reason();
-  if (states.measuring() && transient[static_cast<std::size_t>(c)] > 0 &&
-      std::isfinite(provisional_chain.time_constant_s())) {
+  if (states.measuring() && windows.left_at_verdict(c) > 0 && std::isfinite(provisional_chain.time_constant_s())) {
     // Over the D that count, a decay with T has the mean T/D (1 - exp(-D/T)) of its beginning. Taken as rectangular.
     const double D = std::max(to_s(now_ns - at.settled_ns), 1e-9);
-    const double u = transient[static_cast<std::size_t>(c)] * provisional_chain.time_constant_s() / D *
+    const double u = windows.left_at_verdict(c) * provisional_chain.time_constant_s() / D *
                      -std::expm1(-D / provisional_chain.time_constant_s()) / std::numbers::sqrt3;
     result.transient = u * u * Eigen::Matrix2d::Identity();
   }
@@ -194,8 +193,9 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
           names.append(names.empty() ? "" : ", ").append(rig.channels[static_cast<std::size_t>(c)].name);
       if (names.empty()) continue;
       const std::string hertz = std::to_string(static_cast<int>(line));
-      dwell.warnings.push_back("hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
-                               std::to_string(h) + " in " + names + ": choose another frequency or sampling rate");
+      dwell.warnings.push_back(
+          {WarningKind::hum, "hum of " + hertz + " Hz, if there is any, cannot be told from harmonic " +
+                                 std::to_string(h) + " in " + names + ": choose another frequency or sampling rate"});
     }
 }
 
@@ -215,7 +215,7 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   int quarters_left = 0;
   for (int i = 0; i < to; ++i) quarters_left += blocks().block(i).quarters;
   const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
-  const int from = settled ? 0 : std::max(0, to - kQuarters * window.periods());
+  const int from = settled ? 0 : std::max(0, to - kQuarters * windows.length().periods());
   const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
   // ω in the middle of the data.
   const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
@@ -256,7 +256,7 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
       axis_s(with_open || to == 0 ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns));
   for (int c = 0; c < live.count(); ++c) {
     const auto warn = [&](const std::string& of) {
-      dwell.warnings.push_back(rig.channels[static_cast<std::size_t>(c)].name + ": " + of);
+      dwell.warnings.push_back({WarningKind::readings, rig.channels[static_cast<std::size_t>(c)].name + ": " + of});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
     if (!(results[static_cast<std::size_t>(c)].quantization_u > 0)) continue;  // noise smooths the steps of rounding
@@ -266,12 +266,12 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
     if (states.measuring()) {
       dwell.settling_reason =
           "too few data: the newest may have been taken while the drive changed; hold the drive longer";
-      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+      dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
     } else if (active) {
       if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
           verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns))
         dwell.settles_in_s = verdict.settles_in_s;
-      dwell.warnings.push_back("not settled: " + dwell.settling_reason);
+      dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
     }
     return DwellDraft(std::move(dwell));
   }
@@ -280,15 +280,17 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
   dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
   dwell.settles_in_s = 0.0;
   if (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) && !modes.removal().active())
-    dwell.warnings.push_back(
-        "the chain identified while settling has oscillations that grow: the windows alone judged the transient; check "
-        "signs, instants and masses");
-  if (std::string missed = reference.missed(); !missed.empty()) dwell.warnings.push_back(std::move(missed));
+    dwell.warnings.push_back({WarningKind::growing_chain,
+                              "the chain identified while settling has oscillations that grow: the windows alone "
+                              "judged the transient; check "
+                              "signs, instants and masses"});
+  if (std::string missed = reference.missed(); !missed.empty())
+    dwell.warnings.push_back({WarningKind::sync_pulses, std::move(missed)});
   const std::string reason = reference.unfit_reason(refined, results[static_cast<std::size_t>(drive_channel())].fit, w,
                                                     u, refresh_u_omega(seconds));
   if (!reason.empty()) {
     dwell.settling_reason = reason;
-    dwell.warnings.push_back("no coefficients: " + reason);
+    dwell.warnings.push_back({WarningKind::no_coefficients, "no coefficients: " + reason});
     return DwellDraft(std::move(dwell));
   }
   warn_of_hum(std::max(dwell.end_s - dwell.settled_s, period_s()), dwell);

@@ -8,7 +8,7 @@ constexpr int kLargestSolved = 64;  // masses; beyond, the eigenvalues cost more
 }  // namespace
 
 void Pipeline::Impl::settle(std::int64_t end_ns) {
-  const int quarters = kQuarters * window.periods(), newest = blocks().count();
+  const int quarters = kQuarters * windows.length().periods(), newest = blocks().count();
   for (int to = windows.first_end(at.steady_serial); to <= newest; ++to)
     if (!look(to - quarters, to)) return;
   if (settle_by_modes(end_ns)) return;
@@ -23,7 +23,7 @@ void Pipeline::Impl::settle(std::int64_t end_ns) {
   if (states.awaits_reason()) emit(EndedBy::drive_changed);
   states.begin_to_measure();
   live.begin_to_count();
-  for (int c = 0; c < live.count(); ++c) transient[static_cast<std::size_t>(c)] = windows.left(c);
+  windows.keep_left();
   resum();
 }
 

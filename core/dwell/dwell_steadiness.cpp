@@ -1,6 +1,7 @@
 // Detects changes within a dwell: of one channel against the table, of the table itself, of the drive's frequency.
 #include <utility>
 
+#include "core/base/chance.hpp"
 #include "core/base/wording.hpp"
 #include "core/dwell/pipeline_impl.hpp"
 #include "core/fit/scatter.hpp"
@@ -8,17 +9,13 @@
 namespace dwell {
 namespace {
 
-constexpr double kTold = 0.1;  // tolerances, rms of the stretches: smaller variations are not reported
-// The same for a slope if the data have stretches, which show everything worth a word but a slow drift.
+// Tolerances from which a slope is reported if the data have stretches, which show everything worth a word but a slow
+// drift.
 constexpr double kToldOfLong = 0.5;
 // The largest change, in tolerances, that a slope alone describes in a dwell too short for stretches. Of 400 dwells of
 // 0.4 s whose amplitude hunts by 1 %, those off by five standard uncertainties had changed by 0.4 or more. At half this
 // limit sound dwells would be doubted.
 constexpr double kDoubted = 0.25;
-
-// Least |slope|² over its variance that is reported: once in 10 000 dwells by chance, exp(-9.2). Smaller slopes
-// (PhasorSlope::shows, one healthy dwell in a hundred) only widen the uncertainty.
-constexpr double kToldSlope = 9.2;
 
 // Rms of the stretches' deviations, relative to the phasor: along it and across.
 struct Wander {
@@ -85,7 +82,7 @@ void Pipeline::Impl::look_at_settling(std::vector<ChannelResult>& results) const
   const HarmonicFit& table = results[static_cast<std::size_t>(drive_channel())].fit;
   if (!modes.removal().active() || !table.usable || !modes.fit().usable(drive_channel())) return;
   const Complex change = since_fitted(table, modes.fit(), drive_channel(), data.totals().t_ref_ns());
-  if (!(std::norm(change * table.X[0]) > PhasorSlope::kShows * variance_since_fitted(table))) return;
+  if (!(std::norm(change * table.X[0]) > nats::kOneIn100 * variance_since_fitted(table))) return;
   for (int c = 0; c < live.count(); ++c) {
     ChannelResult& result = results[static_cast<std::size_t>(c)];
     if (!result.fit.usable || shows_drive(rig.channels[static_cast<std::size_t>(c)])) continue;
@@ -109,36 +106,40 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
     const Scatter scatter = scatter_of_sum(against, stretches);
     if (!(scatter.ratio > Scatter::kUnsteady) || !scatter.shows()) continue;
     const Wander wander = wander_of(results[c]);
-    if (std::max(wander.amplitude, wander.phase_rad) > kTold * rig.tolerance)
-      dwell.warnings.push_back(rig.channels[c].name + " is not steady: its ratio to the table varies by " +
-                               brief(std::sqrt(scatter.ratio), 2) +
-                               " times its noise; check the transducer and its mount");
+    if (std::max(wander.amplitude, wander.phase_rad) > kToleranceShare * rig.tolerance)
+      dwell.warnings.push_back({WarningKind::unsteady, rig.channels[c].name +
+                                                           " is not steady: its ratio to the table varies by " +
+                                                           brief(std::sqrt(scatter.ratio), 2) +
+                                                           " times its noise; check the transducer and its mount"});
   }
   const Wander drive_wanders = wander_of(results[table]);
   if (results[table].scatter.shows() && results[table].scatter.ratio > Scatter::kUnsteady &&
-      std::max(drive_wanders.amplitude, drive_wanders.phase_rad) > kTold * rig.tolerance) {
-    dwell.warnings.push_back("the drive is not steady: within the dwell its amplitude varies by " +
-                             percent(drive_wanders.amplitude) + " and its phase by " +
-                             brief(drive_wanders.phase_rad, 2) + " rad (rms); c and r are those of the mean");
+      std::max(drive_wanders.amplitude, drive_wanders.phase_rad) > kToleranceShare * rig.tolerance) {
+    dwell.warnings.push_back(
+        {WarningKind::unsteady, "the drive is not steady: within the dwell its amplitude varies by " +
+                                    percent(drive_wanders.amplitude) + " and its phase by " +
+                                    brief(drive_wanders.phase_rad, 2) + " rad (rms); c and r are those of the mean"});
     return;
   }
   const Complex rate = results[table].slope.value / results[table].fit.X[0];
   const double changed = std::abs(rate) * seconds;
   // In data too short for stretches only the slope shows a change.
-  const double told = results[table].scatter.dof > 0 ? kToldSlope : PhasorSlope::kShows;
-  const double least = results[table].scatter.dof > 0 ? kToldOfLong : kTold;
+  // Slopes that show in one healthy dwell of a hundred only widen the uncertainty.
+  const double told = results[table].scatter.dof > 0 ? nats::kOneIn10000 : nats::kOneIn100;
+  const double least = results[table].scatter.dof > 0 ? kToldOfLong : kToleranceShare;
   const bool sure = std::norm(results[table].slope.value) > told * results[table].slope.variance;
   if (!results[table].slope.shows() || !sure || !(changed > least * rig.tolerance)) {
     double absorbed = 0.0;  // the largest, as a part of the phasor
     for (const ChannelResult& result : results)
       if (result.fit.usable) absorbed = std::max(absorbed, std::abs(result.taken_for_transient / result.fit.X[0]));
     // Long after the transient was fitted an error of its frequency turns the phasor: the drive has not changed.
-    if (results[table].scatter.dof > 0 || !(absorbed > kTold * rig.tolerance)) return;
+    if (results[table].scatter.dof > 0 || !(absorbed > kToleranceShare * rig.tolerance)) return;
     const Complex change = since_fitted(results[table].fit, modes.fit(), drive_channel(), data.totals().t_ref_ns());
     if (std::norm(change * results[table].fit.X[0]) > told * variance_since_fitted(results[table].fit))
-      dwell.warnings.push_back("the drive is not steady: while the rig settled its amplitude changed by " +
-                               percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
-                               " rad; the uncertainties allow for it (\"drive's change while settling\")");
+      dwell.warnings.push_back(
+          {WarningKind::unsteady, "the drive is not steady: while the rig settled its amplitude changed by " +
+                                      percent(change.real()) + " and its phase by " + brief(change.imag(), 2) +
+                                      " rad; the uncertainties allow for it (\"drive's change while settling\")"});
     return;
   }
   const std::string seen = "the drive is not steady: its amplitude changes by " + percent(rate.real()) +
@@ -146,7 +147,8 @@ void Pipeline::Impl::warn_of_change(const std::vector<ChannelResult>& results, d
   if (rig.mass_count() > 0 && results[table].scatter.dof == 0 && changed > kDoubted * rig.tolerance)
     dwell.doubts.push_back({{}, seen + ", in data of " + brief(seconds, 2) + " s; wait until it is steady"});
   else
-    dwell.warnings.push_back(seen + "; the uncertainties allow for it (\"change within the dwell\")");
+    dwell.warnings.push_back(
+        {WarningKind::unsteady, seen + "; the uncertainties allow for it (\"change within the dwell\")"});
 }
 
 // Factor by which wandering phases widen the standard uncertainty of the frequency, over that by white residuals.

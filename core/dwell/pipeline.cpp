@@ -4,11 +4,6 @@
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
-namespace {
-
-constexpr std::int64_t kEmptyBlocks = 64;  // without a record: a longer gap is skipped, not stepped through
-
-}  // namespace
 
 std::uint8_t Pipeline::Impl::push(const Record& record) {
   changes = kNothing;
@@ -100,7 +95,7 @@ void Pipeline::Impl::advance() {
   }
   if (now_ns < blocks().open_end_ns()) return;
   const auto quarter_ns = to_ns(period_s() / kQuarters);
-  if (now_ns - blocks().open_end_ns() > kEmptyBlocks * quarter_ns) {
+  if (now_ns - blocks().open_end_ns() > Blocks::kFine * quarter_ns) {
     data.close();
     lose_data();
     data.clear();
@@ -165,7 +160,8 @@ State Pipeline::state() const noexcept { return impl_->states.state(); }
 std::complex<double> Pipeline::phasor(int channel) const noexcept {
   const Impl& p = *impl_;
   if (p.at.origin_ns == INT64_MIN) return {kNaN, kNaN};
-  const int from = p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.window.periods());
+  const int from =
+      p.states.measuring() ? 0 : std::max(0, p.blocks().count() - kQuarters * p.windows.length().periods());
   const HarmonicFit fit = p.data.fit_now(channel, from, p.states.measuring(), p.now_ns);
   const Channel& about = p.rig.channels[static_cast<std::size_t>(channel)];
   const double delay = about.device >= 0 ? p.rig.devices[static_cast<std::size_t>(about.device)].delay_s : 0.0;

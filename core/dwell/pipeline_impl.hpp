@@ -22,7 +22,6 @@
 #include "core/drive/drive_reference.hpp"
 #include "core/drive/drive_tracker.hpp"
 #include "core/drive/frequency_search.hpp"
-#include "core/drive/window_length.hpp"
 #include "core/dwell/counted_data.hpp"
 #include "core/dwell/dwell_draft.hpp"
 #include "core/dwell/dwell_states.hpp"
@@ -53,13 +52,12 @@ struct Pipeline::Impl {
         data(rig, live, reference),
         tracker(rig, reference),
         search(rig),
-        windows(rig, live, data, window),
+        windows(rig, live, data),
         history(history_capacity(live.count()), slices),
         G(observation_matrix(given)),
         provisional_chain(rig, G, slices),
         modes(rig, reference.stated(), history, provisional_chain) {
     runs.resize(static_cast<std::size_t>(live.count()));
-    transient.resize(static_cast<std::size_t>(live.count()));
     fitted_channels.resize(static_cast<std::size_t>(live.count()));
   }
 
@@ -69,7 +67,6 @@ struct Pipeline::Impl {
   CountedData data;
   DriveTracker tracker;
   FrequencySearch search;
-  WindowLength window;
   SettlingWindows windows;
   SampleHistory history;
   const Eigen::MatrixXd G;
@@ -77,7 +74,6 @@ struct Pipeline::Impl {
   TransientModel modes;
   std::vector<PlainRun> runs;                  // storage for take_in_block(), by channel
   std::vector<FittedChannel> fitted_channels;  // storage for hold_now()
-  std::vector<double> transient;  // per channel, unit of its reading: SettlingDetector::left() at the verdict
 
   DwellStates states;
   DwellTimes at;

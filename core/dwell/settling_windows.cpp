@@ -11,19 +11,23 @@ constexpr double kInQuarter = 5.0;  // samples: a mean, a sine and a cosine, and
 
 }  // namespace
 
-SettlingWindows::SettlingWindows(const Rig& rig, LiveChannels& live, const CountedData& data, WindowLength& length)
+SettlingWindows::SettlingWindows(const Rig& rig, LiveChannels& live, const CountedData& data)
     : rig_(rig),
       live_(live),
       data_(data),
-      length_(length),
       detector_(live.count(), rig.tolerance),
       fits_(static_cast<std::size_t>(live.count())),
-      readings_(static_cast<std::size_t>(live.count())) {}
+      readings_(static_cast<std::size_t>(live.count())),
+      left_(static_cast<std::size_t>(live.count())) {}
 
 void SettlingWindows::begin_hold() noexcept {
   detector_.restart();
   omega_ = data_.omega();
   solve_at_serial_ = 0;
+}
+
+void SettlingWindows::keep_left() noexcept {
+  for (int c = 0; c < live_.count(); ++c) left_[static_cast<std::size_t>(c)] = detector_.left(c);
 }
 
 int SettlingWindows::first_end(std::int64_t steady_serial) noexcept {

@@ -4,6 +4,7 @@
 // windows of this hold are taken anew.
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <cstdint>
 #include <vector>
@@ -20,7 +21,10 @@ namespace dwell {
 // Bound to one thread; real-time safe except for the constructor. Its arguments must outlive it.
 class SettlingWindows {
  public:
-  SettlingWindows(const Rig& rig, LiveChannels& live, const CountedData& data, WindowLength& length);
+  SettlingWindows(const Rig& rig, LiveChannels& live, const CountedData& data);
+
+  [[nodiscard]] WindowLength& length() noexcept { return length_; }
+  [[nodiscard]] const WindowLength& length() const noexcept { return length_; }
 
   // The drive is steady from now on.
   void begin_hold() noexcept;
@@ -59,8 +63,11 @@ class SettlingWindows {
   // Judges the hold by the window that look() took. t_s: its end; time_constant_s: of the identified chain, NaN: not
   // known.
   [[nodiscard]] SettlingDetector::Verdict judge(int from, int to, double t_s, double time_constant_s) noexcept;
-  // After a settled verdict: SettlingDetector::left().
-  [[nodiscard]] double left(int c) const noexcept { return detector_.left(c); }
+  // The verdict is settled. left_at_verdict(): unit of the channel's reading, SettlingDetector::left() at the verdict;
+  // 0 where another than the windows has given it.
+  void keep_left() noexcept;
+  void forget_left() noexcept { std::fill(left_.begin(), left_.end(), 0.0); }
+  [[nodiscard]] double left_at_verdict(int c) const noexcept { return left_[static_cast<std::size_t>(c)]; }
 
  private:
   struct Noise {
@@ -78,10 +85,11 @@ class SettlingWindows {
   const Rig& rig_;
   LiveChannels& live_;
   const CountedData& data_;
-  WindowLength& length_;
+  WindowLength length_;
   SettlingDetector detector_;
   std::vector<HarmonicFit> fits_;  // of the newest window
   std::vector<SettlingDetector::Reading> readings_;
+  std::vector<double> left_;
   double omega_ = 1.0;  // rad/s, at which the detector's windows were taken
   std::int64_t solve_at_serial_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/chance.hpp"
 #include "core/base/wording.hpp"
 
 namespace dwell {
@@ -12,7 +13,7 @@ namespace {
 
 // The same signal read twice differs by noise alone: by more than three standard deviations in one of 370 cases, of the
 // mean and of the phasor (χ² of two degrees of freedom above 11.8). Smaller: more twins go unseen.
-constexpr double kSameMean = 3.0, kSamePhasor = 11.8;
+constexpr double kSamePhasor = 11.8;
 // How often the means of two transducers may agree so well by chance, if that of one lies anywhere up to that of the
 // other on either side. Larger: healthy channels on both sides of a stiff element are doubted more often.
 constexpr double kByChance = 1e-3;
@@ -41,8 +42,8 @@ std::string mean_text(const Reading& reading) {
 
 bool are_twins(const Reading& a, const Reading& b) {
   const double u_mean = std::sqrt(a.u2_mean + b.u2_mean);
-  if (!(std::abs(a.mean - b.mean) <= kSameMean * u_mean)) return false;
-  if (!(kSameMean * u_mean < kByChance * std::abs(a.mean))) return false;
+  if (!(std::abs(a.mean - b.mean) <= sigmas::kNoise * u_mean)) return false;
+  if (!(sigmas::kNoise * u_mean < kByChance * std::abs(a.mean))) return false;
   const std::complex<double> apart = a.X - b.X;
   const Eigen::Vector2d d(apart.real(), apart.imag());
   const Eigen::Matrix2d covariance = a.covariance + b.covariance;

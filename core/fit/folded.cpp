@@ -60,10 +60,11 @@ void warn_of_folded(const Rig& rig, const std::vector<Folded>& folded, Dwell& dw
         part = std::max(part, folded[c].part);
       }
     if (names.empty()) continue;
-    dwell.warnings.push_back("harmonic " + std::to_string(m) +
-                             " of the drive, if there is any, folds onto the fundamental in " + listed(names) +
-                             ": the sampling rate is a whole multiple of the drive's frequency. ± allows for " +
-                             brief(100 * part, 2) + " % of the amplitude; change the sampling rate by 1 %");
+    dwell.warnings.push_back({WarningKind::folded_harmonic,
+                              "harmonic " + std::to_string(m) +
+                                  " of the drive, if there is any, folds onto the fundamental in " + listed(names) +
+                                  ": the sampling rate is a whole multiple of the drive's frequency. ± allows for " +
+                                  brief(100 * part, 2) + " % of the amplitude; change the sampling rate by 1 %"});
   }
 }
 

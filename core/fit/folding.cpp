@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
+
 namespace dwell {
 namespace {
 
 // Shifts tried on either side, 1e-4 of the rate apart: finer than a drive's frequency is known.
 constexpr int kRatesTried = 100;
-// Distances that differ by less than this part of f count as equal.
-constexpr double kSameRate = 1e-9;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Folding worst_folding(double rate_hz, double drive_hz, int fitted) noexcept {
     const int onto = static_cast<int>(std::min(std::round(read_as), static_cast<double>(fitted)));
     const double apart_hz = std::abs(read_as - onto) * drive_hz;
     const Folding folding{m, onto, apart_hz};
-    if (folding.distance_hz() < worst.distance_hz() - kSameRate * drive_hz) worst = folding;
+    if (folding.distance_hz() < worst.distance_hz() - kOnlyRounding * drive_hz) worst = folding;
   }
   return worst;
 }
@@ -38,7 +38,7 @@ double rate_beside_foldings(double rate_hz, double drive_hz, int fitted) noexcep
       const double tried_hz = rate_hz * (1.0 + sign * step * kRateShift / kRatesTried);
       if (tried_hz < slowest_hz) continue;
       const double far_hz = worst_folding(tried_hz, drive_hz, fitted).distance_hz();
-      if (far_hz <= farthest_hz + kSameRate * drive_hz) continue;
+      if (far_hz <= farthest_hz + kOnlyRounding * drive_hz) continue;
       farthest_hz = far_hz;
       best_hz = tried_hz;
     }

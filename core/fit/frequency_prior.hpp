@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "core/base/angle.hpp"
+#include "core/base/chance.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
@@ -22,21 +23,17 @@ struct FrequencyPrior {
   double omega = 0.0;                                  // ω_0, rad/s
   double u = std::numeric_limits<double>::infinity();  // rad/s; 0: exact; infinity: nothing is stated
 
-  // Standard deviations beyond which data and statement contradict each other: by chance in 1 of 16 000 dwells. Halved:
-  // a false alarm in every twentieth dwell. Doubled: a clock that is off by 400 ppm goes unsaid.
-  static constexpr double kContradicts = 4.0;
-
   [[nodiscard]] bool stated() const noexcept { return std::isfinite(u); }
   [[nodiscard]] bool exact() const noexcept { return u == 0; }
   [[nodiscard]] double score(double w) const noexcept { return stated() && !exact() ? (omega - w) / (u * u) : 0.0; }
   [[nodiscard]] double information() const noexcept { return stated() && !exact() ? 1 / (u * u) : 0.0; }
   // ω, limited to the range that does not contradict the statement.
   [[nodiscard]] double within(double w) const noexcept {
-    return stated() ? std::clamp(w, omega - kContradicts * u, omega + kContradicts * u) : w;
+    return stated() ? std::clamp(w, omega - sigmas::kShown * u, omega + sigmas::kShown * u) : w;
   }
   // Whether ω by the data alone, with standard uncertainty u_data, contradicts the statement.
   [[nodiscard]] bool contradicted(double w, double u_data) const noexcept {
-    return stated() && std::abs(w - omega) > kContradicts * std::hypot(u, u_data);
+    return stated() && std::abs(w - omega) > sigmas::kShown * std::hypot(u, u_data);
   }
 };
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <complex>
 
+#include "core/base/chance.hpp"
 #include "core/fit/totals.hpp"
 #include "core/result/dwell.hpp"
 #include "core/rig/rig.hpp"
@@ -33,10 +34,7 @@ struct HarmonicFit {
 struct PhasorSlope {
   std::complex<double> value;
   double variance = 0.0;  // sum over both components, for white residuals; 0: no slope can be told
-  // Limit of |value|² over its variance: by chance exceeded in 1 of 100 channels (χ² of two degrees of freedom above
-  // 9.2). Doubled: changes of three standard deviations of a phasor go unsaid. Halved: a false alarm in 1 of 10.
-  static constexpr double kShows = 4.6;
-  [[nodiscard]] bool shows() const noexcept { return variance > 0 && std::norm(value) > kShows * variance; }
+  [[nodiscard]] bool shows() const noexcept { return variance > 0 && std::norm(value) > nats::kOneIn100 * variance; }
 };
 
 // Fits the channels of one set of sums. Channels that share their instants share the factor of R, which is half of the

@@ -4,12 +4,11 @@
 #include <cassert>
 #include <type_traits>
 
+#include "core/base/instants.hpp"
 #include "core/rig/rig.hpp"
 
 namespace dwell {
 namespace {
-
-constexpr double kSecond = 1e-9;  // s per ns
 
 template <typename F>
 void with_constant(int harmonics, F&& use) {
@@ -79,7 +78,7 @@ void OpenBlock::open(MomentSets& sets, std::size_t slot, std::int64_t centre_ns,
 }
 
 void OpenBlock::evaluate(std::int64_t t_ns, moments::Regressors& out) const noexcept {
-  const double u = static_cast<double>(t_ns - centre_ns_) * kSecond;
+  const double u = to_s(t_ns - centre_ns_);
   out.t_ns = t_ns;
   evaluate_(omega_ * u, u, out);
 }
@@ -89,7 +88,7 @@ void OpenBlock::add_sample(OpenBlock& block, int channel, std::int64_t t_ns, dou
   moments::Regressors& now = block.now_;
   if (t_ns != now.t_ns) {
     assert(block.open_ && t_ns < block.end_ns_);
-    const double u = static_cast<double>(t_ns - block.centre_ns_) * kSecond;
+    const double u = to_s(t_ns - block.centre_ns_);
     now.t_ns = t_ns;
     moments::evaluate<H>(block.omega_ * u, u, now);
   }

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/fit/blocks.hpp"
+
 namespace dwell {
 namespace {
 
-constexpr int kStretchesCompared = 12;
-constexpr int kQuartersOfPeriod = 4;  // quarters
 constexpr double kSureOfRatio = 2.0;  // standard deviations of the ratio beyond which it is no chance
 
 // Deviation of the fundamental in one stretch: least squares on the residuals of the whole fit.
@@ -56,7 +56,7 @@ std::vector<std::vector<PhasorStretch>> phasor_stretches(const Blocks& blocks, i
   std::vector<std::vector<PhasorStretch>> stretches(fits.size());
   int quarters = 0;
   for (int i = from; i < to; ++i) quarters += blocks.block(i).quarters;
-  const int wanted = std::max(kQuartersOfPeriod, quarters / kStretchesCompared);
+  const int wanted = std::max(kQuarters, quarters / kStretches);
   for (int first = from, i = from, held = 0; i < to; ++i) {
     held += blocks.block(i).quarters;
     if (held < wanted) continue;

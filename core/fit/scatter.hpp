@@ -16,6 +16,9 @@
 
 namespace dwell {
 
+// Parts into which the data of a dwell are cut, so that changes within it show. Twelve give their spread to 20 %.
+inline constexpr int kStretches = 12;
+
 // One stretch of one channel.
 struct PhasorStretch {
   bool usable = false;       // it has enough samples

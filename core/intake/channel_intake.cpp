@@ -5,13 +5,12 @@
 #include <utility>
 
 #include "core/base/angle.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/wording.hpp"
 
 namespace dwell {
 namespace {
 
-// Noise below this part of the largest reading is the rounding of double precision.
-constexpr double kRealNoise = 1e-9;
 // A run of identical readings longer than any motion explains. A sine whose mean difference is kMoves rounding steps
 // has √(readings a period) / 5 identical readings at its crest, where it is slowest; with noise fewer. kAtCrest is that
 // factor with a margin.
@@ -180,7 +179,7 @@ void ChannelIntake::see_residuals(double sigma) noexcept {
 
 PileUp::Noise ChannelIntake::noise() const noexcept {
   const double noise = std::min(motion_.noise(), std::sqrt(residuals2_));
-  return {noise > kRealNoise * codes_.largest() ? noise : 0.0, apart()};
+  return {noise > kOnlyRounding * codes_.largest() ? noise : 0.0, apart()};
 }
 
 double ChannelIntake::clipping_bias() const noexcept { return pile_up_.loss(noise()); }

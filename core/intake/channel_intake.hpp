@@ -112,7 +112,7 @@ class ChannelIntake {
 
  private:
   [[nodiscard]] double apart() const noexcept;
-  // How many readings of the run are plain by all but the motion before them.
+  // How many of the run's first readings pass all checks of a plain reading except that of the motion gate.
   [[nodiscard]] std::size_t plain_ones(const PlainRun& run) const noexcept;
   [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;

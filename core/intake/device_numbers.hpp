@@ -15,8 +15,8 @@ class DeviceNumbers {
   explicit DeviceNumbers(const Channel& channel)
       : gain_(channel.si_per_unit * channel.scale),
         offset_(channel.si_per_unit * channel.offset),
-        low_(channel.range_low.value_or(-INFINITY) * channel.si_per_unit),
-        high_(channel.range_high.value_or(INFINITY) * channel.si_per_unit),
+        low_(channel.range.low.value_or(-INFINITY) * channel.si_per_unit),
+        high_(channel.range.high.value_or(INFINITY) * channel.si_per_unit),
         si_per_unit_(channel.si_per_unit),
         unit_(unit_text(channel.unit)) {}
 

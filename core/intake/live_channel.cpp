@@ -6,17 +6,13 @@
 
 #include "core/base/instants.hpp"
 #include "core/base/wording.hpp"
+#include "core/intake/answer_lateness.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kLost_s = 1.0;  // without a sample, and at least kLostPeriods: the channel no longer delivers
-constexpr double kHeldUp = 1.5;  // times the mean half width: a reading beyond was held up
-
 // Part of a phasor's standard uncertainty that clipping or repeats may cost without being reported.
 constexpr double kBiasMatters = 0.3;
-// The same while settling, where no uncertainty is known: part of the tolerance, relative to the amplitude.
-constexpr double kBiasShows = 0.1;
 // Part of the readings that may be left out. With more, enough bad readings also pass the gate: of 30 % zeros and 1 %
 // noise an error of 30 u passed, of 10 % zeros none.
 constexpr double kMostLeftOut = 0.15;
@@ -24,7 +20,7 @@ constexpr double kMostLeftOut = 0.15;
 }  // namespace
 
 double LiveChannel::extra_u_s(const Reading& reading) const noexcept {
-  return 1e-9 * std::max(0.0, reading.half_ns - kHeldUp * half_ns_sum_ / half_count_);
+  return 1e-9 * std::max(0.0, reading.half_ns - AnswerLateness::kHeldUp * half_ns_sum_ / half_count_);
 }
 
 void LiveChannel::begin_hold() noexcept {
@@ -36,11 +32,11 @@ void LiveChannel::begin_hold() noexcept {
 
 bool LiveChannel::delivers(std::int64_t now_ns, double period_s) const noexcept {
   return now_.fault == Fault::none && last_ns_ != INT64_MIN &&
-         to_s(now_ns - last_ns_) <= std::max(kLost_s, kLostPeriods * period_s);
+         to_s(now_ns - last_ns_) <= std::max(kSilent_s, kLostPeriods * period_s);
 }
 
 bool LiveChannel::unfit(double period_s, double tolerance) const noexcept {
-  return stuck(period_s) || std::max(intake_.clipping_bias(), intake_.repeat_bias()) > kBiasShows * tolerance ||
+  return stuck(period_s) || std::max(intake_.clipping_bias(), intake_.repeat_bias()) > kToleranceShare * tolerance ||
          intake_.clustered() || intake_.left_out() > kMostLeftOut;
 }
 
@@ -93,7 +89,7 @@ std::vector<std::string> LiveChannel::warnings(double tolerance) const {
   if (intake_.late() > kMostLeftOut)
     out.push_back(percent(intake_.late()) +
                   " of its readings do not count: they were answered too late; the computer or the gateway is busy");
-  if (intake_.clipping_bias() > kBiasShows * tolerance)
+  if (intake_.clipping_bias() > kToleranceShare * tolerance)
     out.push_back(intake_.clipped_reason() + "; choose a larger range, or a smaller amplitude, then re-arm");
   return out;
 }

@@ -28,22 +28,20 @@
 #include <cstdint>
 #include <span>
 
+#include "core/intake/answer_lateness.hpp"
 #include "core/intake/foreign_readings.hpp"
 #include "core/intake/motion_predictor.hpp"
 #include "core/intake/plain_run.hpp"
+#include "core/intake/prediction_errors.hpp"
 #include "core/intake/recent_numbers.hpp"
+#include "core/intake/waiting_readings.hpp"
 
 namespace dwell {
 
 // Of one channel, in any unit. Bound to one thread; real-time safe; about 0.2 µs a reading.
 class MotionGate {
  public:
-  struct Reading {
-    std::int64_t t_ns = 0;
-    double value = 0.0;
-    std::uint32_t half_ns = 0;
-    std::uint32_t refresh_half_ns = 0;  // ns, of a held register: its refresh came at t_ns ± this
-  };
+  using Reading = DatedReading;
   enum class Says : std::uint8_t {
     take,
     leave,      // foreign
@@ -57,7 +55,7 @@ class MotionGate {
 
   // Whether the readings may be judged as a run from the newest one on: `before` are the last ones.
   [[nodiscard]] bool plain(std::span<const double, PlainRun::kBefore> before, double omega) const noexcept {
-    return seen_ > kFewest && waits_ == 0 && recent_.are(before.last<Recent::kRemembered>()) &&
+    return errors_.known() && waiting_.count() == 0 && recent_.are(before.last<Recent::kRemembered>()) &&
            predictor_.even(before.last<MotionPredictor::kPoints>(), last_ns_, omega);
   }
   [[nodiscard]] std::int64_t newest_ns() const noexcept { return last_ns_; }
@@ -72,53 +70,54 @@ class MotionGate {
   // Whether the gate judges: the motion is known, and sampled densely enough.
   [[nodiscard]] bool active() const noexcept { return active_; }
   // The readings given back by the last judge().
-  [[nodiscard]] std::span<const Reading> waiting() const noexcept { return {waiting_.data(), given_back_}; }
+  [[nodiscard]] std::span<const Reading> waiting() const noexcept { return waiting_.first(given_back_); }
   // Standard deviation of a reading's noise, estimated from the prediction errors; 0: not known.
-  [[nodiscard]] double noise() const noexcept;
+  [[nodiscard]] double noise() const noexcept { return errors_.noise(); }
 
   [[nodiscard]] const ForeignReadings& foreign() const noexcept { return foreign_; }
   // Readings that did not count because of their instants: since construction, since restart().
-  [[nodiscard]] std::uint64_t uncertain() const noexcept { return uncertain_; }
-  [[nodiscard]] std::uint64_t uncertain_in_hold() const noexcept { return uncertain_in_hold_; }
+  [[nodiscard]] std::uint64_t uncertain() const noexcept { return uncertain_.ever; }
+  [[nodiscard]] std::uint64_t uncertain_in_hold() const noexcept { return uncertain_.in_hold; }
   void restart() noexcept {
     foreign_.restart();
-    uncertain_in_hold_ = 0;
+    uncertain_.in_hold = 0;
   }
 
  private:
   using Recent = RecentNumbers<8>;
-  static constexpr double kHeldUp = 1.5;    // medians of the half widths
-  static constexpr int kFewest = 40;        // readings before the gate judges: the median is then known to 20 %
   static constexpr double kFar = 12.0;      // medians; at half of it (4 σ) a good reading fails once in 16 000
   static constexpr double kRounding = 4.0;  // steps: rounding alone gives e at most (1 + Σ|w|) / 2 = 2.5
-  static constexpr double kLearn = 0.02;    // relative step of the median: it follows a decay of 1 % a reading
-  static constexpr double kLearnRare = 1.0 / 256.0;  // one in twenty is then known to 0.01
-  // A step of a running median, by whether the newest is above it. No branch: noise cannot be guessed.
-  static constexpr double kTowards[] = {1 - kLearn, 1 + kLearn};
-  static constexpr std::size_t kMost = 4;  // readings out of the motion that make another motion
 
-  [[nodiscard]] bool held_up(const Reading& reading) const noexcept {
-    return reading.half_ns > kHeldUp * median_half_ns_;
-  }
   // A good reading, for the predictions that follow.
   void follow(const Reading& reading) noexcept {
-    if (!held_up(reading)) predictor_.add(reading.t_ns, reading.value);
+    if (!lateness_.held_up(reading.half_ns)) predictor_.add(reading.t_ns, reading.value);
   }
-  [[nodiscard]] bool even(const Reading& newest, double limit) const noexcept;
+  // What says of a reading of the motion: take, or that its instant is too uncertain.
+  Says counts(bool certain) noexcept {
+    if (certain) return Says::take;
+    ++uncertain_.ever;
+    ++uncertain_.in_hold;
+    return Says::uncertain;
+  }
+  // The readings that wait are foreign.
+  void leave_waiting() noexcept {
+    for (const Reading& reading : waiting_.take()) foreign_.add(reading.value, false);
+  }
   // The limit k for a reading that equals one of the last, in medians.
   [[nodiscard]] double tied_medians(double step) const noexcept;
   Says give_back(const Reading& newest, double relative) noexcept;
 
   MotionPredictor predictor_;
   Recent recent_;
-  std::array<Reading, kMost - 1> waiting_{};
-  std::size_t waits_ = 0, given_back_ = 0;
-  double median_ = 0.0, median_half_ns_ = 0.0;  // running: of |e| / a; of the half widths
-  double by_far_ = 0.0;                         // running: part of the answers beyond 5 medians
-  int seen_ = 0;
+  WaitingReadings waiting_;
+  std::size_t given_back_ = 0;
+  PredictionErrors errors_;
+  AnswerLateness lateness_;
   bool active_ = false;
   std::int64_t last_ns_ = INT64_MIN;  // of the newest reading, taken or not
-  std::uint64_t uncertain_ = 0, uncertain_in_hold_ = 0;
+  struct {
+    std::uint64_t ever = 0, in_hold = 0;
+  } uncertain_;
   ForeignReadings foreign_;
 };
 
@@ -135,14 +134,13 @@ void MotionGate::take_plain(PlainRun& run, Step&& step, Took&& took) noexcept {
   }
   std::size_t taken = 0;
   for (; taken < run.count(); ++taken) {
-    double median_half_ns = median_half_ns_ == 0.0 ? half_ns : median_half_ns_;
-    median_half_ns *= half_ns > median_half_ns ? 1 + kLearn : 1 - kLearn;
+    AnswerLateness lateness = lateness_;
+    lateness.see(half_ns, false);
     const double step_now = step();
-    if (half_ns > kHeldUp * median_half_ns || !std::isfinite(step_now)) break;
-    if (!(errors[taken] <= gain * kFar * median_ + kRounding * step_now)) break;
-    median_half_ns_ = median_half_ns;
-    if (by_far_ > 0) by_far_ += kLearnRare * (0.0 - by_far_);
-    median_ *= kTowards[relatives[taken] > median_ ? 1 : 0];
+    if (lateness.held_up(half_ns) || !std::isfinite(step_now)) break;
+    if (!(errors[taken] <= gain * kFar * errors_.median() + kRounding * step_now)) break;
+    lateness_ = lateness;
+    errors_.add(relatives[taken]);
     took(run.at(static_cast<std::ptrdiff_t>(taken)));
   }
   run.shorten(taken);

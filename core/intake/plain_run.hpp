@@ -36,13 +36,13 @@ class PlainRun {
   // There is none: no reading is added.
   void close() noexcept {
     count_ = 0;
-    due_ns_ = kNever_ns;
+    due_ns_ = INT64_MIN;
   }
   // Adds the channel's next reading. It may end the run instead; then no later one is added either.
   void add(std::int64_t t_ns, double number, std::uint32_t half_ns, bool flagged) noexcept {
     if (count_ == 0) half_ns_ = half_ns;
     if (t_ns != due_ns_ || half_ns != half_ns_ || flagged || count_ == kMost) {
-      due_ns_ = kNever_ns;
+      due_ns_ = INT64_MIN;
       return;
     }
     due_ns_ += gap_ns_;
@@ -103,12 +103,10 @@ class PlainRun {
   }
 
  private:
-  static constexpr std::int64_t kNever_ns = INT64_MIN;
-
   std::array<double, kBefore + kMost> numbers_{};
   std::size_t count_ = 0;
   std::int64_t before_ns_ = 0, gap_ns_ = 0;
-  std::int64_t due_ns_ = kNever_ns;  // when the next reading must come; kNever_ns: the run has ended
+  std::int64_t due_ns_ = INT64_MIN;  // when the next reading must come; INT64_MIN: the run has ended
   std::uint32_t half_ns_ = 0;
 };
 

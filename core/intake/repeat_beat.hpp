@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/intake/repeat_distances.hpp"
+
 namespace dwell {
 
 // Of one channel, in the device's own numbers. Bound to one thread; real-time safe.
@@ -25,9 +27,10 @@ class RepeatBeat {
   // The newest reading ends a repeat between two jumps; beside: the smaller of them. onwards: both go the same way.
   // step: of the rounding. density: of the differences near 0, per `beside`.
   void repeat(bool onwards, double beside, double step, double density) noexcept {
-    if (since_ < kBunch * beat_ && beat_ >= kSlowest) return;
+    if (since_ < RepeatDistances::kBunch * beat_ && beat_ >= kSlowest) return;
     const double times = std::max(1.0, std::round(since_ / std::max(1.0, beat_)));
-    const bool regular = beat_ >= kSlowest && times <= kMissed && std::abs(since_ - times * beat_) <= kRegular * beat_;
+    const bool regular =
+        beat_ >= kSlowest && times <= kMissed && std::abs(since_ - times * beat_) <= RepeatDistances::kRegular * beat_;
     if (!regular) regular_ = onwards_ = 0, beat_ = since_, beside_ = beside;
     since_ = 0.0;
     if (!regular) return;
@@ -42,10 +45,9 @@ class RepeatBeat {
   [[nodiscard]] bool suspected() const noexcept { return regular_ > 0; }
 
  private:
-  // kSlowest: least beat, in readings; in a shorter one whole runs are many. kRegular: relative deviation of a beat; a
-  // gateway's random repeats keep to it once in eight. kBunch: repeats within this part of a beat are one, since
-  // instants jitter. kSilent: beats without a repeat after which nothing is found any more.
-  static constexpr double kSlowest = 30.0, kRegular = 0.12, kBunch = 0.3, kSilent = 3.0;
+  // kSlowest: least beat, in readings; in a shorter one whole runs are many. kSilent: beats without a repeat after
+  // which nothing is found any more.
+  static constexpr double kSlowest = 30.0, kSilent = 3.0;
   static constexpr double kNoChance = 0.03;
   static constexpr int kBeats = 3, kMissed = 3;
   double since_ = 0.0, beat_ = 0.0;  // readings

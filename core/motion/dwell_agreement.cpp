@@ -22,7 +22,7 @@ double noise_variance(const Coefficient& coefficient, const std::vector<BudgetSh
                       double BudgetShare::*share) {
   double part = 0.0;
   for (const BudgetShare& one : budget)
-    if (one.source.rfind("noise of ", 0) == 0) part += one.*share;
+    if (one.kind == SourceKind::noise) part += one.*share;
   return part * coefficient.u * coefficient.u;
 }
 
@@ -52,12 +52,11 @@ std::vector<Agreement> differences(const MotionEstimate& motion, const Dwell& dw
 // Channels in which the sampling may fold harmonics of the drive onto the fundamental. The dwell's ± assumes a size of
 // these harmonics; the method of any motion needs none.
 std::vector<std::string> folding_channels(const Dwell& dwell, const std::vector<int>& elements) {
-  const std::string folded = "folded harmonics of ";
   std::vector<std::string> names;
   for (const ElementEstimate& element : dwell.elements) {
     if (std::find(elements.begin(), elements.end(), element.k) == elements.end()) continue;
     for (const BudgetShare& one : element.budget)
-      if (one.source.rfind(folded, 0) == 0) names.push_back(one.source.substr(folded.size()));
+      if (one.kind == SourceKind::folded_harmonics) names.push_back(one.channel);
   }
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());

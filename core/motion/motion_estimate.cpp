@@ -262,7 +262,8 @@ class Report {
     }
     std::vector<BudgetShare> out;
     for (const auto& [name, part] : parts)
-      if (part.first > 0 || part.second > 0) out.push_back({name, part.first / stiffness, part.second / damping});
+      if (part.first > 0 || part.second > 0)
+        out.push_back({name, part.first / stiffness, part.second / damping, SourceKind::other, {}});
     std::stable_sort(out.begin(), out.end(), [](const BudgetShare& a, const BudgetShare& b) {
       return a.stiffness_share + a.damping_share > b.stiffness_share + b.damping_share;
     });

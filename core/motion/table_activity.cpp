@@ -36,7 +36,7 @@ std::vector<Block> blocks_of(const MotionData& data, int channel, std::int64_t l
 }
 
 // The stretches of blocks, joined where they are most alike until few are left.
-std::vector<TableActivity::Stretch> joined(const std::vector<Block>& blocks, double floor) {
+std::vector<TableActivity::AmplitudeFrom> joined(const std::vector<Block>& blocks, double floor) {
   struct Piece {
     std::int64_t from_ns;
     double logarithm;  // mean over `count` blocks
@@ -59,7 +59,7 @@ std::vector<TableActivity::Stretch> joined(const std::vector<Block>& blocks, dou
     into.count += from.count;
     pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(best));
   }
-  std::vector<TableActivity::Stretch> out;
+  std::vector<TableActivity::AmplitudeFrom> out;
   for (const Piece& piece : pieces) out.push_back({piece.from_ns, std::exp(piece.logarithm)});
   return out;
 }

@@ -18,12 +18,12 @@ struct TableActivity {
   int channel = -1;           // the channel judged by
   std::int64_t onset_ns = 0;  // where it begins to
   double amplitude = 0.0;     // m, the largest
-  // Where a stretch begins and the table's amplitude there, m.
-  struct Stretch {
+  // From when on the table moves with this amplitude, m.
+  struct AmplitudeFrom {
     std::int64_t from_ns;
     double amplitude;
   };
-  std::vector<Stretch> stretches;
+  std::vector<AmplitudeFrom> stretches;
 };
 
 // The channel by which the activity is judged; -1: no channel shows the table.

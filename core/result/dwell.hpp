@@ -55,10 +55,19 @@ struct ChannelPhasor {
   std::string reason;  // why not valid
 };
 
+// What an uncertainty comes from.
+enum class SourceKind : std::uint8_t {
+  other,  // a scale, a delay, a mass, …
+  noise,
+  folded_harmonics,  // that the sampling folds onto the fundamental
+};
+
 struct BudgetShare {
   std::string source;            // for instance "scale of y1"
   double stiffness_share = 0.0;  // part of the variance of c; the shares of an element add up to 1
   double damping_share = 0.0;    // the same of r
+  SourceKind kind = SourceKind::other;
+  std::string channel;  // its name; empty: `other`
 };
 
 struct ElementEstimate {
@@ -77,7 +86,32 @@ struct ElementEstimate {
 struct Doubt {
   std::vector<int> elements;  // k of the elements concerned, ascending; empty: all
   std::string what;
+  bool by_chance = false;  // noise alone may be the cause: nothing is to blame
 };
+
+enum class WarningKind : std::uint8_t {
+  unknown,  // read from the public interface, which has the text alone
+  not_settled,
+  no_coefficients,
+  readings,         // of one channel
+  hum,              // cannot be told from a harmonic, if there is any
+  folded_harmonic,  // of the drive, folds onto the fundamental, if there is any
+  drive_harmonic,   // of the drive, seen and not fitted
+  unsteady,         // the drive, or a channel's ratio to it
+  nonlinear,        // an element, or a channel that distorts
+  growing_chain,
+  sync_pulses,
+  any_motion,  // held against the dwell by the method of any motion
+};
+
+// Something to know about a dwell whose coefficients may be relied on all the same.
+struct Warning {
+  WarningKind kind = WarningKind::unknown;
+  std::string what;
+  [[nodiscard]] bool operator==(const Warning&) const = default;
+};
+// How the text of a `not_settled` begins; Dwell::settling_reason follows.
+inline constexpr const char* kNotSettled = "not settled: ";
 
 struct Dwell {
   std::optional<int> index;  // 1 … within the run; none while idle
@@ -97,7 +131,7 @@ struct Dwell {
   std::vector<ElementEstimate> elements;  // one per element when settled, else empty
   std::vector<double> covariance;         // of (c, r) of each identifiable element in order; row-major
   std::vector<CoefficientError> errors;   // the covariance source by source; not part of the JSON object
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::vector<Doubt> doubts;
   std::vector<std::string> unstated;  // uncertainties that the rig file leaves out and no ± covers: "scale of y1"
 };

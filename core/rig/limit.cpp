@@ -6,12 +6,10 @@ namespace dwell {
 namespace {
 
 // Why no number of this element is judged; empty: it is.
-std::string obstacle(const Dwell& dwell, const ElementEstimate* element) {
+std::string obstacle(const Dwell& dwell, const ElementEstimate* element, const Doubt* doubt) {
   if (!std::isfinite(dwell.settled_s) || element == nullptr) return "not settled";
   if (!element->identifiable) return element->reason.empty() ? "not identifiable" : element->reason;
-  for (const Doubt& doubt : dwell.doubts)
-    if (concerns(doubt, element->k)) return "the number must not be relied on: " + doubt.what;
-  return {};
+  return doubt != nullptr ? kDoubtedNumber + (": " + doubt->what) : "";
 }
 
 // Why nothing is measured now; empty: a dwell is.
@@ -38,6 +36,14 @@ const char* to_string(LimitVerdict verdict) noexcept {
   return "unknown";
 }
 
+const Doubt* doubt_of(const Dwell& dwell, int element) noexcept {
+  const ElementEstimate* const estimate = element_of(dwell, element);
+  if (!std::isfinite(dwell.settled_s) || estimate == nullptr || !estimate->identifiable) return nullptr;
+  for (const Doubt& doubt : dwell.doubts)
+    if (concerns(doubt, element)) return &doubt;
+  return nullptr;
+}
+
 LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) noexcept {
   const double low = coefficient.value - coefficient.U95;
   const double high = coefficient.value + coefficient.U95;
@@ -51,11 +57,13 @@ std::vector<JudgedLimit> judge_limits(const Rig& rig, const Dwell& dwell) {
   std::vector<JudgedLimit> judged;
   for (const Limit& limit : rig.limits) {
     const ElementEstimate* const element = element_of(dwell, limit.element);
-    const std::string why = obstacle(dwell, element);
+    const Doubt* const doubt = doubt_of(dwell, limit.element);
+    const std::string why = obstacle(dwell, element, doubt);
     const auto add = [&](const std::optional<Bounds>& bounds, CoefficientKind kind,
                          Coefficient ElementEstimate::*which) {
       if (!bounds) return;
-      JudgedLimit& fresh = judged.emplace_back(JudgedLimit{limit.element, kind, *bounds, LimitVerdict::none, why});
+      JudgedLimit& fresh =
+          judged.emplace_back(JudgedLimit{limit.element, kind, *bounds, LimitVerdict::none, why, doubt != nullptr});
       if (!why.empty()) return;
       fresh.verdict = judge_limit(*bounds, element->*which);
       if (fresh.verdict == LimitVerdict::none) fresh.reason = "the value or its uncertainty is not known";

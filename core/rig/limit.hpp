@@ -24,8 +24,13 @@ struct JudgedLimit {
   CoefficientKind kind = CoefficientKind::stiffness;
   Bounds bounds;  // SI
   LimitVerdict verdict = LimitVerdict::none;
-  std::string reason;  // why there is no verdict; empty: there is one
+  std::string reason;    // why there is no verdict; empty: there is one
+  bool doubted = false;  // it is a doubt about the number: kDoubtedNumber, and the doubt
 };
+inline constexpr const char* kDoubtedNumber = "the number must not be relied on";
+
+// Whether a dwell has this element's coefficients, and a doubt says not to rely on them; null: it does not.
+[[nodiscard]] const Doubt* doubt_of(const Dwell& dwell, int element) noexcept;
 
 // The verdict on one number; none: its value or uncertainty is not finite.
 [[nodiscard]] LimitVerdict judge_limit(const Bounds& bounds, const Coefficient& coefficient) noexcept;

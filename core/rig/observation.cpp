@@ -3,23 +3,24 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
+
 namespace dwell {
 namespace {
 
 // A number up to this is rounding of a zero: an entry of `null_projector` or `gain` (0 or of order 1), or a sum
 // relative to its terms. A redundant transducer with 1e9 times the variance of the others therefore counts as unused.
-constexpr double kRounding = 1e-9;
 
 // Whether function·column is zero apart from rounding, relative to the sum of the absolute terms.
 bool vanishes(const Eigen::Ref<const Eigen::VectorXcd>& function, const Eigen::Ref<const Eigen::VectorXd>& column) {
   std::complex<double> sum = 0.0;
   double terms = 0.0;
   for (Eigen::Index l = 0; l < column.size(); ++l) {
-    if (std::abs(column(l)) <= kRounding) continue;
+    if (std::abs(column(l)) <= kOnlyRounding) continue;
     sum += function(l) * column(l);
     terms += std::abs(function(l) * column(l));
   }
-  return std::abs(sum) <= kRounding * terms;
+  return std::abs(sum) <= kOnlyRounding * terms;
 }
 
 }  // namespace

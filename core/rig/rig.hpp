@@ -33,6 +33,17 @@ struct Filter {
 
 inline constexpr int kGround = -1;  // the ground as a place: Channel::at of the reaction force
 
+// In the channel's unit. Readings outside are not used.
+struct MeasuringRange {
+  std::optional<double> low;
+  std::optional<double> high;
+};
+
+struct Calibration {
+  std::string id;
+  std::string due;  // ISO date
+};
+
 struct Channel {
   std::string name;
   int device = -1;  // index into Rig::devices; -1: none (a recording as text)
@@ -49,11 +60,11 @@ struct Channel {
   double delay_u_s = 0.0;          // its standard uncertainty
   Filter lowpass;
   Filter highpass;
-  std::optional<double> range_low;  // in `unit`; a reading outside the range is not used
-  std::optional<double> range_high;
-  std::string calibration_id;
-  std::string calibration_due;                          // ISO date
-  bool scale_u_stated = false, delay_u_stated = false;  // the rig file states it, even if as 0
+  MeasuringRange range;
+  Calibration calibration;
+  struct {
+    bool scale_u = false, delay_u = false;
+  } stated;  // the rig file states it, even if as 0
 };
 
 // Clock that paces a device's samples. host: the stamps are the instants. device: the device samples at its own rate;
@@ -82,6 +93,10 @@ struct Excitation {
 };
 
 inline constexpr int kMaxHarmonics = 8;
+
+// The part of Rig::tolerance below which a deviation is neither told nor counted against the drive. Halved, sound
+// dwells get warnings. Doubled, errors of a fifth of what is allowed go unsaid.
+inline constexpr double kToleranceShare = 0.1;
 
 // low < high, SI. One of them may be infinite: there is no bound on that side.
 struct Bounds {

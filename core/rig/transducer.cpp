@@ -4,18 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // H(s) of a Butterworth low-pass with corner 1 rad/s, as a product over its poles.
 Complex butterworth(int order, Complex s) noexcept {
   Complex product = 1.0;
   for (int k = 0; k < order; ++k) {
-    const Complex pole = std::polar(1.0, kPi / 2 + kPi * (2 * k + 1) / (2.0 * order));
+    const Complex pole = std::polar(1.0, std::numbers::pi / 2 + std::numbers::pi * (2 * k + 1) / (2.0 * order));
     product *= -pole / (s - pole);
   }
   return product;
@@ -48,12 +47,12 @@ double bessel_corner(int order) noexcept {
 }  // namespace
 
 Complex filter_response(const Filter& filter, bool high, double f_hz) noexcept {
-  return filter_response(filter, high, Complex{0.0, 2 * kPi * f_hz});
+  return filter_response(filter, high, Complex{0.0, kTwoPi * f_hz});
 }
 
 Complex filter_response(const Filter& filter, bool high, Complex s) noexcept {
   if (filter.kind == FilterKind::none) return 1.0;
-  s /= 2 * kPi * filter.hz;
+  s /= kTwoPi * filter.hz;
   if (high) s = 1.0 / s;
   switch (filter.kind) {
     case FilterKind::none:
@@ -83,7 +82,7 @@ int derivative_order(Quantity quantity) noexcept {
 }
 
 Complex response(const Channel& channel, double device_delay_s, double f_hz) noexcept {
-  return response(channel, device_delay_s, Complex{0.0, 2 * kPi * f_hz});
+  return response(channel, device_delay_s, Complex{0.0, kTwoPi * f_hz});
 }
 
 Complex response(const Channel& channel, double device_delay_s, Complex s) noexcept {
@@ -103,7 +102,7 @@ LogSlopes response_slopes(const Channel& channel, double device_delay_s, double 
   };
   const Complex low = log_slope(channel.lowpass, false), high = log_slope(channel.highpass, true);
   LogSlopes slopes;
-  slopes.frequency = (low + high) / f_hz + Complex{0.0, -2 * kPi * (channel.delay_s + device_delay_s)};
+  slopes.frequency = (low + high) / f_hz + Complex{0.0, -kTwoPi * (channel.delay_s + device_delay_s)};
   if (channel.lowpass.hz > 0) slopes.lowpass_corner = -low / channel.lowpass.hz;
   if (channel.highpass.hz > 0) slopes.highpass_corner = -high / channel.highpass.hz;
   return slopes;

@@ -6,7 +6,7 @@ namespace dwell {
 namespace {
 
 bool delay_stated(const Rig& rig, const Channel& channel) {
-  if (channel.delay_u_stated || channel.delay_u_s > 0) return true;
+  if (channel.stated.delay_u || channel.delay_u_s > 0) return true;
   if (channel.device < 0) return false;
   const Device& device = rig.devices[static_cast<std::size_t>(channel.device)];
   return device.delay_u_stated || device.delay_u_s > 0;
@@ -37,7 +37,7 @@ std::vector<std::string> unstated_uncertainties(const Rig& rig) {
     out.push_back(one + (names.size() > 1 ? (one.back() == 's' ? "es of " : "s of ") : " of ") +
                   (all ? "all channels" : listed(names)));
   };
-  add("scale", [](const Channel& channel) { return channel.scale_u_stated || channel.scale_u > 0; });
+  add("scale", [](const Channel& channel) { return channel.stated.scale_u || channel.scale_u > 0; });
   add("delay", [&](const Channel& channel) { return delay_stated(rig, channel); });
   add("low-pass", [](const Channel& channel) { return corner_stated(channel.lowpass); });
   add("high-pass", [](const Channel& channel) { return corner_stated(channel.highpass); });

@@ -13,7 +13,6 @@ constexpr double kLateClip = 3.0;     // periods: limits the weight of a stall i
 constexpr double kResolution = 0.05;  // periods: smaller deviations earn no better cost
 constexpr double kOutlier = 5.0;      // mean absolute deviations beyond which an arrival does not enter the fit
 constexpr double kMostGaps = 0.25;
-constexpr double kLossPrice = 3.0;
 
 using Numbers = std::array<double, kLongestStretch>;
 

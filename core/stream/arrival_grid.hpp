@@ -18,7 +18,10 @@
 namespace dwell {
 
 inline constexpr std::size_t kLongestStretch = 256;  // arrivals that find_grid uses at most
-inline constexpr double kNominalRange = 5e-4;        // a stated rate is relied on to within this part of it
+// Evidence for a loss, in nats: it must explain the arrivals exp(3) = 20 times better than none, beside the rate of
+// losses. Halved, stalls are taken for losses. Doubled, losses are decided later.
+inline constexpr double kLossPrice = 3.0;
+inline constexpr double kNominalRange = 5e-4;  // a stated rate is relied on to within this part of it
 
 struct ArrivalGrid {
   double period_ns = 0.0;

@@ -55,8 +55,9 @@ double ClockTracker::follow(std::int64_t arrival_ns) noexcept {
   return late;
 }
 
-// √3 standard deviations (rectangular) of the instant. Its variance is that at the end of a line through `age` points,
-// or that of a fading memory. For all likely shapes the mean absolute deviation is 0.8 to 0.87 standard deviations.
+// The half width of a rectangular distribution is √3 standard deviations. The standard deviation of an arrival is 1.25
+// times its mean absolute deviation (1.15 to 1.25 for all likely shapes). The instant is the end of a line through
+// `age` arrivals, 4 / age of their variance, or the value of a fading memory, 1.25 / memory.
 double ClockTracker::half_ns() const noexcept {
   const double sigma_ns = 1.25 * spread_ * period_ns_;
   return std::numbers::sqrt3 * sigma_ns * std::sqrt(std::max(4.0 / age_, 1.25 / memory_));

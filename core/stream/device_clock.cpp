@@ -7,7 +7,6 @@
 namespace dwell {
 namespace {
 
-constexpr std::int64_t kSilence_ns = 1'000'000'000;  // after such a pause the device may have restarted
 constexpr double kSilentPeriods = 64.0;
 
 }  // namespace
@@ -18,7 +17,7 @@ DeviceClock::DeviceClock(double nominal_rate_hz) noexcept
 void DeviceClock::arrive(std::int64_t arrival_ns) noexcept {
   if (any_) {
     arrival_ns = std::max(arrival_ns, last_arrival_ns_);
-    const double silence_ns = std::max(static_cast<double>(kSilence_ns), kSilentPeriods * tracker_.period_ns());
+    const double silence_ns = std::max(kNsPerS * kSilent_s, kSilentPeriods * tracker_.period_ns());
     if (locked_ && static_cast<double>(arrival_ns - last_arrival_ns_) > silence_ns) unlock();
   }
   any_ = true;

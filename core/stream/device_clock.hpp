@@ -37,9 +37,7 @@ struct ClockFigures {
 
 class DeviceClock {
  public:
-  static constexpr std::int64_t kLongestHold_ns = 100'000'000;   // then a reading is decided
-  static constexpr std::size_t kHeld = HeldArrivals::kCapacity;  // readings held at most
-  static constexpr double kMemory_s = ClockTracker::kMemory_s;
+  static constexpr std::int64_t kLongestHold_ns = 100'000'000;  // then a reading is decided
 
   // nominal_rate_hz: the rate set in the device, to within kNominalRange; 0: not known. A wrong rate delays the search.
   explicit DeviceClock(double nominal_rate_hz = 0.0) noexcept;

@@ -22,7 +22,7 @@ std::optional<ArrivalGrid> GridSearch::add(std::int64_t arrival_ns) noexcept {
   if (mean_ns < 0.9 * nominal_ns_ || mean_ns > 1.5 * nominal_ns_) nominal_ns_ = 0.0;
   auto grid = find_grid({stretch_.data(), n}, nominal_ns_);
   if (grid) {
-    next_pause_ = kFirstPause;
+    next_pause_ = kLongestStretch;
   } else if (n == kLongestStretch) {
     nominal_ns_ = 0.0;  // perhaps the failure's cause
     count_ = 0;

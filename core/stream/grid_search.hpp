@@ -16,7 +16,7 @@ namespace dwell {
 class GridSearch {
  public:
   // nominal_ns: the stated period, to within kNominalRange; 0: not known.
-  explicit GridSearch(double nominal_ns) noexcept : nominal_ns_(nominal_ns), next_pause_(kFirstPause) {}
+  explicit GridSearch(double nominal_ns) noexcept : nominal_ns_(nominal_ns), next_pause_(kLongestStretch) {}
 
   // The next arrival, not before the last. Returns the grid if it is found now. An attempt takes about 100 µs.
   [[nodiscard]] std::optional<ArrivalGrid> add(std::int64_t arrival_ns) noexcept;
@@ -32,9 +32,10 @@ class GridSearch {
   void forget_nominal() noexcept { nominal_ns_ = 0.0; }
 
  private:
-  static constexpr std::size_t kShortStretch = 64;       // arrivals: enough where jitter is small against the period
-  static constexpr std::uint64_t kFirstPause = 256;      // arrivals skipped after a failure, doubled each time
-  static constexpr std::uint64_t kLongestPause = 65536;  // so that a source without a rate costs nothing
+  static constexpr std::size_t kShortStretch = 64;  // arrivals: enough where jitter is small against the period
+  // Arrivals skipped after a failure: kLongestStretch at first, doubled each time up to this, so that a source without
+  // a rate costs nothing.
+  static constexpr std::uint64_t kLongestPause = 65536;
 
   double nominal_ns_;
   std::array<std::int64_t, kLongestStretch> stretch_{};

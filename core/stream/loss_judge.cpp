@@ -5,12 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/stream/arrival_grid.hpp"
+
 namespace dwell {
 namespace {
 
-constexpr double kDoubt = 3.0;       // nats of evidence for a loss, on top of -ln(the recent rate of losses)
-constexpr double kFarLate = 3.5;     // periods: later than the histogram of delays reaches
-constexpr double kFarEarly = -2.5;   // periods: earlier than any delay explains
+// Periods: half a period within the ends of the histogram of delays. Beyond, a delay explains nothing.
+constexpr double kFarLate = DelayShape::kLatest - 0.5, kFarEarly = DelayShape::kEarliest + 0.5;
 constexpr double kFarPaced = 8.0;    // paced periods after which it is no stall
 constexpr double kMostPaced = 32.0;  // paced periods after which waiting brings no more evidence
 constexpr double kMostLost = 0.3;
@@ -46,7 +47,7 @@ void LossJudge::begin(const ArrivalGrid& grid, std::int64_t newest_ns) noexcept 
 LossJudge::Verdict LossJudge::judge(const HeldArrivals& held, const ClockTracker& clock, bool at_once) const noexcept {
   std::array<Case, 5> cases{Case{-2}, Case{-1}, Case{1}, Case{2}, Case{3}};
   const std::size_t count = held.waiting();
-  const double threshold = kDoubt - std::log(std::clamp(lost_part_, 1e-4, 0.1));
+  const double threshold = kLossPrice - std::log(std::clamp(lost_part_, 1e-4, 0.1));
   double least = std::numeric_limits<double>::infinity(), paced = 0.0;
   const Case* best = cases.data();
   for (std::size_t i = 0; i < count; ++i) {
@@ -65,7 +66,7 @@ LossJudge::Verdict LossJudge::judge(const HeldArrivals& held, const ClockTracker
     if (best->evidence <= threshold) continue;
     // Of two losses in short succession the first is told first.
     for (const Case& c : cases)
-      if (c.evidence > kDoubt && c.lost > 0 && c.since < best->since) best = &c;
+      if (c.evidence > kLossPrice && c.lost > 0 && c.since < best->since) best = &c;
     return {best->since, best->lost};
   }
   const bool last_chance = at_once || count == HeldArrivals::kCapacity;
@@ -79,7 +80,7 @@ LossJudge::Verdict LossJudge::judge(const HeldArrivals& held, const ClockTracker
     for (const Case& c : cases) undecided = std::min(undecided, c.against);
     return {undecided, 0};
   }
-  if (best->evidence > kDoubt) return {best->since, best->lost};
+  if (best->evidence > kLossPrice) return {best->since, best->lost};
   return {count, 0};
 }
 

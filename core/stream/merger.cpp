@@ -5,15 +5,12 @@
 #include <limits>
 
 namespace dwell {
-namespace {
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
-}
 
 Merger::Merger(std::size_t sources, std::int64_t hold_back_ns, std::size_t capacity)
-    : sources_(sources, Source{std::vector<Record>(capacity), 0, 0, kNever}),
+    : sources_(sources, Source{std::vector<Record>(capacity), 0, 0, INT64_MIN}),
       hold_back_ns_(hold_back_ns),
-      newest_ns_(kNever),
-      released_ns_(kNever) {
+      newest_ns_(INT64_MIN),
+      released_ns_(INT64_MIN) {
   assert(sources > 0 && hold_back_ns > 0 && capacity > 0);
 }
 

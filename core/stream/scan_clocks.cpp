@@ -11,7 +11,7 @@ ScanClocks::ScanClocks(Clock clock, const std::vector<std::uint16_t>& channels, 
   places_.resize(largest == channels.end() ? 0 : std::size_t{*largest} + 1);
   streams_.assign(channels.size(), Stream{DeviceClock(rate_hz), {}, 0, {}});
   // As many scans as a clock holds, the one coming in, and one node that keeps the list from emptying.
-  nodes_.resize(kind_ == Clock::device ? channels.size() * (DeviceClock::kHeld + 1) + 1 : 2);
+  nodes_.resize(kind_ == Clock::device ? channels.size() * (HeldArrivals::kCapacity + 1) + 1 : 2);
   for (std::size_t i = 0; i < nodes_.size(); ++i) append(free_, static_cast<int>(i));
 }
 

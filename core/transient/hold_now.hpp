@@ -16,6 +16,9 @@ namespace dwell {
 
 // Periods left out at the beginning of a hold: they may hold the end of the motion before.
 inline constexpr double kUnsure = 1.0;
+// Periods that must be seen before anything is said of them. In one, a transient of about the drive's frequency looks
+// steady. Doubled, every verdict comes two periods later.
+inline constexpr double kPeriodsToTell = 2.0;
 // Quarters of a period that a dwell must keep.
 inline constexpr int kFewestQuarters = 6;
 // Variance, in rounding steps squared, of readings with noise of half a step: 1/4 of noise, 1/12 of rounding.

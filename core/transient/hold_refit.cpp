@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/base/complex.hpp"
+#include "core/transient/fit_limits.hpp"
+#include "core/transient/hold_now.hpp"
 
 namespace dwell {
 namespace {
@@ -10,15 +12,12 @@ namespace {
 // Parts of the hold that are skipped at its beginning: modes that have decayed by then need not be fitted. Each fit
 // that does not explain the data skips kSkippedMore further, up to kSkippedMost.
 constexpr double kSkipped = 0.15, kSkippedMore = 0.1, kSkippedMost = 0.6;
-constexpr int kRefinements = 2;      // refinement steps for the poles believed so far, at most
-constexpr double kPenalty = 50.0;    // added to the misfit for each pole beside the chain's
-constexpr double kNear = 0.1;        // relative distance below which two poles are the same
-constexpr double kFewPeriods = 2.0;  // periods of undisturbed motion that a fit after a knock needs at least
-constexpr int kStepsSinceKnock = 2;  // refinement steps at each begin that is tried
+constexpr int kRefinements = 2;  // refinement steps for poles believed so far and at each begin after a knock, at most
+constexpr double kPenalty = 50.0;  // added to the misfit for each pole beside the chain's
 
 bool any_near(std::span<const Complex> poles, Complex pole) {
   return std::any_of(poles.begin(), poles.end(),
-                     [&](Complex other) { return std::abs(pole - other) < kNear * std::abs(pole); });
+                     [&](Complex other) { return std::abs(pole - other) < kSamePole * std::abs(pole); });
 }
 
 }  // namespace
@@ -147,7 +146,7 @@ bool HoldRefit::explain_since_knock(double omega, const HoldNow& now) {
 bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldNow& now) {
   auto& [chain, fit, noise, knocks, search, lines] = parts_;
   const std::int64_t was_from_ns = fit.from_ns();
-  const auto least_ns = to_ns(kFewPeriods * now.period_s());
+  const auto least_ns = to_ns(kPeriodsToTell * now.period_s());
   known_.assign(search.poles().chain.begin(), search.poles().chain.end());
   for (const Complex& pole : chain.last())
     if (!any_near(known_, pole)) known_.push_back(pole);
@@ -157,7 +156,7 @@ bool HoldRefit::fit_since_knock(double omega, std::int64_t first_ns, const HoldN
     knocks.set_free_since(fit.from_ns());
     search.still_there(known_, fit.from_ns(), now, search.best());
     const double w = omega + fit.rate() * to_s(fit.from_ns() - was_from_ns);
-    search.refine(search.fit_best(w, now), kStepsSinceKnock, now);
+    search.refine(search.fit_best(w, now), kRefinements, now);
     if (fit.determined() && explained(now)) return true;
     knocks.set_free_since(free_before_ns);
   }

@@ -38,8 +38,8 @@ class HoldRefit {
   void begin_hold() noexcept { skipped_ = 0.0; }
   // Whether there are poles to start from.
   [[nodiscard]] bool possible() const noexcept;
-  // Fits anew; the poles believed are then those of the new fit. seen: the drive's frequency apart from the fit. false:
-  // no poles could be fitted. At most fit.affordable() times O(samples).
+  // Fits the hold anew and believes the new poles. seen: the frequency that the drive's channel shows by itself. Returns
+  // false if no poles could be fitted. Cost: at most fit.affordable() passes over the samples.
   bool make(const SeenFrequency& seen, const HoldNow& now);
 
  private:

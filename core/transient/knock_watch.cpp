@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/chance.hpp"
+
 namespace dwell {
-namespace {
-
-// An alarm: the residual power of the newest quarter exceeds the noise by so many standard deviations. Noise alone does
-// so once in 10⁷ quarters of a channel, some 30 hours of one at 25 Hz. A false alarm costs a refit, no data. Half of
-// this asks for many refits; with twice it knocks of a few standard deviations of a reading are seen one refit later.
-constexpr double kSureOfKnock = 6.0;
-
-}  // namespace
 
 void KnockWatch::begin_hold(std::int64_t steady_ns) noexcept {
   free_since_ns_ = steady_ns;
@@ -32,9 +26,10 @@ bool KnockWatch::sees_knock(HoldFit& fit, const ResidualNoise& noise, const Hold
     const Newest& of = newest_[i];
     if (now.channels[i].imposed || !(of.count > 0) || !noise.known(c)) continue;
     const double variance = std::max(noise.variance(c), fit.fit().variance(c));
-    // The second term: χ² of few readings has a longer tail than a normal number.
+    // Noise alone exceeds it once in 10⁷ quarters of a channel, some 30 hours of one at 25 Hz. A false alarm costs a
+    // refit, no data. The second term: χ² of few readings has a longer tail than a normal number.
     const double beyond =
-        kSureOfKnock * std::sqrt(2 / of.count + 2 / noise.freedom(c)) + kSureOfKnock * kSureOfKnock / of.count;
+        sigmas::kAlarm * std::sqrt(2 / of.count + 2 / noise.freedom(c)) + sigmas::kAlarm * sigmas::kAlarm / of.count;
     if (of.squares > variance * of.count * (1 + beyond)) return true;
   }
   return false;

@@ -96,7 +96,7 @@ Eigen::Matrix2d ModalFit::pole_covariance(std::size_t m) const noexcept {
 
 void ModalFit::propagate_poles(bool omega_known) noexcept {
   const ModalMotion& motion = regressors_.motion();
-  std::array<bool, kMaxModes> shown{};
+  std::array<bool, ModalMotion::kMaxModes> shown{};
   for (std::size_t m = 0; m < motion.count(); ++m) shown[m] = shows(m);
   errors_.begin(layout());
   for (int c = 0; c < channels(); ++c) {
@@ -107,9 +107,8 @@ void ModalFit::propagate_poles(bool omega_known) noexcept {
     at(c).errors.known = true;
   }
   const double seen_s = std::max(1e-9, 1e-9 * static_cast<double>(newest_ns_ - t0_ns()));
-  constexpr double kOpen = ModalMotion::kOpen, kGiven = ModalMotion::kGiven;
-  const double of_omega =
-      omega() * omega() * stated_.information() + (omega_known ? 1 / (kGiven * kGiven) : 1 / (kOpen * kOpen));
+  const double width = omega_known ? ModalMotion::kGiven : ModalMotion::kOpen;
+  const double of_omega = omega() * omega() * stated_.information() + 1 / (width * width);
   const bool solved = errors_.solve(layout(), motion, seen_s, of_omega);
   for (PerChannel& channel : channels_) {
     channel.errors.known = channel.errors.known && solved;
@@ -191,7 +190,7 @@ ModalFit::Left ModalFit::left(int channel, std::int64_t t_ns) const noexcept {
 ModalFit::Swing ModalFit::swing_at(const PerChannel& of, double u) const noexcept {
   const ModalMotion& motion = regressors_.motion();
   const Index modal = layout().modal();
-  std::array<double, 4 * kMaxModes> x;
+  std::array<double, 4 * ModalMotion::kMaxModes> x;
   for (std::size_t m = 0; m < motion.count(); ++m) {
     const Complex pole = motion.poles()[m], e = motion.decays(m) ? std::exp(pole * u) : Complex{};
     const std::size_t i = 2 * m, slope = static_cast<std::size_t>(modal) + i;

@@ -32,8 +32,6 @@ namespace dwell {
 
 class ModalFit {
  public:
-  static constexpr int kMaxModes = ModalMotion::kMaxModes;
-
   // modes: capacity in poles. All memory is allocated here: about 16·(2H+3+4·modes)² bytes a channel.
   ModalFit(int channels, int harmonics, int modes);
 
@@ -80,7 +78,7 @@ class ModalFit {
   void propagate_poles(bool omega_known) noexcept;
 
   // Relative changes (Re, Im) of the poles in the last step, then that of ω.
-  using Change = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 * kMaxModes + 1, 1>;
+  using Change = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 * ModalMotion::kMaxModes + 1, 1>;
   [[nodiscard]] Change last_change() const noexcept;
   // Covariance of the relative errors of the poles (Re, Im) and of ω, by propagate_poles().
   [[nodiscard]] Eigen::Block<const Eigen::MatrixXd> propagated() const noexcept {

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "core/base/complex.hpp"
+#include "core/base/instants.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kSecondPerNs = 1e-9;
 constexpr double kFaded = 1e-13;   // an envelope below this counts as 0
 constexpr int kTurnsInARow = 256;  // steps until a direct computation: rounding stays below 1e-13
 
@@ -43,7 +43,7 @@ void ModalTurns::turn_by(const ModalMotion& motion, std::int64_t dt_ns) noexcept
   auto step = std::find_if(steps_.begin(), steps_.end(), [&](const Step& each) { return each.dt_ns == dt_ns; });
   if (step == steps_.end()) {
     step = steps_.begin() + static_cast<std::ptrdiff_t>(next_step_++ % steps_.size());
-    const double dt_s = kSecondPerNs * static_cast<double>(dt_ns);
+    const double dt_s = to_s(dt_ns);
     step->dt_ns = dt_ns;
     step->drive = std::polar(1.0, motion.omega() * dt_s);
     for (std::size_t m = 0; m < motion.count(); ++m) {

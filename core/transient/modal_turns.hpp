@@ -22,7 +22,7 @@ class ModalTurns {
   // Computes drive() and mode() at t. Increasing instants are cheapest.
   void go(const ModalMotion& motion, std::int64_t t_ns) noexcept;
 
-  // The instant of drive() and mode(); INT64_MIN: none since restart().
+  // The instant of the last go(), for which drive() and mode() hold; INT64_MIN: none since restart().
   [[nodiscard]] std::int64_t at_ns() const noexcept { return at_ns_; }
   [[nodiscard]] std::complex<double> drive() const noexcept { return drive_; }
   [[nodiscard]] std::complex<double> mode(std::size_t m) const noexcept { return modes_[m]; }

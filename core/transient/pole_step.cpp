@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kOpen = ModalMotion::kOpen, kGiven = ModalMotion::kGiven;
 constexpr double kLeastDamping = 1e-5;  // damping ratio that a mode keeps at least: less looks like a steady line
 
 }  // namespace
@@ -61,7 +60,7 @@ void PoleStep::add(const ModalLayout& layout, const ModalMotion& motion, const M
 
 // At the common optimum, a channel's score is its information times the distance to its own optimum.
 void PoleStep::note_disagreement(Index m, const Eigen::Vector2d& score, Eigen::Matrix2d information) noexcept {
-  information.diagonal().array() += 1 / (kOpen * kOpen);
+  information.diagonal().array() += 1 / (ModalMotion::kOpen * ModalMotion::kOpen);
   double& most = disagreement_[static_cast<std::size_t>(m)];
   most = std::max(most, score.dot(information.inverse() * score));
 }
@@ -73,7 +72,7 @@ void PoleStep::take(const ModalLayout& layout, const ModalMotion& motion, const 
   auto H = hessian_.topLeftCorner(modal + 1, modal + 1);
   auto g = gradient_.head(modal + 1);
   H.row(modal).head(modal) = H.col(modal).head(modal).transpose();
-  H(modal, modal) += 1 / std::max(trust_omega * trust_omega, kGiven * kGiven);
+  H(modal, modal) += 1 / std::max(trust_omega * trust_omega, ModalMotion::kGiven * ModalMotion::kGiven);
   // Derivatives by the relative change of ω: hence the factors ω.
   g(modal) += omega * stated.score(omega);
   H(modal, modal) += omega * omega * stated.information();
@@ -122,7 +121,7 @@ void PoleStep::invert_information(const ModalLayout& layout) noexcept {
   const Index modal = layout.modal(), all = modal + 1;
   auto factor = inverse_.topLeftCorner(all, all);
   factor = hessian_.topLeftCorner(all, all);
-  factor.diagonal().head(modal).array() += 1 / (kOpen * kOpen);
+  factor.diagonal().head(modal).array() += 1 / (ModalMotion::kOpen * ModalMotion::kOpen);
   auto inverse = covariance_.topLeftCorner(all, all);
   inverse.setIdentity();
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> llt(factor);

@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include "core/base/instants.hpp"
+#include "core/transient/hold_now.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr double kSudden = 1.2;  // a claim is sudden where the one before was above this, times what is allowed
-// A sudden claim is asked again after this part of the hold, or after so many periods if that is later.
-constexpr double kAgain = 0.05, kAgainPeriods = 2.0;
 
 }  // namespace
 
@@ -41,7 +40,7 @@ bool RefitSchedule::believes(const Claim& claim, double period_s, std::int64_t f
   }
   if (!confirm_ns_) {
     if (!claim.rounded || !(claim.left_before > kSudden)) return true;
-    confirm_ns_ = now_ns + std::max(to_ns(kAgainPeriods * period_s),
+    confirm_ns_ = now_ns + std::max(to_ns(kPeriodsToTell * period_s),
                                     static_cast<std::int64_t>(kAgain * static_cast<double>(now_ns - free_since_ns)));
     plan(*confirm_ns_);
   }

@@ -10,6 +10,9 @@ namespace dwell {
 // Bound to one thread, real-time safe. Instants in ns.
 class RefitSchedule {
  public:
+  // Growth of the hold that asks for another fit: before a verdict, and before a sudden claim is believed.
+  static constexpr double kAgain = 0.05;
+
   // A new hold: nothing is fitted yet, the first refit is due at once.
   void begin_hold() noexcept { *this = {}; }
 

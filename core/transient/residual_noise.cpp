@@ -2,12 +2,9 @@
 
 #include <algorithm>
 
+#include "core/base/chance.hpp"
+
 namespace dwell {
-namespace {
-
-constexpr double kSureOfNoise = 4.0;
-
-}  // namespace
 
 void ResidualNoise::begin_hold() noexcept {
   for (PerChannel& of : channels_) of = {};
@@ -46,11 +43,11 @@ double ResidualNoise::unexplained(int channel, const ModalFit& fit, const HoldNo
   const PerChannel& of = at(channel);
   // Instants known to ± h add residuals of variance (ω |Y|)²/2 · h²/3.
   const double by_refresh = std::norm(now.omega * now.channel(channel).refresh_half_s * fit.phasor(channel, 1)) / 6;
-  const double by_noise =
-      fit.variance(channel) - by_refresh - of.variance * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, of.freedom)));
+  const double by_noise = fit.variance(channel) - by_refresh -
+                          of.variance * (1 + sigmas::kShown * std::sqrt(2 / std::max(1.0, of.freedom)));
   const double by_decay =
       of.earlier -
-      of.later * (1 + kSureOfNoise * std::sqrt(2 / std::max(1.0, of.in_earlier) + 2 / std::max(1.0, of.in_later)));
+      of.later * (1 + sigmas::kShown * std::sqrt(2 / std::max(1.0, of.in_earlier) + 2 / std::max(1.0, of.in_later)));
   return std::max(by_noise, by_decay);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/chance.hpp"
 #include "core/base/complex.hpp"
 
 namespace dwell {
@@ -22,15 +23,7 @@ constexpr double kSettledPole = 1.0, kUnsettled = 10.0;
 // alone. At a tenth of this, brackets that ring beside a mode are taken for the chain. At ten times as much a sound
 // mode goes unused now and then, which the next fit mends.
 constexpr double kOneChannel = 1e-3;
-// Two poles must be apart by so many standard deviations of their difference. Nearer ones could as well be exchanged,
-// and the fit is far from linear. A pole that is not resolved is left out, and so are poles nearer to it than the sum
-// of both decay rates, since it disturbs them.
-constexpr double kApart = 5.0;
-// From so many standard deviations of its amplitude a channel has a say in a pole; below, it tells of other modes.
-constexpr double kHasSay = 3.0;
-constexpr int kMostChanges = 2 * ModalFit::kMaxModes + 1;  // of the poles and of ω
-// Poles of two fits within so many standard deviations are of one mode.
-constexpr double kSameMode = 5.0;
+constexpr int kMostChanges = 2 * ModalMotion::kMaxModes + 1;  // of the poles and of ω
 
 }  // namespace
 
@@ -98,7 +91,8 @@ double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double
     const int channel = static_cast<int>(c);
     if (!fit.usable(channel)) continue;
     const double a = std::abs(fit.amplitude(channel, m));
-    if (a > kHasSay * fit.u_amplitude(channel, m))
+    // A channel that hardly shows this mode tells of others.
+    if (a > sigmas::kNoise * fit.u_amplitude(channel, m))
       moved = std::max(moved, 2 * beyond_noise(fit, m, c, now, left_over) / (a * a));
   }
   // A pole that still moves is known less well than the data would allow.
@@ -111,7 +105,7 @@ double SeenModes::extra_pole_variance(const ModalFit& fit, std::size_t m, double
 void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const double> left_over) noexcept {
   const double seen_s = to_s(now.now_ns - fit.t0_ns());
   const auto refined = fit.moved_poles();
-  std::array<double, ModalFit::kMaxModes> u{}, extra{};
+  std::array<double, ModalMotion::kMaxModes> u{}, extra{};
   for (std::size_t m = 0; m < refined.size(); ++m) {
     const double decays = -refined[m].real(), scale = std::max(decays, 1 / std::max(1e-9, seen_s));
     extra[m] = extra_pole_variance(fit, m, scale, now, left_over);
@@ -125,19 +119,21 @@ void SeenModes::take(const ModalFit& fit, const HoldNow& now, std::span<const do
     if (!(pole.real() < 0) || !(pole.imag() > 0) || !std::isfinite(u[m])) continue;
     if (!fit.certain(m)) continue;
     if (fit.disagreement(m) > -2 * std::log(kOneChannel / static_cast<double>(left_over.size()))) continue;
+    // Two poles must surely differ. Nearer ones could as well be exchanged, and the fit is far from linear. A pole that
+    // is not resolved is left out, and so are poles nearer to it than the sum of both decay rates: it disturbs them.
     bool alone = true;
     for (std::size_t other = 0; other < refined.size() && alone; ++other) {
       if (other == m || !(refined[other].real() < 0) || !fit.certain(other)) continue;
       const double apart = std::abs(refined[other] - pole);
-      alone = apart >
-              (std::isfinite(u[other]) ? kApart * std::hypot(u[m], u[other]) : -pole.real() - refined[other].real());
+      alone = apart > (std::isfinite(u[other]) ? sigmas::kSure * std::hypot(u[m], u[other])
+                                               : -pole.real() - refined[other].real());
     }
     if (!alone) continue;
     describe(fit, m, now, left_over, extra[m], now_);
     const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(count_);
     const auto before = std::find_if(modes_.begin(), end, [&](const SeenMode& other) {
       return std::norm(other.pole - pole) <
-             kSameMode * kSameMode * (other.pole_covariance().trace() + now_.pole_covariance().trace());
+             sigmas::kSure * sigmas::kSure * (other.pole_covariance().trace() + now_.pole_covariance().trace());
     });
     if (before == modes_.end()) continue;
     if (before != end && before->pole_covariance().trace() < now_.pole_covariance().trace()) continue;

@@ -53,7 +53,7 @@ class SeenModes {
   void describe(const ModalFit& fit, std::size_t m, const HoldNow& now, std::span<const double> left_over, double extra,
                 SeenMode& mode) noexcept;
 
-  std::array<SeenMode, ModalFit::kMaxModes> modes_;
+  std::array<SeenMode, ModalMotion::kMaxModes> modes_;
   SeenMode now_;
   std::size_t count_ = 0;
 };

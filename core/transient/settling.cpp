@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "core/base/chance.hpp"
+#include "core/fit/blocks.hpp"
+#include "core/result/dwell.hpp"
+#include "core/rig/rig.hpp"
+#include "core/transient/hold_now.hpp"
 
 namespace dwell {
 namespace {
@@ -71,7 +76,7 @@ void SettlingDetector::remember(const Window& window, std::span<const Reading> r
 
 // Transient allowed: tolerance × steady amplitude, at least what ten periods of the channel's noise resolve.
 double SettlingDetector::allowed(const Reading& now) const noexcept {
-  const double noise = kSure * std::sqrt(now.noise * 2 / (10 * std::max(1.0, now.samples)));
+  const double noise = sigmas::kNoise * std::sqrt(now.noise * 2 / (10 * std::max(1.0, now.samples)));
   return std::max(tolerance_ * std::abs(now.relative), noise);
 }
 
@@ -81,16 +86,16 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
   // The drive must agree more closely than the channels: a ramp of the drive is no transient that decays.
   const double u_table = std::hypot(then.table_u, now.table_u);
   if (std::abs(then.table_amplitude - now.table_amplitude) >
-      std::max(0.1 * tolerance_ * now.table_amplitude, kSure * u_table))
+      std::max(kToleranceShare * tolerance_ * now.table_amplitude, sigmas::kNoise * u_table))
     return false;
   for (int c = 0; c < channels_; ++c) {
     const Reading& a = reading(window, c);
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!a.usable || !b.usable) continue;
     // The noise is taken from the newest window only: the residuals of an earlier one may hold a transient.
-    if (distance(a, b) > std::max(0.5 * tolerance_ * std::abs(b.relative), kSure * 2 * b.u)) return false;
-    if (a.variance >
-        b.variance * (1 + kSure * 2 / std::sqrt(std::max(1.0, b.samples))) + std::norm(0.5 * tolerance_ * b.relative))
+    if (distance(a, b) > std::max(0.5 * tolerance_ * std::abs(b.relative), sigmas::kNoise * 2 * b.u)) return false;
+    if (a.variance > b.variance * (1 + sigmas::kNoise * 2 / std::sqrt(std::max(1.0, b.samples))) +
+                         std::norm(0.5 * tolerance_ * b.relative))
       return false;
   }
   return true;
@@ -100,11 +105,9 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
                                                    double table_amplitude, double table_u,
                                                    std::span<const Reading> readings, double period_s,
                                                    double time_constant_s) noexcept {
-  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   Window now{first, last, t_s, table_amplitude, table_u, time_constant_s};
   Verdict verdict;
-  verdict.settles_in_s = kNotKnown;
+  verdict.settles_in_s = kNaN;
   const int count = static_cast<int>(windows_.size());
   const double seen_s = windows_.empty() ? 0.0 : t_s - windows_.front().t_s;
   // While much of the transient is left, the coefficients are off, and so is the T that they give: take the longest T
@@ -123,24 +126,25 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!b.usable) continue;
     const double limit = allowed(b);
-    double left = kUnbounded, latest = 0.0;
+    double left = INFINITY, latest = 0.0;
     for (int i = 0; i < count; ++i) {
       const double apart = t_s - windows_[static_cast<std::size_t>(i)].t_s;
       const double q = T > 0 ? std::exp(-apart / T) : 0.0;
       // Several modes can cancel in one window, but hardly in all windows of a period.
       double difference = 0.0, power = 0.0;
-      for (int j = std::max(0, i - kGroup + 1); j <= i; ++j) {
+      for (int j = std::max(0, i - kQuarters + 1); j <= i; ++j) {
         const Reading& a = reading(j, c);
         if (!a.usable) continue;
-        difference = std::max(difference, distance(a, b) + kSure * std::hypot(a.u, b.u));
+        difference = std::max(difference, distance(a, b) + sigmas::kNoise * std::hypot(a.u, b.u));
         // The variance of a variance from N residuals is 2/N of its square.
-        power = std::max(power, a.variance - b.variance +
-                                    kSure * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
+        power = std::max(
+            power, a.variance - b.variance +
+                       sigmas::kNoise * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
       }
       // The last windows overlap the newest: their difference beyond the noise counts as it is.
       if (apart <= as_it_is_s) {
         const Reading& a = reading(i, c);
-        latest = std::max(latest, distance(a, b) - kSure * std::numbers::sqrt2 * std::hypot(a.u, b.u));
+        latest = std::max(latest, distance(a, b) - sigmas::kNoise * std::numbers::sqrt2 * std::hypot(a.u, b.u));
         continue;
       }
       left =
@@ -157,7 +161,7 @@ SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int6
   const double agreed_s = agreeing < static_cast<int>(windows_.size())
                               ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s
                               : period_s;
-  const double wanted_s = kPeriods * period_s - agreed_s;
+  const double wanted_s = kPeriodsToTell * period_s - agreed_s;
   if (verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s) {
     verdict.settled = true;
     verdict.settles_in_s = 0.0;

@@ -69,10 +69,7 @@ class SettlingDetector {
   [[nodiscard]] double left(int channel) const noexcept { return left_[static_cast<std::size_t>(channel)]; }
 
  private:
-  static constexpr int kHistory = 192;     // windows remembered; beyond, every second one is dropped
-  static constexpr double kSure = 3.0;     // standard deviations within which a difference is noise
-  static constexpr int kGroup = 4;         // windows that end within one period
-  static constexpr double kPeriods = 2.0;  // periods that must agree before anything is said
+  static constexpr int kHistory = 192;  // windows remembered; beyond, every second one is dropped
 
   struct Window {
     std::int64_t first, last;

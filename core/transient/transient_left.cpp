@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/chance.hpp"
+
 namespace dwell {
 namespace {
 
@@ -44,7 +46,7 @@ TransientLeft::Worst TransientLeft::at(std::int64_t t_ns, const HoldNow& now) co
     const double may_be = allowed(c, now);
     const ModalFit::Left left = fit.left(c, t_ns);
     double ratio =
-        (left.envelope + kSure * left.u) / ((hidden_by_rounding(c, now) ? kSafetyRounded : kSafety) * may_be);
+        (left.envelope + sigmas::kNoise * left.u) / ((hidden_by_rounding(c, now) ? kSafetyRounded : kSafety) * may_be);
     // Residuals beyond the noise may be transient.
     if (const double power = noise_.unexplained(c, fit, now); power > 0)
       ratio = std::max(ratio, std::sqrt(2 * power) / may_be);
@@ -86,8 +88,8 @@ std::optional<TransientLeft::Premature> TransientLeft::premature(std::int64_t ve
     if (!now.channel(c).watched || !fit.usable(c) || now.channel(c).imposed) continue;
     const ModalFit::Left left = fit.left(c, verdict_ns);
     const double may_be = allowed(c, now);
-    if ((left.swing - kSure * left.u) / may_be <= most) continue;
-    most = (left.swing - kSure * left.u) / may_be;
+    if ((left.swing - sigmas::kNoise * left.u) / may_be <= most) continue;
+    most = (left.swing - sigmas::kNoise * left.u) / may_be;
     premature = {verdict_ns, c, left.swing / may_be};
   }
   return premature;

@@ -14,9 +14,6 @@ namespace dwell {
 // Bound to one thread, real-time safe. `left` is relative to what is allowed: settled at 1 or less.
 class TransientLeft {
  public:
-  // Standard deviations of what the fit shows as left: added for a verdict, subtracted for taking one back.
-  static constexpr double kSure = 3.0;
-
   // tolerance: the transient allowed, relative to a channel's steady amplitude. fit and noise must outlive this.
   TransientLeft(double tolerance, const HoldFit& fit, const ResidualNoise& noise)
       : tolerance_(tolerance), fit_(fit), noise_(noise) {}
@@ -42,7 +39,8 @@ class TransientLeft {
     int channel;  // in which most was left
     double left;  // what was left there, as fitted, relative to what is allowed
   };
-  // The worst channel with more left at the verdict than allowed, by kSure standard deviations; empty: there is none.
+  // The worst channel with more left at the verdict than allowed, by sigmas::kNoise standard deviations; empty: there
+  // is none.
   [[nodiscard]] std::optional<Premature> premature(std::int64_t verdict_ns, const HoldNow& now) const noexcept;
 
  private:

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/complex.hpp"
+#include "core/result/dwell.hpp"
 
 namespace dwell {
 namespace {
 
-constexpr double kHoldGrowth = 1.25;              // growth of the hold, at least, before its poles are refined again
-constexpr double kGrowthFar = 2.0, kAhead = 0.5;  // … at most; part of the expected time left to wait
-constexpr double kGrowthMeasuring = 2.0;          // the same after the verdict
-constexpr double kStale = 0.05;       // growth since the last refit from which a verdict needs another first
+constexpr double kHoldGrowth = 1.25;  // growth of the hold, at least, before its poles are refined again
+constexpr double kGrowthFar = 2.0;    // … at most, and after the verdict
+constexpr double kAhead = 0.5;        // part of the expected time left to wait
 constexpr int kFitsMeasuring = 12;    // fits of the whole hold at each refit after the verdict, at most
 constexpr double kSeenThrough = 3.0;  // decay times of the slowest mode, after which no mode can still hide
 constexpr double kOwnOmega = 2.5;  // standard deviations: the fit keeps its ω where the data that count differ by less
@@ -20,11 +19,8 @@ constexpr double kTurned = 0.1;    // standard deviations: the fit keeps its ω 
 constexpr double kAfterKnock = 2.5;  // periods from an alarm to the refit
 // After a knock that is not explained the hold is fitted again after this part of the time since, at least a period.
 constexpr double kLookAgain = 0.25;
-constexpr double kShortest = 2.0;  // periods before anything is said, kUnsure aside
 
-constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
-
-int most_modes(const Rig& rig) { return std::min(2 * rig.mass_count() + 2, ModalFit::kMaxModes); }
+int most_modes(const Rig& rig) { return std::min(2 * rig.mass_count() + 2, ModalMotion::kMaxModes); }
 
 }  // namespace
 
@@ -53,7 +49,7 @@ void TransientModel::begin_hold(std::int64_t steady_ns) noexcept {
 }
 
 bool TransientModel::too_early(std::int64_t end_ns, const HoldNow& now) const noexcept {
-  return to_s(end_ns - knocks_.free_since_ns()) < (kUnsure + kShortest) * 0.99 * now.period_s();
+  return to_s(end_ns - knocks_.free_since_ns()) < (kUnsure + kPeriodsToTell) * 0.99 * now.period_s();
 }
 
 bool TransientModel::wants_refit(std::int64_t end_ns, const HoldNow& now) {
@@ -64,7 +60,8 @@ bool TransientModel::wants_refit(std::int64_t end_ns, const HoldNow& now) {
     propagate_poles(now);
     // The last refit had fewer data than the poles' uncertainty now counts: before a verdict refine on all data.
     const std::int64_t made_ns = *schedule_.made_ns();
-    const auto grown_ns = static_cast<std::int64_t>(kStale * static_cast<double>(made_ns - knocks_.free_since_ns()));
+    const auto grown_ns =
+        static_cast<std::int64_t>(RefitSchedule::kAgain * static_cast<double>(made_ns - knocks_.free_since_ns()));
     const bool knocked = !knocks_.alarm_ns() && explained(now) &&
                          knocks_.sees_knock(fit_, noise_, now, end_ns - to_ns(now.period_s() / kQuarters));
     if (knocked) heed_knock(end_ns, now);
@@ -114,10 +111,10 @@ TransientModel::Judgement TransientModel::judge(double left_before, std::int64_t
   const bool believes = schedule_.believes({verdict.worst_left, left_before, left_.rounded(now)}, now.period_s(),
                                            knocks_.free_since_ns(), now.now_ns);
   const bool waits = !believes || !fit_.determined() || knocks_.alarmed_since(*schedule_.made_ns());
-  verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNotKnown
+  verdict.settles_in_s = !waits || !std::isfinite(verdict.worst_left) ? kNaN
                          : verdict.worst_left > 1 ? std::log(verdict.worst_left) / fit_.slowest_rate()
                          : !believes              ? to_s(*schedule_.confirm_ns() - now.now_ns)
-                                                  : kNotKnown;
+                                                  : kNaN;
   if (!waits) judged.counts_from_ns = left_.counts_from(end_ns, now);
   return judged;
 }
@@ -136,7 +133,7 @@ void TransientModel::refit_after_knock(const HoldNow& now) noexcept {
 
 void TransientModel::begin_measuring(const HoldNow& now) noexcept {
   // A steady line is extrapolated by its phase: it must be fitted anew more often.
-  plan_growth(poles().hums() ? kHoldGrowth : kGrowthMeasuring, now);
+  plan_growth(poles().hums() ? kHoldGrowth : kGrowthFar, now);
 }
 
 void TransientModel::take_out(std::int64_t from_ns, std::int64_t end_ns, const HoldNow& now) noexcept {

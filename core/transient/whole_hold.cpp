@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/base/chance.hpp"
 #include "core/base/complex.hpp"
 #include "core/base/instants.hpp"
 #include "core/transient/fit_limits.hpp"
+#include "core/transient/pole_search.hpp"
 
 namespace dwell {
 namespace {
@@ -20,16 +22,11 @@ constexpr double kMostWork = 4e8;
 // was tried.
 constexpr double kEarlier = 0.6;
 // Periods: from the hold's beginning to the earliest begin; the first stretch of residuals that is compared.
-constexpr double kFirstBegin = 0.25, kFirstStretch = 0.25;
-constexpr int kSteps = 8;                            // refinement steps at one begin
-constexpr double kTrust = 0.1, kTrustOmega = 0.005;  // damping of one step: width of a relative change of a pole, of ω
-constexpr double kSamePole = 0.1;                    // relative distance of two poles that match
-// The χ² of the residuals may be as improbable as so many standard deviations. Chance passes 4 once in 30 000
-// stretches. It passes 3 once in 740: with some 15 stretches a hold, one healthy hold in fifty would end early.
-constexpr double kSure = 4.0;
+constexpr double kFirst = 0.25;
+constexpr double kTrust = 0.1;  // damping of one step: width of a relative change of a pole
 // A further pole is searched in so many periods of the beginning, up to this multiple of the drive's ω. The lines are a
 // quarter of a cycle over that stretch apart. At most so many lines and samples are used.
-constexpr double kSearched = 4.0, kHighest = 12.0;
+constexpr double kSearched = 4.0;
 constexpr std::size_t kMostLines = 200;
 constexpr double kMostSearched = 2e4;
 constexpr double kOfChance = 5.0;  // multiplications to decide whether a sample is left out
@@ -55,7 +52,7 @@ double deviations(double chi2, double freedom, double samples) {
 
 WholeHold::WholeHold(int channels, int harmonics, int modes, const FrequencyPrior& stated)
     : fit_(channels, harmonics, modes),
-      most_poles_(std::min(static_cast<std::size_t>(modes), std::size_t{ModalFit::kMaxModes})) {
+      most_poles_(std::min(static_cast<std::size_t>(modes), std::size_t{ModalMotion::kMaxModes})) {
   fit_.state_omega(stated);
   poles_.reserve(most_poles_);
   trial_.reserve(most_poles_);
@@ -71,7 +68,7 @@ void WholeHold::begin(const Given& given) noexcept {
 }
 
 bool WholeHold::earlier(const Given& given) noexcept {
-  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirstBegin * given.period_s);
+  const std::int64_t first_ns = given.begin_ns + whole_ns(kFirst * given.period_s);
   if (from_ns_ <= first_ns) return false;
   from_ns_ = std::max(first_ns, given.begin_ns + whole_ns(kEarlier * to_s(from_ns_ - given.begin_ns)));
   omega_ += given.latest.rate() * to_s(from_ns_ - omega_at_ns_);
@@ -82,7 +79,7 @@ bool WholeHold::earlier(const Given& given) noexcept {
     refine(given);
     if (!explains(given)) return false;
   }
-  fit_.step_poles(kTrust, given.omega_known ? 0.0 : kTrustOmega);
+  fit_.step_poles(kTrust, given.omega_known ? 0.0 : PoleSearch::kTrustOmega);
   fit_.propagate_poles(given.omega_known);
   given.history.spend(2 * fit_.work_of_poles());
   take_poles(given, fit_);
@@ -150,8 +147,8 @@ double WholeHold::run(const Given& given, double omega, std::span<const Complex>
 // Refines ω, steady lines and the poles that show beyond doubt.
 void WholeHold::refine(const Given& given) noexcept {
   double best = run(given, omega_, poles_);
-  for (int step = 0; step < kSteps && passes_left_ > 0; ++step) {
-    fit_.step_poles(kTrust, given.omega_known ? 0.0 : kTrustOmega);
+  for (int step = 0; step < PoleSearch::kManySteps && passes_left_ > 0; ++step) {
+    fit_.step_poles(kTrust, given.omega_known ? 0.0 : PoleSearch::kTrustOmega);
     given.history.spend(fit_.work_of_poles());
     const auto moved = fit_.moved_poles();
     trial_.assign(moved.begin(), moved.end());
@@ -199,7 +196,7 @@ bool WholeHold::explains(const Given& given) noexcept {
   const std::int64_t until_ns = given.latest.t0_ns();
   for (PerChannel& channel : channels_) channel.squares = channel.count = 0.0;
   std::uint64_t i = given.history.first_at(from_ns_);
-  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirstStretch * given.period_s));; length_ns *= 2) {
+  for (std::int64_t length_ns = std::max<std::int64_t>(1, whole_ns(kFirst * given.period_s));; length_ns *= 2) {
     const std::int64_t end_ns = std::min(until_ns, from_ns_ + length_ns);
     for (; i < given.history.end() && given.history[i].t_ns < end_ns; ++i) {
       const SampleHistory::Sample& s = given.history[i];
@@ -219,20 +216,20 @@ bool WholeHold::explains(const Given& given) noexcept {
 // Compares χ² of the residuals, per channel and in all together, with as many degrees of freedom as there are samples.
 // Those of poles and amplitudes are not subtracted: the fit rests on the whole hold, of which this stretch is a part.
 // So χ² comes out too small. Where most samples are left out, four early ones a parameter remain. χ² of C channels with
-// p parameters each is then low by up to √(Cp/8) standard deviations: five for 8 channels of 25. There the 4 of kSure
-// are about 9.
+// p parameters each is then low by up to √(Cp/8) standard deviations: five for 8 channels of 25. There the 4 of
+// sigmas::kShown are about 9.
 bool WholeHold::within_noise(const Given& given) const noexcept {
   double chi2 = 0.0, freedom = 0.0, samples = INFINITY;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     const int channel = static_cast<int>(c);
     if (!(channels_[c].count > 0)) continue;
     const double own = channels_[c].squares / given.latest.variance(channel);
-    if (deviations(own, channels_[c].count, given.latest.samples(channel)) > kSure) return false;
+    if (deviations(own, channels_[c].count, given.latest.samples(channel)) > sigmas::kShown) return false;
     chi2 += own;
     freedom += channels_[c].count;
     samples = std::min(samples, given.latest.samples(channel));
   }
-  return !(freedom > 0) || deviations(chi2, freedom, samples) <= kSure;
+  return !(freedom > 0) || deviations(chi2, freedom, samples) <= sigmas::kShown;
 }
 
 // Adds a pole at the strongest line in the residuals of the beginning. It replaces the first pole that does not show,
@@ -243,7 +240,7 @@ bool WholeHold::add_pole(const Given& given) noexcept {
   if (at == most_poles_) return false;
   const double stretch_s = std::min(to_s(given.latest.t0_ns() - from_ns_), kSearched * given.period_s);
   const double grid = 0.5 * std::numbers::pi / stretch_s;
-  const auto lines = std::clamp(static_cast<std::size_t>(kHighest * omega_ / grid), std::size_t{1}, kMostLines);
+  const auto lines = std::clamp(static_cast<std::size_t>(kHighestSearched * omega_ / grid), std::size_t{1}, kMostLines);
   const std::uint64_t first = given.history.first_at(from_ns_),
                       end = given.history.first_at(from_ns_ + whole_ns(stretch_s));
   const double part = kMostSearched / std::max(1.0, static_cast<double>(end - first));

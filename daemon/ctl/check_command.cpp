@@ -41,8 +41,8 @@ void probed(void* context, size_t channel, double raw, std::int64_t latency_ns, 
   }
   const Channel& wiring = probe.rig->channels[index];
   result.value = wiring.scale * raw + wiring.offset;
-  const bool below = wiring.range_low && result.value < *wiring.range_low;
-  const bool above = wiring.range_high && result.value > *wiring.range_high;
+  const bool below = wiring.range.low && result.value < *wiring.range.low;
+  const bool above = wiring.range.high && result.value > *wiring.range.high;
   result.status = to_string(below || above ? Condition::overrange : Condition::ok);
   result.reason.clear();
   result.latency_s = 1e-9 * static_cast<double>(latency_ns);

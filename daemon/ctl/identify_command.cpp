@@ -5,10 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "core/base/printable.hpp"
 #include "core/motion/dwell_agreement.hpp"
+#include "core/rig/unstated.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/printout.hpp"
 #include "daemon/ctl/recorded_run.hpp"
+#include "daemon/report/dwell_text.hpp"
 #include "daemon/report/motion_report.hpp"
 
 namespace dwell::ctl {
@@ -31,15 +34,27 @@ void object(const MotionEstimate& motion, std::vector<Dwell>& dwells) {
     if (objection->grave)
       dwell.doubts.push_back({objection->elements, objection->what});
     else
-      dwell.warnings.push_back(objection->what);
+      dwell.warnings.push_back({WarningKind::any_motion, objection->what});
   }
 }
 
-void add(const MotionEstimate& motion, const std::optional<Agreement>& agreement, const Rig& rig, Printout& to) {
-  const MotionView view = make_view(motion, agreement, rig);
+// What ± means. It stands below the dwells' coefficients; where no dwell has any, below those of the motion.
+std::string legend(const MotionEstimate& motion, const std::vector<Dwell>& dwells, const Rig& rig) {
+  if (std::any_of(dwells.begin(), dwells.end(), [](const Dwell& dwell) { return !legend_of({&dwell}).empty(); }))
+    return {};
+  Dwell shown;
+  shown.elements = motion.elements;
+  shown.unstated = unstated_uncertainties(rig);
+  std::string text;
+  for (const std::string& line : legend_of({&shown})) text += printable(line) + "\n";
+  return text;
+}
+
+void add(const MotionEstimate& motion, const std::vector<Dwell>& dwells, const Rig& rig, Printout& to) {
+  const MotionView view = make_view(motion, agreement(motion, dwells), rig);
   to.document["motion"] = json_value(view);
   if (!motion.reason.empty()) to.document["motion_reason"] = motion.reason;
-  to.text.append("\n").append(motion_text(view));
+  to.text.append("\n").append(motion_text(view)).append(legend(motion, dwells, rig));
 }
 
 int judge(const MotionEstimate& motion) {
@@ -78,7 +93,7 @@ int identify_recording(const IdentifyOptions& options) {
     object(*motion, dwells);
   }
   Printout out = printout(run->rig(), run->info(), dwells);
-  if (motion) add(*motion, agreement(*motion, dwells), run->rig(), out);
+  if (motion) add(*motion, dwells, run->rig(), out);
   print(out, options.json);
   return options.method == "motion" ? judge(*motion) : judge(run->rig(), run->source(), dwells);
 }

@@ -90,7 +90,7 @@ std::string why_nothing_settled(const Rig& rig, const RecordSource& source, cons
   if (dwells.empty()) return why_no_dwell(rig, table_motion(rig, source));
   for (auto dwell = dwells.rbegin(); dwell != dwells.rend(); ++dwell) {
     if (!dwell->settling_reason.empty()) return "no dwell settled: " + dwell->settling_reason;
-    if (!dwell->warnings.empty()) return "no dwell settled: " + dwell->warnings.front();
+    if (!dwell->warnings.empty()) return "no dwell settled: " + dwell->warnings.front().what;
   }
   return "no dwell settled";
 }

@@ -40,8 +40,8 @@ constexpr int kAgain = -1;
 constexpr int kTries = 5;  // a file is closed only once, and may be signed just after
 constexpr std::chrono::milliseconds kPause{100};
 
-int cannot_replay(const std::string& why, int code = kUsage) {
-  if (record::is_read_again(why)) return kAgain;
+int cannot_replay(const record::Failure& why, int code = kUsage) {
+  if (why.cause() == record::Cause::read_again) return kAgain;
   tell_error(why);
   return code;
 }

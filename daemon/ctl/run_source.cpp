@@ -83,7 +83,8 @@ tl::expected<void, std::string> RunSource::play(const Progress& progress, const 
     return true;
   });
   if (progress) progress(1.0);
-  return played;
+  if (!played) return tl::unexpected<std::string>(played.error());
+  return {};
 }
 
 }  // namespace dwell::ctl

@@ -32,7 +32,7 @@ class StoredResults {
   void next();
   // Moves the current result to the caller and leaves an empty one until next(). Only if now() is not null.
   [[nodiscard]] Entry take() { return std::exchange(*now_, {}); }
-  [[nodiscard]] const std::string& error() const noexcept { return error_; }
+  [[nodiscard]] const record::Failure& error() const noexcept { return error_; }
 
  private:
   using Reading = record::Ahead<record::Result<Entry>>;
@@ -41,7 +41,7 @@ class StoredResults {
 
   std::unique_ptr<Reading> reading_;
   std::optional<Entry> now_;
-  std::string error_;
+  record::Failure error_{""};
 };
 
 }  // namespace dwell::ctl

@@ -45,7 +45,7 @@ class TableReadings {
       if (record.kind != Kind::sample || record.channel != index_) return;
       const double value = channel_.scale * record.value + channel_.offset;
       const bool beyond =
-          (channel_.range_low && value < *channel_.range_low) || (channel_.range_high && value > *channel_.range_high);
+          (channel_.range.low && value < *channel_.range.low) || (channel_.range.high && value > *channel_.range.high);
       if (!std::isfinite(value) || beyond) return;
       if (number >= first && number < last) take(1e-9 * static_cast<double>(record.t_ns), channel_.si_per_unit * value);
       ++number;
@@ -58,8 +58,8 @@ class TableReadings {
   const RecordSource& source_;
 };
 
-// A stretch of readings in short: count, times, sum, and the two smallest and two largest values.
-class Stretch {
+// Readings in a row, in short: count, times, sum, and the two smallest and two largest values.
+class ReadingRange {
  public:
   void take(double t_s, double value) {
     if (count_++ == 0) first_s_ = t_s;
@@ -68,7 +68,7 @@ class Stretch {
     take_low(value);
     take_high(value);
   }
-  void take(const Stretch& next) {
+  void take(const ReadingRange& next) {
     if (next.count_ == 0) return;
     if (count_ == 0) first_s_ = next.first_s_;
     last_s_ = next.last_s_;
@@ -94,10 +94,10 @@ class Stretch {
   double highest_ = -lowest_, high_ = -lowest_;
 };
 
-// A stretch and the number of its first reading.
+// Readings in a row, and the number of the first.
 struct Span {
   std::uint64_t first = 0;
-  Stretch of = {};
+  ReadingRange of = {};
   [[nodiscard]] std::uint64_t end() const { return first + of.count(); }
 };
 
@@ -140,7 +140,7 @@ class SineFit {
 double least_wander(const TableReadings& readings, const Span& span, double frequency_hz) {
   double least = std::numeric_limits<double>::infinity();
   double before = kNaN;
-  Stretch piece;
+  ReadingRange piece;
   SineFit fit;
   const auto end_piece = [&] {
     const bool whole = piece.length_s() > 1.8 / frequency_hz;
@@ -190,7 +190,7 @@ TableMotion table_motion(const Rig& rig, const RecordSource& source) {
   // Pieces of two nominal periods, and the longest run of them above the minimum.
   const double nominal_hz = rig.excitation.frequency_hz;
   Span run, longest;
-  Stretch piece;
+  ReadingRange piece;
   double loudest = 0.0;
   const auto end_piece = [&] {
     const double amplitude = piece.half_range();

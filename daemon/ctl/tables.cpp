@@ -99,13 +99,12 @@ std::string channels_table(const Json& list) {
 }
 
 std::string recording_text(const Json& health) {
-  constexpr std::string_view front = "recording: ";
   std::string text;
-  const auto troubles = health.is_object() ? health.find("troubles") : health.end();
-  if (troubles == health.end() || !troubles->is_array()) return text;
-  for (const Json& trouble : *troubles)
-    if (const std::string line = text_member(trouble, "text"); line.rfind(front, 0) == 0)
-      text += "recording  " + printable(line.substr(front.size())) + "\n";
+  const Json* const recorder = member_of(health, "recorder");
+  const Json* const alarms = recorder != nullptr ? member_of(*recorder, "alarms") : nullptr;
+  if (alarms == nullptr || !alarms->is_array()) return text;
+  for (const Json& alarm : *alarms)
+    if (alarm.is_string()) text += "recording  " + printable(alarm.get<std::string>()) + "\n";
   return text;
 }
 

@@ -292,9 +292,9 @@ std::string count_of(std::size_t count, const char* what, std::size_t page, std:
 
 // Without the line that the dwell has not settled: that is its state, not a warning.
 std::size_t warnings_in(const DwellView& view) {
-  const std::vector<std::string>& warnings = view.dwell.warnings;
+  const std::vector<Warning>& warnings = view.dwell.warnings;
   const auto count = std::count_if(warnings.begin(), warnings.end(),
-                                   [](const std::string& text) { return text.rfind("not settled: ", 0) != 0; });
+                                   [](const Warning& warning) { return warning.kind != WarningKind::not_settled; });
   return static_cast<std::size_t>(count) + (contradicts(view) ? 1 : 0);
 }
 

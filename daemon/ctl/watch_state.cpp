@@ -78,15 +78,25 @@ std::optional<std::int64_t> state_since(const Json& events, State state) {
   return std::nullopt;
 }
 
+void Renewals::moved(double now_s) noexcept {
+  std::rotate(turn_s_, turn_s_ + 2, turn_s_ + 3);
+  turn_s_[0] = std::isfinite(moved_s_) ? now_s - moved_s_ : 0.0;
+  moved_s_ = now_s;
+}
+
+// One outage among three renewals must not pass as usual: the shortest counts.
+double Renewals::old_after_s() const noexcept {
+  return std::max(kOldAfter_s, kOldAfterUpdates * *std::min_element(turn_s_, turn_s_ + 3));
+}
+
 void WatchState::take(DwellView dwell, double now_s) {
   if (!dwell_ || !has_data(dwell.dwell) || moved(dwell_->dwell, dwell.dwell)) {
     // The service may have told the same for minutes before watch began.
     const double published_s = dwell.age && std::isfinite(dwell.age->s) ? now_s - dwell.age->s : now_s;
-    std::rotate(turn_s_, turn_s_ + 2, turn_s_ + 3);
-    turn_s_[0] = std::isfinite(moved_s_) ? published_s - moved_s_ : 0.0;
-    moved_s_ = published_s;
+    renewals_.moved(published_s);
   }
-  heard_s_ = told_s_ = now_s;
+  heard_s_ = now_s;
+  renewals_.told(now_s);
   trend_.take(dwell, now_s);
   deviation_.take(dwell, now_s);
   keep_verdicts(dwell);
@@ -112,31 +122,23 @@ void WatchState::keep_verdicts(DwellView& ended) const {
 }
 
 void WatchState::take(std::vector<ChannelState> channels, double now_s) {
-  channels_ = std::move(channels);
-  heard_s_ = channels_s_ = now_s;
+  channels_ = {std::move(channels), now_s};
+  heard_s_ = now_s;
 }
 
 void WatchState::take(AlarmsList alarms, double now_s) {
-  alarms_ = std::move(alarms);
-  heard_s_ = alarms_s_ = now_s;
+  alarms_ = {std::move(alarms), now_s};
+  heard_s_ = now_s;
 }
 
-void WatchState::take_utc(std::int64_t utc_ns, double now_s) {
-  utc_ns_ = utc_ns;
-  utc_s_ = now_s;
-}
+void WatchState::take_utc(std::int64_t utc_ns, double now_s) { utc_ns_ = {utc_ns, now_s}; }
 
 void WatchState::take_gpio(std::string lines, double now_s) {
-  gpio_ = std::move(lines);
-  heard_s_ = gpio_s_ = now_s;
+  gpio_ = {std::move(lines), now_s};
+  heard_s_ = now_s;
 }
 
-// One outage among three renewals must not pass as usual: the shortest counts.
-double WatchState::old_after_s() const {
-  return std::max(kOldAfter_s, kOldAfterUpdates * *std::min_element(turn_s_, turn_s_ + 3));
-}
-
-double WatchState::age_s(double now_s) const { return now_s - moved_s_; }
+double WatchState::age_s(double now_s) const { return now_s - renewals_.moved_s(); }
 
 std::string WatchState::why_unverified() const {
   if (!dwell_ || !dwell_->model || dwell_->model->verdict != Verdict::not_verified || !unverified_) return {};
@@ -147,8 +149,8 @@ std::string WatchState::why_unverified() const {
 }
 
 std::optional<std::int64_t> WatchState::utc_ns(double now_s) const {
-  if (!utc_ns_) return std::nullopt;
-  return *utc_ns_ + static_cast<std::int64_t>(1e9 * (now_s - utc_s_));
+  if (!utc_ns_.value) return std::nullopt;
+  return *utc_ns_.value + static_cast<std::int64_t>(1e9 * (now_s - utc_ns_.at_s));
 }
 
 std::optional<std::int64_t> WatchState::since_utc_ns() const {
@@ -189,13 +191,13 @@ bool WatchState::old(double now_s) const { return !trouble.empty() || stale() ||
 
 Silence WatchState::silence(double now_s) const {
   if (!trouble.empty() || silent(now_s)) return Silence::service;
-  return stale() || now_s - told_s_ > old_after_s() ? Silence::estimation : Silence::data;
+  return stale() || now_s - renewals_.told_s() > old_after_s() ? Silence::estimation : Silence::data;
 }
 
 std::optional<ChannelState> WatchState::channel(const std::string& asked, double now_s) const {
-  const auto found =
-      std::find_if(channels_.begin(), channels_.end(), [&asked](const ChannelState& c) { return c.name == asked; });
-  if (found == channels_.end()) return std::nullopt;
+  const auto found = std::find_if(channels_.value.begin(), channels_.value.end(),
+                                  [&asked](const ChannelState& c) { return c.name == asked; });
+  if (found == channels_.value.end()) return std::nullopt;
   ChannelState channel = *found;
   channel.age_s += channels_age_s(now_s);
   return channel;

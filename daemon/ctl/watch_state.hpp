@@ -44,6 +44,29 @@ struct WhyUnverified {
 // Since when the service is in this state by the list of its events, ns of UTC; nullopt: they do not tell.
 [[nodiscard]] std::optional<std::int64_t> state_since(const nlohmann::ordered_json& events, State state);
 
+// The newest answer to a question, and when it came.
+template <class Value>
+struct Heard {
+  Value value{};
+  double at_s = kNever;
+};
+
+// When the dwell in view was renewed.
+class Renewals {
+ public:
+  void told(double now_s) noexcept { told_s_ = now_s; }
+  // Its data moved on.
+  void moved(double now_s) noexcept;
+  [[nodiscard]] double told_s() const noexcept { return told_s_; }
+  [[nodiscard]] double moved_s() const noexcept { return moved_s_; }
+  // Age from which its numbers are old, s.
+  [[nodiscard]] double old_after_s() const noexcept;
+
+ private:
+  double told_s_ = kNever, moved_s_ = kNever;
+  double turn_s_[3] = {0.0, 0.0, 0.0};  // times between the last renewals, newest first
+};
+
 enum class Silence : std::uint8_t {
   service,     // it says nothing at all
   estimation,  // the service answers, but its estimation publishes nothing
@@ -93,18 +116,18 @@ class WatchState {
   // Who is silent where the numbers are old.
   [[nodiscard]] Silence silence(double now_s) const;
   // Age from which numbers are old, s.
-  [[nodiscard]] double old_after_s() const;
+  [[nodiscard]] double old_after_s() const { return renewals_.old_after_s(); }
 
   [[nodiscard]] const std::optional<DwellView>& dwell() const noexcept { return dwell_; }
   // How the channel of this name stands, its age as of now; nothing: not known, or known no longer.
   [[nodiscard]] std::optional<ChannelState> channel(const std::string& asked, double now_s) const;
   // Since the channels' list was made, s; infinite: never.
-  [[nodiscard]] double channels_age_s(double now_s) const { return now_s - channels_s_; }
+  [[nodiscard]] double channels_age_s(double now_s) const { return now_s - channels_.at_s; }
 
-  [[nodiscard]] const AlarmsList& alarms() const noexcept { return alarms_; }
-  [[nodiscard]] bool alarms_old(double now_s) const { return list_old(alarms_s_, now_s); }
-  [[nodiscard]] const std::string& gpio() const noexcept { return gpio_; }
-  [[nodiscard]] bool gpio_old(double now_s) const { return list_old(gpio_s_, now_s); }
+  [[nodiscard]] const AlarmsList& alarms() const noexcept { return alarms_.value; }
+  [[nodiscard]] bool alarms_old(double now_s) const { return list_old(alarms_.at_s, now_s); }
+  [[nodiscard]] const std::string& gpio() const noexcept { return gpio_.value; }
+  [[nodiscard]] bool gpio_old(double now_s) const { return list_old(gpio_.at_s, now_s); }
 
   // Why the model of the dwell in view has no verdict yet; empty: it has one, or nothing is known of it.
   [[nodiscard]] std::string why_unverified() const;
@@ -140,22 +163,16 @@ class WatchState {
 
   std::optional<DwellView> dwell_, last_;
   std::optional<WhyUnverified> unverified_;
-  std::optional<std::int64_t> utc_ns_;  // of the service, at utc_s_
-  double utc_s_ = kNever;
-  double heard_s_ = kNever;  // anything
-  double told_s_ = kNever;   // a dwell
-  double moved_s_ = kNever;
-  double turn_s_[3] = {0.0, 0.0, 0.0};  // times between the last renewals, newest first
+  Heard<std::optional<std::int64_t>> utc_ns_;  // of the service
+  double heard_s_ = kNever;                    // anything
+  Renewals renewals_;
   Trend trend_;
   Deviation deviation_;
   std::string run_;
   std::optional<std::pair<State, std::int64_t>> since_;
-  std::vector<ChannelState> channels_;
-  double channels_s_ = kNever;
-  AlarmsList alarms_;
-  double alarms_s_ = kNever;
-  std::string gpio_;
-  double gpio_s_ = kNever;
+  Heard<std::vector<ChannelState>> channels_;
+  Heard<AlarmsList> alarms_;
+  Heard<std::string> gpio_;
 };
 
 }  // namespace dwell::ctl

@@ -21,9 +21,9 @@ std::size_t bytes_of(const Dwell& dwell) noexcept {
   for (const ChannelPhasor& phasor : dwell.phasors) bytes += bytes_of(phasor.harmonics) + bytes_of(phasor.reason);
   for (const ElementEstimate& element : dwell.elements) {
     bytes += bytes_of(element.reason) + bytes_of(element.budget);
-    for (const BudgetShare& share : element.budget) bytes += bytes_of(share.source);
+    for (const BudgetShare& share : element.budget) bytes += bytes_of(share.source) + bytes_of(share.channel);
   }
-  for (const std::string& warning : dwell.warnings) bytes += bytes_of(warning);
+  for (const Warning& warning : dwell.warnings) bytes += bytes_of(warning.what);
   for (const Doubt& doubt : dwell.doubts) bytes += bytes_of(doubt.elements) + bytes_of(doubt.what);
   for (const std::string& uncertainty : dwell.unstated) bytes += bytes_of(uncertainty);
   return bytes;

@@ -17,9 +17,9 @@ std::string channel_comment(const Channel& channel) {
   std::string text = "channel " + channel.name + ": " + measurand_text(channel) + "; in " +
                      (channel.unit.empty() ? "(no unit)" : channel.unit) + " = " + shortest(channel.scale) +
                      " * value + " + shortest(channel.offset);
-  if (!channel.calibration_id.empty())
-    text += "; calibration " + channel.calibration_id +
-            (channel.calibration_due.empty() ? "" : ", due " + channel.calibration_due);
+  if (!channel.calibration.id.empty())
+    text += "; calibration " + channel.calibration.id +
+            (channel.calibration.due.empty() ? "" : ", due " + channel.calibration.due);
   return comment(text);
 }
 

@@ -50,8 +50,8 @@ void describe(const Hdf5Id& group, const Channel& c, Motion motion) {
   hdf5_attribute(group, "measures", std::string(config::to_string(c.measures)));
   hdf5_attribute(group, "at", place_text(c.at));
   hdf5_attribute(group, "relative_to", c.relative_to ? place_text(*c.relative_to) : std::string());
-  hdf5_attribute(group, "calibration_id", c.calibration_id);
-  hdf5_attribute(group, "calibration_due", c.calibration_due);
+  hdf5_attribute(group, "calibration_id", c.calibration.id);
+  hdf5_attribute(group, "calibration_due", c.calibration.due);
   if (c.measures == Quantity::force)
     hdf5_attribute(group, "positive", std::string(c.force_on_mass ? "mass" : "ground"));
 }

@@ -205,9 +205,9 @@ std::string report_dwell(const DwellView& view) {
   const Dwell& dwell = view.dwell;
   std::vector<std::string> doubts, warnings;
   for (const Doubt& doubt : dwell.doubts) doubts.push_back(doubt_text(doubt));
-  for (const std::string& warning : dwell.warnings)
-    if (std::none_of(dwell.doubts.begin(), dwell.doubts.end(), [&](const Doubt& d) { return d.what == warning; }))
-      warnings.push_back(warning);
+  for (const Warning& warning : dwell.warnings)
+    if (std::none_of(dwell.doubts.begin(), dwell.doubts.end(), [&](const Doubt& d) { return d.what == warning.what; }))
+      warnings.push_back(warning.what);
   std::string title = headline(view);
   if (!title.empty() && title[0] == 'd') title[0] = 'D';
   std::string html = "<section class=\"dwell\">" + html_heading(3, title);

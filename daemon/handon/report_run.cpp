@@ -54,12 +54,12 @@ std::string response_text(const Rig& rig, const Channel& c) {
 }
 
 Markup calibration(const Channel& c, const std::string& start_utc) {
-  if (c.calibration_id.empty()) return {"none stated"};
-  std::string html = escaped(c.calibration_id);
-  if (!c.calibration_due.empty()) {
-    html += ", due " + escaped(c.calibration_due);
+  if (c.calibration.id.empty()) return {"none stated"};
+  std::string html = escaped(c.calibration.id);
+  if (!c.calibration.due.empty()) {
+    html += ", due " + escaped(c.calibration.due);
     // ISO dates sort as text.
-    if (start_utc.size() >= 10 && c.calibration_due < start_utc.substr(0, 10))
+    if (start_utc.size() >= 10 && c.calibration.due < start_utc.substr(0, 10))
       html += " <strong class=\"alarm\">overdue</strong>";
   }
   return Markup::made(html);
@@ -106,7 +106,7 @@ std::string report_channels(const Selection& selection, const RunStory& story) {
     std::string scale =
         shortest(c.scale) +
         (c.offset != 0.0 ? (c.offset > 0.0 ? " · raw + " : " · raw − ") + shortest(std::fabs(c.offset)) : " · raw");
-    if (c.scale_u_stated) scale += "; u " + axis_number(100.0 * c.scale_u) + " %";
+    if (c.stated.scale_u) scale += "; u " + axis_number(100.0 * c.scale_u) + " %";
     rows.push_back({std::to_string(i + 1), c.name, measurand_text(c), pretty_unit(c.unit), scale, response_text(rig, c),
                     calibration(c, selection.header().start_utc), device});
     if (of_stream) rows.back().push_back(std::to_string(story.traces[i].count()));

@@ -24,7 +24,7 @@ double median_interval_ns(const std::vector<std::int64_t>& t_ns) {
 }
 
 // Counts the readings of one stretch, to find the even instants that have enough readings on both sides.
-struct OpenStretch {
+struct OpenRun {
   std::int64_t begin_ns = 0, earliest_ns = 0;  // earliest: the 16th reading
   std::uint64_t readings = 0;
   std::array<std::int64_t, kHalf> last_ns{};
@@ -100,7 +100,7 @@ class ChannelSurvey {
   std::vector<std::int64_t> first_;
   double interval_ns_ = 0.0;
   GapFinder gaps_;
-  OpenStretch open_;
+  OpenRun open_;
   std::vector<Done> done_;
   std::uint64_t readings_ = 0, left_out_ = 0;
 };

@@ -10,7 +10,7 @@
 namespace dwell::handon {
 
 // Readings without a gap longer than Resampler::kGap usual intervals, and the even instants among them.
-struct Stretch {
+struct EvenRun {
   std::int64_t begin_ns = 0;  // its first reading, on the clock that recorded
   std::int64_t first_ns = 0;  // first even instant: a multiple of the step from the run's zero
   std::int64_t count = 0;     // of even instants, > 0
@@ -19,7 +19,7 @@ struct Stretch {
 struct EvenChannel {
   double interval_ns = 0.0;  // the median time between readings; 0: too few readings
   std::int64_t step_ns = 0;
-  std::vector<Stretch> stretches;
+  std::vector<EvenRun> stretches;
   std::uint64_t readings = 0;
   std::uint64_t left_out = 0;  // readings of stretches that are too short
 };

@@ -88,7 +88,7 @@ void Http::show(const ServiceView& now) {
   end_streams_of_ended_sessions();
   // Shown again without a newer snapshot: that was pushed already. Once it is stale, that and its age are news.
   const bool told = std::exchange(told_sequence_, now.snapshot.sequence) == now.snapshot.sequence;
-  if ((told && !is_stale(now)) || now.http.streams == 0) return;
+  if ((told && !is_stale(now)) || now.clients.http.streams == 0) return;
   const DwellStream::Event event = stream_.next(live_dwell(now), told ? now.now_ns : now.snapshot.t_ns);
   server_->broadcast(event.name, event.data);
 }

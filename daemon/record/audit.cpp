@@ -57,7 +57,7 @@ Result<bool> RunAudit::check(ChainAudit& chain) {
   const double all = static_cast<double>(std::max<std::int64_t>(1, options_.progress ? chain.last_seq() : 1));
   std::int64_t last_ns = 0;
   for (;;) {
-    if (options_.stop && options_.stop()) return fails(kAuditStopped);
+    if (options_.stop && options_.stop()) return fails({kAuditStopped, Cause::stopped});
     const auto row = chain.next();
     if (!row) return fails(row.error());
     if (!*row) break;
@@ -229,8 +229,8 @@ Result<Audit> look(const std::string& path, const AuditOptions& options, bool ev
   Result<ChainAudit> chain = ChainAudit::open(path, ChainSort::run, every_signature);
   RunAudit run(audit, options, anchors, ledger);
   const Result<bool> ended = chain ? run.check(*chain) : fails(chain.error());
-  if (!ended && ended.error() == kAuditStopped) return fails(kAuditStopped);
-  if (chain ? !chain->unchanged() : chain.error() == kReadAgain) return fails(path + ": " + kReadAgain);
+  if (!ended && ended.error().cause() == Cause::stopped) return fails(ended.error());
+  if (chain ? !chain->unchanged() : chain.error().cause() == Cause::read_again) return fails(read_again(path + ": "));
   audit.state = !ended ? AuditState::tampered : *ended ? AuditState::intact : AuditState::open;
   if (!ended) {
     audit.where = ended.error();
@@ -298,7 +298,7 @@ Result<Audit> audit_run(const std::string& path, const AuditOptions& options) {
     Result<Audit> audit =
         look(path, options, every_signature, *anchors, ledger && ledger->verifies() ? ledger.get() : nullptr);
     if (!audit) {
-      if (audit.error() == kAuditStopped || ++tries > kAuditTries) return audit;
+      if (audit.error().cause() == Cause::stopped || ++tries > kAuditTries) return audit;
     } else if (audit->state == AuditState::tampered && !every_signature) {
       // The newest signature alone does not tell where the first thing is that does not hold.
       every_signature = true;

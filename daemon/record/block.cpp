@@ -21,7 +21,7 @@ constexpr std::size_t kPreamble = 8;  // version, number of records
 // and saves at most 1 %.
 constexpr int kLevel = 3;
 
-// Columns, and the planes that each takes: one for each byte of its numbers, the lowest first.
+// RecordColumns, and the planes that each takes: one for each byte of its numbers, the lowest first.
 struct Column {
   std::size_t plane;  // its first
   std::size_t bytes;
@@ -123,18 +123,18 @@ class Tracks {
 };
 
 // A part of a block as numbers, most of them small.
-constexpr std::size_t kStretch = 512;
-struct Stretch {
-  std::array<std::uint8_t, kStretch> kind, flags, form;
-  std::array<std::uint16_t, kStretch> channel;
-  std::array<std::uint32_t, kStretch> half;
-  std::array<std::uint64_t, kStretch> instant, delay, value;
+constexpr std::size_t kRows = 512;
+struct RecordColumns {
+  std::array<std::uint8_t, kRows> kind, flags, form;
+  std::array<std::uint16_t, kRows> channel;
+  std::array<std::uint32_t, kRows> half;
+  std::array<std::uint64_t, kRows> instant, delay, value;
 };
 
 // Turns records into numbers, or numbers into records. It must see the records of a block in order.
 class Predictor {
  public:
-  void to_numbers(const Record& r, Stretch& to, std::size_t i) {
+  void to_numbers(const Record& r, RecordColumns& to, std::size_t i) {
     Track& track = tracks_.of(r.kind, r.channel);
     to.kind[i] = static_cast<std::uint8_t>(r.kind);
     to.flags[i] = r.flags;
@@ -157,7 +157,7 @@ class Predictor {
   }
 
   // Fills every field of `r` in its place: a copy just made of narrow fields stalls the processor.
-  void to_record(const Stretch& from, std::size_t i, Record& r) {
+  void to_record(const RecordColumns& from, std::size_t i, Record& r) {
     r.channel = from.channel[i];
     r.kind = static_cast<Kind>(from.kind[i]);
     r.flags = from.flags[i];
@@ -203,8 +203,8 @@ void join(Number* numbers, std::size_t count, Column column, const Byte* planes,
 }
 
 // Calls each(numbers, column) for every column.
-template <class AnyStretch, class Each>
-void for_each_column(AnyStretch& stretch, const Each& each) {
+template <class AnyColumns, class Each>
+void for_each_column(AnyColumns& stretch, const Each& each) {
   each(stretch.kind.data(), kKind);
   each(stretch.flags.data(), kFlags);
   each(stretch.form.data(), kForm);
@@ -243,9 +243,9 @@ std::string encode_block(std::span<const Record> records) {
   put_number(out, static_cast<std::uint32_t>(n));
   std::vector<Byte> planes(kPlanes * n);
   Predictor predictor;
-  Stretch stretch;
-  for (std::size_t at = 0; at < n; at += kStretch) {
-    const std::size_t count = std::min(kStretch, n - at);
+  RecordColumns stretch;
+  for (std::size_t at = 0; at < n; at += kRows) {
+    const std::size_t count = std::min(kRows, n - at);
     for (std::size_t i = 0; i < count; ++i) predictor.to_numbers(records[at + i], stretch, i);
     for_each_column(stretch,
                     [&](const auto* numbers, Column column) { split(numbers, count, column, planes.data(), n, at); });
@@ -296,9 +296,9 @@ namespace {
                           std::to_string(kMostForm));
   out.resize(n);
   Predictor predictor;
-  Stretch stretch;
-  for (std::size_t at = 0; at < n; at += kStretch) {
-    const std::size_t count = std::min(kStretch, n - at);
+  RecordColumns stretch;
+  for (std::size_t at = 0; at < n; at += kRows) {
+    const std::size_t count = std::min(kRows, n - at);
     for_each_column(stretch, [&](auto* numbers, Column column) { join(numbers, count, column, planes->get(), n, at); });
     for (std::size_t i = 0; i < count; ++i) predictor.to_record(stretch, i, out[at + i]);
   }

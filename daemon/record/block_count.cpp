@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kFront = 8;  // version, number of records
 
-tl::unexpected<std::string> block_fails(const std::string& reason) { return fails("block: " + reason); }
+tl::unexpected<Failure> block_fails(const std::string& reason) { return fails("block: " + reason); }
 
 std::uint32_t u32(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;

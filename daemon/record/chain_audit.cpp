@@ -17,9 +17,9 @@ ChainAudit::ChainAudit(Snapshot snapshot, bool every_signature)
 
 Result<ChainAudit> ChainAudit::open(const std::string& path, ChainSort sort, bool every_signature) {
   Result<Snapshot> snapshot = Snapshot::open(path);
-  if (!snapshot) return fails(without_path(snapshot.error(), path));
+  if (!snapshot) return fails({without_path(snapshot.error(), path), snapshot.error().cause()});
   if (Result<void> tables = check_tables(snapshot->database(), sort); !tables)
-    return fails(snapshot->unchanged() ? std::move(tables.error()) : kReadAgain);
+    return fails(snapshot->unchanged() ? std::move(tables.error()) : read_again());
   return ChainAudit(std::move(*snapshot), every_signature);
 }
 

@@ -23,14 +23,14 @@ Result<ChainReader> ChainReader::open(const std::string& path, ChainSort sort) {
   Result<Snapshot> snapshot = Snapshot::open(path);
   if (!snapshot) return tl::unexpected(std::move(snapshot.error()));
   if (Result<void> tables = check_tables(snapshot->database(), sort); !tables)
-    return tl::unexpected(path + ": " + (snapshot->unchanged() ? tables.error() : kReadAgain));
+    return fails(snapshot->unchanged() ? Failure(path + ": " + tables.error()) : read_again(path + ": "));
   return ChainReader(std::make_unique<Impl>(std::move(*snapshot)));
 }
 
 Result<std::optional<ChainReader::Row>> ChainReader::next() {
   if (impl_->at_end) return std::nullopt;
   Result<std::optional<Row>> row = impl_->rows.next();
-  if (!impl_->snapshot.unchanged()) return tl::unexpected(impl_->snapshot.path() + ": " + kReadAgain);
+  if (!impl_->snapshot.unchanged()) return fails(read_again(impl_->snapshot.path() + ": "));
   if (!row) return tl::unexpected(impl_->snapshot.path() + ": " + row.error());
   impl_->at_end = !row->has_value();
   return row;

@@ -169,7 +169,7 @@ struct ChainWriter::Impl {
     database.reset();
   }
 
-  [[nodiscard]] tl::unexpected<std::string> failed() {
+  [[nodiscard]] tl::unexpected<Failure> failed() {
     std::string error = sqlite_error(database.get(), path);
     roll_back();
     return fails(std::move(error));

@@ -96,7 +96,7 @@ void Housekeeper::anchor(const ClockPair& now, bool run_changed) {
   if (lines.empty() || (options_.anchor.file.empty() && options_.anchor.command.empty())) return;
   const bool posted = jobs_.post([target = options_.anchor, lines, outcomes = outcomes_](const auto&) {
     const auto done = deliver_anchor(target, lines);
-    outcomes->put({{}, true, done ? std::string() : done.error()});
+    outcomes->put({{}, true, done ? std::string() : std::string(done.error())});
   });
   if (!posted) outcomes_->put({{}, true, "the anchors before have not arrived yet"});
 }

@@ -184,7 +184,7 @@ struct Recorder::Impl {
     if (!ready && trouble.empty())
       tell({Notice::Grade::error, "runs cannot be recorded: " + ready.error() + "; measuring goes on", 0, {}});
     if (ready && !trouble.empty()) tell({Notice::Grade::info, "runs can be recorded again", 0, {}});
-    trouble = ready ? std::string() : ready.error();
+    trouble = ready ? std::string() : std::string(ready.error());
     if (!ready || log.stopped().empty() || now.raw_ns - log.stopped_ns() < kRetry_ns) return;
     log.goes_on();
     restart.store(true, std::memory_order_relaxed);

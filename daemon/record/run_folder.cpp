@@ -355,7 +355,8 @@ Result<void> RunFolder::end(std::span<const NewEntry> last, bool another) {
   self.ended = {self.run, hex(self.last_head->head), self.last_head->seq, written ? kClosed : kCutOff};
   if (written)
     self.disk_jobs.start([file = std::make_unique<ChainWriter>(std::move(*self.file)), name = self.name] {
-      return file->close().map_error([&](const std::string& why) { return name + " could not be closed: " + why; });
+      return file->close().map_error(
+          [&](const Failure& why) { return Failure(name + " could not be closed: " + why); });
     });
   self.file.reset();
   self.name.clear();

@@ -57,7 +57,7 @@ Result<EndedRun> wait_for_end(const std::string& path, const WhileBusy& busy) {
   for (int tries = 0;; ++tries) {
     Result<std::optional<EndedRun>> run = read_ended(path);
     // The service is closing the file.
-    if (!run && is_read_again(run.error()) && busy && busy(tries)) continue;
+    if (!run && run.error().cause() == Cause::read_again && busy && busy(tries)) continue;
     if (!run) return fails(std::move(run.error()));
     if (*run) return std::move(**run);
     if (!busy || tries == kMostForEnd || !busy(tries))
@@ -70,7 +70,7 @@ template <class Open>
 Result<ChainWriter> open_again(const Open& open, const WhileBusy& busy) {
   for (int tries = 0;; ++tries) {
     Result<ChainWriter> file = open();
-    if (file || !is_read_again(file.error()) || !busy || !busy(tries)) return file;
+    if (file || file.error().cause() != Cause::read_again || !busy || !busy(tries)) return file;
   }
 }
 

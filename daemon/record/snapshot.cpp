@@ -121,7 +121,7 @@ Result<Snapshot> Snapshot::open(const std::string& path) {
       if (!done) return tl::unexpected(std::move(done.error()));
       return Snapshot(std::move(impl));
     }
-    if (tries == kTries) return tl::unexpected(path + ": " + kReadAgain);
+    if (tries == kTries) return fails(read_again(path + ": "));
     std::this_thread::sleep_for(kPause);
   }
 }

@@ -16,10 +16,10 @@ struct sqlite3;
 
 namespace dwell::record {
 
-// The reason, behind "PATH: ", if a writer merged the -wal into the file during reading. Open the file again and retry.
-inline constexpr const char* kReadAgain = "written to while it was read: read it again";
-// Whether a failure has this reason: a writer closed the file, and another attempt succeeds.
-[[nodiscard]] inline bool is_read_again(std::string_view error) noexcept { return error.ends_with(kReadAgain); }
+// A writer merged the -wal into the file during reading. front: "PATH: ".
+[[nodiscard]] inline Failure read_again(const std::string& front = {}) {
+  return {front + "written to while it was read: read it again", Cause::read_again};
+}
 
 // Bound to one thread.
 class Snapshot {

@@ -152,10 +152,10 @@ Json json_value(const DwellView& view, Detail detail) {
     doubts.push_back({{"elements", doubt.elements}, {"what", doubt.what}});
     warnings.push_back(doubt.what);  // for whoever reads only these
   }
-  for (const std::string& warning : d.warnings) warnings.push_back(warning);
+  for (const Warning& warning : d.warnings) warnings.push_back(warning.what);
   // A reader who sees no coefficients must find the reason where the interface promises it.
   if (!settled && warnings.empty()) {
-    warnings.push_back("not settled: " + (d.settling_reason.empty() ? "no reason stated" : d.settling_reason));
+    warnings.push_back(kNotSettled + (d.settling_reason.empty() ? "no reason stated" : d.settling_reason));
   }
   object["warnings"] = std::move(warnings);
   object["doubts"] = std::move(doubts);

@@ -62,8 +62,11 @@ ElementEstimate element(const Json& value, Motion& motion) {
   e.damping = coefficient(member(value, "damping"));
   e.loss_factor = estimate(member(value, "loss_factor"));
   for (const Json& share : array_of(value, "budget")) {
-    e.budget.push_back(
-        {string_of(share, "source"), real_of(share, "stiffness_share"), real_of(share, "damping_share")});
+    e.budget.push_back({string_of(share, "source"),
+                        real_of(share, "stiffness_share"),
+                        real_of(share, "damping_share"),
+                        SourceKind::other,
+                        {}});
   }
   return e;
 }
@@ -133,6 +136,11 @@ std::optional<LiveAge> age_of(const Json& value) {
   return LiveAge{real_of(value, "estimate_age_s"), boolean_of(value, "stale")};
 }
 
+// The interface has the text alone. Of all kinds only this one is treated in another way.
+WarningKind kind_of(const std::string& warning) {
+  return warning.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::unknown;
+}
+
 DwellView parse(const Json& value) {
   DwellView view;
   Dwell& d = view.dwell;
@@ -164,14 +172,17 @@ DwellView parse(const Json& value) {
     for (const Json& k : array_of(entry, "elements")) doubt.elements.push_back(integer(k, "elements"));
     doubt.what = string_of(entry, "what");
   }
-  d.warnings = strings_of(value, "warnings");
+  const std::vector<std::string> warnings = strings_of(value, "warnings");
   // The doubts come first among the warnings, repeated for whoever reads only these.
-  if (d.warnings.size() < d.doubts.size()) fail("warnings", "the doubts, repeated");
-  d.warnings.erase(d.warnings.begin(), d.warnings.begin() + static_cast<std::ptrdiff_t>(d.doubts.size()));
+  if (warnings.size() < d.doubts.size()) fail("warnings", "the doubts, repeated");
+  for (std::size_t i = d.doubts.size(); i < warnings.size(); ++i)
+    d.warnings.push_back({kind_of(warnings[i]), warnings[i]});
   d.unstated = strings_of(value, "unstated");
   view.transient = motion_of(value);
   view.model = model_of(value);
   view.limits = limits_of(value, view.motion);
+  for (JudgedLimit& limit : view.limits)
+    limit.doubted = limit.verdict == LimitVerdict::none && doubt_of(d, limit.element) != nullptr;
   view.age = age_of(value);
   return view;
 }

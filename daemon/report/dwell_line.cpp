@@ -37,7 +37,7 @@ std::string finished_line(const Dwell& dwell, const Rig& rig) {
     line += ", r_" + k + " = " +
             join(number_text(element.damping.value, element.damping.U95, config::damping_unit(rig.motion)));
   }
-  for (const std::string& warning : dwell.warnings) line += "; warning: " + warning;
+  for (const Warning& warning : dwell.warnings) line += "; warning: " + warning.what;
   return line;
 }
 
@@ -47,7 +47,7 @@ std::string state_line(State before, const Dwell& now) {
   if (!now.settling_reason.empty()) {
     line += ": " + now.settling_reason;
   } else if (!now.warnings.empty()) {
-    line += ": " + now.warnings.front();
+    line += ": " + now.warnings.front().what;
   }
   return line;
 }

@@ -187,10 +187,8 @@ std::vector<Section> element_sections(const DwellView& view, const TextOptions& 
 
 Section warning_section(const DwellView& view, const TextOptions& options) {
   std::vector<std::string> texts;
-  for (const std::string& warning : view.dwell.warnings) {
-    const bool said = warning == "not settled: " + view.dwell.settling_reason;
-    if (!said) texts.push_back("warning: " + warning);
-  }
+  for (const Warning& warning : view.dwell.warnings)
+    if (warning.kind != WarningKind::not_settled) texts.push_back("warning: " + warning.what);
   if (settled(view.dwell) && contradicts(view)) texts.push_back("warning: " + agreement_text(view));
   Section section = paragraphs(texts, options.columns, 2, Style::plain);
   section.name = kWarnings;

@@ -13,9 +13,7 @@
 namespace dwell {
 namespace {
 
-constexpr int kLeastDigits = 4;  // of a bound, significant: "7.500 to 8.500 kN/m" lines up
-// How JudgedLimit::reason begins where the number is doubted (core/rig/limit.cpp). The doubt follows.
-constexpr const char* kDoubtedNumber = "the number must not be relied on";
+constexpr int kLeastDigits = 4;      // of a bound, significant: "7.500 to 8.500 kN/m" lines up
 constexpr std::size_t kIndent = 11;  // as the lines on settling
 
 void add(Section& section, const std::string& text, const TextOptions& options, Style style) {
@@ -92,7 +90,7 @@ Section limit_section(const DwellView& view, const TextOptions& options) {
       kept += (kept.empty() ? "" : "; ") + what + ", " + bounds_text(limit, view.motion);
     if (limit.verdict != LimitVerdict::none) continue;
     // The doubt itself stands above the numbers.
-    const std::string reason = limit.reason.rfind(kDoubtedNumber, 0) == 0 ? kDoubtedNumber : limit.reason;
+    const std::string reason = limit.doubted ? kDoubtedNumber : limit.reason;
     const auto same = std::find_if(none.begin(), none.end(), [&](const auto& n) { return n.first == reason; });
     if (same == none.end())
       none.emplace_back(reason, what);

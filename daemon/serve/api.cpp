@@ -59,10 +59,10 @@ Json place(int at) { return at == kGround ? Json("ground") : Json(at); }
 
 // A channel's calibration, as the rig file states it; null: it states none.
 Json calibration_json(const ServiceView& view, const Channel& channel) {
-  if (channel.calibration_id.empty()) return nullptr;
+  if (channel.calibration.id.empty()) return nullptr;
   const auto overdue = calibration_overdue(channel, view.clock_synchronized ? view.now_utc_ns : 0);
-  return {{"id", channel.calibration_id},
-          {"due", json_text(channel.calibration_due)},
+  return {{"id", channel.calibration.id},
+          {"due", json_text(channel.calibration.due)},
           {"overdue", overdue ? Json(*overdue) : Json(nullptr)}};
 }
 
@@ -159,8 +159,8 @@ Json troubles_json(const Health& health) {
 }
 
 Json modbus_json(const ServiceView& view) {
-  if (!view.modbus) return nullptr;
-  const ModbusStats& modbus = *view.modbus;
+  if (!view.clients.modbus) return nullptr;
+  const ModbusStats& modbus = *view.clients.modbus;
   return {{"clients", modbus.clients},       {"answers", modbus.answers},
           {"exceptions", modbus.exceptions}, {"malformed", modbus.malformed},
           {"timed_out", modbus.timed_out},   {"refused", modbus.refused},
@@ -195,14 +195,14 @@ Json health_json(const ServiceView& view) {
           {"threads", std::move(threads)},
           {"skipped_turns", view.snapshot.skipped_turns},
           {"http",
-           {{"clients", view.http.clients},
-            {"streams", view.http.streams},
-            {"requests", view.http.requests},
-            {"refused", view.http.refused},
-            {"displaced", view.http.displaced},
-            {"wrong_tokens", view.wrong_tokens},
-            {"events_dropped", view.http.events_dropped},
-            {"awaits_address", view.http.awaits_address}}},
+           {{"clients", view.clients.http.clients},
+            {"streams", view.clients.http.streams},
+            {"requests", view.clients.http.requests},
+            {"refused", view.clients.http.refused},
+            {"displaced", view.clients.http.displaced},
+            {"wrong_tokens", view.clients.wrong_tokens},
+            {"events_dropped", view.clients.http.events_dropped},
+            {"awaits_address", view.clients.http.awaits_address}}},
           {"modbus", modbus_json(view)},
           {"log", {{"lines", view.log.lines}, {"dropped", view.log.dropped}, {"failing", view.log.failing}}},
           {"recorder", recorder_json(view)}};

@@ -10,9 +10,9 @@ namespace {
 
 void write_recorder(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_recorder_recording", "1: a run is being recorded.");
-  out.sample(now.recorder && now.recorder->recording ? 1.0 : 0.0);
-  if (!now.recorder) return;
-  const record::RecorderState& recorder = *now.recorder;
+  out.sample(now.recording.state && now.recording.state->recording ? 1.0 : 0.0);
+  if (!now.recording.state) return;
+  const record::RecorderState& recorder = *now.recording.state;
   out.gauge("dwell_recorder_alarms", "Reasons why runs are not recorded as they should be.");
   out.sample(count_value(recorder.alarms.size()));
   out.gauge("dwell_recorder_buffer_fill_ratio", "Part of the recorder's buffer that is full.");
@@ -86,8 +86,8 @@ void write_service_metrics(const ServiceView& now, Exposition& out) {
   out.sample(count_value(now.snapshot.skipped_turns));
   write_alarms(now, out);
   write_recorder(now, out);
-  write_http(now.http, now.wrong_tokens, out);
-  if (now.modbus) write_modbus(*now.modbus, out);
+  write_http(now.clients.http, now.clients.wrong_tokens, out);
+  if (now.clients.modbus) write_modbus(*now.clients.modbus, out);
   out.counter("dwell_log_lines_total", "Lines handed to the log.");
   out.sample(count_value(now.log.lines));
   out.counter("dwell_log_dropped_lines_total", "Lines that the log did not write.");

@@ -38,14 +38,15 @@ bool is_plain_name(std::string_view name) {
 }
 
 bool goes_on(const ServiceView& view, const ListedRun& run) {
-  return run.state == "recording" || (view.recorder && view.recorder->recording && view.recorder->run.file == run.file);
+  return run.state == "recording" ||
+         (view.recording.state && view.recording.state->recording && view.recording.state->run.file == run.file);
 }
 
 // nullptr: it has not been looked at.
 const record::RunVerdict* verdict_on(const ServiceView& view, const ListedRun& run) {
-  if (!view.audits) return nullptr;
-  const auto found = view.audits->find(run.file);
-  return found == view.audits->end() ? nullptr : &found->second;
+  if (!view.recording.audits) return nullptr;
+  const auto found = view.recording.audits->find(run.file);
+  return found == view.recording.audits->end() ? nullptr : &found->second;
 }
 
 bool is_removed(const ServiceView& view, const ListedRun& run) {
@@ -62,7 +63,7 @@ std::string no_download(const ServiceView& view, const ListedRun& run) {
   if (run.state != "closed") return "its file cannot be read as a run; copy it from the recording directory";
   if (run.linked) return "its file is a link, and none is followed; copy it from where the link leads";
   if (!is_plain_name(run.file)) return "its name has unusual characters; copy it from the recording directory";
-  return view.recorder ? "" : "this service does not record";
+  return view.recording.state ? "" : "this service does not record";
 }
 
 Json no_verdict(const char* state, const std::string& reason) {
@@ -101,20 +102,20 @@ Json next_json(ListedRuns::const_iterator next) {
 
 HttpReply run_file_answer(const ServiceView& view, std::string_view file) {
   static const ListedRuns kNone;
-  const ListedRuns& all = view.runs ? *view.runs : kNone;
+  const ListedRuns& all = view.recording.runs ? *view.recording.runs : kNone;
   const auto run = std::find_if(all.begin(), all.end(), [&](const ListedRun& listed) { return listed.file == file; });
   if (run == all.end())
     return http_error(404, "there is no run of this name: expected /api/v1/runs/FILE, FILE as /api/v1/runs tells it");
   if (const std::string why = no_download(view, *run); !why.empty()) return http_error(409, why);
   HttpReply reply{200, {}, "application/vnd.sqlite3"};
-  reply.file = view.recorder->directory + "/" + run->file;
+  reply.file = view.recording.state->directory + "/" + run->file;
   reply.file_name = run->file;
   return reply;
 }
 
 Json recorder_json(const ServiceView& view) {
-  if (!view.recorder) return nullptr;
-  const record::RecorderState& state = *view.recorder;
+  if (!view.recording.state) return nullptr;
+  const record::RecorderState& state = *view.recording.state;
   Json alarms = Json::array();
   for (const record::RecorderAlarm& alarm : state.alarms) alarms.push_back(alarm.text);
   const double since_commit_s = static_cast<double>(view.now_ns - state.committed_ns) * 1e-9;
@@ -136,7 +137,7 @@ HttpReply runs_answer(const ServiceView& view, std::string_view query) {
   const auto page = page_of(query, kRunsPerAnswer, {"RUN", false, true});
   if (!page) return http_error(400, page.error());
   static const ListedRuns kNone;
-  const ListedRuns& all = view.runs ? *view.runs : kNone;
+  const ListedRuns& all = view.recording.runs ? *view.recording.runs : kNone;
   const auto count = static_cast<std::ptrdiff_t>(std::min(page->count, all.size()));
   auto first = all.end() - count;
   if (page->from)
@@ -146,8 +147,9 @@ HttpReply runs_answer(const ServiceView& view, std::string_view query) {
   const auto last = first + std::min(count, all.end() - first);
   Json runs = Json::array();
   for (auto run = first; run != last; ++run) {
-    const bool recorded = view.recorder && view.recorder->recording && view.recorder->run.file == run->file;
-    Json object = run_json(recorded ? view.recorder->run : *run);
+    const bool recorded =
+        view.recording.state && view.recording.state->recording && view.recording.state->run.file == run->file;
+    Json object = run_json(recorded ? view.recording.state->run : *run);
     if (is_removed(view, *run)) object["state"] = "removed";
     const std::string why = no_download(view, *run);
     object["download"] = why.empty() ? Json(std::string(kRunFiles) + run->file) : Json(nullptr);

@@ -88,7 +88,7 @@ HttpReply traces_answer(const ServiceView& view, std::string_view query) {
   const auto in_all = kMostTracePointsInAll / static_cast<std::int64_t>(asked->channels.size());
   const std::int64_t points =
       std::min(asked->points > 0 ? asked->points : kTracePoints, std::max<std::int64_t>(in_all, 1));
-  const Traces::Stretch stretch =
+  const Traces::BinRange stretch =
       less ? traces.stretch_of_readings(std::max(from_s, until_s - kLongestLess_s), until_s, points)
            : traces.stretch(from_s, until_s, points);
 

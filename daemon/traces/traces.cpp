@@ -25,8 +25,8 @@ Traces::Traces(const Rig& rig)
   traces_.reserve(rig.channels.size());
   for (const Channel& channel : rig.channels)
     traces_.push_back({channel.scale, channel.offset,
-                       channel.range_low.value_or(-std::numeric_limits<double>::infinity()),
-                       channel.range_high.value_or(std::numeric_limits<double>::infinity()), false,
+                       channel.range.low.value_or(-std::numeric_limits<double>::infinity()),
+                       channel.range.high.value_or(std::numeric_limits<double>::infinity()), false,
                        TraceReadings(readings_each(rig.channels.size()))});
 }
 
@@ -85,12 +85,12 @@ std::int64_t Traces::instant(double t_s) const noexcept {
   return origin_ns_ + std::llround(std::clamp(t_s, 0.0, newest_s()) * 1e9);
 }
 
-Traces::Stretch Traces::cut(std::int64_t from_ns, std::int64_t to_ns, std::int64_t step_ns) const noexcept {
+Traces::BinRange Traces::cut(std::int64_t from_ns, std::int64_t to_ns, std::int64_t step_ns) const noexcept {
   const std::int64_t first = (from_ns - origin_ns_) / step_ns, last = (to_ns - origin_ns_) / step_ns;
   return {step_ns, first, last - first + 1};
 }
 
-Traces::Stretch Traces::stretch(double from_s, double to_s, std::int64_t points) const noexcept {
+Traces::BinRange Traces::stretch(double from_s, double to_s, std::int64_t points) const noexcept {
   const std::int64_t to_ns = instant(to_s), from_ns = std::min(instant(from_s), to_ns);
   for (std::int64_t step_ns = kFinest_ns;; step_ns *= kRatio) {
     std::int64_t kept_ns = readings_from_ns();
@@ -100,21 +100,21 @@ Traces::Stretch Traces::stretch(double from_s, double to_s, std::int64_t points)
     }
     const bool last = step_ns >= kWidths_ns.back();
     if (from_ns < kept_ns && !last) continue;
-    const Stretch stretch = cut(std::max(from_ns, std::min(kept_ns, to_ns)), to_ns, step_ns);
+    const BinRange stretch = cut(std::max(from_ns, std::min(kept_ns, to_ns)), to_ns, step_ns);
     if (stretch.count <= points) return stretch;
   }
 }
 
-Traces::Stretch Traces::stretch_of_readings(double from_s, double to_s, std::int64_t points) const noexcept {
+Traces::BinRange Traces::stretch_of_readings(double from_s, double to_s, std::int64_t points) const noexcept {
   const double oldest_s = seconds(readings_from_ns());
   for (std::int64_t step_ns = kFinest_ns;; step_ns *= kRatio) {
-    const Stretch stretch = cut(instant(std::max(from_s, oldest_s)), instant(std::max(to_s, oldest_s)), step_ns);
+    const BinRange stretch = cut(instant(std::max(from_s, oldest_s)), instant(std::max(to_s, oldest_s)), step_ns);
     if (stretch.count <= points) return stretch;
   }
 }
 
 template <class Shown>
-std::vector<TraceBin> Traces::bins_of_readings(const Stretch& stretch, std::size_t channel, Shown shown) const {
+std::vector<TraceBin> Traces::bins_of_readings(const BinRange& stretch, std::size_t channel, Shown shown) const {
   std::vector<TraceBin> bins(static_cast<std::size_t>(stretch.count));
   const std::int64_t from_ns = origin_ns_ + stretch.first * stretch.step_ns,
                      to_ns = from_ns + stretch.count * stretch.step_ns;
@@ -131,7 +131,7 @@ std::vector<TraceBin> Traces::bins_of_readings(const Stretch& stretch, std::size
   return bins;
 }
 
-std::vector<TraceBin> Traces::read(const Stretch& stretch, std::size_t channel) const {
+std::vector<TraceBin> Traces::read(const BinRange& stretch, std::size_t channel) const {
   if (stretch.step_ns < kBin_ns)
     return bins_of_readings(stretch, channel, [](std::int64_t, float reading) { return reading; });
   const std::size_t level = level_of(stretch.step_ns);
@@ -145,7 +145,7 @@ std::vector<TraceBin> Traces::read(const Stretch& stretch, std::size_t channel) 
   return bins;
 }
 
-std::vector<TraceBin> Traces::read_less(const Stretch& stretch, std::size_t channel, const SteadyPart& less) const {
+std::vector<TraceBin> Traces::read_less(const BinRange& stretch, std::size_t channel, const SteadyPart& less) const {
   return bins_of_readings(stretch, channel, [&](std::int64_t t_ns, float reading) {
     const bool holds = t_ns >= less.from_ns() && t_ns <= less.to_ns();
     return kept(holds ? reading - less.at(channel, t_ns) : kNaN);

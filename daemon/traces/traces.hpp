@@ -59,8 +59,8 @@ class Traces {
     return bins_[0].at(channel, number);
   }
 
-  // A stretch in bins of one of the fixed widths: bin number `first` begins first · step_ns after the origin.
-  struct Stretch {
+  // Bins of one of the fixed widths: bin number `first` begins first · step_ns after the origin.
+  struct BinRange {
     std::int64_t step_ns = kBin_ns;
     std::int64_t first = 0;
     std::int64_t count = 0;
@@ -68,13 +68,13 @@ class Traces {
   // From from_s to to_s in the finest width that is kept from from_s on and makes at most `points` bins (at least 1).
   // Where no width reaches back to from_s, the stretch begins later. Its newest bin may not be complete. Must not be
   // called while none().
-  [[nodiscard]] Stretch stretch(double from_s, double to_s, std::int64_t points) const noexcept;
+  [[nodiscard]] BinRange stretch(double from_s, double to_s, std::int64_t points) const noexcept;
   // The same for read_less(): no further back than the readings of every channel are kept.
-  [[nodiscard]] Stretch stretch_of_readings(double from_s, double to_s, std::int64_t points) const noexcept;
+  [[nodiscard]] BinRange stretch_of_readings(double from_s, double to_s, std::int64_t points) const noexcept;
   // The bins of a channel. O(bins + readings in the stretch).
-  [[nodiscard]] std::vector<TraceBin> read(const Stretch& stretch, std::size_t channel) const;
+  [[nodiscard]] std::vector<TraceBin> read(const BinRange& stretch, std::size_t channel) const;
   // The same of the readings less the steady part; broken where the steady part does not hold.
-  [[nodiscard]] std::vector<TraceBin> read_less(const Stretch& stretch, std::size_t channel,
+  [[nodiscard]] std::vector<TraceBin> read_less(const BinRange& stretch, std::size_t channel,
                                                 const SteadyPart& less) const;
 
  private:
@@ -92,9 +92,9 @@ class Traces {
   // Index of the kept width from which bins of step_ns are made.
   [[nodiscard]] static std::size_t level_of(std::int64_t step_ns) noexcept;
   [[nodiscard]] std::int64_t instant(double t_s) const noexcept;  // clamped to origin … newest record
-  [[nodiscard]] Stretch cut(std::int64_t from_ns, std::int64_t to_ns, std::int64_t step_ns) const noexcept;
+  [[nodiscard]] BinRange cut(std::int64_t from_ns, std::int64_t to_ns, std::int64_t step_ns) const noexcept;
   template <class Shown>
-  [[nodiscard]] std::vector<TraceBin> bins_of_readings(const Stretch& stretch, std::size_t channel, Shown shown) const;
+  [[nodiscard]] std::vector<TraceBin> bins_of_readings(const BinRange& stretch, std::size_t channel, Shown shown) const;
 
   std::vector<Trace> traces_;  // by Rig::channels
   std::array<TraceBins, kWidths_ns.size()> bins_;

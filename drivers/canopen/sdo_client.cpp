@@ -22,11 +22,8 @@ void SdoClient::download(const Object& object, std::uint32_t value, std::uint8_t
 }
 
 void SdoClient::begin(const Object& object, std::span<const std::uint8_t> value, std::int64_t now_ns) noexcept {
-  object_ = object;
-  writes_ = !value.empty();
-  value_ = {};
-  std::copy(value.begin(), value.end(), value_.begin());
-  value_size_ = static_cast<std::uint8_t>(value.size());
+  request_ = {object, {}, static_cast<std::uint8_t>(value.size())};
+  std::copy(value.begin(), value.end(), request_.value.begin());
   attempts_ = 0;
   abort_code_ = 0;
   state_ = State::busy;
@@ -40,19 +37,21 @@ void SdoClient::cancel() noexcept {
 
 void SdoClient::ask(std::int64_t now_ns) noexcept {
   ++attempts_;
-  size_ = 0;
-  sized_ = true;
-  const auto command = writes_ ? static_cast<std::uint8_t>(kAskDownload | (4 - value_size_) << 2) : kAskUpload;
-  to_send_ = make_frame(kSdoRequest + node_, {command, static_cast<std::uint8_t>(object_.index),
-                                              static_cast<std::uint8_t>(object_.index >> 8U), object_.sub_index,
-                                              value_[0], value_[1], value_[2], value_[3]});
+  answer_.size = 0;
+  answer_.sized = true;
+  const auto command =
+      request_.writes() ? static_cast<std::uint8_t>(kAskDownload | (4 - request_.size) << 2) : kAskUpload;
+  to_send_ = make_frame(kSdoRequest + node_,
+                        {command, static_cast<std::uint8_t>(request_.object.index),
+                         static_cast<std::uint8_t>(request_.object.index >> 8U), request_.object.sub_index,
+                         request_.value[0], request_.value[1], request_.value[2], request_.value[3]});
   phase_ = Phase::initiate;
   deadline_ns_ = now_ns + kTimeout_ns;
 }
 
 void SdoClient::ask_segment(std::int64_t now_ns) noexcept {
   to_send_ = make_frame(kSdoRequest + node_,
-                        {static_cast<std::uint8_t>(kAskSegment | (toggle_ ? kToggle : 0)), 0, 0, 0, 0, 0, 0, 0});
+                        {static_cast<std::uint8_t>(kAskSegment | (answer_.toggle ? kToggle : 0)), 0, 0, 0, 0, 0, 0, 0});
   phase_ = Phase::segment;
   deadline_ns_ = now_ns + kTimeout_ns;
 }
@@ -66,9 +65,9 @@ void SdoClient::finish(State state, std::uint32_t abort_code) noexcept {
 void SdoClient::abort_and_finish(std::uint32_t code) noexcept {
   std::array<std::uint8_t, 4> bytes{};
   put_le(bytes, code);
-  to_send_ = make_frame(kSdoRequest + node_, {kTellAbort, static_cast<std::uint8_t>(object_.index),
-                                              static_cast<std::uint8_t>(object_.index >> 8U), object_.sub_index,
-                                              bytes[0], bytes[1], bytes[2], bytes[3]});
+  to_send_ = make_frame(kSdoRequest + node_, {kTellAbort, static_cast<std::uint8_t>(request_.object.index),
+                                              static_cast<std::uint8_t>(request_.object.index >> 8U),
+                                              request_.object.sub_index, bytes[0], bytes[1], bytes[2], bytes[3]});
   finish(State::aborted, code);
 }
 
@@ -103,10 +102,10 @@ void SdoClient::take(const can_frame& answer, std::int64_t now_ns) noexcept {
     return;
   }
   const Object object{static_cast<std::uint16_t>(get_le({answer.data + 1, 2})), answer.data[3]};
-  if (object == object_ && what == kAbort) {
+  if (object == request_.object && what == kAbort) {
     finish(State::aborted, static_cast<std::uint32_t>(get_le({answer.data + 4, 4})));
-  } else if (object == object_ && phase_ == Phase::initiate &&
-             what == (writes_ ? kDownloadInitiated : kUploadInitiated)) {
+  } else if (object == request_.object && phase_ == Phase::initiate &&
+             what == (request_.writes() ? kDownloadInitiated : kUploadInitiated)) {
     take_initiated(answer, now_ns);
   } else {
     ++late_;
@@ -114,45 +113,45 @@ void SdoClient::take(const can_frame& answer, std::int64_t now_ns) noexcept {
 }
 
 void SdoClient::take_initiated(const can_frame& answer, std::int64_t now_ns) noexcept {
-  if (writes_) {
+  if (request_.writes()) {
     finish(State::done);
     return;
   }
   const bool expedited = (answer.data[0] & 2U) != 0, sized = (answer.data[0] & 1U) != 0;
   if (expedited) {
-    sized_ = sized;
-    size_ = sized ? 4 - (answer.data[0] >> 2U & 3U) : 4;
-    std::copy_n(answer.data + 4, size_, data_.begin());
+    answer_.sized = sized;
+    answer_.size = sized ? 4 - (answer.data[0] >> 2U & 3U) : 4;
+    std::copy_n(answer.data + 4, answer_.size, answer_.bytes.begin());
     finish(State::done);
     return;
   }
-  announced_ = sized ? static_cast<std::size_t>(get_le({answer.data + 4, 4})) : 0;
-  if (announced_ > kMostBytes) {
+  answer_.announced = sized ? static_cast<std::size_t>(get_le({answer.data + 4, 4})) : 0;
+  if (answer_.announced > kMostBytes) {
     abort_and_finish(kOutOfMemory);
     return;
   }
-  toggle_ = false;
+  answer_.toggle = false;
   ask_segment(now_ns);
 }
 
 void SdoClient::take_segment(const can_frame& answer, std::int64_t now_ns) noexcept {
-  if (((answer.data[0] & kToggle) != 0) != toggle_) {
+  if (((answer.data[0] & kToggle) != 0) != answer_.toggle) {
     abort_and_pause(kToggleError, now_ns);
     return;
   }
   const std::size_t count = 7 - (answer.data[0] >> 1U & 7U);
   const bool last = (answer.data[0] & 1U) != 0;
   // One of no bytes that is not the last would let a transfer go on for ever.
-  if (size_ + count > kMostBytes || (count == 0 && !last)) {
+  if (answer_.size + count > kMostBytes || (count == 0 && !last)) {
     abort_and_finish(count == 0 ? kWrongLength : kOutOfMemory);
     return;
   }
-  std::copy_n(answer.data + 1, count, data_.begin() + static_cast<std::ptrdiff_t>(size_));
-  size_ += count;
+  std::copy_n(answer.data + 1, count, answer_.bytes.begin() + static_cast<std::ptrdiff_t>(answer_.size));
+  answer_.size += count;
   if (!last) {
-    toggle_ = !toggle_;
+    answer_.toggle = !answer_.toggle;
     ask_segment(now_ns);
-  } else if (announced_ != 0 && announced_ != size_) {
+  } else if (answer_.announced != 0 && answer_.announced != answer_.size) {
     abort_and_finish(kWrongLength);
   } else {
     finish(State::done);

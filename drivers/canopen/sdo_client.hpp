@@ -51,17 +51,33 @@ class SdoClient {
   [[nodiscard]] std::optional<can_frame> to_send() noexcept;
 
   [[nodiscard]] State state() const noexcept { return state_; }
-  [[nodiscard]] const Object& object() const noexcept { return object_; }
+  [[nodiscard]] const Object& object() const noexcept { return request_.object; }
   // When done: what was read.
-  [[nodiscard]] std::span<const std::uint8_t> data() const noexcept { return {data_.data(), size_}; }
+  [[nodiscard]] std::span<const std::uint8_t> data() const noexcept { return {answer_.bytes.data(), answer_.size}; }
   // Whether the node said how long that is; if not, it is four bytes, of which the object's width counts.
-  [[nodiscard]] bool sized() const noexcept { return sized_; }
+  [[nodiscard]] bool sized() const noexcept { return answer_.sized; }
   [[nodiscard]] std::uint32_t abort_code() const noexcept { return abort_code_; }
   // Answers that belonged to nothing that was asked, since the last call.
   [[nodiscard]] unsigned take_late() noexcept;
 
  private:
   enum class Phase : std::uint8_t { none, initiate, segment, pause };
+
+  // What is asked for. It is a download if it has bytes.
+  struct Request {
+    Object object;
+    std::array<std::uint8_t, 4> value{};
+    std::uint8_t size = 0;  // bytes of the value
+    [[nodiscard]] bool writes() const noexcept { return size > 0; }
+  };
+  // What the node has answered so far.
+  struct Answer {
+    std::array<std::uint8_t, kMostBytes> bytes{};
+    std::size_t size = 0;
+    bool sized = true;          // by the node's word
+    std::size_t announced = 0;  // bytes, of an answer in segments; 0: the node did not say
+    bool toggle = false;        // of the segment that comes next
+  };
 
   void begin(const Object& object, std::span<const std::uint8_t> value, std::int64_t now_ns) noexcept;
   void ask(std::int64_t now_ns) noexcept;
@@ -75,16 +91,9 @@ class SdoClient {
   std::uint8_t node_;
   State state_ = State::idle;
   Phase phase_ = Phase::none;
-  Object object_;
-  bool writes_ = false;
-  std::array<std::uint8_t, 4> value_{};
-  std::uint8_t value_size_ = 0;
+  Request request_;
   int attempts_ = 0;
-  bool toggle_ = false;
-  std::size_t announced_ = 0;  // bytes; 0: the node did not say
-  std::array<std::uint8_t, kMostBytes> data_{};
-  std::size_t size_ = 0;
-  bool sized_ = true;
+  Answer answer_;
   std::uint32_t abort_code_ = 0;
   unsigned late_ = 0;
   std::int64_t deadline_ns_ = 0;

@@ -60,12 +60,12 @@ struct DisturbedReadings : testing::Test {
     }
   }
   static bool says(const Dwell& dwell, const std::string& words) {
-    const auto in = [&](const std::string& line) { return line.find(words) != std::string::npos; };
+    const auto in = [&](const Warning& warning) { return warning.what.find(words) != std::string::npos; };
     return std::any_of(dwell.warnings.begin(), dwell.warnings.end(), in);
   }
   static std::string all(const Dwell& dwell) {
     std::string out = dwell.settling_reason;
-    for (const std::string& line : dwell.warnings) out += "\n  " + line;
+    for (const Warning& warning : dwell.warnings) out += "\n  " + warning.what;
     for (const ElementEstimate& element : dwell.elements) out += "\n  " + element.reason;
     return out;
   }

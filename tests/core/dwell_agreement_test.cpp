@@ -15,7 +15,8 @@ ElementEstimate element_with(double c, double u) {
   element.identifiable = true;
   element.stiffness = {c, u, 100.0, 2 * u, true};
   element.damping = {10.0, 0.1, 100.0, 0.2, true};
-  element.budget = {{"noise of y1", 0.5, 0.5}, {"scale of y1", 0.5, 0.5}};
+  element.budget = {{"noise of y1", 0.5, 0.5, SourceKind::noise, "y1"},
+                    {"scale of y1", 0.5, 0.5, SourceKind::other, {}}};
   return element;
 }
 
@@ -124,7 +125,7 @@ TEST(ObjectionToADwell, IsThatACoefficientDiffersByFiveStandardUncertainties) {
 
 TEST(ObjectionToADwell, NamesTheChannelsThatHarmonicsMayFoldIntoWhereTheMethodsContradict) {
   Pair pair = same_data(1000.0, 1014.3);
-  pair.dwell.elements[0].budget.push_back({"folded harmonics of y1", 0.1, 0.1});
+  pair.dwell.elements[0].budget.push_back({"folded harmonics of y1", 0.1, 0.1, SourceKind::folded_harmonics, "y1"});
   const auto objection = objection_to(pair.dwell, pair.motion);
   ASSERT_TRUE(objection);
   EXPECT_NE(objection->what.find(", or a harmonic of the drive folds onto the fundamental in y1"), std::string::npos)

@@ -80,9 +80,9 @@ TEST(Folded, AFoldedHarmonicIsWithinWhatTheDwellStates) {
     const Dwell& dwell = bench.dwells[0];
     const Coefficient& r = dwell.elements[0].damping;
     EXPECT_LT(std::abs(r.value - 60), 2.5 * r.u) << r.value << " ± " << r.U95;
-    const bool said = std::any_of(dwell.warnings.begin(), dwell.warnings.end(), [](const std::string& warning) {
-      return warning.find("harmonic 9 of the drive, if there is any, folds onto the fundamental in y0 and reaction") ==
-             0;
+    const bool said = std::any_of(dwell.warnings.begin(), dwell.warnings.end(), [](const Warning& warning) {
+      return warning.what.find(
+                 "harmonic 9 of the drive, if there is any, folds onto the fundamental in y0 and reaction") == 0;
     });
     EXPECT_EQ(said, rate_hz == 40.0);
     EXPECT_EQ(dwell.elements[0].budget[0].source.find("folded harmonics of ") == 0, said);

@@ -148,7 +148,7 @@ TEST_F(Inputs, PulsesGiveTheFrequencyAndItsUncertaintyAndThePhase) {
   const double periods = dwell.t_ref_s * kFrequency_hz;
   EXPECT_NEAR(periods, std::round(periods), 2e-3);
   ASSERT_FALSE(dwell.warnings.empty());
-  EXPECT_NE(dwell.warnings.back().find("missed"), std::string::npos);
+  EXPECT_NE(dwell.warnings.back().what.find("missed"), std::string::npos);
 }
 
 // By 2ω Σ m_i Y_i / d_1 δω, and by what residuals at a frequency a little off no longer are: white.

@@ -38,8 +38,8 @@ TEST(DeviceNumbers, AReadingInMillimetresOfATransducerThatCountsBackwards) {
   channel.si_per_unit = 1e-3;
   channel.scale = -0.01;
   channel.offset = 5.0;
-  channel.range_low = -1.0;
-  channel.range_high = 4.0;
+  channel.range.low = -1.0;
+  channel.range.high = 4.0;
   const DeviceNumbers numbers(channel);
   EXPECT_DOUBLE_EQ(numbers.si(100.0), 4e-3);
   EXPECT_DOUBLE_EQ(numbers.si_of_difference(2.0), 2e-5);

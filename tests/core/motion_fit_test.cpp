@@ -62,7 +62,7 @@ TEST(MotionRecorder, GivesReadingsInSIAtTheInstantsOfTheMotion) {
   rig.channels[1].delay_s = 0.002;
   rig.channels[1].scale = 2.0;
   rig.channels[1].si_per_unit = 1e-3;
-  rig.channels[1].range_high = 10.0;
+  rig.channels[1].range.high = 10.0;
   MotionRecorder recorder(rig);
   const auto give = [&](double t_s, int channel, double value) {
     Record record;

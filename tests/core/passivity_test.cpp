@@ -42,6 +42,7 @@ TEST(Passivity, ADampingThatChanceMakesNegativeIsWithheldAndNothingElseIsBlamed)
   EXPECT_NE(found.elements[1].reason.find("-15 ± 10 N·s/m"), std::string::npos) << found.elements[1].reason;
   ASSERT_EQ(found.doubts.size(), 1U);
   EXPECT_EQ(found.doubts[0].elements, std::vector<int>{2});
+  EXPECT_TRUE(found.doubts[0].by_chance);
   EXPECT_EQ(found.doubts[0].what.find("y1"), std::string::npos) << found.doubts[0].what;
 }
 
@@ -50,6 +51,7 @@ TEST(Passivity, ADampingThatNoChanceMakesNegativeCastsDoubtOnAllThatRestsOnItsCh
   EXPECT_FALSE(found.elements[1].identifiable);
   ASSERT_EQ(found.doubts.size(), 1U);
   EXPECT_EQ(found.doubts[0].elements, (std::vector<int>{1, 2}));
+  EXPECT_FALSE(found.doubts[0].by_chance);
   EXPECT_NE(found.doubts[0].what.find("y1 and y2"), std::string::npos) << found.doubts[0].what;
   EXPECT_NE(found.doubts[0].what.find("element 1 rests"), std::string::npos) << found.doubts[0].what;
 }

@@ -82,9 +82,9 @@ TEST_F(RandomRepeats, OfOneChannelCostNothingAndAreNamedAsRepeats) {
 TEST_F(RandomRepeats, AreNamedWithTheirPart) {
   const Dwell dwell = repeated(0.02, kCell, 1e-3, 1);
   const auto part = [&] {
-    for (const std::string& line : dwell.warnings)
-      if (const auto at = line.find("repeats of an older reading ("); at != std::string::npos)
-        return std::stod(line.substr(line.find('(', at) + 1));
+    for (const Warning& warning : dwell.warnings)
+      if (const auto at = warning.what.find("repeats of an older reading ("); at != std::string::npos)
+        return std::stod(warning.what.substr(warning.what.find('(', at) + 1));
     return 0.0;
   };
   EXPECT_NEAR(part(), 2.0, 0.4) << all(dwell);

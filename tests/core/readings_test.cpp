@@ -193,7 +193,7 @@ TEST(Readings, TransducersThatContradictEachOtherAreSaidTo) {
 TEST(Readings, HostileRecordsAreAllCounted) {
   const Chain chain = free_chain();
   Rig rig = rig_of(chain, 3);
-  rig.channels[1].range_high = 1.0;
+  rig.channels[1].range.high = 1.0;
   Pipeline pipeline(rig);
   std::mt19937_64 rng(2);
   std::uint64_t sent = 0;
@@ -241,7 +241,7 @@ TEST(Readings, SpikesOfTheLoadCellAreLeftOutAndSaid) {
     EXPECT_EQ(bench.pipeline.channel(cell).rejected, spikes) << "trial " << trial;
     EXPECT_EQ(spikes > 0,
               std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
-                          [](const std::string& w) { return w.find("far from all other") != std::string::npos; }))
+                          [](const Warning& w) { return w.what.find("far from all other") != std::string::npos; }))
         << "trial " << trial;
     expect_within(dwell, chain, 4.5, "trial " + std::to_string(trial));
   }

@@ -42,7 +42,7 @@ struct WindowsBench {
     return judged;
   }
   bool look() {
-    const int quarters = kQuarters * length.periods(), newest = data.blocks().count();
+    const int quarters = kQuarters * windows.length().periods(), newest = data.blocks().count();
     if (newest < quarters) return false;
     const auto learn = [&](int, double squares, double freedom) { return freedom > 0 ? squares / freedom : INFINITY; };
     for (int to = windows.first_end(0); to <= newest; ++to) {
@@ -67,8 +67,7 @@ struct WindowsBench {
   LiveChannels live{rig};
   DriveReference reference{rig};
   CountedData data{rig, live, reference};
-  WindowLength length;
-  SettlingWindows windows{rig, live, data, length};
+  SettlingWindows windows{rig, live, data};
   SettlingDetector::Verdict verdict;
   std::mt19937_64 random{1};
   long readings = 0;
@@ -104,9 +103,9 @@ TEST(SettlingWindows, AreTakenAnewWhenTheFrequencyHasMovedByWhatShows) {
 
 TEST(SettlingWindows, AChannelWithTooFewSamplesInOnePeriodMakesThemTwoPeriodsLong) {
   WindowsBench bench(0.0, 20.0);
-  EXPECT_EQ(bench.length.periods(), 1);
+  EXPECT_EQ(bench.windows.length().periods(), 1);
   bench.run_to(2.0);
-  EXPECT_EQ(bench.length.periods(), 2);
+  EXPECT_EQ(bench.windows.length().periods(), 2);
   bench.run_to(8.0);
   EXPECT_TRUE(bench.windows.usable(1));
 }

@@ -21,11 +21,11 @@ TEST(Unstated, NamesWhatIsLeftOutAndNoMore) {
   rig.devices = {{"a", 0.0, 1e-4}};
   rig.channels[0].device = rig.channels[1].device = 0;
   rig.channels[0].scale_u = 1e-3;
-  rig.channels[2].scale_u_stated = true;  // as 0
+  rig.channels[2].stated.scale_u = true;  // as 0
   rig.channels[2].lowpass = {FilterKind::butterworth, 2, 60, 0};
   EXPECT_EQ(unstated_uncertainties(rig),
             (Texts{"scales of y1 and reaction", "delays of y2 and reaction", "low-pass of y2"}));
-  for (Channel& channel : rig.channels) channel.scale_u = 1e-3, channel.delay_u_stated = true;
+  for (Channel& channel : rig.channels) channel.scale_u = 1e-3, channel.stated.delay_u = true;
   rig.channels[2].lowpass.hz_u = 0.5;
   EXPECT_TRUE(unstated_uncertainties(rig).empty());
 }

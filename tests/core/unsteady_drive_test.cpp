@@ -24,9 +24,9 @@ double worst_of(const Dwell& dwell, const Chain& chain) {
 }
 
 bool speaks_of_the_drive(const Dwell& dwell) {
-  const auto says = [](const std::string& what) { return what.find("the drive is not steady") == 0; };
+  const auto says = [](const auto& line) { return line.what.find("the drive is not steady") == 0; };
   return std::any_of(dwell.warnings.begin(), dwell.warnings.end(), says) ||
-         std::any_of(dwell.doubts.begin(), dwell.doubts.end(), [&](const Doubt& doubt) { return says(doubt.what); });
+         std::any_of(dwell.doubts.begin(), dwell.doubts.end(), says);
 }
 
 Toned under(const Chain& chain, double hz, std::vector<Tone> tones) {
@@ -158,7 +158,7 @@ TEST(UnsteadyDrive, WhatChangesInOneChannelAloneStillWidensWhatRestsOnIt) {
   bench.run(40);
   const Dwell dwell = bench.pipeline.current();
   EXPECT_TRUE(std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
-                          [](const std::string& w) { return w.find("reaction is not steady") == 0; }));
+                          [](const Warning& w) { return w.what.find("reaction is not steady") == 0; }));
   EXPECT_FALSE(speaks_of_the_drive(dwell));
   for (std::size_t e = 0; e < 3; ++e) EXPECT_GT(dwell.elements[e].stiffness.U95, 1e-3 * chain.stiffness[e]) << e;
   // Element 3 is the load cell's reading alone, half a percent off on average.

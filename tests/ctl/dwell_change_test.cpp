@@ -19,7 +19,7 @@ Dwell moved(Dwell dwell) {
   dwell.elements[0].stiffness.value += 0.5;
   dwell.elements[0].budget[0].damping_share *= 0.5;
   dwell.covariance[0] *= 1.1;
-  dwell.warnings.push_back("y1 is not steady");
+  dwell.warnings.push_back({WarningKind::unsteady, "y1 is not steady"});
   return dwell;
 }
 

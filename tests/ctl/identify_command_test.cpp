@@ -115,6 +115,20 @@ TEST(CommandLine, IdentifyDoubtsADwellWhoseStartContradictsTheChain) {
   EXPECT_EQ(dwell["doubts"][0]["what"].get<std::string>().find("any motion: "), 0U);
 }
 
+TEST(CommandLine, IdentifySaysOnceWhatPlusMinusMeansByWhateverMethod) {
+  const test::TemporaryFolder folder;
+  const std::string rig = folder.file("rig.toml", kRig), data = folder.file("data.csv", start_up(0.0));
+  for (const char* method : {"harmonic", "motion", "both"}) {
+    const Outcome outcome = run({"identify", "--rig", rig, data, "--method", method});
+    EXPECT_EQ(outcome.code, 0) << method << outcome.out << outcome.err;
+    for (const std::string line : {"± is the half width of the 95 % interval", "not stated: "}) {
+      const auto at = outcome.out.find(line);
+      EXPECT_NE(at, std::string::npos) << method << outcome.out;
+      EXPECT_EQ(outcome.out.find(line, at + 1), std::string::npos) << method << outcome.out;
+    }
+  }
+}
+
 // A clipped load cell reads less force than there is. A search for what the rig file lacks would call that a scale.
 TEST(CommandLine, IdentifyBlamesClippedReadingsAndLooksForNothingElse) {
   const test::TemporaryFolder folder;

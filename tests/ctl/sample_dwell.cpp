@@ -68,7 +68,9 @@ Dwell sample_dwell() {
   e1.stiffness = {24010.0, 14.0, 3100.0, 27.4, true};
   e1.damping = {60.2, 0.4, 3100.0, 0.79, true};
   e1.loss_factor = {0.063, 0.0004};
-  e1.budget = {{"scale of y1", 0.6, 0.1}, {"delay of y0", 0.3, 0.85}, {"noise", 0.1, 0.05}};
+  constexpr SourceKind kOther = SourceKind::other;
+  e1.budget = {
+      {"scale of y1", 0.6, 0.1, kOther, {}}, {"delay of y0", 0.3, 0.85, kOther, {}}, {"noise", 0.1, 0.05, kOther, {}}};
   ElementEstimate e2;
   e2.k = 2;
   e2.reason = "the deformation is less than three times its uncertainty";
@@ -79,7 +81,7 @@ Dwell sample_dwell() {
   e3.damping = {0.21, 0.4, 3100.0, 0.79, false};
   d.elements = {e1, e2, e3};
   d.covariance = {196.0, 0.1, 0.0, 0.0, 0.1, 0.16, 0.0, 0.0, 0.0, 0.0, 9920.16, 0.0, 0.0, 0.0, 0.0, 0.16};
-  d.warnings = {"channel y2 is stale: timeout"};
+  d.warnings = {{WarningKind::unknown, "channel y2 is stale: timeout"}};
   return d;
 }
 
@@ -103,7 +105,7 @@ MotionEstimate sample_motion() {
   m.elements = sample_dwell().elements;
   m.elements[0].stiffness = {24100.0, 300.0, 400.0, 590.0, true};
   m.elements[0].damping = {58.0, 4.0, 400.0, 7.9, true};
-  m.elements[0].budget = {{"noise", 0.7, 0.9}, {"scale of y1", 0.3, 0.1}};
+  m.elements[0].budget = {{"noise", 0.7, 0.9, SourceKind::other, {}}, {"scale of y1", 0.3, 0.1, SourceKind::other, {}}};
   m.elements[1].reason = "the readings do not determine it";
   m.covariance = sample_dwell().covariance;
   m.u_of_noise = {300.0, 4.0, kNaN, kNaN, 99.6, 0.4};

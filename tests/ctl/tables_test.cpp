@@ -159,9 +159,10 @@ TEST(Truth, AgreesOnlyIfEveryCoefficientIsThereAndNearEnough) {
 
 TEST(GpioText, TellsHowTheInterlockStandsAndWhatDoesNotWork) {
   EXPECT_EQ(gpio_text(Json::parse(R"({"status":"ok"})")), "");
-  EXPECT_EQ(recording_text(Json::parse(R"({"status":"ok","troubles":[]})")), "");
-  EXPECT_EQ(recording_text(Json::parse(
-                R"({"troubles":[{"name":"x","text":"y1 is silent"},{"name":"r","text":"recording: disk full"}]})")),
+  for (const char* quiet : {R"({"status":"ok","recorder":null})", R"({"recorder":{"alarms":[]}})"})
+    EXPECT_EQ(recording_text(Json::parse(quiet)), "");
+  EXPECT_EQ(recording_text(Json::parse(R"({"troubles":[{"name":"x","text":"y1 is silent"}],
+                                           "recorder":{"alarms":["disk full"]}})")),
             "recording  disk full\n");
   EXPECT_EQ(gpio_text(Json::parse(R"({"gpio":{"interlock":{"works":true,"reason":null,"level":1}}})")),
             "interlock  closed\n");

@@ -170,8 +170,10 @@ TEST(WatchPage, NothingIsLostOnAnySize) {
   for (const int n : {1, 4, 30}) {
     DwellView view = chain(n);
     for (int i = 0; i < 40; ++i)
-      view.dwell.warnings.push_back("warning number" + std::to_string(i) + " is longer than a terminal of eighty " +
-                                    "columns, and still it must not lose a word, down to its end" + std::to_string(i));
+      view.dwell.warnings.push_back(
+          {WarningKind::readings, "warning number" + std::to_string(i) + " is longer than a terminal of eighty " +
+                                      "columns, and still it must not lose a word, down to its end" +
+                                      std::to_string(i)});
     view.dwell.doubts = {{{1}, "the first doubt"}, {{}, "the second doubt"}};
     for (const Size size : {Size{24, 80}, Size{40, 120}, Size{12, 40}, Size{8, 50}}) {
       std::string all;
@@ -196,7 +198,7 @@ TEST(WatchPage, NothingIsLostOnAnySize) {
 // They must not be missed where the coefficients alone fill the first page.
 TEST(WatchPage, TheHeaderSaysHowManyWarningsThereAreAndWhere) {
   DwellView view = chain(30);
-  view.dwell.warnings = {"channel y2 is stale: timeout", "hum"};
+  view.dwell.warnings = {{WarningKind::readings, "channel y2 is stale: timeout"}, {WarningKind::hum, "hum"}};
   view.dwell.doubts = {{{2}, "y1 and y2 look swapped"}};
   const std::vector<Page> pages = all_pages(watched(view), kUsual);
   EXPECT_EQ(pages[0].lines[1].text, "dwell 1 · measuring, 24.6 s of data · 1 doubt, page 1 · 2 warnings, page 3");
@@ -210,7 +212,7 @@ TEST(WatchPage, ThatADwellHasNotSettledIsNoWarning) {
   Dwell idle;
   idle.state = State::idle;
   idle.settling_reason = "the table does not move";
-  idle.warnings = {"not settled: the table does not move"};
+  idle.warnings = {{WarningKind::not_settled, "not settled: the table does not move"}};
   const std::string text = text_of(at(watched(make_view(idle, test::sample_rig(), test::sample_run())), {}, kUsual));
   EXPECT_EQ(text.find("warning"), std::string::npos) << text;
 }

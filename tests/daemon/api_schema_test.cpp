@@ -75,9 +75,9 @@ struct ApiSchemaTest : testing::Test {
     verified->verification = test::sample_verification();
     snapshot.verified = verified;
     rig.limits = {{1, Bounds{23e3, 25e3}, Bounds{10.0, 20.0}}, {2, Bounds{1.0, 2.0}, std::nullopt}};
-    rig.channels[0].calibration_id = "K-2231";
-    rig.channels[0].calibration_due = "2027-03-31";
-    rig.channels[1].calibration_id = "K-2232";
+    rig.channels[0].calibration.id = "K-2231";
+    rig.channels[0].calibration.due = "2027-03-31";
+    rig.channels[1].calibration.id = "K-2232";
     alarms.follow({{"channel:y2", "channel y2: timeout"}}, {0, 0});
     alarms.follow({{"channel:y2", "channel y2: timeout"}, {"log", ""}}, {AlarmList::kLasts_ns, 1});
   }
@@ -88,8 +88,8 @@ struct ApiSchemaTest : testing::Test {
     now.uptime_s = 3.5;
     now.threads = {{"estimate", 1'990'000'000, 1'000'000'000}};
     now.gpio = lines;
-    now.recorder = recording;
-    now.runs = runs;
+    now.recording.state = recording;
+    now.recording.runs = runs;
     now.events = &events;
     now.alarms = &alarms;
     now.health = judge_health(rig, snapshot, now.now_ns, now.gpio, now.log, "");

@@ -221,7 +221,7 @@ TEST_F(ApiTest, AnAnswerOfManyLargeDwellsStaysWithinItsBytesAndSaysHowToGoOn) {
     dwell.elements.resize(30);
     for (ElementEstimate& element : dwell.elements) {
       element.identifiable = true;
-      element.budget.assign(90, BudgetShare{"scale of y1", 1.0 / 7.0, 1.0 / 7.0});
+      element.budget.assign(90, BudgetShare{"scale of y1", 1.0 / 7.0, 1.0 / 7.0, SourceKind::other, {}});
     }
     list->push_back(std::make_shared<const Dwell>(dwell));
   }

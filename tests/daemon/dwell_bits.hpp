@@ -38,8 +38,9 @@ class DwellBits {
   }
   void add(const Estimate& e) { all(e.value, e.u); }
   void add(const Coefficient& c) { all(c.value, c.u, c.dof, c.U95, c.significant); }
-  void add(const BudgetShare& s) { all(s.source, s.stiffness_share, s.damping_share); }
-  void add(const Doubt& d) { all(d.elements, d.what); }
+  void add(const BudgetShare& s) { all(s.source, s.stiffness_share, s.damping_share, s.kind, s.channel); }
+  void add(const Doubt& d) { all(d.elements, d.what, d.by_chance); }
+  void add(const Warning& w) { all(w.kind, w.what); }
   void add(const ReadingError& r) { all(r.channel, r.relative, r.late_s, r.lowpass_hz, r.highpass_hz); }
   void add(const CoefficientError& e) { all(e.on_coefficients, e.mass, e.mass_u, e.clock_u, e.readings); }
   void add(const ChannelPhasor& p) {

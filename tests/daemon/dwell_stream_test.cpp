@@ -43,7 +43,8 @@ DwellView publication(int n, int step) {
     element.damping = {60.2 / 7.0 * drift, 0.4 / 3.0 * drift, 3100.0 / 7.0 * drift, 0.79 / 3.0 * drift, true};
     element.loss_factor = {0.063 / 7.0 * drift, 0.0004 / 3.0 * drift};
     for (int source = 0; source < 3 * n; ++source)
-      element.budget.push_back({"scale of y" + std::to_string(source), drift / 3.0 / n, drift / 7.0 / n});
+      element.budget.push_back(
+          {"scale of y" + std::to_string(source), drift / 3.0 / n, drift / 7.0 / n, SourceKind::other, {}});
     dwell.elements.push_back(std::move(element));
   }
   dwell.covariance.assign(static_cast<std::size_t>(4 * n) * static_cast<std::size_t>(n), 196.0 / 7.0 * drift);

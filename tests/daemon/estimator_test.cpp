@@ -28,8 +28,8 @@ Rig one_mass() {
     channel.device = 0;
     channel.unit = "mm";
     channel.si_per_unit = 1e-3;
-    channel.range_low = -5.0;
-    channel.range_high = 5.0;
+    channel.range.low = -5.0;
+    channel.range.high = 5.0;
   }
   return rig;
 }

@@ -234,8 +234,8 @@ constexpr std::int64_t kDay_ns = 86'400'000'000'000;
 
 // The date stood only in exports and reports: nobody saw that a transducer's calibration had expired.
 TEST_F(HealthTest, ACalibrationThatWasDueIsATroubleThatLeavesTheStatusOk) {
-  rig.channels[1].calibration_id = "K-2231";
-  rig.channels[1].calibration_due = "1970-01-11";
+  rig.channels[1].calibration.id = "K-2231";
+  rig.channels[1].calibration.due = "1970-01-11";
   utc_ns = 11 * kDay_ns - 1;
   EXPECT_TRUE(names().empty()) << "it holds to the end of that day";
   utc_ns = 11 * kDay_ns;

@@ -23,7 +23,7 @@ struct HttpOutletTest : testing::Test {
   [[nodiscard]] ServiceView view() const {
     ServiceView now{rig, run, snapshot};
     now.now_ns = snapshot.t_ns;
-    if (http) now.http = http->server().stats();
+    if (http) now.clients.http = http->server().stats();
     return now;
   }
   // A snapshot so many tenths of a second after the first, shown twice.

@@ -12,7 +12,7 @@ Dwell large_dwell(int index) {
   dwell.covariance.assign(3600, 1.0);
   dwell.elements.resize(30);
   for (ElementEstimate& element : dwell.elements)
-    element.budget.assign(90, BudgetShare{"turnaround of the transaction of y1", 0.1, 0.1});
+    element.budget.assign(90, BudgetShare{"turnaround of the transaction of y1", 0.1, 0.1, SourceKind::other, {}});
   return dwell;
 }
 

@@ -63,11 +63,11 @@ struct MeasuredService {
     now.uptime_s = 40.0;
     now.threads = {{"estimate", now_ns, 1'000'000'000}};
     now.gpio = gpio;
-    now.recorder = recorder;
-    now.http.requests = 12;
-    now.modbus = modbus;
+    now.recording.state = recorder;
+    now.clients.http.requests = 12;
+    now.clients.modbus = modbus;
     now.alarms = &alarms;
-    now.wrong_tokens = 3;
+    now.clients.wrong_tokens = 3;
     now.health = judge_health(now.rig, now.snapshot, now.now_ns, now.gpio, now.log, trouble);
     return now;
   }

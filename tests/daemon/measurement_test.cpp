@@ -16,8 +16,8 @@ namespace {
 struct MeasurementTest : testing::Test {
   MeasurementTest() {
     for (Channel& channel : rig.channels) {
-      channel.range_low = -5e-3;
-      channel.range_high = 5e-3;
+      channel.range.low = -5e-3;
+      channel.range.high = 5e-3;
     }
     measurement.emplace(rig, KeptDwells(10, 1'000'000), [this](RunEvent event) { events.push_back(std::move(event)); });
   }

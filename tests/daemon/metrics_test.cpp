@@ -119,9 +119,9 @@ TEST_F(Metrics, EachLimitHasItsVerdict) {
 
 TEST_F(Metrics, ACalibrationHasTheEndOfTheDayOnWhichItIsDue) {
   EXPECT_EQ(of("dwell_channel_calibration_due_timestamp_seconds"), "");
-  rig.channels[0].calibration_id = "K-2231";
+  rig.channels[0].calibration.id = "K-2231";
   EXPECT_EQ(of("dwell_channel_calibration_due_timestamp_seconds"), "");
-  rig.channels[0].calibration_due = "2027-03-31";
+  rig.channels[0].calibration.due = "2027-03-31";
   EXPECT_EQ(of("dwell_channel_calibration_due_timestamp_seconds"),
             "dwell_channel_calibration_due_timestamp_seconds{channel=\"y0\"} 1806537600\n");
 }
@@ -170,7 +170,7 @@ TEST_F(Metrics, AreReadByPrometheusAndSufficeForTheDashboard) {
   modbus.emplace();
   verify(Verdict::adequate);
   rig.limits = {{1, Bounds{20e3, 21e3}, std::nullopt}};
-  rig.channels[0].calibration_due = "2027-03-31";
+  rig.channels[0].calibration.due = "2027-03-31";
   for (ChannelView& channel : snapshot.channels) channel.clock.jitter_s = 1e-4;
   std::ofstream(folder + "/translation") << metrics_text(view());
   rig.motion = Motion::rotation;

@@ -25,9 +25,9 @@ struct RecorderJsonTest : testing::Test {
   [[nodiscard]] HttpReply get(const char* path, const char* query = "") const {
     ServiceView now{rig, info, snapshot};
     now.now_ns = 10'000'000'000;
-    now.recorder = recording;
-    now.runs = runs;
-    now.audits = audits;
+    now.recording.state = recording;
+    now.recording.runs = runs;
+    now.recording.audits = audits;
     now.health = judge_health(rig, snapshot, now.now_ns, now.gpio, now.log, "",
                               recording ? recording->alarms : std::vector<record::RecorderAlarm>());
     return http_answer(now, path, query);

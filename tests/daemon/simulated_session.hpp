@@ -41,8 +41,8 @@ class SimulatedSession {
       channels.push_back(static_cast<std::uint16_t>(channels.size()));
     }
     rig.excitation.minimum = 1e-4;
-    rig.channels[0].range_low = -1.0;
-    rig.channels[0].range_high = 1.0;
+    rig.channels[0].range.low = -1.0;
+    rig.channels[0].range.high = 1.0;
     link_.emplace("amplifier", channels, 1u << 15, nullptr);
     EstimatorOptions options;
     options.gpio = &lines;

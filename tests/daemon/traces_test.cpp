@@ -21,8 +21,8 @@ Rig two_channels() {
   Rig rig = test::one_mass_rig();
   rig.channels[0].scale = 2.0;  // raw 1 is 2 of the unit, less 1
   rig.channels[0].offset = -1.0;
-  rig.channels[1].range_low = -5.0;
-  rig.channels[1].range_high = 5.0;
+  rig.channels[1].range.low = -5.0;
+  rig.channels[1].range.high = 5.0;
   return rig;
 }
 
@@ -46,7 +46,7 @@ struct TracesTest : testing::Test {
 
   Rig rig = two_channels();
   Traces traces{rig};
-  Traces::Stretch stretch;
+  Traces::BinRange stretch;
 };
 
 TEST_F(TracesTest, ABinHoldsTheLeastAndTheGreatestReadingInTheChannelsUnit) {

@@ -106,8 +106,13 @@ bool blames_chain(const std::string& line) {
 
 }  // namespace
 
+bool blameless(const Warning& warning) {
+  return warning.kind == WarningKind::hum || warning.kind == WarningKind::folded_harmonic;
+}
+
 std::vector<std::string> told_by(const Dwell& dwell) {
-  std::vector<std::string> lines = dwell.warnings;
+  std::vector<std::string> lines;
+  for (const Warning& warning : dwell.warnings) lines.push_back(warning.what);
   for (const Doubt& doubt : dwell.doubts) lines.push_back(doubt.what);
   return lines;
 }
@@ -123,12 +128,8 @@ bool names(const Case& about, const Disturbance& disturbance, const std::string&
   return is_of_model(disturbance.kind) && (has_word(line, "elements") || blames_chain(line));
 }
 
-bool says_chance(const std::string& line) { return has(line, "by chance this happens in one of 40 dwells"); }
-
 bool blames(const Case& about, const std::string& said) {
   const std::string line = lowered(said);
-  if (says_chance(line)) return false;
-  if (has(line, "if there is any")) return false;  // of hum or folded harmonics, which nobody can see
   bool named = has_word(line, "drive") || has_word(line, "table") || has(line, "element");
   for (const Channel& channel : about.rig.channels) named = named || has_word(line, channel.name);
   if (!named) return false;

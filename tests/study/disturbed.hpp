@@ -46,8 +46,8 @@ struct DisturbedOutcome {
 // drive is at fault. Where the model is, a mass, an element or the chain will do: which of mass, spring and
 // transducer is to blame, no steady motion tells.
 [[nodiscard]] bool names(const Case& about, const Disturbance& disturbance, const std::string& line);
-// Whether a line says that a coefficient may be negative by chance. Such a line blames nothing.
-[[nodiscard]] bool says_chance(const std::string& line);
+// Hum and folded harmonics, which nobody can see, blame nothing.
+[[nodiscard]] bool blameless(const Warning& warning);
 // Whether a line of a healthy dwell blames a channel, an element or the drive for any of the kinds.
 [[nodiscard]] bool blames(const Case& about, const std::string& line);
 

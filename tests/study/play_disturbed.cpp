@@ -83,7 +83,7 @@ void tell(const Case& about, const Dwell& dwell, double worst, bool warned, cons
       if (share.stiffness_share > 0.1 || share.damping_share > 0.1)
         trace("    " + share.source + text(": %.2f of c, %.2f of r", share.stiffness_share, share.damping_share));
   }
-  for (const std::string& line : dwell.warnings) trace("  warning: " + line);
+  for (const Warning& warning : dwell.warnings) trace("  warning: " + warning.what);
   for (const Doubt& doubt : dwell.doubts) trace("  doubt: " + doubt.what);
 }
 

@@ -33,7 +33,7 @@ void judge_left(const Case& about, double verdict_s, Outcome& outcome) {
 
 bool speaks_of_hum(const Dwell& dwell) {
   return std::any_of(dwell.warnings.begin(), dwell.warnings.end(),
-                     [](const std::string& warning) { return warning.find("hum") != std::string::npos; });
+                     [](const Warning& warning) { return warning.kind == WarningKind::hum; });
 }
 
 // Whether hum, as sampled, falls within 1/T of a harmonic that is fitted. Irregular instants spread an alias but for
@@ -55,10 +55,10 @@ void judge_elements(const Case& about, const Dwell& dwell, Outcome& outcome) {
   outcome.counted_periods = seconds * about.frequency_hz;
   outcome.hum_inseparable = hum_inseparable(about, seconds);
   outcome.hum_warned = speaks_of_hum(dwell);
-  for (const std::string& line : told_by(dwell))
-    if (outcome.blamed.empty() && blames(about, line)) outcome.blamed = line;
+  for (const Warning& warning : dwell.warnings)
+    if (outcome.blamed.empty() && !blameless(warning) && blames(about, warning.what)) outcome.blamed = warning.what;
   for (const Doubt& doubt : dwell.doubts)
-    if (says_chance(doubt.what))
+    if (doubt.by_chance)
       outcome.by_chance = true;
     else if (outcome.blamed.empty())
       outcome.blamed = doubt.what;
@@ -134,7 +134,7 @@ void tell(const Case& about, const Dwell& dwell, const Outcome& outcome, const T
         trace(text);
       }
   }
-  for (const std::string& warning : dwell.warnings) trace("warning: " + warning);
+  for (const Warning& warning : dwell.warnings) trace("warning: " + warning.what);
   for (const Doubt& doubt : dwell.doubts) trace("doubt: " + doubt.what);
 }
 
