@@ -27,8 +27,8 @@ function withheldText(elements) {
 // A doubt about one element stands beside it, any other above them all, once.
 export const isGeneral = (doubt) => doubt.elements.length !== 1;
 
-// A recording is played in place of a rig (driver replay): nothing of it is of now.
-export const playsRecording = (health) => Boolean(health?.devices?.some((device) => device.driver === 'replay'));
+// A recording is played in place of a rig, as its driver says: nothing of it is of now.
+export const playsRecording = (health) => Boolean(health?.devices?.some((device) => device.recorded));
 // … and all that there is to play has been played. Then no drive is seen, which is no fault.
 export const hasEnded = (health) => Boolean(health?.devices?.length) && health.devices.every((device) => device.ended);
 

@@ -119,6 +119,7 @@ Json devices_json(const ServiceView& view) {
         faults[to_string(static_cast<Fault>(kind))] = count;
     list.push_back({{"name", device.name},
                     {"driver", device.driver},
+                    {"recorded", device.recorded},
                     {"up", device.up},
                     {"ended", device.ended},
                     {"faults", std::move(faults)},

@@ -144,9 +144,11 @@ test('numbers that stand still are told, with their age', () => {
 });
 
 test('the run', () => {
-  assert.equal(runText({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }), '17, “new bush”');
-  assert.equal(runText({ run: { recorded: true }, recorder: { run: null } }), 'none goes on');
-  assert.equal(runText({ run: { recorded: false }, recorder: null }), 'not recorded');
+  const said = (health, dwell = idleOf()) => Object.values(runFact(health, dwell)).join(': ');
+  assert.equal(said({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }, dwellOf()), '17, “new bush”: calm');
+  assert.equal(said({ run: { recorded: true }, recorder: { run: null } }), 'none goes on: calm');
+  assert.equal(said({ run: { recorded: true }, recorder: { run: null } }, dwellOf()), 'not recorded: care', 'the disk is full, for instance');
+  assert.equal(said({ run: { recorded: false }, recorder: null }, dwellOf()), 'not recorded: calm', 'nobody asked for it');
 });
 
 test('limits and warnings of the dwell are counted for the head, acknowledged or not', () => {
@@ -162,9 +164,9 @@ test('limits and warnings of the dwell are counted for the head, acknowledged or
 });
 
 test('a recording that is played does not pass for a rig, and its end for a fault', () => {
-  const device = { name: 'recording', driver: 'replay', up: true, ended: false };
+  const device = { name: 'recording', driver: 'any', recorded: true, up: true, ended: false };
   assert.equal(playsRecording({ devices: [device] }), true);
-  assert.equal(playsRecording({ devices: [{ ...device, driver: 'modbus' }] }), false);
+  assert.equal(playsRecording({ devices: [{ ...device, recorded: false }] }), false);
   assert.equal(playsRecording(null), false);
   const fault = idleOf({ state: 'fault', settling_reason: 'the drive is not seen: y0 is end of data' });
   const channels = [{ name: 'y0', status: 'end of data', reason: 'the recording has been played to its end' }];
