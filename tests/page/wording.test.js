@@ -176,7 +176,7 @@ test('a recording that is played does not pass for a rig, and its end for a faul
   assert.match(said(viewOf(fault, { health: { status: 'ok', devices: [{ ...device, up: false }] } })), /^fault alarm/);
 });
 
-test('a calibration that was due stands in the head in the tone of care', () => {
-  const health = { status: 'ok', log: {}, troubles: [{ name: 'calibration:y1', text: 'channel y1: the calibration K-7 was due on 2025-03-31', degrades: false }] };
-  assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 was due on 2025-03-31' }]);
+test('an overdue calibration stands in the head in the tone of care', () => {
+  const health = { status: 'ok', log: {}, troubles: [{ name: 'calibration:y1', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31', degrades: false }] };
+  assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31' }]);
 });
