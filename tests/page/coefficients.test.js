@@ -200,6 +200,9 @@ test('a doubt and a warning stand beside the element they name, all others with 
   assert.deepEqual(two.cells.map((c) => c.marks), [['?'], ['?']]);
   assert.deepEqual(generalWarnings(dwell), ['the clock is not synchronized']);
   assert.deepEqual(channelWarnings(dwell), ['y1 is gated']);
+  // While the table rests, the page has no phasors: their warnings would be counted and told nowhere.
+  const idle = { ...dwell, state: 'idle' };
+  assert.deepEqual([generalWarnings(idle), channelWarnings(idle)], [['y1 is gated', 'the clock is not synchronized'], []]);
 });
 
 test('the last dwell keeps its doubts: its end makes no number reliable', () => {

@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frequencyText, limitsText, modelOf, playsRecording, warningsText, runText, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { frequencyText, limitsText, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -74,6 +74,14 @@ test('what the service holds against a channel that seems well stands in the hea
   assert.deepEqual(texts(dwellOf()), ['alarm: channel y3: timeout', 'alarm: channel y2 does not count in this dwell: left out',
     'alarm: no coefficients: too few sync pulses']);
   assert.ok(!texts(idleOf({ state: 'fault' })).some((text) => /sync/.test(text)), 'the state says it');
+});
+
+test('channels of which the service says the same stand in one line', () => {
+  const channels = ['y0', 'y1', 'y2'].map((name) => ({ name, status: 'ok', reason: null }));
+  const why = (name, n) => ({ name: `channel:${name}`, text: `channel ${name}: left out of 836 readings: ${n} readings far from all others`, degrades: true });
+  const health = { log: { failing: false }, troubles: [why('y0', 4), why('y1', 4), why('y2', 3)] };
+  assert.deepEqual(troubles(viewOf(dwellOf(), { health, channels })).map((t) => t.text), [
+    'channels y0, y1: left out of 836 readings: 4 readings far from all others', 'channel y2: left out of 836 readings: 3 readings far from all others']);
 });
 
 test('the model is told with figures, and colours only where it is not good', () => {
