@@ -7,6 +7,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { check } from './accessible.js';
 import { joined, numberText } from '../../daemon/page/number.mjs';
+import { dwellOf } from './sample.js';
 import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES, TOKEN, until } from './bench.js';
 
 function recordingWithToken(text, folder) {
@@ -356,6 +357,31 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   assert.equal(await page.locator('#dwells-of').isVisible(), false);
   bench.rig.say('start');
   await page.waitForSelector('#state[data-kind=measuring]');
+  await page.close();
+});
+
+// A child file has the begin and the indices of its parent, with other numbers.
+test('two files of one run each show their own numbers', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  const files = { 'bench-98-20261123T031217Z.dwell': 24000, 'bench-99-20261123T031217Z.dwell': 25000 };
+  await page.route('**/api/v1/runs?*', async (route) => {
+    const answer = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...answer, runs: Object.keys(files).map((file, i) => ({ ...answer.runs[0], run: 98 + i, file, state: 'closed', dwells: 1 })) } });
+  });
+  await page.route('**/api/v1/runs/*/dwells?*', (route) => {
+    const [file, c] = Object.entries(files).find(([name]) => route.request().url().includes(name));
+    const dwell = dwellOf({ index: 1, state: 'complete', ended_by: 'drive stopped', table: null });
+    dwell.elements[0].stiffness.value = c;
+    return route.fulfill({ json: { rig: 'bench', run: 98, file, total: 1, forgotten: 0, next: null, dwells: [dwell] } });
+  });
+  await page.goto(bench.url);
+  await page.locator('#dwells-choice:not([hidden])').waitFor();
+  for (const [file, c] of Object.entries(files)) {
+    await page.selectOption('#dwells-run', file);
+    await page.locator('#dwell-rows td', { hasText: new RegExp(`^${c / 1000}\\.000? ±`) }).waitFor();
+  }
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.close();
 });
 
