@@ -68,6 +68,7 @@ void describe_devices(Draft& draft) {
     DeviceSettings& settings = draft.file.devices[i];
     const dwell_traits traits = traits_of(draft.devices[i], settings, draft.file.directory);
     settings.leads = traits.leads != 0;
+    settings.recorded = traits.recorded != 0;
     settings.most_rate_hz = traits.most_rate_hz;
     settings.age_ns = std::max<std::int64_t>(0, traits.age_ns);
     if (!settings.rate_hz && traits.rate_hz > 0.0 && std::isfinite(traits.rate_hz)) settings.rate_hz = traits.rate_hz;

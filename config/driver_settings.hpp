@@ -32,6 +32,7 @@ struct DeviceSettings {
   std::optional<double> asked_rate_hz;  // before it was shifted; none: it was not
   double most_rate_hz = 0.0;            // that its line can carry; 0: not known
   bool leads = false;                   // its stamps may run ahead of the clock, as the driver says
+  bool recorded = false;                // it plays a recording, as the driver says
   std::int64_t age_ns = 0;              // of a reading that reaches the host at most, as the driver says; 0: not known
   std::vector<Entry> entries;
   std::vector<ChannelSettings> channels;

@@ -170,7 +170,7 @@ Health judge_health(const Rig& rig, const Snapshot& snapshot, std::int64_t now_n
     if (clock_synchronized && calibration_overdue(channel, utc_ns).value_or(false))
       health.troubles.push_back({"calibration:" + channel.name,
                                  "channel " + channel.name + ": the calibration " + channel.calibration.id +
-                                     " was due on " + channel.calibration.due,
+                                     " is overdue: it was due on " + channel.calibration.due,
                                  false});
 
   health.run = run_words(snapshot.run);

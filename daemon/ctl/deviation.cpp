@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/result/moved.hpp"
 #include "daemon/ctl/trend.hpp"
 #include "daemon/report/number_text.hpp"
 
@@ -12,15 +13,15 @@ namespace {
 
 struct Change {
   NumberText text{kNoNumber, "", ""};
-  bool beyond = false;  // by more than both U95 together
+  bool beyond = false;  // it has moved
 };
 
-// was: NaN: there is nothing to compare with.
-Change change_of(const Coefficient& now, double was, double was_U95) {
+// was: NaN: there is nothing to compare with. beyond: as moved_beyond() gives it.
+Change change_of(const Coefficient& now, double was, double was_U95, double beyond) {
   if (!std::isfinite(now.value) || !std::isfinite(was) || was == 0.0) return {};
   const double percent = 100.0 * (now.value - was) / std::abs(was);
   const double U = 100.0 * std::hypot(now.U95, was_U95) / std::abs(was);
-  Change change{number_text(percent, U, "%"), std::abs(percent) > U};
+  Change change{number_text(percent, U, "%"), std::abs(percent) > beyond * U};
   if (change.text.value.find_first_of("123456789") != std::string::npos && percent > 0.0)
     change.text.value.insert(0, "+");
   return change;
@@ -83,14 +84,15 @@ Section Deviation::section(const DwellView& view, double now_s, std::size_t colu
   std::vector<std::string> names;
   std::vector<Change> stiffness, damping;
   std::vector<Style> styles;
+  const double beyond = moved_beyond(dwell);
   bool none = false;
   bool moved = false;
   for (std::size_t i = 0; i < dwell.elements.size(); ++i) {
     const ElementEstimate& e = dwell.elements[i];
     if (!e.identifiable) continue;
     names.push_back(std::to_string(e.k));
-    stiffness.push_back(change_of(e.stiffness, at(before->stiffness, i), at(before->stiffness_U95, i)));
-    damping.push_back(change_of(e.damping, at(before->damping, i), at(before->damping_U95, i)));
+    stiffness.push_back(change_of(e.stiffness, at(before->stiffness, i), at(before->stiffness_U95, i), beyond));
+    damping.push_back(change_of(e.damping, at(before->damping, i), at(before->damping_U95, i), beyond));
     none = none || !std::isfinite(at(before->stiffness, i)) || !std::isfinite(at(before->damping, i));
     moved = moved || stiffness.back().beyond || damping.back().beyond;
     styles.push_back(stiffness.back().beyond || damping.back().beyond ? Style::title : Style::plain);
@@ -107,7 +109,7 @@ Section Deviation::section(const DwellView& view, double now_s, std::size_t colu
   const std::string which = "dwell " + std::to_string(before->index);
   std::string title = "change since " + which;
   if (before->run != view.run.start_utc) title += " of an earlier run, " + age_text(now_s - before->t_s) + " ago";
-  if (moved) title += "; moved: by more than both U95 together";
+  if (moved) title += "; moved: by more than chance (one false alarm in 20 dwells)";
   if (none) title += std::string("; ") + kNoNumber + ": " + which + " has no number to compare with";
   for (std::string& text : wrapped(title, columns)) section.head.push_back({std::move(text), Style::hint});
   section.head.push_back(

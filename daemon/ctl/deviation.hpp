@@ -1,11 +1,11 @@
 // How each coefficient differs from that of the settled dwell before, as the page has it:
 //
-//   change since dwell 2; moved: by more than both U95 together
+//   change since dwell 2; moved: by more than chance (one false alarm in 20 dwells)
 //   element  stiffness                         damping
 //         1  +0.31 ± 0.12 % moved              -0.4 ± 1.9 %
 //
-// The list of ended dwells counts more than what was told live: there the data are cut back to before the drive
-// changed.
+// What counts as moved: core/result/moved.hpp. The list of ended dwells counts more than what was told live: there the
+// data are cut back to before the drive changed.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once

@@ -71,11 +71,15 @@ int dwells(const Service& service) {
     if (!view) return not_the_service(service.url, view.error());
     views.push_back(std::move(*view));
   }
-  print(views.empty() ? "no dwell has been completed\n" : dwells_table(views));
+  print(views.empty() ? "no dwell of this run has been completed\n" : dwells_table(views));
   const auto total = value->find("total");
   if (total != value->end() && total->is_number_unsigned() && total->get<std::size_t>() > views.size()) {
     print("the last " + std::to_string(views.size()) + " of " + total->dump() + "\n");
   }
+  // The service tells the dwells of its current run alone: after a restart, and with each run, the list begins anew.
+  if (const auto url = usable_url(service))
+    if (const auto runs = http_get(*url, "/api/v1/runs"))
+      print(earlier_runs_text(Json::parse(runs->body, nullptr, false)));
   return kDone;
 }
 

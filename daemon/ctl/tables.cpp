@@ -123,6 +123,23 @@ std::string gpio_text(const Json& health) {
   return text;
 }
 
+std::string earlier_runs_text(const Json& runs) {
+  const Json* const list = member_of(runs, "runs");
+  std::size_t files = 0, dwells = 0;
+  if (list == nullptr || !list->is_array()) return {};
+  for (const Json& run : *list) {
+    const std::string state = text_member(run, "state");
+    const std::size_t ended = count_member(run, "dwells");
+    if (ended == 0 || state == "recording" || state == "removed") continue;
+    ++files;
+    dwells += ended;
+  }
+  if (files == 0) return {};
+  return "earlier runs: " + std::to_string(dwells) + (dwells == 1 ? " dwell in " : " dwells in ") +
+         std::to_string(files) + (files == 1 ? " file" : " files") +
+         "; dwellctl runs names them, dwellctl show FILE shows one's dwells, as does the page\n";
+}
+
 std::string dwells_table(const std::vector<DwellView>& dwells) {
   std::vector<std::string> numbers, states, data, elements, models, notes;
   std::vector<NumberText> frequencies, stiffness, damping;

@@ -25,6 +25,9 @@ namespace dwell::ctl {
 // One line per element of each dwell; above it what must not be relied on, below it what its ± and marks mean.
 [[nodiscard]] std::string dwells_table(const std::vector<DwellView>& dwells);
 
+// `runs`: the interface's object of runs. Where the dwells of earlier runs are; empty: there are none.
+[[nodiscard]] std::string earlier_runs_text(const nlohmann::ordered_json& runs);
+
 // One channel probed once.
 struct Probed {
   std::string name;

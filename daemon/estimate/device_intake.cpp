@@ -258,6 +258,7 @@ void DeviceIntake::show(const Rig& rig, const Pipeline& pipeline, const StreamAc
   DeviceView& device = to.devices[index_];
   device.name = feed_.link->name();
   device.driver = feed_.driver;
+  device.recorded = feed_.recorded;
   device.up = false;
   device.ended = !channels_.empty() && all(Fault::end_of_data);
   for (int kind = 0; kind < kFaultCount; ++kind)

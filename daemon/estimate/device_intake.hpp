@@ -27,6 +27,7 @@ struct DeviceFeed {
   std::string driver = {};     // which plugin
   double rate_hz = 0.0;        // polls a second that the rig file asks for; 0: not known
   bool leads = false;          // its stamps may run ahead of the clock
+  bool recorded = false;       // it plays a recording
 };
 
 // Virtual time: every now_ns is CLOCK_MONOTONIC_RAW. Bound to the estimation thread; no allocation per sample.

@@ -48,8 +48,9 @@ struct ChannelView {
 struct DeviceView {
   std::string name;
   std::string driver;
-  bool up = false;     // at least one of its channels delivers
-  bool ended = false;  // a recording played to its end: its thread has nothing left to turn for
+  bool up = false;        // at least one of its channels delivers
+  bool recorded = false;  // it plays a recording, as its driver says
+  bool ended = false;     // a recording played to its end: its thread has nothing left to turn for
   std::array<std::uint64_t, kFaultCount> faults{};  // occurrences by kind
   std::uint64_t foreign = 0;                        // readings of channels that are not the device's
 };

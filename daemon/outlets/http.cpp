@@ -67,6 +67,7 @@ HttpReply Http::answer(const HttpRequest& request) const {
     return content_.rights->told(request);
   }
   if (auto refused = reading_refused(request)) return std::move(*refused);
+  if (RunDwells::is_asked(request.path())) return run_dwells_.answer(content_.now(), request.path(), request.query());
   return http_answer(content_.now(), request.path(), request.query());
 }
 

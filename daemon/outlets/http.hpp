@@ -16,6 +16,7 @@
 #include "daemon/serve/http_server.hpp"
 #include "daemon/serve/page_files.hpp"
 #include "daemon/serve/rights.hpp"
+#include "daemon/serve/run_dwells.hpp"
 
 namespace dwell {
 
@@ -57,6 +58,7 @@ class Http final : public Outlet {
   const HttpContent content_;
   DwellStream stream_;
   LiveTraces live_traces_;
+  const RunDwells run_dwells_;
   std::uint64_t told_sequence_ = 0;  // the newest snapshot that was pushed
   std::unique_ptr<HttpServer> server_;
 };

@@ -85,18 +85,34 @@ double status_code(const Source& s) {
   return 5;
 }
 
-// The bits of register 23, as its text has them. 0 if the dwell is stale: then no limit has a verdict.
+// None if the dwell is stale: then no limit has a verdict.
+std::vector<JudgedLimit> limits_of(const Source& s) {
+  return is_stale(s.now) ? std::vector<JudgedLimit>() : judge_limits_now(s.now.rig, s.now.snapshot.dwell);
+}
+
+// Bit 0 to 9 of the limit's element; 0: it stands on another page.
+unsigned bit_of(const JudgedLimit& limit, const Source& s) {
+  const int place = limit.element - s.k;
+  return place >= 0 && place < static_cast<int>(kElementsPerPage) ? 1U << static_cast<unsigned>(place) : 0;
+}
+
+// The bits of register 23, as its text has them.
 double limits_word(const Source& s) {
   constexpr unsigned kSomeUndecided = 1U << 14U, kSomeViolated = 1U << 15U;
   unsigned bits = 0;
-  if (is_stale(s.now)) return 0;
-  for (const JudgedLimit& limit : judge_limits_now(s.now.rig, s.now.snapshot.dwell)) {
+  for (const JudgedLimit& limit : limits_of(s)) {
     if (limit.verdict == LimitVerdict::undecided) bits |= kSomeUndecided;
-    if (limit.verdict != LimitVerdict::violated) continue;
-    bits |= kSomeViolated;
-    const int place = limit.element - s.k;
-    if (place >= 0 && place < static_cast<int>(kElementsPerPage)) bits |= 1U << static_cast<unsigned>(place);
+    if (limit.verdict == LimitVerdict::violated) bits |= kSomeViolated | bit_of(limit, s);
   }
+  return bits;
+}
+
+// Bit 0 to 9: the limit of this coefficient of element first + 0 to 9 has this verdict.
+template <CoefficientKind kind, LimitVerdict verdict>
+double limit_bits(const Source& s) {
+  unsigned bits = 0;
+  for (const JudgedLimit& limit : limits_of(s))
+    if (limit.kind == kind && limit.verdict == verdict) bits |= bit_of(limit, s);
   return bits;
 }
 
@@ -108,7 +124,7 @@ constexpr auto kReal = RegisterType::real;
 
 constexpr Register kHeader[] = {
     {0, kWord, "generation", "", "counts the images of the registers; every register may change with it", generation},
-    {1, kWord, "version", "", "of this table: 2; in version 1 there was no register 23",
+    {1, kWord, "version", "", "of this table: 3. Registers 125 to 128 came with version 3, register 23 with version 2",
      [](const Source&) { return double{kMapVersion}; }},
     {2, kWord, "heartbeat", "",
      "changes with every estimate, once in the rig file's update. While it stands still, the service measures nothing",
@@ -160,7 +176,13 @@ constexpr Register kElement[] = {
 };
 
 constexpr Register kPageEnd[] = {
-    {kPageRegisters - 1, kWord, "generation", "", "as in register 0 of the same image", generation},
+    {124, kWord, "generation", "", "as in register 0 of the same image", generation},
+    {125, kWord, "c violated", "", "bit 0 to 9: the limit of c of element first + 0 to 9 is violated",
+     limit_bits<CoefficientKind::stiffness, LimitVerdict::violated>},
+    {126, kWord, "r violated", "", "the same of r", limit_bits<CoefficientKind::damping, LimitVerdict::violated>},
+    {127, kWord, "c undecided", "", "bit 0 to 9: the limit of c of element first + 0 to 9 is undecided",
+     limit_bits<CoefficientKind::stiffness, LimitVerdict::undecided>},
+    {128, kWord, "r undecided", "", "the same of r", limit_bits<CoefficientKind::damping, LimitVerdict::undecided>},
 };
 
 void put(const Register& field, const Source& source, std::uint16_t* begin) {

@@ -5,10 +5,11 @@
 //     0 … 23   the header, the same on every page but for the page's first element
 //    24 … 123  ten elements of ten registers each
 //   124        the generation again, as in register 0
+//   125 … 128  which coefficients violate their limit, and of which that is undecided
 //
-// A page has 125 registers, the most that one Modbus answer holds. So one read takes a whole page from one image. A
-// client that reads in pieces compares the generations of the pieces. There are no registers between pages, and no read
-// spans two pages.
+// One Modbus answer holds 125 registers at most. So one read takes registers 0 … 124 of a page from one image, and a
+// second one, from 124 on, the rest with its generation. A client that reads in pieces compares the generations of the
+// pieces. There are no registers between pages, and no read spans two pages.
 #pragma once
 
 #include <cstddef>
@@ -20,11 +21,11 @@
 
 namespace dwell {
 
-inline constexpr std::size_t kPageStride = 200, kPageRegisters = 125, kHeaderRegisters = 24;
+inline constexpr std::size_t kPageStride = 200, kPageRegisters = 129, kHeaderRegisters = 24;
 inline constexpr std::size_t kElementsPerPage = 10, kElementRegisters = 10;
 // Raised when a register gets another meaning. Also when one that was always 0 gets a meaning in which 0 says
-// something: a reader must know which 0 it is. 2: register 23.
-inline constexpr std::uint16_t kMapVersion = 2;
+// something: a reader must know which 0 it is. 2: register 23. 3: registers 125 to 128.
+inline constexpr std::uint16_t kMapVersion = 3;
 
 enum class RegisterType : std::uint8_t {
   word,   // uint16, one register

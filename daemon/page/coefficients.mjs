@@ -35,7 +35,8 @@ function unsaid(dwell) {
   return dwell.warnings.filter((text) => !said.has(text) && !text.startsWith('not settled: ') &&
     !dwell.elements.some((e) => namesElement(text, e.k)));
 }
-const namesSomeChannel = (dwell, text) => dwell.phasors.some((p) => namesChannel(text, p.channel));
+// While the table rests the page has no phasors, so the channels' warnings stand with the dwell's.
+const namesSomeChannel = (dwell, text) => dwell.state !== 'idle' && dwell.phasors.some((p) => namesChannel(text, p.channel));
 export const channelWarnings = (dwell) => unsaid(dwell).filter((text) => namesSomeChannel(dwell, text));
 export const generalWarnings = (dwell) => unsaid(dwell).filter((text) => !namesSomeChannel(dwell, text));
 

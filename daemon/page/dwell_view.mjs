@@ -1,9 +1,10 @@
-// One finished dwell, opened from the list: everything the service keeps of it.
+// One finished dwell, opened from the list: everything that the service or the run's file keeps of it.
 import { budgetOf } from './budget.mjs';
 import { about, COEFFICIENTS, marksOf, subscript } from './coefficients.mjs';
 import { h, setText } from './dom.mjs';
 import { limitOf } from './limits.mjs';
 import { joined, NORMAL_95, NO_NUMBER, numberText, percentText, plainText, secondsText } from './number.mjs';
+import { dwellsPath, fromRun } from './runs.mjs';
 import { modelOf, whom } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -24,11 +25,12 @@ function elementItem(d, e) {
   return h('li', {}, ...COEFFICIENTS.flatMap((coefficient) => coefficientParts(d, e, coefficient)));
 }
 
-function contentOf(d) {
+// from: { tone, text } of the run's file; null: it comes from none.
+function contentOf(d, from) {
   const settled = d.settled_s !== null;
   const model = modelOf({ ...d, state: 'complete' }, null);
   return [
-    h('ul', { class: 'notes' }, ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${whom([doubt])}: ${doubt.what}`)),
+    h('ul', { class: 'notes' }, ...(from ? [h('li', { 'data-tone': from.tone }, from.text)] : []), ...d.doubts.map((doubt) => h('li', { 'data-tone': 'alarm' }, `do not rely on ${whom([doubt])}: ${doubt.what}`)),
     ...d.warnings.filter((text) => !d.doubts.some((doubt) => doubt.what === text)).map((text) => h('li', { 'data-tone': 'care' }, text))),
     h('ul', { class: 'plain' }, ...d.elements.map((e) => elementItem(d, e))),
     h('dl', { class: 'facts' },
@@ -43,18 +45,20 @@ function contentOf(d) {
   ];
 }
 
-export async function openDwell(brief) {
-  setText($('dwell-title'), `Dwell ${brief.index}`);
-  $('dwell-json').href = `/api/v1/dwells/${brief.index}`;
+// run: as in /api/v1/runs, the recorded run that it comes from; null: the service knows it without a file.
+export async function openDwell(brief, run) {
+  const path = run ? `${dwellsPath(run)}/${brief.index}` : `/api/v1/dwells/${brief.index}`;
+  setText($('dwell-title'), `Dwell ${brief.index}${run ? ` of run ${run.run}` : ''}`);
+  $('dwell-json').href = path;
   $('dwell-content').replaceChildren(h('p', {}, 'loading …'));
   $('dwell').showModal();
   try {
-    const answer = await fetch(`/api/v1/dwells/${brief.index}`);
+    const answer = await fetch(path);
     const dwell = await answer.json();
     if (!answer.ok) throw new Error(dwell.error);
     // Indices begin anew with each run: the service has only those of the newest.
-    if (dwell.start_utc !== brief.start_utc) throw new Error('it belongs to an earlier run. Download the file of that run under Runs, then run dwellctl show FILE');
-    $('dwell-content').replaceChildren(...contentOf(dwell));
+    if (!run && dwell.start_utc !== brief.start_utc) throw new Error('it belongs to an earlier run: choose that run above the table');
+    $('dwell-content').replaceChildren(...contentOf(dwell, run ? fromRun(run) : null));
   } catch (failure) {
     $('dwell-content').replaceChildren(h('p', {}, `It cannot be shown: ${failure.message}`));
   }

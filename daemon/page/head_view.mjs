@@ -1,7 +1,7 @@
 // The first line: state in word, shape and colour, and what an operator asks next.
 import { h, keyed, readable, s, setAttributes, setText, show } from './dom.mjs';
 import { ageText, instantText } from './number.mjs';
-import { frequencyText, limitsText, modelOf, playsRecording, runText, sinceMs, stateOf, troubles, warningsText } from './wording.mjs';
+import { frequencyText, limitsText, modelOf, playsRecording, runFact, sinceMs, stateOf, troubles, warningsText } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 
@@ -34,12 +34,13 @@ function factsOf(view) {
   const { dwell, health } = view;
   const model = modelOf(dwell, view.verification);
   const limits = limitsText(dwell);
+  const run = runFact(health, dwell);
   const facts = [
     ['source', playsRecording(health) ? 'recording, not live' : null, 'care'],
     ['limits', limits?.text, limits?.tone],
     ['warnings', warningsText(dwell), 'care'],
     ['model', model?.text, model?.tone],
-    ['run', runText(health)],
+    ['run', run?.text, run?.tone],
     ['dwell', dwell?.index ? `${dwell.index}${dwell.state === 'complete' ? ', ended' : ''}` : null],
     ['frequency', dwell && frequencyText(dwell)],
     ['since', sinceText(view)],

@@ -142,8 +142,8 @@ export class History {
     return list;
   }
 
-  // How the coefficient differs from that of the settled dwell before: { text, beyond }. beyond: by more than both U95
-  // together. null: there is nothing to say.
+  // How the coefficient differs from that of the settled dwell before: { text, beyond }. beyond: it has moved, by more
+  // than the service says that chance moves any of them. null: there is nothing to say.
   deviation(coefficient, k, dwell) {
     const element = dwell.elements.find((e) => e.k === k);
     const now = element?.identifiable ? element[coefficient] : null;
@@ -157,7 +157,7 @@ export class History {
     if (was.value === 0) return null;
     const change = (now.value - was.value) / Math.abs(was.value);
     const U = Math.hypot(now.U95, was.U95) / Math.abs(was.value);
-    const beyond = Math.abs(change) > U;
+    const beyond = Math.abs(change) > dwell.moved_beyond * U;
     const sign = change < 0 ? '\u2212' : '+';
     const { value, u } = numberText(100 * Math.abs(change), 100 * U, '%');
     return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since ${which}` };

@@ -66,7 +66,9 @@ function showNotes(dwell) {
 
 export function showPhasors(view) {
   // While the table rests, what is left is noise.
-  const some = view.dwell !== null && view.dwell.state !== 'idle';
+  // A wall display has no table: without arrows nothing would be left there.
+  const wall = document.documentElement.classList.contains('kiosk');
+  const some = view.dwell !== null && view.dwell.state !== 'idle' && (!wall || view.dwell.phasors.some((p) => p.valid));
   show($('phasors'), some);
   if (!some) return;
   const settled = view.dwell.settled_s !== null;

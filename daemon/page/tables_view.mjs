@@ -2,6 +2,7 @@
 import { openDwell } from './dwell_view.mjs';
 import { about, COEFFICIENTS, keyOf, subscript } from './coefficients.mjs';
 import { h, keyed, readable, setAttributes, setText, show } from './dom.mjs';
+import { beginEarlier, earlierDwells, runOfDwell } from './earlier_view.mjs';
 import { limitOf, SHAPES } from './limits.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
 import { noDwellsText, olderRunsText, runOf } from './runs.mjs';
@@ -75,10 +76,13 @@ function dwellMarksText(dwells) {
 }
 
 let heads = '';
-function showDwells({ dwells, dwell, runs, health, nowMs }) {
+function showDwells(view) {
+  const { dwell, runs, health, nowMs } = view;
+  const earlier = earlierDwells(view);
+  const dwells = earlier?.dwells ?? view.dwells;
   show($('dwells'), health !== null);
   show($('dwells-table'), dwells.length > 0);
-  setText($('dwells-none'), noDwellsText(dwells, runs));
+  setText($('dwells-none'), earlier?.text ?? noDwellsText(dwells, runs));
   const ks = [...new Set(dwells.flatMap((d) => d.elements.map((e) => e.k)))].sort((a, b) => a - b);
   if (ks.join() !== heads) {
     heads = ks.join();
@@ -89,7 +93,7 @@ function showDwells({ dwells, dwell, runs, health, nowMs }) {
   keyed($('dwell-rows'), [...dwells].reverse(), (d) => keyOf(d) + heads, (d) => {
     const numbers = new Map(coefficientCells(d));
     const open = h('button', { type: 'button' }, String(d.index));
-    open.addEventListener('click', () => openDwell(d));
+    open.addEventListener('click', () => openDwell(d, runOfDwell(d, newest)));
     const cell = (text, verdict = '', doubted = false) => h('td', { 'data-verdict': verdict, 'data-doubted': doubted }, text);
     return h('tr', {}, h('th', { scope: 'row' }, open), ...['', d.settled_s === null ? 'never settled' : secondsText(d.end_s - d.settled_s),
       isNumber(d.frequency_hz.value) ? joined(numberText(d.frequency_hz.value, NORMAL_95 * d.frequency_hz.u, 'Hz')) : NO_NUMBER,
@@ -100,8 +104,8 @@ function showDwells({ dwells, dwell, runs, health, nowMs }) {
       return cell(number?.text ?? NO_NUMBER, number?.verdict, number?.text.startsWith('?'));
     })), cell(''), cell(d.ended_by));
   }, (node, d) => {
-    const earlier = dwell !== null && d.start_utc !== dwell.start_utc;
-    setText(node.firstChild.firstChild, earlier ? `${d.index}, earlier run` : String(d.index));
+    const before = !earlier && dwell !== null && d.start_utc !== dwell.start_utc;
+    setText(node.firstChild.firstChild, before ? `${d.index}, earlier run` : String(d.index));
     setText(node.children[1], instantText(utcMs(d, d.end_s), nowMs));
     setText(node.children[node.children.length - 2], d.model?.verdict ?? NO_NUMBER); // may come after the dwell's end
   });
@@ -138,4 +142,5 @@ export function showTables(view) {
   showEvents(view);
   showRuns(view);
 }
+beginEarlier(() => newest && showDwells(newest));
 for (const id of ['event-level', 'event-words']) $(id).addEventListener('input', () => newest && showEvents(newest));

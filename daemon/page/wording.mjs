@@ -27,8 +27,8 @@ function withheldText(elements) {
 // A doubt about one element stands beside it, any other above them all, once.
 export const isGeneral = (doubt) => doubt.elements.length !== 1;
 
-// A recording is played in place of a rig (driver replay): nothing of it is of now.
-export const playsRecording = (health) => Boolean(health?.devices?.some((device) => device.driver === 'replay'));
+// A recording is played in place of a rig, as its driver says: nothing of it is of now.
+export const playsRecording = (health) => Boolean(health?.devices?.some((device) => device.recorded));
 // … and all that there is to play has been played. Then no drive is seen, which is no fault.
 export const hasEnded = (health) => Boolean(health?.devices?.length) && health.devices.every((device) => device.ended);
 
@@ -126,11 +126,13 @@ export function sinceMs(dwell, events) {
   return newest?.state === dwell.state && newest.utc ? Date.parse(newest.utc) : null;
 }
 
-export function runText(health) {
+// { text, tone } of the run; null: not known. A dwell without a run, where runs are recorded, is lost: why stands below.
+export function runFact(health, dwell) {
   if (!health) return null;
   const run = health.recorder?.run;
-  if (!run) return health.run.recorded ? 'none goes on' : 'not recorded';
-  return `${run.run}${run.label ? `, “${run.label}”` : ''}`;
+  if (run) return { text: `${run.run}${run.label ? `, “${run.label}”` : ''}`, tone: 'calm' };
+  if (health.recorder && ['settling', 'measuring'].includes(dwell?.state)) return { text: 'not recorded', tone: 'care' };
+  return { text: health.run.recorded ? 'none goes on' : 'not recorded', tone: 'calm' };
 }
 
 // Whether a channel's status is no trouble.
@@ -147,14 +149,21 @@ export function troubles({ dwell, health, channels, fresh, now }) {
   if (channels && fresh.answersOld(now))
     add('alarm', `channels, devices and alarms are ${ageText(fresh.answersAge_s(now))} old: the service does not tell of them`);
   const alike = new Map();
-  const quiet = new Set(); // troubles' names of the channels whose own status is no trouble
+  const quiet = new Map(); // channels whose own status is no trouble, by the name that a trouble of theirs has
   for (const channel of channels ?? []) {
     if (isWell(channel)) {
-      quiet.add(`channel:${channel.name}`);
+      quiet.set(`channel:${channel.name}`, channel.name);
       continue;
     }
     const why = !channel.reason ? channel.status : channel.reason.startsWith(channel.status) ? channel.reason : `${channel.status}, ${channel.reason}`;
     alike.set(why, [...(alike.get(why) ?? []), channel.name]);
+  }
+  for (const trouble of health?.troubles ?? []) {
+    const front = `channel ${quiet.get(trouble.name)}: `;
+    if (!trouble.text.startsWith(front)) continue;
+    const why = trouble.text.slice(front.length);
+    alike.set(why, [...(alike.get(why) ?? []), quiet.get(trouble.name)]);
+    quiet.delete(trouble.name);
   }
   for (const [why, names] of alike) add('alarm', `${names.length > 1 ? 'channels' : 'channel'} ${names.join(', ')}: ${why}`);
   // Of the service's troubles only those that the page tells nowhere else: of a channel whose own status is fine, and of

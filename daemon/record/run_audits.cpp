@@ -1,36 +1,18 @@
 #include "daemon/record/run_audits.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <mutex>
 #include <utility>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/file_identity.hpp"
 #include "daemon/record/ledger_check.hpp"
 #include "daemon/record/low_priority.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
 namespace {
-
-// By what a change of a file and its -wal is noticed: size and modification time of each. Zeros: it does not exist.
-using Identity = std::array<std::int64_t, 6>;
-
-Identity identity_of(const std::string& path) {
-  Identity identity{};
-  std::size_t at = 0;
-  for (const char* part : {"", "-wal"}) {
-    struct stat status {};
-    const bool there = ::stat((path + part).c_str(), &status) == 0;
-    identity[at++] = there ? status.st_size : 0;
-    identity[at++] = there ? status.st_mtim.tv_sec : 0;
-    identity[at++] = there ? status.st_mtim.tv_nsec : 0;
-  }
-  return identity;
-}
 
 // The ledger of the directory, verified again only when its file has changed. Bound to one thread.
 class KnownLedger {
@@ -39,7 +21,7 @@ class KnownLedger {
   Result<void> give(AuditOptions& options, const std::string& path, const PublicKey& key) {
     options.ledger = path;
     options.keys = {key};
-    const Identity now = identity_of(path);
+    const FileIdentity now = identity_of(path);
     if (!checked_ || now != identity_) {
       Result<CheckedLedger> checked = check_ledger(path, {});
       if (!checked) return tl::unexpected(std::move(checked.error()));
@@ -58,7 +40,7 @@ class KnownLedger {
 
  private:
   std::shared_ptr<const CheckedLedger> checked_;
-  Identity identity_{};
+  FileIdentity identity_{};
   bool announced_ = false;
 };
 
@@ -85,7 +67,7 @@ struct RunAudits::Shared {
 
   const std::string directory;
   // The jobs' thread alone:
-  std::map<std::string, Identity> known;  // of the audited files
+  std::map<std::string, FileIdentity> known;  // of the audited files
   KnownLedger ledger;
   mutable std::mutex mutex;
   // Under the mutex:
@@ -142,8 +124,8 @@ struct RunAudits::Shared {
     keep_only(files);
     for (const std::string& file : files) {
       const std::string path = directory + "/" + file;
-      const Identity identity = identity_of(path);
-      if (identity == Identity{}) {  // since it was listed
+      const FileIdentity identity = identity_of(path);
+      if (identity == FileIdentity{}) {  // since it was listed
         known.erase(file);
         put_removed(file);
         continue;
@@ -158,7 +140,7 @@ struct RunAudits::Shared {
         verdict.why_none = given.error();
       if (stopping()) return false;
       known[file] = identity;
-      if (identity_of(path) != Identity{}) put(file, std::move(verdict));
+      if (identity_of(path) != FileIdentity{}) put(file, std::move(verdict));
       return true;
     }
     return false;

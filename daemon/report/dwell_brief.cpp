@@ -1,5 +1,6 @@
 #include "daemon/report/dwell_brief.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,7 +16,7 @@ constexpr std::array kMembers{"index",        "state",    "ended_by", "start_s",
 // How the table moved: the phasor of the first valid transducer on it.
 Json table_json(const Json& whole, const Rig& rig) {
   const Json& phasors = whole["phasors"];
-  for (std::size_t i = 0; i < phasors.size(); ++i)
+  for (std::size_t i = 0; i < std::min(phasors.size(), rig.channels.size()); ++i)
     if (shows_drive(rig.channels[i]) && phasors[i]["valid"])
       return {{"channel", phasors[i]["channel"]},
               {"amplitude", phasors[i]["amplitude"]},

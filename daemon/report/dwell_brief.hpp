@@ -9,6 +9,7 @@
 
 namespace dwell {
 
+// rig: of the dwell. One without channels: `table` is null.
 [[nodiscard]] Json brief_json(const DwellView& dwell, const Rig& rig);
 
 }  // namespace dwell

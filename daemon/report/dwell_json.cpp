@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/result/moved.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
 #include "daemon/report/motion_report.hpp"
@@ -166,6 +167,7 @@ Json json_value(const DwellView& view, Detail detail) {
   if (view.age) {
     object["estimate_age_s"] = json_number(view.age->s);
     object["stale"] = view.age->stale;
+    object["moved_beyond"] = json_number(settled ? moved_beyond(d) : kNaN);
   }
   return object;
 }

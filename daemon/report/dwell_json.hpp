@@ -5,8 +5,8 @@
 // not identifiable has `stiffness`, `damping` and `loss_factor` null and a `reason`, as has a channel without a valid
 // phasor. Beyond the interface's fields: `settling_reason`, `memory_time_predicted_s`; per phasor
 // `u_relative_phase_rad` (of the phase against the first valid channel's, without what both share), `sigma` (standard
-// deviation of the residuals), `samples`, `valid`. `limits` is there where the rig file has any; `estimate_age_s` and
-// `stale` of a live dwell alone.
+// deviation of the residuals), `samples`, `valid`. `limits` is there where the rig file has any; `estimate_age_s`,
+// `stale` and `moved_beyond` of a live dwell alone.
 //
 // Bound to one thread, not real-time: allocates. No function throws on what the data hold.
 #pragma once

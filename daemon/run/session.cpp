@@ -60,7 +60,8 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
                            lines.line(level, message, raw_now_ns());
                          });
     if (!device) return tl::unexpected(device.error());
-    feeds.push_back({&(*device)->link(), settings.driver, settings.rate_hz.value_or(0.0), settings.leads});
+    feeds.push_back(
+        {&(*device)->link(), settings.driver, settings.rate_hz.value_or(0.0), settings.leads, settings.recorded});
     impl->devices.push_back(std::move(*device));
   }
   gpio::Link* edges = nullptr;

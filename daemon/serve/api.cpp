@@ -119,6 +119,7 @@ Json devices_json(const ServiceView& view) {
         faults[to_string(static_cast<Fault>(kind))] = count;
     list.push_back({{"name", device.name},
                     {"driver", device.driver},
+                    {"recorded", device.recorded},
                     {"up", device.up},
                     {"ended", device.ended},
                     {"faults", std::move(faults)},
@@ -319,7 +320,8 @@ HttpReply unasked_answer(const ServiceView& view, std::string_view path) {
   return http_error(
       404,
       "nothing is served here; there are /api/v1/dwell, /api/v1/dwells, /api/v1/dwells/INDEX, "
-      "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/runs/FILE, /api/v1/events, /api/v1/alarms, "
+      "/api/v1/channels, /api/v1/verification, /api/v1/runs, /api/v1/runs/FILE, /api/v1/runs/FILE/dwells, "
+      "/api/v1/events, /api/v1/alarms, "
       "/api/v1/traces, /api/v1/health, /api/v1/rights, /api/v1/stream and /metrics");
 }
 

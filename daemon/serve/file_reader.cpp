@@ -7,14 +7,10 @@
 #include <cerrno>
 #include <chrono>
 #include <exception>
-#include <map>
-#include <mutex>
 #include <thread>
 #include <utility>
 
-#include "daemon/record/low_priority.hpp"
 #include "daemon/record/regular_file.hpp"
-#include "daemon/serve/event_loop.hpp"
 
 namespace dwell {
 
@@ -55,46 +51,10 @@ tl::unexpected<HttpReply> refused(int status, std::string_view why) { return tl:
 
 }  // namespace
 
-// Outlives the reader where its thread hangs.
-struct FileReader::Shared {
-  std::mutex mutex;
-  EventLoop* loop = nullptr;  // null: the reader is gone
-  // Callbacks that wait for an outcome, by number. Used by the loop's thread alone: what they hold must not be
-  // destroyed on another thread.
-  std::map<std::uint64_t, std::function<void(void*)>> waiting;
-};
-
-FileReader::FileReader(EventLoop& loop) : shared_(std::make_shared<Shared>()) { shared_->loop = &loop; }
-
-void FileReader::close() {
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->loop = nullptr;
-  }
-  std::exchange(shared_->waiting, {}).clear();
-}
-
-template <class Work, class Then>
-void FileReader::ask(Work work, Then then) {
-  using Outcome = decltype(work());
-  const std::uint64_t number = next_++;
-  shared_->waiting.emplace(
-      number, [then = std::move(then)](void* outcome) mutable { then(std::move(*static_cast<Outcome*>(outcome))); });
-  if (!thread_) thread_.emplace("downloads");
-  thread_->post([shared = shared_, number, work = std::move(work)](const auto&) mutable {
-    record::lower_priority();
-    auto outcome = std::make_shared<Outcome>(work());
-    const std::lock_guard lock(shared->mutex);
-    if (shared->loop == nullptr) return;
-    shared->loop->post([shared, number, outcome] {
-      auto asker = shared->waiting.extract(number);
-      if (!asker.empty()) asker.mapped()(outcome.get());
-    });
-  });
-}
+FileReader::FileReader(EventLoop& loop) : aside_(loop, "downloads") {}
 
 void FileReader::open(std::string path, std::function<void(Opening)> done) {
-  ask(
+  aside_.ask(
       [path = std::move(path)]() -> Opening {
         try {
           struct stat status {
@@ -117,7 +77,7 @@ void FileReader::open(std::string path, std::function<void(Opening)> done) {
 }
 
 void FileReader::read(const std::shared_ptr<OpenedFile>& file, std::function<void(std::string)> done) {
-  ask(
+  aside_.ask(
       [file]() -> std::string {
         try {
           std::string piece = file->next();

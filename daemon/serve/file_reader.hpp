@@ -1,24 +1,18 @@
-// Reads files for the HTTP server on a thread of its own: a disk that hangs must not hold up the event loop.
-//
-// The thread has the lowest priority and reads at most kBytesPerSecond, all downloads together, so that no download
-// takes processor or disk from the measurement. The thread starts with the first file. The class is bound to the event
-// loop's thread.
+// Reads files for the HTTP server aside, at most kBytesPerSecond for all downloads together. Bound to the event loop's
+// thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 
-#include "daemon/record/job_thread.hpp"
+#include "daemon/serve/aside.hpp"
 #include "daemon/serve/http_server.hpp"
 
 namespace dwell {
-
-class EventLoop;
 
 class FileReader {
  public:
@@ -34,11 +28,8 @@ class FileReader {
   };
 
   explicit FileReader(EventLoop& loop);
-  ~FileReader() { close(); }
   // Forgets what was asked for: no `done` is called any more.
-  void close();
-  FileReader(const FileReader&) = delete;
-  FileReader& operator=(const FileReader&) = delete;
+  void close() { aside_.close(); }
 
   // Opens a run file that is complete in itself; refuses links, and a file beside which a -wal lies. `done` is called
   // on the loop, with the answer to be given in place of the file where there is none.
@@ -48,14 +39,7 @@ class FileReader {
   void read(const std::shared_ptr<OpenedFile>& file, std::function<void(std::string)> done);
 
  private:
-  struct Shared;
-  // Does `work` on the thread, then `then` with its outcome on the loop.
-  template <class Work, class Then>
-  void ask(Work work, Then then);
-
-  const std::shared_ptr<Shared> shared_;
-  std::uint64_t next_ = 0;  // number of the next question
-  std::optional<record::JobThread> thread_;
+  Aside aside_;
 };
 
 }  // namespace dwell

@@ -18,6 +18,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "daemon/serve/aside.hpp"
 #include "daemon/serve/awaited_address.hpp"
 #include "daemon/serve/downloads.hpp"
 #include "daemon/serve/event_loop.hpp"
@@ -45,7 +46,8 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
         handler(std::move(answers)),
         begin_stream(std::move(begins)),
         listener(loop),
-        downloads(loop, options.downloads) {}
+        downloads(loop, options.downloads),
+        aside(loop, "earlier") {}
 
   void welcome(tcp::socket socket);
   bool make_room();
@@ -58,10 +60,12 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   const BeginStream begin_stream;
   Listener<tcp> listener;
   Downloads downloads;
+  Aside aside;  // makes the answers that wait for the disk
   std::unordered_set<HttpConnection*> connections;
   std::unordered_set<HttpConnection*> streams;
   AwaitedAddress address{options.host, false};
   std::size_t large_bytes = 0;  // of large answers on their way
+  std::size_t made_aside = 0;   // answers that are being made
   HttpStats counts;             // clients and streams apart: those are the sets above
 };
 
@@ -169,6 +173,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     } catch (const std::exception&) {
       reply = http_error(500, "the answer could not be made");
     }
+    if (reply.later) return answer_later(std::move(reply.later), head, keep_alive);
     if (reply.file.empty()) return answer(std::move(reply), head, keep_alive);
     begin_file(std::move(reply), head, keep_alive);
   }
@@ -241,6 +246,26 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                         self->served_ = true;
                         self->or_close([&] { response->keep_alive() ? self->read() : self->shut(); });
                       });
+  }
+
+  void answer_later(std::function<HttpReply()> make, bool head, bool keep_alive) {
+    phase_ = Phase::answered;
+    if (server_->made_aside >= server_->options.downloads)
+      return answer(http_error(503, "too many runs are being read; try again"), head, keep_alive);
+    ++server_->made_aside;
+    const auto place = std::shared_ptr<void>(nullptr, [server = server_](void*) { --server->made_aside; });
+    stream_.expires_never();  // the disk has no deadline
+    server_->aside.ask(
+        [make = std::move(make)]() -> HttpReply {
+          try {
+            return make();
+          } catch (const std::exception&) {
+            return http_error(500, "the answer could not be made");
+          }
+        },
+        [self = shared_from_this(), place, head, keep_alive](HttpReply reply) {
+          self->or_close([&] { self->answer(std::move(reply), head, keep_alive); });
+        });
   }
 
   void begin_file(HttpReply reply, bool head_alone, bool keep_alive) {

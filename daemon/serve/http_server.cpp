@@ -72,7 +72,8 @@ HttpServer::HttpServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 HttpServer::~HttpServer() {
   impl_->listener.close();
-  impl_->downloads.close();  // a callback that waits for a piece would keep the server alive
+  impl_->downloads.close();  // a callback that waits for a piece would keep the server alive …
+  impl_->aside.close();      // … as would one that waits for an answer
   const auto connections = impl_->connections;
   for (HttpConnection* connection : connections) connection->close();
 }

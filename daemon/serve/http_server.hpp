@@ -39,6 +39,8 @@ struct HttpReply {
   // Path of a file that is the body, streamed piece by piece. Empty: `body` is.
   std::string file{};
   std::string file_name{};  // under which a browser keeps it: letters, digits, ".", "_" and "-"
+  // Makes the answer aside: for what waits for the disk. Owns what it uses. Empty: this is the answer.
+  std::function<HttpReply()> later{};
 };
 
 struct HttpOptions {
@@ -53,7 +55,7 @@ struct HttpOptions {
   std::size_t body_bytes = 16 * 1024;      // beyond: 413
   std::size_t large_bytes = 1'000'000;     // an answer beyond this is large …
   std::size_t answers_bytes = 64'000'000;  // … and all large answers under way hold this at most; beyond: 503
-  std::size_t downloads = 4;               // files under way at once; beyond: 503
+  std::size_t downloads = 4;               // files under way at once; beyond: 503. As many answers that are made aside
   std::size_t events_waiting = 16;         // per stream, behind the one that is being written
   // For a request, from when it could be sent until it has been read; the same again for taking the answer, or each
   // piece of 128 kB of a file: who reads a download at less than 13 kB/s loses its place among them.

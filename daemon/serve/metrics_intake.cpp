@@ -50,7 +50,7 @@ void write_channels(const ServiceView& now, Exposition& out) {
 
 void write_calibrations(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_channel_calibration_due_timestamp_seconds",
-            "When the channel's calibration stops to hold, since 1970. Absent: the rig file states no date.");
+            "When the channel's calibration becomes overdue, since 1970. Absent: the rig file states no date.");
   for (const Channel& channel : now.rig.channels)
     if (const auto ends_s = calibration_ends_s(channel)) out.sample(*ends_s, {{"channel", channel.name}});
 }

@@ -70,6 +70,7 @@ const std::vector<std::string_view>& PageFiles::names() {
       "coefficients_view.mjs",
       "phasors_view.mjs",
       "tables_view.mjs",
+      "earlier_view.mjs",  // dwells of earlier runs
       "dwell_view.mjs",
       "trace_window.mjs",
       "trace_plot.mjs",

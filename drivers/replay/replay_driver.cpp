@@ -58,6 +58,7 @@ class Replay {
 
   static void describe(const Settings& settings, dwell_traits& traits) {
     const auto speed = settings.get<double>("speed", 1.0);
+    traits.recorded = 1;
     traits.leads = speed != 1.0 ? 1 : 0;
     traits.age_ns = speed > 0.0 && speed < 1.0 ? DWELL_AGE_UNBOUNDED : kRoom_ns;
   }

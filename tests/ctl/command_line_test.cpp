@@ -212,17 +212,24 @@ TEST(CommandLine, AnswersThatAreNotTheServicesAreExitCode3) {
 
 TEST(CommandLine, ChannelsAndDwellsAreTablesOrJson) {
   const std::string channels = R"({"channels":[{"name":"y0","value":1.5,"unit":"mm","status":"ok"}]})";
+  const std::string runs = R"({"runs":[{"state":"closed","dwells":4},{"state":"cut off","dwells":2},)"
+                           R"({"state":"closed","dwells":0},{"state":"recording","dwells":3}]})";
   const std::string dwells = R"({"rig":"bench","total":7,"dwells":[)" + sample_text() + "]}";
   ScriptedServer server({Reply{http_reply(200, channels)}, Reply{http_reply(200, channels)},
-                         Reply{http_reply(200, dwells)}, Reply{http_reply(200, dwells)},
-                         Reply{http_reply(200, R"({"dwells":[]})")}});
+                         Reply{http_reply(200, dwells)}, Reply{http_reply(200, R"({"runs":[]})")},
+                         Reply{http_reply(200, dwells)}, Reply{http_reply(200, R"({"dwells":[]})")},
+                         Reply{http_reply(200, runs)}});
   EXPECT_NE(run({"channels", "--url", server.url()}).out.find("y0       ok      1.5 mm"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"channels", "--json", "--url", server.url()}).out), Json::parse(channels));
   const Outcome table = run({"dwells", "--url", server.url()});
   EXPECT_EQ(table.code, 0) << table.err;
   EXPECT_NE(table.out.find("the last 1 of 7\n"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"dwells", "--json", "--url", server.url()}).out), Json::parse(dwells));
-  EXPECT_EQ(run({"dwells", "--url", server.url()}).out, "no dwell has been completed\n");
+  EXPECT_EQ(
+      run({"dwells", "--url", server.url()}).out,
+      "no dwell of this run has been completed\n"
+      "earlier runs: 6 dwells in 2 files; dwellctl runs names them, dwellctl show FILE shows one's dwells, as does "
+      "the page\n");
 }
 
 TEST(CommandLine, CheckAsksTheServiceAndIsNoIfAChannelIsSilent) {

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 
+#include "core/result/moved.hpp"
 #include "daemon/record/utc_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "tests/ctl/sample_dwell.hpp"
@@ -45,11 +48,36 @@ TEST(Deviation, IsStatedWithTheU95OfBothAndSaysWhatIsBeyondIt) {
   EXPECT_EQ(text_of(deviation, view_of(1, 1000.0)), "") << "there is no dwell before";
   const DwellView now = view_of(2, 1010.0, 59.7);
   deviation.take(now, 50.0);
-  EXPECT_EQ(text_of(deviation, now), R"(change since dwell 1; moved: by more than both U95 together
+  EXPECT_EQ(text_of(deviation, now), R"(change since dwell 1; moved: by more than chance (one false alarm in 20 dwells)
 element  stiffness                         damping
       1  +1.00 ± 0.42 % moved              -0.5 ± 1.2 %
 )");
   EXPECT_EQ(deviation.section(now, 50.0, 80).body[0].style, Style::title) << "bold: it has moved";
+}
+
+// At the level of one coefficient, among eight of them one moved in a third of the dwells.
+TEST(Deviation, ChanceMovesAnyOfEightCoefficientsInOneDwellOf20) {
+  std::mt19937_64 random(13);
+  std::normal_distribution<double> noise;
+  constexpr int kDwells = 40'000;
+  int at_one_level = 0, at_that_of_all = 0;
+  for (int i = 0; i < kDwells; ++i) {
+    double largest = 0.0;  // difference over √(U95² + U95²)
+    for (int k = 0; k < 8; ++k)
+      largest = std::max(largest, std::abs(noise(random) - noise(random)) / (kNormal95 * std::sqrt(2.0)));
+    at_one_level += largest > 1.0 ? 1 : 0;
+    at_that_of_all += largest > moved_beyond(8) ? 1 : 0;
+  }
+  EXPECT_NEAR(at_one_level / double{kDwells}, 0.337, 0.01);
+  EXPECT_NEAR(at_that_of_all / double{kDwells}, 0.05, 0.005) << "4.6 standard deviations of so many draws";
+}
+
+TEST(Deviation, CountsTheCoefficientsThatHaveNumbers) {
+  EXPECT_EQ(moved_beyond(1), 1.0);
+  EXPECT_NEAR(moved_beyond(2), 2.236477 / kNormal95, 1e-6);
+  EXPECT_NEAR(moved_beyond(200), 3.655748 / kNormal95, 1e-6);
+  EXPECT_EQ(moved_beyond(view_of(1, 1000.0).dwell), moved_beyond(2)) << "one element";
+  EXPECT_TRUE(std::isnan(moved_beyond(test::settling_dwell())));
 }
 
 TEST(Deviation, WhatRoundsToZeroHasNoSign) {
@@ -146,7 +174,7 @@ trend of the last 60 s; middle: newest value, height: ± the % beside
 element  stiffness                         damping
       1  ▁▁▁▁▁▁▁▁▁▅▅▅▅▅▅▅▅▅▅▅  ± 0.99 %    ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2.6 %
       2  ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 0.23 %    ▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅▅  ± 2.6 %
-change since dwell 1; moved: by more than both U95 together
+change since dwell 1; moved: by more than chance (one false alarm in 20 dwells)
       1  +1.00 ± 0.16 % moved              0.0 ± 1.9 %
       2   0.00 ± 0.16 %                    0.0 ± 1.9 %
 

@@ -232,15 +232,15 @@ TEST_F(HealthTest, IsAFaultWhereTheServiceItselfDoesNotWork) {
 
 constexpr std::int64_t kDay_ns = 86'400'000'000'000;
 
-// The date stood only in exports and reports: nobody saw that a transducer's calibration had expired.
-TEST_F(HealthTest, ACalibrationThatWasDueIsATroubleThatLeavesTheStatusOk) {
+// The date stood only in exports and reports: nobody saw that a transducer's calibration was overdue.
+TEST_F(HealthTest, AnOverdueCalibrationIsATroubleThatLeavesTheStatusOk) {
   rig.channels[1].calibration.id = "K-2231";
   rig.channels[1].calibration.due = "1970-01-11";
   utc_ns = 11 * kDay_ns - 1;
   EXPECT_TRUE(names().empty()) << "it holds to the end of that day";
   utc_ns = 11 * kDay_ns;
   EXPECT_EQ(names(), (std::vector<std::string>{"calibration:y1"}));
-  EXPECT_EQ(judge().troubles[0].text, "channel y1: the calibration K-2231 was due on 1970-01-11");
+  EXPECT_EQ(judge().troubles[0].text, "channel y1: the calibration K-2231 is overdue: it was due on 1970-01-11");
   expect(Health::Status::ok, true, "");
   synchronized = false;
   EXPECT_EQ(names(), (std::vector<std::string>{"clock"})) << "nobody knows what day it is";

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <semaphore>
+#include <thread>
 #include <vector>
 
 #include "daemon/serve/http_request.hpp"
@@ -40,6 +42,13 @@ struct HttpServerTest : testing::Test {
             reply.file = folder.path(reply.file_name);
             return reply;
           }
+          if (path == "/later") return later([] { return HttpReply{200, "read"}; });
+          if (path == "/hangs")
+            return later([this] {
+              hold.acquire();
+              return HttpReply{200, "held"};
+            });
+          if (path == "/throws") return later([]() -> HttpReply { throw std::runtime_error("no"); });
           if (path == "/throw") throw std::runtime_error("no");
           return http_error(404, "nothing here");
         },
@@ -58,6 +67,12 @@ struct HttpServerTest : testing::Test {
     return thread->on_loop([this] { return server->stats(); });
   }
 
+  static HttpReply later(std::function<HttpReply()> make) {
+    HttpReply reply;
+    reply.later = std::move(make);
+    return reply;
+  }
+
   // A file of pseudo-random bytes.
   std::string made_file(const std::string& name, std::size_t bytes) {
     std::string text(bytes, '\0');
@@ -71,6 +86,7 @@ struct HttpServerTest : testing::Test {
   }
 
   const record::Scratch folder;
+  std::counting_semaphore<> hold{0};  // a disk that hangs until it is released
   EventLoop loop;
   std::unique_ptr<HttpServer> server;
   std::uint16_t port = 0;
@@ -112,6 +128,38 @@ TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
   const Answer answer = read_answer(client, true);
   EXPECT_EQ(answer.status, 200);
   EXPECT_NE(answer.head.find("Content-Length: 12\r\n"), std::string::npos) << answer.head;
+  EXPECT_EQ(client.all(), "");
+}
+
+TEST_F(HttpServerTest, AnAnswerThatWaitsForTheDiskHoldsNobodyUp) {
+  HttpOptions options;
+  options.downloads = 2;
+  begin(options);
+  std::deque<Client> waiting;
+  for (int i = 0; i < 2; ++i) {
+    waiting.push_back(Client::tcp(port));
+    waiting.back().send("GET /hangs HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  }
+  while (stats().requests < 2) std::this_thread::yield();
+  expect_error(ask("GET /later HTTP/1.1\r\nHost: localhost\r\n\r\n"), 503);
+  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 200) << "others are served";
+  hold.release(2);
+  for (Client& client : waiting) EXPECT_EQ(read_answer(client).body, "held");
+  EXPECT_EQ(ask("GET /later HTTP/1.1\r\nHost: localhost\r\n\r\n").body, "read");
+  expect_error(ask("GET /throws HTTP/1.1\r\nHost: localhost\r\n\r\n"), 500);
+  Client head = Client::tcp(port);
+  head.send("HEAD /later HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_NE(read_answer(head, true).head.find("Content-Length: 4\r\n"), std::string::npos);
+}
+
+TEST_F(HttpServerTest, AnAnswerThatStillWaitsDoesNotKeepTheServer) {
+  begin();
+  Client client = Client::tcp(port);
+  client.send("GET /hangs HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  while (stats().requests < 1) std::this_thread::yield();
+  thread.reset();
+  hold.release();
+  server.reset();
   EXPECT_EQ(client.all(), "");
 }
 

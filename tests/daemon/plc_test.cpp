@@ -63,6 +63,7 @@ TEST_F(PlcTest, MbpollCannotWrite) {
 // Python's client reads every page of a chain of 64 masses.
 TEST_F(PlcTest, PymodbusReadsEveryPage) {
   chain_of(64);
+  rig.limits = {{12, Bounds{0.0, 10.0}, Bounds{0.0, 120.0}}};
   verify(Verdict::adequate);
   show();
   const auto [code, text] =

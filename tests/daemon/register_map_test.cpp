@@ -112,7 +112,6 @@ TEST_F(RegisterMap, AlarmsThatWaitForSomebodyAreCounted) {
 }
 
 TEST_F(RegisterMap, ViolatedLimitsHaveABitEach) {
-  EXPECT_EQ(word(image(), 1), 2) << "the version that has this register";
   chain_of(20);
   EXPECT_EQ(word(image(), 23), 0);
   // c = 1000 k, U95 = 10 k
@@ -129,6 +128,27 @@ TEST_F(RegisterMap, ViolatedLimitsHaveABitEach) {
   snapshot.dwell.state = State::measuring;
   now_ns += 3'000'000'000;
   EXPECT_EQ(word(image(), 23), 0) << "stale";
+}
+
+// Register 23 says which element; the registers behind the page say which of its coefficients.
+TEST_F(RegisterMap, AViolatedLimitNamesItsCoefficient) {
+  EXPECT_EQ(word(image(), 1), 3) << "the version that has these registers";
+  chain_of(20);
+  // c = 1000 k, r = 10 k, U95 a hundredth of it
+  rig.limits = {{3, Bounds{0.0, 10.0}, Bounds{0.0, 30.0}},
+                {4, Bounds{0.0, 4e3}, Bounds{0.0, 1.0}},
+                {12, Bounds{0.0, 1e6}, Bounds{0.0, 1.0}}};
+  const RegisterImage registers = image();
+  EXPECT_EQ(word(registers, 125), 0x4) << "c of element 3 is violated";
+  EXPECT_EQ(word(registers, 126), 0x8) << "r of element 4";
+  EXPECT_EQ(word(registers, 127), 0x8) << "c of element 4 is undecided";
+  EXPECT_EQ(word(registers, 128), 0x4) << "r of element 3";
+  EXPECT_EQ(word(registers, 23), 0xc00c) << "as in version 2";
+  EXPECT_EQ(word(registers, kPageStride + 125), 0) << "c of element 12 is kept";
+  EXPECT_EQ(word(registers, kPageStride + 126), 0x2);
+  EXPECT_EQ(registers.read(124, 5)[0], 41) << "one read holds them and the generation";
+  now_ns += 3'000'000'000;
+  for (const std::size_t at : {125U, 126U, 127U, 128U}) EXPECT_EQ(word(image(), at), 0) << "stale";
 }
 
 TEST_F(RegisterMap, TheHeartbeatStandsStillWithTheEstimation) {
@@ -160,8 +180,9 @@ TEST_F(RegisterMap, ALargeChainIsPagedAndEachPageIsCompleteInOneRead) {
 TEST_F(RegisterMap, NoReadLeavesItsPage) {
   chain_of(20);
   const RegisterImage registers = image();
-  EXPECT_TRUE(registers.read(124, 2).empty());
-  EXPECT_TRUE(registers.read(125, 1).empty());
+  EXPECT_EQ(registers.read(124, 5).size(), 5U);
+  EXPECT_TRUE(registers.read(124, 6).empty());
+  EXPECT_TRUE(registers.read(129, 1).empty());
   EXPECT_TRUE(registers.read(199, 2).empty()) << "between two pages";
   EXPECT_FALSE(registers.read(200, 125).empty());
   EXPECT_TRUE(registers.read(600, 1).empty()) << "21 elements have three pages";

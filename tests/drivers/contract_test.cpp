@@ -137,6 +137,7 @@ TEST_P(DriverContract, SaysOfItsReadingsWhatTheSettingsSay) {
     EXPECT_EQ(traits.size, sizeof traits);
     EXPECT_GE(traits.rate_hz, 0.0);
     EXPECT_GT(traits.age_ns, 0) << "how old its samples may be";
+    EXPECT_EQ(traits.recorded, std::string(table_.name) == "replay" ? 1 : 0);
   }
   // A host of an earlier version takes less.
   dwell_traits early{};

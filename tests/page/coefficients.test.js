@@ -200,6 +200,9 @@ test('a doubt and a warning stand beside the element they name, all others with 
   assert.deepEqual(two.cells.map((c) => c.marks), [['?'], ['?']]);
   assert.deepEqual(generalWarnings(dwell), ['the clock is not synchronized']);
   assert.deepEqual(channelWarnings(dwell), ['y1 is gated']);
+  // While the table rests, the page has no phasors: their warnings would be counted and told nowhere.
+  const idle = { ...dwell, state: 'idle' };
+  assert.deepEqual([generalWarnings(idle), channelWarnings(idle)], [['y1 is gated', 'the clock is not synchronized'], []]);
 });
 
 test('the last dwell keeps its doubts: its end makes no number reliable', () => {
@@ -254,7 +257,7 @@ test('a model that was never verified, of a dwell that has ended, is not said to
 
 test('the numbers of a recording that was played to its end are a result', () => {
   const view = after(dwellOf(), dwellOf({ state: 'complete', ended_by: 'data lost' }), idleOf({ state: 'fault', settling_reason: 'y0 is end of data' }));
-  const shown = coefficientsOf({ ...view, broken: true, health: { devices: [{ driver: 'replay', ended: true }] } });
+  const shown = coefficientsOf({ ...view, broken: true, health: { devices: [{ recorded: true, ended: true }] } });
   assert.equal(shown.title, 'last dwell: 3, ended 2.0 s ago: the recording ended');
   assert.equal(texts(shown)[0], 'c₁ 24.000 ± 0.024 kN/m');
 });

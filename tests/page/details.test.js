@@ -65,7 +65,7 @@ test('channels have their rate, jitter, losses and calibration', async () => {
   assert.equal((await rowOf('y0'))[10], 'none stated');
 });
 
-test('a calibration that was due is marked by word and shape', async () => {
+test('an overdue calibration is marked by word and shape', async () => {
   await page.route('**/api/v1/channels', async (route) => {
     const told = await (await route.fetch()).json();
     told.channels[1].calibration.overdue = true;

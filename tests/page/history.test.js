@@ -79,6 +79,16 @@ test('the deviation is told against the dwell before, with both uncertainties', 
     { beyond: true, text: 'moved by \u22124.17 ± 0.14 % since dwell 2' });
 });
 
+// One of several coefficients exceeds its own U95 by chance more often than one alone.
+test('moved is what exceeds what the service says that chance explains, of all coefficients together', () => {
+  const history = new History();
+  history.takeEnded(withStiffness(24000, { index: 2 }), at);
+  const beyond = (value, moved_beyond) => history.deviation('stiffness', 1, withStiffness(value, { moved_beyond })).beyond;
+  assert.equal(beyond(24040, 1), true, '0.17 % of 0.14 %');
+  assert.equal(beyond(24040, 1.391), false);
+  assert.equal(beyond(24060, 1.391), true);
+});
+
 // Of another run: its dwells are numbered from 1 again.
 const EARLIER = '2026-11-23T06:00:00.000000Z';
 

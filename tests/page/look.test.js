@@ -6,7 +6,9 @@ import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { check } from './accessible.js';
-import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES, TOKEN } from './bench.js';
+import { joined, numberText } from '../../daemon/page/number.mjs';
+import { dwellOf } from './sample.js';
+import { Bench, chainOf, openBrowser, PATIENCE_MS, SIZES, TOKEN, until } from './bench.js';
 
 function recordingWithToken(text, folder) {
   writeFileSync(join(folder, 'token'), TOKEN, { mode: 0o600 });
@@ -256,7 +258,7 @@ test('a closed run is downloaded as it lies on the disk, with its audit beside i
   const row = page.locator('#run-rows tr', { hasText: 'to download' });
   await row.locator('td', { hasText: '– not audited: the run goes on' }).waitFor();
   assert.equal(await row.locator('a').count(), 0);
-  assert.match(await page.locator('#dwells-none').innerText(), /^(No dwell of this run has ended yet\. Those of earlier runs|$)/);
+  assert.match(await page.locator('#dwells-none').innerText(), /^(No dwell of this run has ended yet\. Those of an earlier run|$)/);
   assert.equal((await order('stop', {})).status(), 200);
   await row.locator('td', { hasText: '✓ intact' }).waitFor({ timeout: 2 * PATIENCE_MS });
   const [download] = await Promise.all([page.waitForEvent('download'), row.locator('a').click()]);
@@ -315,16 +317,99 @@ test('a table of runs says that there are older ones, and every row names its fi
   await page.close();
 });
 
+test('a dwell of an earlier run is chosen and opened by keyboard, also after a restart of the service', async () => {
+  const page = await open('desk');
+  bench.rig.say('stop'); // a run that was stopped by hand is behind us
+  await page.waitForSelector('#state[data-kind=idle]');
+  bench.rig.say('start');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  bench.rig.say('stop');
+  await page.waitForSelector('#state[data-kind=idle]');
+  const { dwells } = await bench.get('/api/v1/dwells?brief=1');
+  const newest = dwells.at(-1);
+  await until(async () => {
+    const { runs } = await bench.get('/api/v1/runs?count=1');
+    return runs[0].state === 'closed' && Math.abs(Date.parse(runs[0].begun) - Date.parse(newest.start_utc)) < 1000;
+  });
+  await bench.service.end();
+  await bench.startService();
+  await page.reload();
+  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. Those of an earlier run: choose it above\.$/ }).waitFor();
+  await page.selectOption('#dwells-run', { index: 1 });
+  await page.locator('#dwells-of', { hasText: /^From the file of run \d+.*: not of now\. Audit: / }).waitFor();
+  const row = page.locator('#dwell-rows tr').first();
+  await row.waitFor();
+  const { value, U95, unit } = newest.elements[0].stiffness;
+  assert.equal(await row.locator('td').nth(4).innerText(), joined(numberText(value, U95, unit)), 'c₁, as before the restart');
+  await check(page, 'earlier-desk');
+  await row.locator('button').focus();
+  await page.keyboard.press('Enter');
+  await page.locator('#dwell-content li', { hasText: /c₁ = .* ± .* kN\/m/ }).waitFor();
+  assert.match(await page.locator('#dwell-title').innerText(), /^Dwell \d+ of run \d+$/);
+  await page.locator('#dwell-content li', { hasText: 'not of now' }).waitFor();
+  await check(page, 'earlier-dwell-desk');
+  await page.keyboard.press('Escape');
+  await page.setViewportSize(SIZES.phone);
+  await check(page, 'earlier-phone');
+  await page.setViewportSize(SIZES.desk);
+  await page.selectOption('#dwells-run', { index: 0 });
+  await page.locator('#dwells-none', { hasText: /^No dwell of this run/ }).waitFor();
+  assert.equal(await page.locator('#dwells-of').isVisible(), false);
+  bench.rig.say('start');
+  await page.waitForSelector('#state[data-kind=measuring]');
+  await page.close();
+});
+
+// A child file has the begin and the indices of its parent, with other numbers.
+test('two files of one run each show their own numbers', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  const files = { 'bench-98-20261123T031217Z.dwell': 24000, 'bench-99-20261123T031217Z.dwell': 25000 };
+  await page.route('**/api/v1/runs?*', async (route) => {
+    const answer = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...answer, runs: Object.keys(files).map((file, i) => ({ ...answer.runs[0], run: 98 + i, file, state: 'closed', dwells: 1 })) } });
+  });
+  await page.route('**/api/v1/runs/*/dwells?*', (route) => {
+    const [file, c] = Object.entries(files).find(([name]) => route.request().url().includes(name));
+    const dwell = dwellOf({ index: 1, state: 'complete', ended_by: 'drive stopped', table: null });
+    dwell.elements[0].stiffness.value = c;
+    return route.fulfill({ json: { rig: 'bench', run: 98, file, total: 1, forgotten: 0, next: null, dwells: [dwell] } });
+  });
+  await page.goto(bench.url);
+  await page.locator('#dwells-choice:not([hidden])').waitFor();
+  for (const [file, c] of Object.entries(files)) {
+    await page.selectOption('#dwells-run', file);
+    await page.locator('#dwell-rows td', { hasText: new RegExp(`^${c / 1000}\\.000? ±`) }).waitFor();
+  }
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
+test('a run that cannot be read says why, in place of its dwells', async () => {
+  const page = await browser.newPage({ viewport: SIZES.desk });
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.route('**/api/v1/runs?*', async (route) => {
+    const answer = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...answer, runs: [...answer.runs, { ...answer.runs[0], run: 99, file: 'bench-99-20261123T031217Z.dwell', state: 'closed', dwells: 3 }] } });
+  });
+  await page.goto(bench.url);
+  await page.locator('#dwells-choice:not([hidden])').waitFor();
+  await page.selectOption('#dwells-run', 'bench-99-20261123T031217Z.dwell');
+  await page.locator('#dwells-none', { hasText: /^They cannot be shown: there is no run of this name/ }).waitFor();
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+  await page.close();
+});
+
 test('an empty table of dwells says where those of earlier runs are', async () => {
   const page = await browser.newPage({ viewport: SIZES.desk });
   page.setDefaultTimeout(PATIENCE_MS);
   await page.route('**/api/v1/dwells?*', async (route) => route.fulfill({ json: { rig: 'x', total: 0, forgotten: 0, next: null, dwells: [] } }));
   await page.route('**/api/v1/runs?*', async (route) => {
     const answer = await (await route.fetch()).json();
-    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, dwells: 3 })) } });
+    await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, state: 'closed', dwells: 3 })) } });
   });
   await page.goto(bench.url);
-  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. Those of earlier runs are in their files: see Runs\.$/ }).waitFor();
+  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. Those of an earlier run: choose it above\.$/ }).waitFor();
   assert.equal(await page.locator('#dwells-table').isVisible(), false);
   await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.close();

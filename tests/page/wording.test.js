@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frequencyText, limitsText, modelOf, playsRecording, warningsText, runText, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { frequencyText, limitsText, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -76,6 +76,14 @@ test('what the service holds against a channel that seems well stands in the hea
   assert.ok(!texts(idleOf({ state: 'fault' })).some((text) => /sync/.test(text)), 'the state says it');
 });
 
+test('channels of which the service says the same stand in one line', () => {
+  const channels = ['y0', 'y1', 'y2'].map((name) => ({ name, status: 'ok', reason: null }));
+  const why = (name, n) => ({ name: `channel:${name}`, text: `channel ${name}: left out of 836 readings: ${n} readings far from all others`, degrades: true });
+  const health = { log: { failing: false }, troubles: [why('y0', 4), why('y1', 4), why('y2', 3)] };
+  assert.deepEqual(troubles(viewOf(dwellOf(), { health, channels })).map((t) => t.text), [
+    'channels y0, y1: left out of 836 readings: 4 readings far from all others', 'channel y2: left out of 836 readings: 3 readings far from all others']);
+});
+
 test('the model is told with figures, and colours only where it is not good', () => {
   const model = { verdict: 'adequate', consistent: true, asked: 0.05, seen: 0.012, U: 0.004 };
   const of = (verdict, verification) => modelOf(dwellOf({ model: verdict }), verification);
@@ -146,9 +154,11 @@ test('numbers that stand still are told, with their age', () => {
 });
 
 test('the run', () => {
-  assert.equal(runText({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }), '17, “new bush”');
-  assert.equal(runText({ run: { recorded: true }, recorder: { run: null } }), 'none goes on');
-  assert.equal(runText({ run: { recorded: false }, recorder: null }), 'not recorded');
+  const said = (health, dwell = idleOf()) => Object.values(runFact(health, dwell)).join(': ');
+  assert.equal(said({ run: { recorded: true }, recorder: { run: { run: 17, label: 'new bush' } } }, dwellOf()), '17, “new bush”: calm');
+  assert.equal(said({ run: { recorded: true }, recorder: { run: null } }), 'none goes on: calm');
+  assert.equal(said({ run: { recorded: true }, recorder: { run: null } }, dwellOf()), 'not recorded: care', 'the disk is full, for instance');
+  assert.equal(said({ run: { recorded: false }, recorder: null }, dwellOf()), 'not recorded: calm', 'nobody asked for it');
 });
 
 test('limits and warnings of the dwell are counted for the head, acknowledged or not', () => {
@@ -164,9 +174,9 @@ test('limits and warnings of the dwell are counted for the head, acknowledged or
 });
 
 test('a recording that is played does not pass for a rig, and its end for a fault', () => {
-  const device = { name: 'recording', driver: 'replay', up: true, ended: false };
+  const device = { name: 'recording', driver: 'any', recorded: true, up: true, ended: false };
   assert.equal(playsRecording({ devices: [device] }), true);
-  assert.equal(playsRecording({ devices: [{ ...device, driver: 'modbus' }] }), false);
+  assert.equal(playsRecording({ devices: [{ ...device, recorded: false }] }), false);
   assert.equal(playsRecording(null), false);
   const fault = idleOf({ state: 'fault', settling_reason: 'the drive is not seen: y0 is end of data' });
   const channels = [{ name: 'y0', status: 'end of data', reason: 'the recording has been played to its end' }];
@@ -176,7 +186,7 @@ test('a recording that is played does not pass for a rig, and its end for a faul
   assert.match(said(viewOf(fault, { health: { status: 'ok', devices: [{ ...device, up: false }] } })), /^fault alarm/);
 });
 
-test('a calibration that was due stands in the head in the tone of care', () => {
-  const health = { status: 'ok', log: {}, troubles: [{ name: 'calibration:y1', text: 'channel y1: the calibration K-7 was due on 2025-03-31', degrades: false }] };
-  assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 was due on 2025-03-31' }]);
+test('an overdue calibration stands in the head in the tone of care', () => {
+  const health = { status: 'ok', log: {}, troubles: [{ name: 'calibration:y1', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31', degrades: false }] };
+  assert.deepEqual(troubles(viewOf(dwellOf(), { health })), [{ tone: 'care', text: 'channel y1: the calibration K-7 is overdue: it was due on 2025-03-31' }]);
 });

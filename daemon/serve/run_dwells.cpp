@@ -1,0 +1,238 @@
+#include "daemon/serve/run_dwells.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/rig_file.hpp"
+#include "daemon/record/chain_file.hpp"
+#include "daemon/record/file_identity.hpp"
+#include "daemon/record/result_text.hpp"
+#include "daemon/record/run_reader.hpp"
+#include "daemon/record/snapshot.hpp"
+#include "daemon/report/dwell_brief.hpp"
+#include "daemon/report/dwell_json.hpp"
+#include "daemon/report/json_parts.hpp"
+#include "daemon/report/verification_json.hpp"
+#include "daemon/serve/api.hpp"
+#include "daemon/serve/page_query.hpp"
+#include "daemon/serve/query.hpp"
+#include "daemon/serve/recorder_json.hpp"
+
+namespace dwell {
+namespace {
+
+using record::ChainReader;
+using record::fails;
+using record::Result;
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::string_view kDwellsOfRun = "/dwells";
+
+struct StoredDwell {
+  int index = 0;
+  std::int64_t seq = 0;  // of its entry
+  std::string brief;     // JSON
+};
+
+struct StoredRun {
+  std::string path;
+  record::FileIdentity identity{};
+  std::int64_t number = 0;
+  std::string rig;                     // its name; empty: the rig file cannot be read
+  std::map<int, ModelVerdict> models;  // the newest on each dwell, by its index
+  std::deque<StoredDwell> dwells;      // the newest, oldest first
+  std::size_t forgotten = 0;           // older ones
+};
+
+tl::unexpected<std::string> bad_entry(const record::Entry& entry, const std::string& what) {
+  return fails("entry " + std::to_string(entry.seq) + ": " + what);
+}
+
+Result<DwellView> dwell_in(const record::Entry& entry, const std::map<int, ModelVerdict>& models) {
+  const auto result = record::parse_result(entry.body);
+  if (!result) return bad_entry(entry, result.error());
+  auto view = dwell_from_json(Json::parse(result->dwell, nullptr, false));
+  if (!view) return bad_entry(entry, view.error());
+  if (!view->dwell.index) return bad_entry(entry, "a dwell without an index");
+  if (const auto known = models.find(*view->dwell.index); known != models.end()) view->model = known->second;
+  return std::move(*view);
+}
+
+Result<void> take_model(const record::Entry& entry, std::map<int, ModelVerdict>& models) {
+  const auto stored = record::parse_model("verification", entry.body);
+  if (!stored) return bad_entry(entry, stored.error());
+  const auto view = verification_from_json(Json::parse(stored->result, nullptr, false));
+  if (!view) return bad_entry(entry, view.error());
+  if (view->dwell) models[*view->dwell] = in_short(view->verification);
+  return {};
+}
+
+// Hands each entry of the kind to take(), in order, until the deadline.
+template <class Take>
+Result<void> each(ChainReader& chain, const char* kind, SteadyClock::time_point deadline, const Take& take) {
+  chain.seek(1, kind);
+  for (;;) {
+    const auto row = chain.next();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) return {};
+    if (SteadyClock::now() > deadline)
+      return fails("reading it takes more than " + std::to_string(RunDwells::kReading_s) + " s");
+    if (auto taken = take((*row)->entry); !taken) return taken;
+  }
+}
+
+Result<StoredRun> read_run(const std::string& path) {
+  const auto deadline = SteadyClock::now() + std::chrono::seconds(RunDwells::kReading_s);
+  StoredRun run;
+  run.path = path;
+  run.identity = record::identity_of(path);
+  Rig rig;
+  {
+    const auto reader = record::RunReader::open(path);
+    if (!reader) return tl::unexpected(reader.error());
+    const record::RunHeader& header = reader->header();
+    run.number = header.run;
+    if (auto file = config::parse(header.rig.text, header.rig.path, {})) rig = std::move(file->rig);
+    run.rig = rig.name;
+  }
+  auto chain = ChainReader::open(path, record::ChainSort::run);
+  if (!chain) return tl::unexpected(chain.error());
+  std::size_t bytes = 0;
+  auto read = each(*chain, "verification", deadline, [&](const auto& entry) { return take_model(entry, run.models); });
+  if (read) {
+    read = each(*chain, "result", deadline, [&](const record::Entry& entry) -> Result<void> {
+      if (const auto front = record::front_of(entry.body); front && !front->final) return {};
+      const auto view = dwell_in(entry, run.models);
+      if (!view) return tl::unexpected(view.error());
+      if (view->dwell.state != State::complete) return {};
+      StoredDwell dwell{*view->dwell.index, entry.seq, dump(brief_json(*view, rig))};
+      bytes += dwell.brief.size();
+      run.dwells.push_back(std::move(dwell));
+      while (run.dwells.size() > 1 && (run.dwells.size() > RunDwells::kDwells || bytes > kBytesOfDwells)) {
+        bytes -= run.dwells.front().brief.size();
+        run.dwells.pop_front();
+        ++run.forgotten;
+      }
+      return {};
+    });
+  }
+  if (!read) return tl::unexpected(read.error());
+  return run;
+}
+
+HttpReply list_answer(const StoredRun& run, const std::string& file, const Page& page) {
+  auto first = run.dwells.end() - static_cast<std::ptrdiff_t>(std::min(page.count, run.dwells.size()));
+  if (page.from)
+    first = std::find_if(run.dwells.begin(), run.dwells.end(), [&](const auto& d) { return d.index >= *page.from; });
+  const auto last = first + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(page.count), run.dwells.end() - first);
+  HttpReply reply;
+  reply.body = "{\"rig\":" + dump(json_text(run.rig)) + ",\"run\":" + std::to_string(run.number) +
+               ",\"file\":" + dump(file) + ",\"total\":" + std::to_string(run.dwells.size() + run.forgotten) +
+               ",\"forgotten\":" + std::to_string(run.forgotten) +
+               ",\"next\":" + (last == run.dwells.end() ? "null" : std::to_string(last->index)) + ",\"dwells\":[";
+  for (auto dwell = first; dwell != last; ++dwell) (reply.body += dwell == first ? "" : ",") += dwell->brief;
+  reply.body += "]}";
+  return reply;
+}
+
+Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
+  const auto stored =
+      std::find_if(run.dwells.rbegin(), run.dwells.rend(), [&](const auto& d) { return d.index == index; });
+  if (stored == run.dwells.rend())
+    return http_error(404, "no dwell of this run with the index " + std::to_string(index) + " has ended" +
+                               (run.forgotten > 0 ? ", or it is an old one: run dwellctl show for these" : ""));
+  auto chain = ChainReader::open(run.path, record::ChainSort::run);
+  if (!chain) return tl::unexpected(chain.error());
+  chain->seek(stored->seq, "result");
+  const auto row = chain->next();
+  if (!row) return tl::unexpected(row.error());
+  if (!*row) return fails(std::string(record::kReadAgain));
+  const auto view = dwell_in((*row)->entry, run.models);
+  if (!view) return tl::unexpected(view.error());
+  return HttpReply{200, to_json(*view)};
+}
+
+// Why the run's file is not read; empty: it is.
+std::string why_not(const ServiceView& now, std::string_view file) {
+  if (!now.recorder) return "this service does not record";
+  static const record::ListedRuns kNone;
+  const record::ListedRuns& all = now.runs ? *now.runs : kNone;
+  const auto run = std::find_if(all.begin(), all.end(), [&](const auto& listed) { return listed.file == file; });
+  if (run == all.end()) return "there is no run of this name: expected FILE as /api/v1/runs tells it";
+  if (run->state == "recording" || (now.recorder->recording && now.recorder->run.file == file))
+    return "the run goes on: /api/v1/dwells tells its dwells";
+  return run->linked ? "its file is a link, and none is followed" : "";
+}
+
+}  // namespace
+
+// The runs read last. Bound to the thread that makes late answers.
+class RunDwells::Reading {
+ public:
+  // make(run): Result<HttpReply>.
+  template <class Make>
+  HttpReply answer(const std::string& path, const std::string& file, const Make& make) {
+    std::string why;
+    // A writer may have closed the file meanwhile: then the second reading succeeds.
+    for (int tries = 0; tries < 2; ++tries) {
+      Result<HttpReply> made = known(path).and_then([&](const StoredRun* run) { return make(*run); });
+      if (made) return std::move(*made);
+      why = std::move(made.error());
+      if (!record::is_read_again(why)) break;
+    }
+    if (const auto name = why.find(file); name != std::string::npos) why.erase(0, name);  // without its folder
+    return http_error(409, "the run's file cannot be read: " + why);
+  }
+
+ private:
+  Result<const StoredRun*> known(const std::string& path) {
+    const auto found = std::find_if(runs_.begin(), runs_.end(), [&](const StoredRun& run) { return run.path == path; });
+    if (found != runs_.end()) {
+      if (found->identity == record::identity_of(path)) return &*found;
+      runs_.erase(found);
+    }
+    auto run = read_run(path);
+    if (!run) return tl::unexpected(std::move(run.error()));
+    if (runs_.size() == kRuns) runs_.pop_front();
+    return &runs_.emplace_back(std::move(*run));
+  }
+
+  std::deque<StoredRun> runs_;  // the newest last
+};
+
+RunDwells::RunDwells() : reading_(std::make_shared<Reading>()) {}
+
+bool RunDwells::is_asked(std::string_view path) {
+  return path.starts_with(kRunFiles) && path.substr(kRunFiles.size()).find('/') != std::string_view::npos;
+}
+
+HttpReply RunDwells::answer(const ServiceView& now, std::string_view path, std::string_view query) const {
+  path.remove_prefix(kRunFiles.size());
+  const std::string file = percent_decoded(path.substr(0, path.find('/')));
+  path.remove_prefix(path.find('/'));
+  const bool all = path == kDwellsOfRun;
+  const auto index = path.starts_with(std::string(kDwellsOfRun) + "/")
+                         ? integer_of(path.substr(kDwellsOfRun.size() + 1))
+                         : std::nullopt;
+  if (!all && !index)
+    return http_error(404, "expected /api/v1/runs/FILE/dwells or /api/v1/runs/FILE/dwells/INDEX, the index of a dwell");
+  const auto page = page_of(query, kDwellsPerAnswer, {"INDEX"});
+  if (!page) return http_error(400, page.error());
+  if (const auto fault = query_fault(query, {}); index && fault) return http_error(400, *fault);
+  if (const std::string why = why_not(now, file); !why.empty()) return http_error(409, why);
+  HttpReply reply;
+  reply.later = [reading = reading_, file, page = *page, index, in = now.recorder->directory + "/" + file] {
+    return reading->answer(in, file, [&](const StoredRun& run) -> Result<HttpReply> {
+      return index ? dwell_answer(run, *index) : Result<HttpReply>(list_answer(run, file, page));
+    });
+  };
+  return reply;
+}
+
+}  // namespace dwell
