@@ -10,6 +10,7 @@
 
 namespace dwell {
 namespace {
+constexpr int kRefinements = 7;     // at most; with more the last bits of some dwells change
 constexpr double kFurthest = 5e-3;  // most turning at the ends of the data, rad; its error is the cube over six, 2e-8
 }  // namespace
 
@@ -31,7 +32,7 @@ Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals
   const FrequencyPrior stated = stated_frequency(rig);
   Refined result{.omega = within_search(rig, sums.omega())};
   sums.turned(result.omega, t_ref_ns, out);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kRefinements; ++step) {
     HarmonicFits fits(out, H);
     double score = 0.0, information = 0.0, longest = 0.0;
     for (std::size_t c = 0; c < rig.channels.size(); ++c) {

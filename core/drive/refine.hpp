@@ -11,7 +11,7 @@ namespace dwell {
 
 // An iteration on ω ends once its step is below this part of ω's standard uncertainty.
 inline constexpr double kNegligibleStep = 1e-2;
-// Steps of an iteration on ω, at most. From half a cell away it ends before: each step about squares the error.
+// Steps of an iteration on ω, at most: from half a cell away, each step about squares the error.
 inline constexpr int kMostSteps = 10;
 
 struct Refined {
@@ -25,7 +25,7 @@ struct Refined {
 // Gauss-Newton on ω within the rig's search range. Each channel of motion or force is weighted by its own residuals. A
 // fixed reference is a prior (core/fit/frequency_prior.hpp). `sums`: the data, at an ω near the solution. `out` gets
 // the sums at the refined ω about the centroid of `reference_channel`, where phase and frequency are uncorrelated.
-// kMostSteps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
+// Seven steps at most, each O(channels · H³), no allocation. Thread-safe if `out` is the caller's own.
 [[nodiscard]] Refined refine(const Rig& rig, const Totals& sums, int reference_channel, Totals& out) noexcept;
 
 // The same if pulses give the frequency: nothing is fitted. `out` is about the instant of phase zero nearest to the

@@ -1,13 +1,13 @@
 // The inputs of a dwell beside the samples: the edges of interlock and sync input. Also the check of the drive's
 // frequency against the rig file's (reference = "fixed"). If they contradict, nothing is reported: the statement or the
 // clock is wrong, and each coefficient depends on the square of the frequency.
-#include "core/drive/refine.hpp"
 #include "core/dwell/pipeline_impl.hpp"
 
 namespace dwell {
 namespace {
 
 constexpr int kShortestHeld = 2 * kQuarters;  // quarters of a hold before its frequency is compared with the stated one
+constexpr int kNewtonSteps = 4;               // of Gauss-Newton, from the windows' own frequency
 
 }  // namespace
 
@@ -43,7 +43,7 @@ std::optional<double> Pipeline::Impl::contradicting_omega() const {
   const std::int64_t middle_ns =
       blocks().block(from).begin_ns + (blocks().block(to - 1).end_ns - blocks().block(from).begin_ns) / 2;
   double w = tracker.omega(), information = 0.0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kNewtonSteps; ++step) {
     const HarmonicFit fit = data.fit(drive_channel(), from, to, w, middle_ns);
     if (!(fit.information > 0)) return {};
     information = fit.information;

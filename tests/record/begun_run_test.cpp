@@ -38,7 +38,7 @@ void copy_ledger(const std::string& from, const std::string& to) {
 // Records `runs` runs, each right after the one before. The power is cut right after the last one's beginning; the
 // ledger as it was before that is in `ledger_before`.
 std::string record_and_crash(const std::string& directory, const std::string& ledger_before, int runs) {
-  return in_child([&] {
+  return in_child([&]() -> std::string {
     RunFolder folder(folder_options(directory));
     if (const auto ready = folder.ready(); !ready) return ready.error();
     RunHeader header = rig_header();
@@ -152,7 +152,7 @@ TEST(ALossOfPowerAsARunBegins, LeavesBothRunsWhereTheLedgerHasHeardOfNeitherTheE
 
 TEST(ALossOfPowerAsARunBegins, LeavesAnEmptyFileBehindThatNoRunHasTaken) {
   const Scratch scratch, before;
-  ASSERT_EQ(in_child([&] {
+  ASSERT_EQ(in_child([&]() -> std::string {
               RunFolder folder(folder_options(scratch.path()));
               if (const auto ready = folder.ready(); !ready) return ready.error();
               folder.settle();
