@@ -50,7 +50,7 @@ struct StoredRun {
   std::size_t forgotten = 0;           // older ones
 };
 
-tl::unexpected<std::string> bad_entry(const record::Entry& entry, const std::string& what) {
+tl::unexpected<record::Failure> bad_entry(const record::Entry& entry, const std::string& what) {
   return fails("entry " + std::to_string(entry.seq) + ": " + what);
 }
 
@@ -152,7 +152,7 @@ Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
   chain->seek(stored->seq, "result");
   const auto row = chain->next();
   if (!row) return tl::unexpected(row.error());
-  if (!*row) return fails(std::string(record::kReadAgain));
+  if (!*row) return fails(record::read_again());
   const auto view = dwell_in((*row)->entry, run.models);
   if (!view) return tl::unexpected(view.error());
   return HttpReply{200, to_json(*view)};
@@ -160,12 +160,12 @@ Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
 
 // Why the run's file is not read; empty: it is.
 std::string why_not(const ServiceView& now, std::string_view file) {
-  if (!now.recorder) return "this service does not record";
+  if (!now.recording.state) return "this service does not record";
   static const record::ListedRuns kNone;
-  const record::ListedRuns& all = now.runs ? *now.runs : kNone;
+  const record::ListedRuns& all = now.recording.runs ? *now.recording.runs : kNone;
   const auto run = std::find_if(all.begin(), all.end(), [&](const auto& listed) { return listed.file == file; });
   if (run == all.end()) return "there is no run of this name: expected FILE as /api/v1/runs tells it";
-  if (run->state == "recording" || (now.recorder->recording && now.recorder->run.file == file))
+  if (run->state == "recording" || (now.recording.state->recording && now.recording.state->run.file == file))
     return "the run goes on: /api/v1/dwells tells its dwells";
   return run->linked ? "its file is a link, and none is followed" : "";
 }
@@ -178,13 +178,13 @@ class RunDwells::Reading {
   // make(run): Result<HttpReply>.
   template <class Make>
   HttpReply answer(const std::string& path, const std::string& file, const Make& make) {
-    std::string why;
+    record::Failure why("");
     // A writer may have closed the file meanwhile: then the second reading succeeds.
     for (int tries = 0; tries < 2; ++tries) {
       Result<HttpReply> made = known(path).and_then([&](const StoredRun* run) { return make(*run); });
       if (made) return std::move(*made);
       why = std::move(made.error());
-      if (!record::is_read_again(why)) break;
+      if (why.cause() != record::Cause::read_again) break;
     }
     if (const auto name = why.find(file); name != std::string::npos) why.erase(0, name);  // without its folder
     return http_error(409, "the run's file cannot be read: " + why);
@@ -227,7 +227,7 @@ HttpReply RunDwells::answer(const ServiceView& now, std::string_view path, std::
   if (const auto fault = query_fault(query, {}); index && fault) return http_error(400, *fault);
   if (const std::string why = why_not(now, file); !why.empty()) return http_error(409, why);
   HttpReply reply;
-  reply.later = [reading = reading_, file, page = *page, index, in = now.recorder->directory + "/" + file] {
+  reply.later = [reading = reading_, file, page = *page, index, in = now.recording.state->directory + "/" + file] {
     return reading->answer(in, file, [&](const StoredRun& run) -> Result<HttpReply> {
       return index ? dwell_answer(run, *index) : Result<HttpReply>(list_answer(run, file, page));
     });

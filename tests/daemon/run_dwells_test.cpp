@@ -59,8 +59,8 @@ struct RunDwellsTest : testing::Test {
   }
   HttpReply ask(const std::string& path, const std::string& query = {}) {
     ServiceView now{rig, info, snapshot};
-    now.recorder = recorder;
-    now.runs = runs;
+    now.recording.state = recorder;
+    now.recording.runs = runs;
     HttpReply reply = dwells.answer(now, "/api/v1/runs/" + path, query);
     return reply.later ? reply.later() : reply;
   }
