@@ -191,7 +191,9 @@ std::string report_audit(const Selection& selection, const RunStory& story, cons
   } else {
     html += html_table({{"name"}, {"meaning"}, {"reason"}, {"when"}, {"vouched for by"}, {"over"}}, rows);
   }
-  html += html_list(audit.signatures, "notes");
+  std::vector<std::string> lines;
+  for (const record::AuditedSignature& one : audit.signatures) lines.push_back(one.text);
+  html += html_list(lines, "notes");
   return html;
 }
 

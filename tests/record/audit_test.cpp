@@ -128,9 +128,35 @@ TEST(Audit, SignaturesAreListedWithWhoVouches) {
   const Audit audit = audited(path);
   ASSERT_EQ(audit.state, AuditState::intact) << audit.where;
   ASSERT_EQ(audit.signatures.size(), 2u);
-  EXPECT_TRUE(says(audit.signatures[0], "Anna Huber: reviewed")) << audit.signatures[0];
-  EXPECT_TRUE(says(audit.signatures[0], "countersigned by the service for user 1000 (anna)")) << audit.signatures[0];
-  EXPECT_TRUE(says(audit.signatures[1], "with the key somebody")) << audit.signatures[1];
+  const std::string countersigned = audit.signatures[0].text, own = audit.signatures[1].text;
+  EXPECT_TRUE(says(countersigned, "Anna Huber: reviewed")) << countersigned;
+  EXPECT_TRUE(says(countersigned, "countersigned by the service for user 1000 (anna)")) << countersigned;
+  EXPECT_TRUE(says(own, "with the key somebody")) << own;
+  EXPECT_TRUE(says(own, ", not trusted")) << own;
+}
+
+TEST(Audit, ASignatureByAPinnedPersonsKeySaysSoAndOneByAnotherKeyIsNotTrusted) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_service});
+  const auto anna = SigningKey::make("anna@desk"), eve = SigningKey::make("anna@desk");
+  PersonalSignature words;
+  words.name = "Anna Huber";
+  words.meaning = "reviewed";
+  words.utc = "2026-11-23T08:00:00Z";
+  for (const auto* key : {&*anna, &*eve}) ASSERT_TRUE(sign_by_own_key(path, words, *key));
+  AuditOptions options;
+  options.persons = {anna->public_key()};
+  const Audit audit = audited(path, options);
+  ASSERT_EQ(audit.state, AuditState::intact) << audit.where;
+  ASSERT_EQ(audit.signatures.size(), 3u);
+  const AuditedSignature &service = audit.signatures[0], &hers = audit.signatures[1], &forged = audit.signatures[2];
+  EXPECT_FALSE(service.trusted) << "the service's own key is not pinned";
+  EXPECT_TRUE(hers.trusted);
+  EXPECT_EQ(hers.key, anna->public_key().fingerprint());
+  EXPECT_TRUE(says(hers.text, "with the pinned key anna@desk " + hers.key)) << hers.text;
+  EXPECT_FALSE(forged.trusted) << "the same name, another key";
+  EXPECT_TRUE(says(forged.text, "with the key anna@desk " + forged.key + ", not trusted")) << forged.text;
 }
 
 TEST(Audit, ASignatureThatNobodyVouchesForIsTampered) {
