@@ -140,11 +140,7 @@ TEST(Audit, ASignatureByAPinnedPersonsKeySaysSoAndOneByAnotherKeyIsNotTrusted) {
   const std::string path = scratch.path("a.dwell");
   write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_service});
   const auto anna = SigningKey::make("anna@desk"), eve = SigningKey::make("anna@desk");
-  PersonalSignature words;
-  words.name = "Anna Huber";
-  words.meaning = "reviewed";
-  words.utc = "2026-11-23T08:00:00Z";
-  for (const auto* key : {&*anna, &*eve}) ASSERT_TRUE(sign_by_own_key(path, words, *key));
+  for (const auto* key : {&*anna, &*eve}) ASSERT_TRUE(sign_by_own_key(path, sample_words(), *key));
   AuditOptions options;
   options.persons = {anna->public_key()};
   const Audit audit = audited(path, options);
@@ -200,10 +196,7 @@ TEST(Audit, OnlySignaturesMayFollowTheEnd) {
 TEST(Audit, AJournalBesideARunOrALedgerIsTamperingAndIsNeverPlayedBack) {
   const Scratch scratch;
   (void)recorded(scratch, 1);
-  PersonalSignature words;
-  words.name = "Anna";
-  words.meaning = "reviewed";
-  words.utc = "2026-01-01T00:00:00Z";
+  PersonalSignature words = sample_words();
   words.person = Person{1000, "anna"};
   const std::string run = scratch.path("a.dwell");
   for (const char* stray : {"a.dwell-journal", "a.dwell-wal"}) {
@@ -229,10 +222,7 @@ TEST(Audit, AJournalBesideARunOrALedgerIsTamperingAndIsNeverPlayedBack) {
 
 TEST(Audit, OnlyAClosedRunIsSignedAndOnlyByTheKeyThatRecordedIt) {
   const Scratch scratch(true);
-  PersonalSignature signature;
-  signature.name = "Anna";
-  signature.meaning = "reviewed";
-  signature.utc = "2026-11-24T08:00:00.000000Z";
+  PersonalSignature signature = sample_words();
   signature.person = Person{1000, "anna"};
   const std::string open = scratch.path("a.dwell"), closed = scratch.path("b.dwell");
   write_sample(open, {.seed = 6, .end = SampleEnd::log_left});
