@@ -52,9 +52,6 @@ TEST_F(SignVerbs, APersonSignsWithAKeyOfTheirOwn) {
     EXPECT_EQ(json["files"][0]["signature_keys"][0]["trusted"], true);
   }
   EXPECT_EQ(test::run({"audit", run, "--person", folder.file("empty", "# nobody\n")}).code, 2);
-  const std::string page = folder.path("page.html");
-  ASSERT_EQ(test::run({"report", run, "-o", page, "--person", persons}).code, 0);
-  EXPECT_TRUE(holds(test::contents(page), "with the pinned key anna@desk "));
   const Outcome show = test::run({"show", run});
   EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber: reviewed (for the")) << show.out;
   EXPECT_TRUE(holds(show.out, "certificate")) << show.out;

@@ -105,6 +105,19 @@ TEST_F(HandonCommand, ReportsAChildFileAsWhatItIs) {
   EXPECT_NE(list.out.find("3.0 s  closed"), std::string::npos) << list.out;
 }
 
+TEST_F(HandonCommand, TheReportTellsWhichPersonsKeyIsPinned) {
+  ASSERT_EQ(say("keygen --key own.key --name anna@desk").code, 0);
+  ASSERT_EQ(say("sign run.dwell --meaning reviewed --name Anna --key own.key --control none").code, 0);
+  const auto page = [&](const std::string& options) {
+    EXPECT_EQ(say("report run.dwell --overwrite -o out.html " + options).code, 0);
+    return record::Scratch::read(scratch_.path("out.html"));
+  };
+  EXPECT_NE(page("--person own.key.pub").find("with the pinned key anna@desk "), std::string::npos);
+  const std::string of_nobody = page("");
+  EXPECT_NE(of_nobody.find(", not trusted"), std::string::npos);
+  EXPECT_EQ(of_nobody.find("with the pinned key"), std::string::npos);
+}
+
 TEST_F(HandonCommand, TrustsThePinnedKeyAlone) {
   const std::string vkey = test::select(run_).header().vkey;
   EXPECT_NE(say("report run.dwell --overwrite -o out.html --key '" + vkey + "'").out.find(" trusted"),
