@@ -91,10 +91,8 @@ record::Result<std::string> run_file_in(const std::string& directory, const std:
   if (failed) return fail(directory + ": " + failed.message());
   const fs::path parent = asked.has_parent_path() ? fs::canonical(asked.parent_path(), failed) : folder;
   if (failed || parent != folder)
-    return fail(
-        file + " is not in the recording directory " + folder.string() +
-        ": the service signs the runs there alone, and its ledger knows no others; elsewhere sign with a key of "
-        "your own");
+    return fail(file + " is not in the recording directory " + folder.string() +
+                ": the service signs the runs there alone, and its ledger knows no others");
   const std::string path = (folder / asked.filename()).string();
   if (asked.extension() != ".dwell") return fail(path + " is no run file, expected NAME.dwell");
   struct stat is {};
@@ -145,7 +143,7 @@ void Countersigner::run() {
 record::Result<Signed> Countersigner::do_or_why_not(const SignRequest& request) const {
   try {
     const auto path = run_file_in(directory_, request.file);
-    if (!path) return fail(path.error());
+    if (!path) return fail(path.error() + (request.enter ? "" : "; a key of your own signs any run file"));
     return request.enter ? enter(*path) : sign(request, *path);
   } catch (const std::exception& error) {
     return fail(request.file + ": " + error.what());
@@ -187,7 +185,8 @@ record::Result<Signed> Countersigner::enter(const std::string& path) const {
   if (!reader) return fail(reader.error());
   Signed done{reader->header().run, std::nullopt, 0};
   const record::LedgerRun* const known = options.checked->find(done.run);
-  if (known == nullptr) return fail(path + ": the ledger knows no such run" + (done.run == 0 ? ": it is a child" : ""));
+  if (known == nullptr)
+    return fail(path + (done.run == 0 ? ": is a child file, which no ledger knows" : ": the ledger knows no such run"));
   const auto signatures = reader->signatures();
   if (!signatures) return fail(signatures.error());
   for (const record::PersonalSignature& signature : *signatures) {

@@ -185,6 +185,17 @@ TEST_F(OwnKeySignatures, UnderAFileThatIsNotTheLedgersRunAreNotEntered) {
   EXPECT_NE(done.error().find("the ledger knows another run as run 1"), std::string::npos) << done.error();
 }
 
+TEST_F(OwnKeySignatures, UnderAChildFileAreInNoLedger) {
+  record::RunHeader child = record::sample_header(0, record::sample_key());
+  child.parent_id = std::string(32, '7');
+  std::filesystem::remove(run);
+  record::write_sample(run, {.seed = 9, .header = child});
+  ASSERT_TRUE(sign_by_own_key(run, words("reviewed"), own));
+  const auto done = enter();
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().find("is a child file, which no ledger knows"), std::string::npos) << done.error();
+}
+
 TEST(SignRequest, ToEnterSignaturesNeedsNoMeaning) {
   const auto asked = parse_sign_request(R"({"verb":"enter","file":"a.dwell"})", 7);
   ASSERT_TRUE(asked && *asked);
