@@ -201,12 +201,16 @@ struct Service::Impl {
     if (!asked) return sign_answer(tl::unexpected(asked.error()));
     if (!signer)
       return sign_answer(tl::unexpected(std::string("the service records no runs; sign with a key of your own")));
-    log.info("signature under " + printable(asked->file) + " asked for by uid " + std::to_string(peer.uid) + ", pid " +
-             std::to_string(peer.pid));
+    log.info((asked->enter ? "entry of the signatures under " : "signature under ") + printable(asked->file) +
+             " asked for by uid " + std::to_string(peer.uid) + ", pid " + std::to_string(peer.pid));
     return ControlReply([this, request = std::move(*asked)](const ControlReply::Answer& answer) {
-      signer->ask(request, [this, answer](const record::Result<Countersigned>& made) {
+      signer->ask(request, [this, answer](const record::Result<Signed>& made) {
         loop.post([this, answer, made] {
-          if (made) log.info("run " + std::to_string(made->run) + " signed by " + made->signature.name);
+          if (made && made->signature)
+            log.info("run " + std::to_string(made->run) + " signed by " + made->signature->name);
+          else if (made && made->entered > 0)
+            log.info("run " + std::to_string(made->run) + ": signatures by persons' own keys entered into the ledger: " +
+                     std::to_string(made->entered));
           answer(sign_answer(made));
         });
       });
@@ -234,7 +238,9 @@ struct Service::Impl {
     session = std::move(*made);
     if (record::Recorder* const recorder = session->recorder())
       signer.emplace(recording_directory(session->file()),
-                     [recorder](const Countersigned& it) { return recorder->run_signed(it.run, it.signature); });
+                     [recorder](std::int64_t run, const record::PersonalSignature& signature) {
+                       return recorder->run_signed(run, signature);
+                     });
     loop.on_readable(wake.get(), [this] { woken(); });
     return {};
   }

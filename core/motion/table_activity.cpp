@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/angle.hpp"
+#include "core/motion/alike_stretches.hpp"
 #include "core/rig/transducer.hpp"
 
 namespace dwell {
@@ -37,30 +38,11 @@ std::vector<Block> blocks_of(const MotionData& data, int channel, std::int64_t l
 
 // The stretches of blocks, joined where they are most alike until few are left.
 std::vector<TableActivity::AmplitudeFrom> joined(const std::vector<Block>& blocks, double floor) {
-  struct Piece {
-    std::int64_t from_ns;
-    double logarithm;  // mean over `count` blocks
-    double count;
-  };
-  std::vector<Piece> pieces;
-  for (const Block& block : blocks)
-    pieces.push_back({block.from_ns, std::log(std::max(block.amplitude(), floor)), 1.0});
-  while (pieces.size() > 1) {
-    std::size_t best = 1;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < pieces.size(); ++i)
-      if (const double apart = std::abs(pieces[i].logarithm - pieces[i - 1].logarithm); apart < least) {
-        least = apart;
-        best = i;
-      }
-    if (least > std::log(kOtherKind) && pieces.size() <= kMostStretches) break;
-    Piece &into = pieces[best - 1], &from = pieces[best];
-    into.logarithm = (into.logarithm * into.count + from.logarithm * from.count) / (into.count + from.count);
-    into.count += from.count;
-    pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(best));
-  }
+  std::vector<double> logarithms;
+  for (const Block& block : blocks) logarithms.push_back(std::log(std::max(block.amplitude(), floor)));
   std::vector<TableActivity::AmplitudeFrom> out;
-  for (const Piece& piece : pieces) out.push_back({piece.from_ns, std::exp(piece.logarithm)});
+  for (const AlikeStretches::Stretch& stretch : join_alike(logarithms, std::log(kOtherKind), kMostStretches).stretches)
+    out.push_back({blocks[stretch.first].from_ns, std::exp(stretch.logarithm)});
   return out;
 }
 

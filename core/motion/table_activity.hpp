@@ -34,7 +34,7 @@ struct TableActivity {
 // velocity, an acceleration. table_activity() takes a larger one where the noise asks for it.
 [[nodiscard]] double least_amplitude(const Rig& rig, int channel);
 
-// data: by time. noise: per channel, SI. Allocates; thread-safe. O(readings).
+// data: by time. noise: per channel, SI. Allocates; thread-safe. O(readings), and O(m log m) of m half periods.
 [[nodiscard]] TableActivity table_activity(const Rig& rig, const MotionData& data, const std::vector<double>& noise);
 
 // Standard deviation of the noise from reading to reading, per channel: what a cubic through four neighbours leaves

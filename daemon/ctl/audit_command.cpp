@@ -43,7 +43,7 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
   std::string text;
   for (const record::Audit& audit : audits) {
     text += printable(audit.file + ": " + verdict(audit)) + "\n";
-    for (const std::string& line : audit.signatures) text += "  signed: " + printable(line) + "\n";
+    for (const record::AuditedSignature& one : audit.signatures) text += "  signed: " + printable(one.text) + "\n";
   }
   if (!ledger) return text;
   if (!ledger->unbroken || ledger->missing.empty())
@@ -58,6 +58,11 @@ std::string page(const std::vector<record::Audit>& audits, const AuditRequest& r
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json json_of(const record::Audit& audit) {
+  Json signatures = Json::array(), keys = Json::array();
+  for (const record::AuditedSignature& one : audit.signatures) {
+    signatures.push_back(one.text);
+    keys.push_back({{"key", text_or_null(one.key)}, {"trusted", one.trusted}});
+  }
   return {{"file", audit.file},
           {"state", to_string(audit.state)},
           {"until_s", audit.until_s ? json_number(*audit.until_s) : Json(nullptr)},
@@ -70,7 +75,8 @@ Json json_of(const record::Audit& audit) {
           {"key", text_or_null(audit.key)},
           {"trusted", audit.trusted},
           {"known_to_ledger", audit.of_ledger},
-          {"signatures", audit.signatures}};
+          {"signatures", std::move(signatures)},
+          {"signature_keys", std::move(keys)}};
 }
 
 Json json_of(const std::vector<record::Audit>& audits, const std::optional<record::LedgerAudit>& ledger) {
@@ -100,11 +106,11 @@ int audit_files(const AuditRequest& request) {
   options.ledger = request.ledger;
   options.anchors = request.anchors;
   options.every_signature = request.every_signature;
-  for (const std::string& asked : request.keys) {
-    const auto key = pinned_key(asked);
-    if (!key) return usage_error("--key: " + key.error());
-    options.keys.push_back(*key);
-  }
+  auto keys = pinned_keys(request.keys), persons = pinned_keys(request.persons);
+  if (!keys) return usage_error("--key: " + keys.error());
+  if (!persons) return usage_error("--person: " + persons.error());
+  options.keys = std::move(*keys);
+  options.persons = std::move(*persons);
   int code = kDone;
   if (!request.ledger.empty()) {
     auto checked = record::check_ledger(request.ledger, options);

@@ -68,7 +68,8 @@ struct ExportOptions {
 struct AuditRequest {
   std::vector<std::string> files;
   std::string ledger;                // file; empty: none
-  std::vector<std::string> keys;     // pinned, each a vkey or a file that holds one
+  std::vector<std::string> keys;     // pinned, see pinned_keys()
+  std::vector<std::string> persons;  // pinned too: keys of persons
   std::vector<std::string> anchors;  // files
   bool every_signature = false;      // AuditOptions
   bool closed = false;               // a file without an end counts as a failure
@@ -77,6 +78,7 @@ struct AuditRequest {
 
 struct SignOptions {
   std::string file;
+  bool enter = false;  // sign nothing; have the service enter signatures by own keys into the ledger
   std::string meaning;
   std::string name;    // empty: as the system calls the user
   std::string reason;  // may be empty

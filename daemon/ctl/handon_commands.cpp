@@ -39,12 +39,12 @@ std::string utc_now() {
 Provenance provenance() { return {"dwellctl " DWELL_VERSION, utc_now(), "", "not audited"}; }
 
 Result<record::Audit> audited(const std::string& file, const std::vector<std::string>& keys,
-                              const std::string& ledger) {
+                              const std::vector<std::string>& persons, const std::string& ledger) {
   record::AuditOptions options;
-  for (const std::string& key : keys) {
-    auto pinned = pinned_key(key);
+  for (const auto& [asked, to] : {std::pair(&keys, &options.keys), std::pair(&persons, &options.persons)}) {
+    auto pinned = pinned_keys(*asked);
     if (!pinned) return tl::make_unexpected(pinned.error());
-    options.keys.push_back(std::move(*pinned));
+    *to = std::move(*pinned);
   }
   options.ledger = ledger;
   ProgressBar bar("checking");
@@ -146,7 +146,7 @@ int export_run(const ExportRunOptions& options) {
   }
   Provenance from = provenance();
   if (!options.unchecked) {
-    const auto audit = audited(options.file, options.keys, "");
+    const auto audit = audited(options.file, options.keys, {}, "");
     if (!audit) {
       tell_error(audit.error());
       return kUsage;
@@ -181,7 +181,7 @@ int report(const ReportOptions& options) {
     tell_error(may.error());
     return kUsage;
   }
-  const auto audit = audited(options.file, options.keys, options.ledger);
+  const auto audit = audited(options.file, options.keys, options.persons, options.ledger);
   if (!audit) {
     tell_error(audit.error());
     return kUsage;

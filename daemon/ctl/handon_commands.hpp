@@ -18,16 +18,17 @@ struct ExportRunOptions {
   bool in_unit = false;           // csv: also in the channel's unit
   bool binary = false;            // uff: 58b
   bool unchecked = false;         // without an audit
-  std::vector<std::string> keys;  // pinned, each a vkey or a file that holds one
+  std::vector<std::string> keys;  // pinned, see pinned_keys()
   bool json = false;
 };
 
 struct ReportOptions {
   std::string file;
   std::string output;
-  bool overwrite = false;         // an existing file of that name
-  std::vector<std::string> keys;  // pinned, each a vkey or a file that holds one
-  std::string ledger;             // for the audit; empty: none
+  bool overwrite = false;            // an existing file of that name
+  std::vector<std::string> keys;     // pinned, see pinned_keys()
+  std::vector<std::string> persons;  // pinned too: keys of persons
+  std::string ledger;                // for the audit; empty: none
   bool json = false;
 };
 

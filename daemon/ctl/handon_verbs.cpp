@@ -58,6 +58,7 @@ void HandonVerbs::add_report(CLI::App& app) {
   report_->add_option("-o,--output", reporting_.output, "the page")->required();
   add_overwrite(report_, reporting_.overwrite);
   add_pinned_keys(report_, reporting_.keys);
+  add_persons(report_, reporting_.persons);
   add_ledger(report_, reporting_.ledger);
   add_json(report_, reporting_.json);
 }

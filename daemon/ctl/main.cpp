@@ -46,6 +46,7 @@ class RecordVerbs {
     audit_->add_option("files", auditing_.files, "run files");
     add_ledger(audit_, auditing_.ledger);
     add_pinned_keys(audit_, auditing_.keys);
+    add_persons(audit_, auditing_.persons);
     audit_->add_option("--anchor", auditing_.anchors, "files with anchors: heads that were kept elsewhere");
     audit_->add_flag("--every-signature", auditing_.every_signature,
                      "verify each note's signature by itself; slower, and finds nothing else: the newest covers all");
@@ -62,10 +63,15 @@ class RecordVerbs {
 
     sign_ = app.add_subcommand("sign", "your signature under a run that has ended");
     sign_->add_option("file", signing_.file, "the run file")->required();
-    add_text(sign_, "--meaning", signing_.meaning, "what the signature says, for instance \"reviewed\"")->required();
+    auto* const meaning =
+        add_text(sign_, "--meaning", signing_.meaning, "what the signature says, for instance \"reviewed\"");
     add_text(sign_, "--name", signing_.name, "your name; default: as the system knows you");
     add_text(sign_, "--reason", signing_.reason, "why");
     sign_->add_option("--key", signing_.key, "sign with this private key of your own; default: the service vouches");
+    sign_
+        ->add_flag("--enter", signing_.enter,
+                   "sign nothing: the service enters into its ledger which persons' own keys have signed the file")
+        ->excludes(meaning);
     add_control(sign_, service);
     add_json(sign_, service.json);
 

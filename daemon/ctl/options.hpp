@@ -10,11 +10,17 @@ namespace dwell::ctl {
 
 inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag("--json", json, "print JSON"); }
 
-// The key that a verb trusts: pinned_key() reads it.
+// The keys that a verb trusts: pinned_keys() reads them.
 inline CLI::Option* add_pinned_keys(CLI::App* verb, std::vector<std::string>& keys) {
   return verb
       ->add_option("--key", keys,
                    "the key that must have signed: a vkey, or a file that holds it; repeated: one of them")
+      ->allow_extra_args(false);
+}
+
+inline void add_persons(CLI::App* verb, std::vector<std::string>& persons) {
+  verb->add_option("--person", persons,
+                   "a person's public key that you trust: a vkey, or a file with vkeys, one a line; may be repeated")
       ->allow_extra_args(false);
 }
 

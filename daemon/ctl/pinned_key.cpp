@@ -3,18 +3,41 @@
 #include <fstream>
 
 namespace dwell::ctl {
+namespace {
 
-record::Result<record::PublicKey> pinned_key(const std::string& asked) {
-  std::ifstream file(asked);
-  // A vkey contains "+"; few paths do.
-  if (!file && asked.find('+') != std::string::npos) return record::PublicKey::parse(asked);
-  if (!file) return tl::make_unexpected(asked + ": there is no such file; expected a vkey or a file that holds one");
-  std::string line;
-  std::getline(file, line);
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-  auto key = record::PublicKey::parse(line);
-  if (!key) return tl::make_unexpected(asked + ": " + key.error());
-  return key;
+record::Result<void> add_keys_of(std::istream& file, const std::string& path, std::vector<record::PublicKey>& keys) {
+  const std::size_t before = keys.size();
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (line.empty() || line.front() == '#') continue;
+    auto key = record::PublicKey::parse(line);
+    if (!key) return tl::make_unexpected(path + ":" + std::to_string(number) + ": " + key.error());
+    keys.push_back(std::move(*key));
+  }
+  if (keys.size() == before) return tl::make_unexpected(path + ": holds no key; expected vkeys, one a line");
+  return {};
+}
+
+}  // namespace
+
+record::Result<std::vector<record::PublicKey>> pinned_keys(const std::vector<std::string>& asked) {
+  std::vector<record::PublicKey> keys;
+  for (const std::string& one : asked) {
+    std::ifstream file(one);
+    if (file) {
+      if (auto added = add_keys_of(file, one, keys); !added) return tl::make_unexpected(added.error());
+      continue;
+    }
+    // A vkey contains "+"; few paths do.
+    if (one.find('+') == std::string::npos)
+      return tl::make_unexpected(one + ": there is no such file; expected a vkey or a file that holds one");
+    auto key = record::PublicKey::parse(one);
+    if (!key) return tl::make_unexpected(key.error());
+    keys.push_back(std::move(*key));
+  }
+  return keys;
 }
 
 }  // namespace dwell::ctl

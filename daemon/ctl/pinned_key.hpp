@@ -1,13 +1,15 @@
-// The argument --key of the verbs that check signatures.
+// The arguments --key and --person of the verbs that check signatures.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "daemon/record/keys.hpp"
 
 namespace dwell::ctl {
 
-// asked: a vkey, or a file whose first line is a vkey. Fails with what is wrong.
-[[nodiscard]] record::Result<record::PublicKey> pinned_key(const std::string& asked);
+// Each of `asked`: a vkey, or a file with vkeys, one a line; blank lines and those that begin with # are skipped. Fails
+// with what is wrong.
+[[nodiscard]] record::Result<std::vector<record::PublicKey>> pinned_keys(const std::vector<std::string>& asked);
 
 }  // namespace dwell::ctl

@@ -68,7 +68,7 @@ tl::expected<RecordedRun, int> RecordedRun::from_run_file(const std::string& rig
   auto reader = record::RunReader::open(data);
   if (!reader) return unusable(reader.error());
   const record::RunHeader& header = reader->header();
-  if (!header.parent_id.empty()) return unusable(why_no_stream(data, header));
+  if (header.is_child()) return unusable(why_no_stream(data, header));
   std::unique_ptr<const config::RigFile> file;
   if (rig.empty()) {
     auto own = rig_of(header, data);

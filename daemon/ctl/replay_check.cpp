@@ -21,6 +21,12 @@ Difference whole(std::string stored, std::string replayed) {
 
 }  // namespace
 
+void ReplayFindings::add(Finding finding) {
+  ++different;
+  ++intolerable;
+  if (listed.size() < kListed) listed.push_back(std::move(finding));
+}
+
 void ReplayCheck::look(const Replay& replay) {
   std::size_t ended = 0;
   for (; stored_.now() != nullptr && stored_.now()->position <= replay.position(); stored_.next()) {
@@ -115,16 +121,12 @@ void ReplayCheck::find(const StoredResults::Entry& stored, Difference difference
 }
 
 void ReplayCheck::find(Finding finding) {
+  if (!finding.difference.tolerable) return findings_.add(std::move(finding));
   ++findings_.different;
-  if (finding.difference.tolerable) {
-    const bool first = findings_.largest.position == 0;
-    if (finding.difference.in_u >= 0.0 && (first || finding.difference.in_u > findings_.largest.difference.in_u))
-      findings_.largest = finding;
-    if (tolerable_.size() < ReplayFindings::kListed) tolerable_.push_back(std::move(finding));
-    return;
-  }
-  ++findings_.intolerable;
-  if (findings_.listed.size() < ReplayFindings::kListed) findings_.listed.push_back(std::move(finding));
+  const bool first = findings_.largest.position == 0;
+  if (finding.difference.in_u >= 0.0 && (first || finding.difference.in_u > findings_.largest.difference.in_u))
+    findings_.largest = finding;
+  if (tolerable_.size() < ReplayFindings::kListed) tolerable_.push_back(std::move(finding));
 }
 
 }  // namespace dwell::ctl

@@ -17,7 +17,7 @@ namespace dwell::ctl {
 struct Finding {
   std::uint64_t position = 0;
   bool final = false;
-  std::string dwell;  // the index as stored, "none" while idle
+  std::string dwell;  // the index as stored, "none" while idle; empty: the difference is in an event
   Difference difference;
 };
 
@@ -26,6 +26,7 @@ struct ReplayFindings {
 
   std::uint64_t results = 0, finals = 0;  // compared
   std::uint64_t numbers = 0;              // in them
+  std::uint64_t events = 0;               // compared, those of a child file
   std::uint64_t different = 0;            // of the numbers and other members
   std::uint64_t intolerable = 0;          // of these, beyond the tolerance for another build
   Finding largest;                        // the tolerable one with the largest `in_u`
@@ -33,6 +34,8 @@ struct ReplayFindings {
   std::vector<std::string> notes;         // what could not be compared, and why that is no difference
 
   [[nodiscard]] bool identical() const noexcept { return different == 0; }
+  // Adds a difference beyond the tolerance.
+  void add(Finding finding);
 };
 
 // Bound to one thread. Computes the coefficients of each result and compares on a second thread, since that takes half

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -17,6 +18,7 @@
 #include "daemon/ctl/child_events.hpp"
 #include "daemon/ctl/child_file.hpp"
 #include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/event_comparison.hpp"
 #include "daemon/ctl/personal_key.hpp"
 #include "daemon/ctl/printout.hpp"
 #include "daemon/ctl/recorded_run.hpp"
@@ -96,12 +98,26 @@ Result<std::vector<Dwell>> play(const std::string& file, record::RunReader& read
   return dwells;
 }
 
+// The device names by their numbers in the stream of this run; empty: this version cannot read its rig file.
+std::vector<std::string> devices_of(const record::RunHeader& parent) {
+  std::vector<std::string> names;
+  if (const auto file = config::parse(parent.rig.text, parent.rig.path, {}))
+    for (const Device& device : file->rig.devices) names.push_back(device.name);
+  return names;
+}
+
+// A child that is compared with its parent.
+struct ComparedChild {
+  record::RunReader& reader;
+  std::vector<std::uint64_t> without;  // positions at which the parent has a result and the child has none
+  std::string note;
+};
+
 // Computes the results again with the rig file in `of`, and compares them with those that `of` holds: a run, or a child
-// of it. without: positions at which the run has a result and the child has none. Where the replay gives a result
-// there, it counts as missing from the child. Returns the exit code.
+// of it. child: null, or that child: then the events are compared too, and where the replay gives a result that the
+// child lacks, that is a difference. Returns the exit code.
 int compare(const ReplayOptions& options, record::RunReader& reader, const std::string& of,
-            const record::RunHeader& header, const std::vector<std::uint64_t>& without,
-            const std::vector<std::string>& notes) {
+            const record::RunHeader& header, ComparedChild* child) {
   const auto file = rig_of(header, of);
   if (!file) return cannot_replay(file.error());
   const auto channels = ChannelMap::between(reader.header(), options.file, file->rig, header.rig.path);
@@ -111,28 +127,38 @@ int compare(const ReplayOptions& options, record::RunReader& reader, const std::
   // As in the results that are compared.
   const RunInfo recorded{file->sha256, header.origin.version, header.start_utc};
   Replay replay(file->rig);
-  auto gap = without.begin();
-  std::uint64_t missing = 0;
   ReplayCheck check(
       std::move(*stored), [&](const Dwell& dwell) { return to_json(dwell, file->rig, recorded); },
       reader.end().has_value());
+  ChildEvents follower(reader.header(), reader.begin_ns(), file->rig, devices_of(reader.header()));
+  std::vector<record::StoredEvent> events;
+  const auto add_events = [&events](std::vector<record::StoredEvent> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(events));
+  };
+  std::vector<Finding> missing;
+  std::size_t gap = 0;
   const auto dwells = play(
       options.file, reader, *channels, replay,
-      [&] {
-        if (gap == without.end()) return check.free_until(replay);
-        return std::min(check.free_until(replay), *gap - std::min(*gap, replay.position() + 1));
-      },
-      [&](const Record&) {
+      // The events of a child were drained at each record, so they are here as well.
+      [&] { return child != nullptr ? std::uint64_t{0} : check.free_until(replay); },
+      [&](const Record& record) {
         check.follow(replay);
-        for (; gap != without.end() && *gap <= replay.position(); ++gap) missing += replay.current() ? 1 : 0;
+        if (child == nullptr) return;
+        add_events(follower.follow(record, replay));
+        for (; gap < child->without.size() && child->without[gap] <= replay.position(); ++gap)
+          if (replay.current())
+            missing.push_back({child->without[gap], false, "none", {"result", "", "published here", kNaN, false}});
       });
   if (!dwells) return cannot_replay(dwells.error());
   auto findings = check.finish();
   if (!findings) return cannot_replay(findings.error());
-  findings->notes.insert(findings->notes.end(), notes.begin(), notes.end());
-  if (missing > 0) findings->notes.push_back(std::to_string(missing) + " results are missing from " + of);
-  findings->different += missing;
-  findings->intolerable += missing;
+  for (Finding& finding : missing) findings->add(std::move(finding));
+  if (child != nullptr) {
+    add_events(follower.finish());
+    if (auto compared = compare_events(events, child->reader, *findings); !compared)
+      return cannot_replay(compared.error());
+    findings->notes.push_back(child->note);
+  }
   Printout out = printout(file->rig, {file->sha256, DWELL_VERSION, header.start_utc}, *dwells);
   const ReplayVerdict verdict = judge(*findings, header.origin, record::this_origin());
   add(verdict, *findings, header, out);
@@ -172,11 +198,11 @@ Result<std::vector<std::uint64_t>> lacking(const std::string& parent, const std:
 
 // Compares a child file with a replay of this run that uses the child's rig file. Returns the exit code.
 int check_child(const ReplayOptions& options, record::RunReader& reader) {
-  const auto child = record::RunReader::open(options.against);
+  auto child = record::RunReader::open(options.against);
   if (!child) return cannot_replay(child.error());
   const record::RunHeader& header = child->header();
   const auto not_of_it = [&](const std::string& why) { return cannot_replay(options.against + ": " + why, kNo); };
-  if (header.parent_id.empty()) return cannot_replay(options.against + ": is no child file; expected one");
+  if (!header.is_child()) return cannot_replay(options.against + ": is no child file; expected one");
   for (const std::string& path : {options.file, options.against})
     if (auto sound = not_tampered(path); !sound) return cannot_replay(sound.error(), kNo);
   const auto head = final_head(options.file);
@@ -191,10 +217,10 @@ int check_child(const ReplayOptions& options, record::RunReader& reader) {
   const auto rig = rig_of(header, options.against);
   if (!rig) return cannot_replay(rig.error());
   if (rig->sha256 != header.rig.sha256) return not_of_it("its rig file is not the one whose SHA-256 it states");
-  const auto without = lacking(options.file, options.against);
+  auto without = lacking(options.file, options.against);
   if (!without) return cannot_replay(without.error());
-  return compare(options, reader, options.against, header, *without,
-                 {options.against + " is of this run, head " + *head + "; its events were not compared"});
+  ComparedChild compared{*child, std::move(*without), options.against + " is of this run, head " + *head};
+  return compare(options, reader, options.against, header, &compared);
 }
 
 Result<std::string> text_of(const std::string& path) {
@@ -233,16 +259,8 @@ Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& r
   return ChildFile::create(options.output, header, *key, reader.begin_ns());
 }
 
-// The device names by their numbers in the stream of this run; empty: this version cannot read its rig file.
-std::vector<std::string> devices_of(const record::RunHeader& parent) {
-  std::vector<std::string> names;
-  if (const auto file = config::parse(parent.rig.text, parent.rig.path, {}))
-    for (const Device& device : file->rig.devices) names.push_back(device.name);
-  return names;
-}
-
 // With another rig file: a result at each position where the run published one, and a final one where a dwell ends now.
-int amend(const ReplayOptions& options, record::RunReader& reader) {
+int compute_child(const ReplayOptions& options, record::RunReader& reader) {
   const auto file = config::load(options.rig, {});
   if (!file) {
     std::fputs(config::to_string(options.rig, file.error()).c_str(), stderr);
@@ -289,10 +307,10 @@ int amend(const ReplayOptions& options, record::RunReader& reader) {
 int replay_once(const ReplayOptions& options) {
   auto reader = record::RunReader::open(options.file);
   if (!reader) return cannot_replay(reader.error());
-  if (!reader->header().parent_id.empty()) return cannot_replay(why_no_stream(options.file, reader->header()));
+  if (reader->header().is_child()) return cannot_replay(why_no_stream(options.file, reader->header()));
   if (!options.against.empty()) return check_child(options, *reader);
-  return options.rig.empty() ? compare(options, *reader, options.file, reader->header(), {}, {})
-                             : amend(options, *reader);
+  return options.rig.empty() ? compare(options, *reader, options.file, reader->header(), nullptr)
+                             : compute_child(options, *reader);
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ std::string shown(const std::string& value) {
 }
 
 std::string place(const Finding& finding) {
+  if (finding.dwell.empty())
+    return "record " + std::to_string(finding.position) + ": " + printable(finding.difference.what);
   return "dwell " + finding.dwell + (finding.final ? " at its end" : "") + ", record " +
          std::to_string(finding.position) + ": " + printable(finding.difference.what);
 }
@@ -48,7 +50,7 @@ Json value_of(const std::string& text) {
 
 Json json(const Finding& finding) {
   const Difference& d = finding.difference;
-  return {{"dwell", finding.dwell == "none" ? Json(nullptr) : value_of(finding.dwell)},
+  return {{"dwell", finding.dwell.empty() || finding.dwell == "none" ? Json(nullptr) : value_of(finding.dwell)},
           {"position", finding.position},
           {"final", finding.final},
           {"what", d.what},
@@ -65,7 +67,8 @@ std::string words(const record::Origin& origin) {
 std::string headline(const ReplayVerdict& verdict, const ReplayFindings& findings) {
   const std::string seen = count(findings.results + findings.finals, "result", "results") + ", " +
                            std::to_string(findings.finals) + " of dwells that ended, " +
-                           count(findings.numbers, "number", "numbers");
+                           count(findings.numbers, "number", "numbers") +
+                           (findings.events > 0 ? ", " + count(findings.events, "event", "events") : "");
   if (findings.identical()) return "identical: " + seen + ", bit for bit";
   const std::string different = count(findings.different, "difference", "differences") + " in " + seen;
   if (verdict.same)
@@ -92,8 +95,10 @@ void add(const ReplayVerdict& verdict, const ReplayFindings& findings, const rec
   document["same_origin"] = verdict.same_origin;
   document["within_tolerance"] = findings.intolerable == 0;
   document["tolerance_u"] = kReplayTolerance;
-  document["compared"] = {
-      {"results", findings.results + findings.finals}, {"finals", findings.finals}, {"numbers", findings.numbers}};
+  document["compared"] = {{"results", findings.results + findings.finals},
+                          {"finals", findings.finals},
+                          {"numbers", findings.numbers},
+                          {"events", findings.events}};
   document["different"] = findings.different;
   document["differences"] = Json::array();
   for (const Finding& finding : findings.listed) document["differences"].push_back(json(finding));

@@ -32,8 +32,8 @@ std::string list_of(const std::vector<std::string>& words) {
 }
 
 std::string title_of(const RunSummary& run) {
-  std::string text = run.header.run > 0 ? "run " + std::to_string(run.header.run) : std::string("child run");
-  if (!run.header.parent_id.empty()) text = "amendment of run " + run.header.parent_id.substr(0, 8);
+  std::string text = run.header.is_child() ? "child file of run " + run.header.parent_id.substr(0, 8)
+                                           : "run " + std::to_string(run.header.run);
   if (!run.header.label.empty()) text += " · " + run.header.label;
   return text + (run.end ? " · closed" : " · open: being recorded, or cut off");
 }
@@ -55,7 +55,7 @@ std::string origin_text(const record::Origin& origin) {
 
 std::string stream_text(const RunSummary& run) {
   // The numbers of records and samples are those of the parent's stream.
-  if (!run.header.parent_id.empty()) return {};
+  if (run.header.is_child()) return {};
   std::string text = run.span_s ? duration_text(*run.span_s) : std::string("nothing");
   if (run.end)
     text += ", " + std::to_string(run.end->records) + " records, " + std::to_string(run.end->samples) + " samples";
@@ -78,7 +78,7 @@ Section facts(const RunSummary& run, std::size_t columns) {
   add("comment", header.comment);
   add("ended", run.end ? run.end->utc + ": " + run.end->why : "");
   add("stream", stream_text(run));
-  if (!header.parent_id.empty() && run.span_s) add("covers", duration_text(*run.span_s) + " of the parent's stream");
+  if (header.is_child() && run.span_s) add("covers", duration_text(*run.span_s) + " of the parent's stream");
   add("channels", list_of(header.channels));
   add("recorded", origin_text(header.origin));
   add("program", "dwelld " + header.origin.version + ", " + header.origin.build);
@@ -86,7 +86,7 @@ Section facts(const RunSummary& run, std::size_t columns) {
   std::vector<std::string> plugins;
   for (const record::Plugin& plugin : header.plugins) plugins.push_back(plugin.driver + " " + plugin.version);
   add("drivers", list_of(plugins));
-  add("parent", header.parent_id.empty() ? "" : "run " + header.parent_id + ", head " + header.parent_head);
+  add("parent", header.is_child() ? "run " + header.parent_id + ", head " + header.parent_head : "");
   add("key", run.key);
   return section;
 }

@@ -1,10 +1,12 @@
-// sign: a person's signature under a run that has ended, vouched for by the service or with a key of their own.
+// sign: a person's signature under a run that has ended, vouched for by the service or with a key of their own. Either
+// becomes an entry of the ledger, where the service is at hand.
 #include <pwd.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <tl/expected.hpp>
 
 #include "daemon/clock.hpp"
 #include "daemon/ctl/commands.hpp"
@@ -37,14 +39,49 @@ std::string own_name() {
   return name.empty() ? user->pw_name : name;
 }
 
-int print(const Json& answer, const record::PersonalSignature& signature, const std::string& file, bool json) {
-  const std::string text =
-      json ? dump(answer, 2) + "\n" : printable(file + ": signed: " + signature_text(signature)) + "\n";
-  std::fwrite(text.data(), 1, text.size(), stdout);
+std::string signed_text(const record::PersonalSignature& signature, const std::string& file) {
+  return printable(file + ": signed: " + signature_text(signature)) + "\n";
+}
+
+int print(const Json& answer, const std::string& text, bool json) {
+  const std::string out = json ? dump(answer, 2) + "\n" : text;
+  std::fwrite(out.data(), 1, out.size(), stdout);
   return kDone;
 }
 
-int sign_with_own_key(const SignOptions& options, bool json) {
+std::string absolute_path(const std::string& file) {
+  std::error_code failed;
+  const auto path = std::filesystem::absolute(file, failed);
+  return failed ? file : path.string();
+}
+
+// Why the service gave no answer to use, and the exit code for that.
+struct Refusal {
+  int code;
+  std::string why;
+};
+
+// The service's answer, a JSON object.
+tl::expected<Json, Refusal> ask_service(const Service& service, const Json& request) {
+  ControlLimits limits;
+  limits.time = kAnswerTime;
+  const auto line = control_exchange(service.control, dump(request), limits);
+  if (!line) return tl::unexpected(Refusal{kUnreachable, line.error()});
+  Json answer = Json::parse(*line, nullptr, false);
+  if (!answer.is_object())
+    return tl::unexpected(Refusal{kUnreachable, service.control + ": what answers is not the service"});
+  const auto error = answer.find("error");
+  if (error != answer.end() && error->is_string())
+    return tl::unexpected(Refusal{kNo, service.control + ": " + error->get<std::string>()});
+  return answer;
+}
+
+tl::expected<Json, Refusal> enter(const Service& service, const std::string& file) {
+  return ask_service(service, Json{{"verb", "enter"}, {"file", absolute_path(file)}});
+}
+
+// Without a service the signature stands in the file alone. That is no failure: it may have been made anywhere.
+int sign_with_own_key(const Service& service, const SignOptions& options) {
   const auto key = record::SigningKey::load(options.key);
   if (!key) return refuse(kUsage, "--key: " + key.error() + "; dwellctl keygen makes one");
   record::PersonalSignature words;
@@ -55,40 +92,59 @@ int sign_with_own_key(const SignOptions& options, bool json) {
   words.utc = record::iso_utc(utc_now_ns());
   const auto signature = record::sign_by_own_key(options.file, std::move(words), *key);
   if (!signature) return refuse(kUsage, signature.error());
-  return print(Json{{"signature", Json::parse(to_json(*signature))}}, *signature, options.file, json);
+  const auto entered = enter(service, options.file);
+  const std::string why = entered ? "" : entered.error().why;
+  return print(Json{{"signature", Json::parse(to_json(*signature))},
+                    {"in_ledger", entered.has_value()},
+                    {"not_in_ledger", why.empty() ? Json(nullptr) : Json(why)}},
+               signed_text(*signature, options.file) +
+                   (entered ? "  the ledger knows it\n"
+                            : "  no ledger knows it: " + printable(why) +
+                                  "; where the service has this file, dwellctl sign --enter enters it\n"),
+               service.json);
+}
+
+int enter_signatures(const Service& service, const SignOptions& options) {
+  const auto answer = enter(service, options.file);
+  if (!answer) return refuse(answer.error().code, answer.error().why);
+  const auto count = answer->find("entered");
+  if (count == answer->end() || !count->is_number_unsigned())
+    return refuse(kUnreachable, service.control + ": what answers is not the service: no number of entries");
+  const auto n = count->get<std::uint64_t>();
+  return print(
+      *answer,
+      printable(options.file) + ": " +
+          (n == 0 ? "the ledger knows all its signatures\n"
+                  : "entered into the ledger: " + std::to_string(n) + (n == 1 ? " signature\n" : " signatures\n")),
+      service.json);
 }
 
 int sign_through_service(const Service& service, const SignOptions& options) {
-  std::error_code failed;
-  const auto file = std::filesystem::absolute(options.file, failed);
-  const Json request{{"verb", "sign"},
-                     {"file", failed ? options.file : file.string()},
-                     {"name", options.name},
-                     {"meaning", options.meaning},
-                     {"reason", options.reason}};
-  ControlLimits limits;
-  limits.time = kAnswerTime;
-  const auto line = control_exchange(service.control, dump(request), limits);
-  if (!line)
-    return refuse(kUnreachable, line.error() + "; where no service runs, --key FILE signs with a key of your own");
-  const Json answer = Json::parse(*line, nullptr, false);
-  const auto error = answer.is_object() ? answer.find("error") : answer.end();
-  if (error != answer.end() && error->is_string())
-    return refuse(kNo, service.control + ": " + error->get<std::string>());
-  const auto made = answer.is_object() ? answer.find("signature") : answer.end();
-  const auto signature = made == answer.end() ? tl::unexpected(std::string("no signature"))
-                                              : record::parse_personal_signature(made->dump());
+  const auto answer = ask_service(service, Json{{"verb", "sign"},
+                                                {"file", absolute_path(options.file)},
+                                                {"name", options.name},
+                                                {"meaning", options.meaning},
+                                                {"reason", options.reason}});
+  if (!answer)
+    return refuse(answer.error().code,
+                  answer.error().why + (answer.error().code == kUnreachable
+                                            ? "; where no service runs, --key FILE signs with a key of your own"
+                                            : ""));
+  const auto made = answer->find("signature");
+  const auto signature = made == answer->end() ? tl::unexpected(std::string("no signature"))
+                                               : record::parse_personal_signature(made->dump());
   if (!signature)
     return refuse(kUnreachable, service.control + ": what answers is not the service: " + signature.error());
-  return print(answer, *signature, options.file, service.json);
+  return print(*answer, signed_text(*signature, options.file), service.json);
 }
 
 }  // namespace
 
 int sign(const Service& service, const SignOptions& options) {
-  if (options.meaning.empty()) return refuse(kUsage, "--meaning is empty: expected for instance \"reviewed\"");
+  if (options.enter) return enter_signatures(service, options);
+  if (options.meaning.empty()) return refuse(kUsage, "expected --meaning, for instance \"reviewed\", or --enter");
   if (options.key.empty()) return sign_through_service(service, options);
-  return sign_with_own_key(options, service.json);
+  return sign_with_own_key(service, options);
 }
 
 }  // namespace dwell::ctl

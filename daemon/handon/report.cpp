@@ -84,13 +84,11 @@ const char* state_class(const record::Audit& audit) {
   return "tampered";
 }
 
-bool is_amendment(const Selection& selection) { return !selection.header().parent_id.empty(); }
-
 std::string title_of(const Selection& selection) {
   const record::RunHeader& run = selection.header();
-  const std::string number = is_amendment(selection) ? "Amendment of run " + run.parent_id.substr(0, 8)
-                             : run.run > 0           ? "Run " + std::to_string(run.run)
-                                                     : "Run " + run.id.substr(0, 8);
+  const std::string number = selection.header().is_child() ? "Child file of run " + run.parent_id.substr(0, 8)
+                             : run.run > 0                 ? "Run " + std::to_string(run.run)
+                                                           : "Run " + run.id.substr(0, 8);
   return run.label.empty() ? number : number + ": " + run.label;
 }
 
@@ -112,9 +110,9 @@ std::string front(const Selection& selection, const RunStory& story, const recor
   std::string html = html_heading(1, title_of(selection));
   html += html_paragraph("Report of a measurement of stiffness and damping on the rig " + selection.rig().name + ".",
                          "lead");
-  if (is_amendment(selection))
+  if (selection.header().is_child())
     html +=
-        html_paragraph("Amendment of run " + run.parent_id + ", head " + run.parent_head +
+        html_paragraph("Child file of run " + run.parent_id + ", head " + run.parent_head +
                        ": its stream was computed again with the rig file below. Readings, losses and faults stand in "
                        "the file of that run.");
   html += html_paragraph("File as found when this report was made: " + audit_line(audit),
@@ -129,10 +127,10 @@ std::string front(const Selection& selection, const RunStory& story, const recor
   html +=
       html_facts({{"begun", run.start_utc},
                   {"ended", end ? end->utc + ": " + end->why : std::string("not closed: still recorded, or cut off")},
-                  {is_amendment(selection) ? "covers" : "duration", seconds_text(story.span_s, 1)},
-                  {"samples", is_amendment(selection) ? std::string()
-                                                      : std::to_string(story.samples) + " of " +
-                                                            std::to_string(story.traces.size()) + " channels"},
+                  {selection.header().is_child() ? "covers" : "duration", seconds_text(story.span_s, 1)},
+                  {"samples", selection.header().is_child() ? std::string()
+                                                            : std::to_string(story.samples) + " of " +
+                                                                  std::to_string(story.traces.size()) + " channels"},
                   {"dwells", std::to_string(story.dwells.size() + story.dwells_left_out)},
                   {"file", selection.path()},
                   {"report made", provenance.made_utc + " by " + provenance.program}});
@@ -178,9 +176,9 @@ std::string report_page(const Selection& selection, const RunStory& story, const
   html += dwells(story);
   html += report_conditions(selection);
   html += report_channels(selection, story);
-  if (!is_amendment(selection)) html += traces(selection, story);
+  if (!selection.header().is_child()) html += traces(selection, story);
   html += report_models(story);
-  if (!is_amendment(selection)) html += report_losses(selection, story);
+  if (!selection.header().is_child()) html += report_losses(selection, story);
   html += report_events(story);
   html += report_audit(selection, story, audit);
   html += "<div class=\"sign\"><div>name</div><div>date</div><div>signature</div></div>\n";

@@ -84,7 +84,7 @@ std::string report_conditions(const Selection& selection) {
                       {"program", "dwell " + origin.version + (plugins.empty() ? "" : "; drivers: " + plugins)},
                       {"build", origin.build},
                       {"processor", origin.cpu},
-                      {"computed from", run.parent_id.empty() ? std::string() : "run " + run.parent_id}});
+                      {"computed from", run.is_child() ? "run " + run.parent_id : std::string()}});
   html += html_heading(2, Markup("Rig: " + rig.name));
   html += chain_picture(rig);
   html += html_facts({{"motion", std::string(config::to_string(rig.motion)) +
@@ -98,7 +98,7 @@ std::string report_conditions(const Selection& selection) {
 
 std::string report_channels(const Selection& selection, const RunStory& story) {
   const Rig& rig = selection.rig();
-  const bool of_stream = selection.header().parent_id.empty();  // else the samples stand in the parent's file
+  const bool of_stream = !selection.header().is_child();  // else the samples stand in the parent's file
   std::vector<std::vector<Markup>> rows;
   for (std::size_t i = 0; i < rig.channels.size(); ++i) {
     const Channel& c = rig.channels[i];
@@ -191,7 +191,9 @@ std::string report_audit(const Selection& selection, const RunStory& story, cons
   } else {
     html += html_table({{"name"}, {"meaning"}, {"reason"}, {"when"}, {"vouched for by"}, {"over"}}, rows);
   }
-  html += html_list(audit.signatures, "notes");
+  std::vector<std::string> lines;
+  for (const record::AuditedSignature& one : audit.signatures) lines.push_back(one.text);
+  html += html_list(lines, "notes");
   return html;
 }
 

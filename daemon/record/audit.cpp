@@ -185,11 +185,13 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
   std::string line = signature.name + ": " + signature.meaning;
   if (!signature.reason.empty()) line += " (" + signature.reason + ")";
   line += ", " + signature.utc + ", ";
+  AuditedSignature audited;
   if (signature.vkey.empty()) {
     if (!signature.person || !signature.person->uid) return fails(place + "nobody vouches for this signature");
     if (Result<void> holds = chain.note_holds(row, origin(), key_); !holds) return holds;
     line += "countersigned by the service for user " + std::to_string(*signature.person->uid);
     if (!signature.person->name.empty()) line += " (" + signature.person->name + ")";
+    audited.trusted = audit_.trusted;
   } else {
     const Result<PublicKey> own = PublicKey::parse(signature.vkey);
     if (!own) return fails(place + "its key: " + own.error());
@@ -197,9 +199,13 @@ Result<void> RunAudit::take_signature(ChainAudit& chain, const ChainReader::Row&
     if (!opened) return fails(place + opened.error());
     if (*opened != *text) return fails(place + "its own note signs something else");
     if (!row.note.empty()) return fails(place + "it has a note beside its own");
-    line += "with the key " + own->name() + " " + own->fingerprint();
+    audited.key = own->fingerprint();
+    audited.trusted = std::find(options_.persons.begin(), options_.persons.end(), *own) != options_.persons.end();
+    line += (audited.trusted ? "with the pinned key " : "with the key ") + own->name() + " " + audited.key +
+            (audited.trusted ? "" : ", not trusted");
   }
-  audit_.signatures.push_back(std::move(line));
+  audited.text = std::move(line);
+  audit_.signatures.push_back(std::move(audited));
   signatures_.push_back(std::move(*read));
   return {};
 }

@@ -21,6 +21,13 @@ enum class AuditState : std::uint8_t {
 
 [[nodiscard]] const char* to_string(AuditState state) noexcept;  // "intact", "open", "tampered"
 
+// A person's signature that holds.
+struct AuditedSignature {
+  std::string text;      // one line: who, what for, when, by which key
+  std::string key;       // fingerprint of the person's own key; empty: the service countersigned
+  bool trusted = false;  // the person's key is pinned; of the service's countersignature: the file's key is trusted
+};
+
 struct Audit {
   std::string file;
   AuditState state = AuditState::tampered;
@@ -30,11 +37,11 @@ struct Audit {
   std::int64_t run = 0;  // the ledger's number; 0: not known
   std::string id;
   std::uint64_t samples = 0;
-  std::string head;                     // of the last entry, hexadecimal
-  std::string key;                      // fingerprint of the key that signs it
-  bool trusted = false;                 // a pinned key, or one that the ledger connects with a pinned key
-  bool of_ledger = false;               // the ledger knows the key; without a pinned key this proves nothing
-  std::vector<std::string> signatures;  // one line each: who, what for, when, by which key
+  std::string head;        // of the last entry, hexadecimal
+  std::string key;         // fingerprint of the key that signs it
+  bool trusted = false;    // a pinned key, or one that the ledger connects with a pinned key
+  bool of_ledger = false;  // the ledger knows the key; without a pinned key this proves nothing
+  std::vector<AuditedSignature> signatures;
 };
 
 // The key and whether it is trusted: "key 7c0e 1969 … trusted", "key 7c0e 1969 … not trusted (known to this ledger)".
@@ -45,6 +52,8 @@ struct CheckedLedger;
 struct AuditOptions {
   std::vector<PublicKey> keys;  // pinned: one of them must have signed; empty: no key is trusted
   std::string ledger;           // path of a ledger; empty: none
+  std::vector<PublicKey> persons =
+      {};  // pinned keys of persons: of signatures by their own keys only these are trusted
   // The result of check_ledger() on `ledger` with these keys and anchors (ledger_check.hpp), for audits of several
   // files. Null: the ledger is checked for this audit alone.
   std::shared_ptr<const CheckedLedger> checked = {};

@@ -10,18 +10,16 @@
 #include "daemon/record/regular_file.hpp"
 
 namespace dwell::record {
-namespace {
 
-// Whether the blocks are there: a sparse file reserves nothing.
-bool is_held(const std::string& path, std::int64_t bytes) {
+// A sparse file reserves nothing: the blocks must be there.
+bool DiskReserve::is_held() const {
   struct stat status {};
-  return stat(path.c_str(), &status) == 0 && status.st_size == bytes && std::int64_t{status.st_blocks} * 512 >= bytes;
+  return stat(path_.c_str(), &status) == 0 && status.st_size == bytes_ &&
+         std::int64_t{status.st_blocks} * 512 >= bytes_;
 }
 
-}  // namespace
-
 Result<void> DiskReserve::hold() {
-  if (is_held(path_, bytes_)) return {};
+  if (is_held()) return {};
   const Result<OpenFile> file = open_regular(path_, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0600);
   if (!file) return tl::unexpected(file.error());
   const int error = posix_fallocate(file->get(), 0, bytes_);

@@ -21,6 +21,7 @@ class DiskReserve {
 
   explicit DiskReserve(std::string path, std::int64_t bytes = kBytes) : path_(std::move(path)), bytes_(bytes) {}
 
+  [[nodiscard]] bool is_held() const;
   // Takes the room if it is not held already. Fails with "PATH: disk full" or "PATH: reason"; then nothing is held.
   [[nodiscard]] Result<void> hold();
   // Releases the room; does nothing if none is held.

@@ -48,6 +48,12 @@ bool CheckedLedger::knows(const PublicKey& key) const {
   return std::find(book.keys().begin(), end, key) != end;
 }
 
+void CheckedLedger::must_be_by(const std::vector<PublicKey>& keys) {
+  const auto known = [this](const PublicKey& key) { return knows(key); };
+  if (verifies() && !keys.empty() && std::none_of(keys.begin(), keys.end(), known))
+    broken = "signed by " + book.last_signer().fingerprint() + ", not by " + asked_for(keys);
+}
+
 const LedgerRun* CheckedLedger::find(std::int64_t run) const {
   const auto found = book.runs().find(run);
   return found == book.runs().end() ? nullptr : &found->second;
@@ -81,9 +87,7 @@ Result<CheckedLedger> check_ledger(const std::string& path, const AuditOptions& 
     const Result<void> sound = chain ? walk(*chain, ledger, *anchors) : tl::unexpected(chain.error());
     if ((chain && !chain->unchanged()) && tries < kAuditTries) continue;
     if (!sound) ledger.broken = sound.error();
-    const auto knows = [&ledger](const PublicKey& key) { return ledger.knows(key); };
-    if (sound && !options.keys.empty() && std::none_of(options.keys.begin(), options.keys.end(), knows))
-      ledger.broken = "signed by " + ledger.book.last_signer().fingerprint() + ", not by " + asked_for(options.keys);
+    ledger.must_be_by(options.keys);
     return ledger;
   }
 }

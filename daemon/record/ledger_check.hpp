@@ -14,6 +14,8 @@ struct CheckedLedger {
   std::string broken;  // the place and what was found; empty: the ledger verifies
 
   [[nodiscard]] bool verifies() const noexcept { return broken.empty(); }
+  // One of these keys must have signed the ledger; otherwise it is broken. Empty: any key may.
+  void must_be_by(const std::vector<PublicKey>& keys);
   // Whether the key has signed entries of this ledger.
   [[nodiscard]] bool knows(const PublicKey& key) const;
   // nullptr: the ledger has no run of this number, or of this file name.

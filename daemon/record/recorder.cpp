@@ -128,6 +128,7 @@ struct Recorder::Impl {
   }
 
   void turn(const ClockPair& now) {
+    const bool recorded_before = log.progress() != nullptr;
     log.set_clock(now);
     if (now.raw_ns >= next_look_ns) look(now);
     read_inbox();
@@ -142,6 +143,7 @@ struct Recorder::Impl {
                     log.model(result.position, result.model);
                 },
                 [this](std::uint64_t lost) { log.gap(lost); }});
+    if (recorded_before && !log.stopped().empty()) look(now);  // is it the disk, and how much room is missing?
     refresh_recorded();
     tell_failures();
     if (open) keeper.turn(now, recorded.file.empty() ? nullptr : &recorded);
@@ -224,6 +226,7 @@ struct Recorder::Impl {
     fresh.recording = log.progress() != nullptr;
     if (!fresh.recording) fresh.why_not = !log.stopped().empty() ? log.stopped() : trouble;
     if (!fresh.recording && fresh.why_not.empty()) fresh.why_not = open ? "no run goes on" : "starting";
+    if (!fresh.recording) fresh.obstacle = {trouble.empty() ? log.stopped() : trouble, !trouble.empty()};
     fresh.run = recorded;
     fresh.buffer_fill = ring.fill();
     fresh.buffer_records = ring.capacity();
@@ -249,6 +252,10 @@ void Recorder::result(std::uint64_t position, bool final, std::shared_ptr<const 
 }
 void Recorder::model(std::uint64_t position, ModelResult result) { impl_->ring.push(position, std::move(result)); }
 void Recorder::request(Request request) { impl_->inbox.put(std::move(request)); }
+Obstacle Recorder::obstacle() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->state.obstacle;
+}
 void Recorder::event(StoredEvent event) { impl_->inbox.put(std::move(event)); }
 
 Result<void> Recorder::run_signed(std::int64_t run, const PersonalSignature& signature) {

@@ -44,7 +44,8 @@ struct RecorderAlarm {
 struct RecorderState {
   std::string directory;  // of the runs
   bool recording = false;
-  std::string why_not;       // while it does not record: "no run goes on", or another reason
+  std::string why_not;  // while it does not record: "no run goes on", or another reason
+  Obstacle obstacle;
   ListedRun run;             // the one being recorded
   double buffer_fill = 0.0;  // 0 … 1
   std::uint64_t buffer_records = 0;
@@ -72,6 +73,7 @@ class Recorder final : public StreamSink, public RequestSink {
   void result(std::uint64_t position, bool final, std::shared_ptr<const Dwell> dwell) override;
   void model(std::uint64_t position, ModelResult result) override;
   void request(Request request) override;
+  [[nodiscard]] Obstacle obstacle() const override;
   // Stores the event in the file of the current run, or of the next run if that reaches back so far. Thread-safe, short
   // lock.
   void event(StoredEvent event);

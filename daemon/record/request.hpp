@@ -19,11 +19,19 @@ struct Request {
   StoredEvent event;         // its `what` is "action"; the sink fills in position and instant of the record
 };
 
+// What keeps runs from being recorded.
+struct Obstacle {
+  std::string why;            // and what to do about it, for people; empty: nothing is in the way
+  bool of_every_run = false;  // false: of the run that goes on alone; another would be recorded
+};
+
 class RequestSink {
  public:
   virtual ~RequestSink() = default;
   // Thread-safe; never waits. Called on the event loop, once for each request that enters the stream.
   virtual void request(Request request) = 0;
+  // As of the last time it tried, which it does every 30 s. Thread-safe, short lock.
+  [[nodiscard]] virtual Obstacle obstacle() const = 0;
 };
 
 }  // namespace dwell::record

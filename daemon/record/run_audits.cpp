@@ -28,8 +28,7 @@ class KnownLedger {
       // A key that the ledger announces signs nothing of it until the next run begins. If it were pinned, every earlier
       // run would look forged. So no key is pinned until then, and nothing is trusted.
       announced_ = checked->verifies() && checked->book.keys().back() == key && !checked->knows(key);
-      if (!announced_ && checked->verifies() && !checked->knows(key))
-        checked->broken = "signed by " + checked->book.last_signer().fingerprint() + ", not by the service's key";
+      if (!announced_) checked->must_be_by({key});
       checked_ = std::make_shared<const CheckedLedger>(std::move(*checked));
       identity_ = now;
     }

@@ -69,6 +69,9 @@ struct RunHeader {
   std::vector<Plugin> plugins;
   std::vector<std::string> channels;  // names, by Record::channel
   Origin origin;
+
+  // A child file: computed from the stream of another run, its parent, with another rig file. It holds no stream.
+  [[nodiscard]] bool is_child() const noexcept { return !parent_id.empty(); }
 };
 
 // A published dwell. `dwell` is the JSON object of the public interface, as text; to_json() puts it in as it is.

@@ -211,12 +211,14 @@ struct RunFolder::Impl {
   }
 
   Result<void> has_room() {
-    if (auto held = reserve.hold(); !held) return held;
     const auto room = free_bytes(options.directory);
     if (!room) return tl::unexpected(room.error());
-    if (*room >= options.room_bytes) return {};
+    const std::int64_t needed = options.room_bytes + (reserve.is_held() ? 0 : options.reserve_bytes);
+    if (*room >= needed) return reserve.hold();
+    const auto megabytes = [](std::int64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; };
     return tl::unexpected("disk full: " + std::to_string(*room / 1'000'000) + " MB are free in " + options.directory +
-                          ", a run needs " + std::to_string(options.room_bytes / 1'000'000) + " MB to begin");
+                          ", a run needs " + megabytes(needed) + " to begin: free " + megabytes(needed - *room) +
+                          " more there");
   }
 
   // Enters the end of the last run into the ledger, if it is not there yet.

@@ -25,9 +25,6 @@ std::string why_text(EndOfRun why) {
   return "unknown";
 }
 
-// Whether an operator's request may have caused it.
-bool may_be_requested(const Record& record) { return record.kind == Kind::run || record.kind == Kind::action; }
-
 std::string seconds_text(std::int64_t ns) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
@@ -81,19 +78,8 @@ void RunLog::record(const Record& record) {
   }
 }
 
-void RunLog::request(Request request) {
-  if (requests_.size() == kRequests) requests_.pop_front();
-  requests_.push_back(std::move(request));
-}
-
-const Request* RunLog::request_of(const Record& record) const noexcept {
-  const auto newest = std::find_if(requests_.rbegin(), requests_.rend(),
-                                   [&](const Request& request) { return request.number == record.channel; });
-  return record.channel == 0 || !may_be_requested(record) || newest == requests_.rend() ? nullptr : &*newest;
-}
-
 void RunLog::note_request(const Record& record) {
-  if (const Request* request = request_of(record)) event(request->event);
+  if (const Request* request = requests_.of(record)) event(request->event);
 }
 
 void RunLog::result(std::uint64_t position, bool final, const Dwell& dwell) {
@@ -123,8 +109,7 @@ void RunLog::publish(std::string kind, std::uint64_t position, std::string body)
 void RunLog::event(StoredEvent event) {
   if (event.utc.empty()) event.utc = utc_now();
   if (run_) return note(std::move(event));
-  if (early_.size() == kEarlyEvents) early_.pop_front();
-  early_.push_back({cutter_.number(), std::move(event)});
+  early_.add(cutter_.number(), std::move(event));
 }
 
 void RunLog::note(StoredEvent event) {
@@ -146,7 +131,7 @@ void RunLog::gap(std::uint64_t lost) {
   if (run_) {
     const std::string run = named(run_->header);
     note(own_event(text));
-    keep_label(run_->header);
+    interruption_.of(run_->header);
     end_now(why);
     interrupted(run + " ended: " + text);
     stop(text);
@@ -206,17 +191,17 @@ std::vector<NewEntry> RunLog::take_notes(std::int64_t t_ns) {
 RunHeader RunLog::make_header(const Request* request, std::int64_t first_t_ns) {
   RunHeader header = options_.header();
   const bool operators = request != nullptr && request->event.person;
-  header.begun_by = operators                         ? "operator"
-                    : now_.raw_ns < goes_on_until_ns_ ? "service"
-                    : request != nullptr              ? "operator"
-                                                      : "drive";
+  header.begun_by = operators                              ? "operator"
+                    : interruption_.may_go_on(now_.raw_ns) ? "service"
+                    : request != nullptr                   ? "operator"
+                                                           : "drive";
   if (request != nullptr) {
     header.label = request->label;
     header.comment = request->event.comment;
     header.person = request->event.person;
   } else if (header.begun_by == "service") {
-    header.label = interrupted_label_;
-    header.comment = interrupted_comment_;
+    header.label = interruption_.label();
+    header.comment = interruption_.comment();
   }
   header.start_utc = iso_utc(utc_of(now_, first_t_ns));
   return header;
@@ -230,7 +215,7 @@ void RunLog::begin(const Record& edge) {
   std::deque<Block> blocks = kept_.take_from(born);
   if (!std::exchange(follows_, false) || blocks.empty()) return stop("the time before the run is not in memory");
   RunProgress run;
-  run.header = make_header(request_of(edge), blocks.front().first_t_ns);
+  run.header = make_header(requests_.of(edge), blocks.front().first_t_ns);
   run.born = born;
   run.first_t_ns = blocks.front().first_t_ns;
   std::vector<NewEntry> batch;
@@ -242,17 +227,13 @@ void RunLog::begin(const Record& edge) {
   }
   add_early_events(born, batch.back().t_ns, batch);
   if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) {
-    keep_label(run.header);
+    interruption_.of(run.header);
     return stop(begun.error());
   }
   run.committed_ns = now_.raw_ns;
   run_ = std::move(run);
   note_request(edge);
-  stopped_.clear();
-  interrupted_.clear();
-  interrupted_label_.clear();
-  interrupted_comment_.clear();
-  goes_on_until_ns_ = INT64_MIN;
+  interruption_.over();
   options_.tell({Notice::Grade::info,
                  "recording " + named(run_->header) + ", begun by " + run_->header.begun_by,
                  run_->header.run,
@@ -260,14 +241,10 @@ void RunLog::begin(const Record& edge) {
 }
 
 void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector<NewEntry>& batch) {
-  for (Early& early : early_) {
-    if (early.number < born) continue;
-    early.event.position = early.number + 1 - born;
-    batch.push_back({"event", t_ns, to_json(early.event)});
-  }
-  early_.clear();
-  if (interrupted_.empty()) return;
-  StoredEvent event = own_event("goes on after an interruption: " + interrupted_);
+  std::vector<NewEntry> early = early_.take_from(born, t_ns);
+  std::move(early.begin(), early.end(), std::back_inserter(batch));
+  if (interruption_.how().empty()) return;
+  StoredEvent event = own_event("goes on after an interruption: " + interruption_.how());
   event.position = cutter_.number() + 1 - born;
   batch.push_back({"event", t_ns, to_json(event)});
 }
@@ -275,7 +252,7 @@ void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector
 // The last dwell may end with the run, so the file is closed with the next block. The run's last block waits for the
 // next record. If that begins another run, both are written with one wait for the disk.
 void RunLog::end(const Record& edge) {
-  stopped_.clear();
+  interruption_.run_ended();
   if (!run_ || !run_->ending.empty()) return cut();
   note_request(edge);
   last_ = take_batch();
@@ -297,7 +274,7 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;
   batch.push_back({"event", run_->last_t_ns, to_json(event)});
-  keep_label(run_->header);
+  interruption_.of(run_->header);
   close(std::move(batch), reason);
   interrupted(run + " ended: " + reason);
   stop(reason);
@@ -316,15 +293,8 @@ void RunLog::close(std::vector<NewEntry> batch, std::string why, bool another) {
   options_.tell({Notice::Grade::error, text + "; its file could not be closed: " + ended.error(), run.header.run, {}});
 }
 
-// The run that continues an interrupted one keeps the label and comment that the operator gave.
-void RunLog::keep_label(const RunHeader& header) {
-  interrupted_label_ = header.label;
-  interrupted_comment_ = header.comment;
-}
-
 void RunLog::stop(const std::string& why) {
-  stopped_ = why;
-  stopped_ns_ = now_.raw_ns;
+  interruption_.stopped(why, now_.raw_ns);
   kept_.clear();
   follows_ = false;
   options_.tell({Notice::Grade::error, "recording stops: " + why + "; measuring goes on", 0, {}});

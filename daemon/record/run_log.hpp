@@ -7,15 +7,17 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result/dwell.hpp"
 #include "core/stream/record.hpp"
+#include "daemon/record/awaiting_run.hpp"
 #include "daemon/record/block_cutter.hpp"
+#include "daemon/record/interruption.hpp"
 #include "daemon/record/notice.hpp"
 #include "daemon/record/request.hpp"
 #include "daemon/record/run_entries.hpp"
@@ -50,18 +52,12 @@ struct RunLogOptions {
 // Bound to one thread. Throws std::bad_alloc only.
 class RunLog {
  public:
-  // Most requests whose records have not come yet.
-  static constexpr std::size_t kRequests = 64;
-  // Most events before a run that it may begin with.
-  static constexpr std::size_t kEarlyEvents = 64;
   // If the wall clock moves this far against the raw clock between two turns, it was set. An NTP slew of at most 500
   // ppm takes 20 s for it.
   static constexpr std::int64_t kClockStep_ns = 10'000'000;
   // The last block of an ended run is written with the entries that close the run, but waits for them no longer than
   // this. Longer: a loss of power costs more. Shorter: a run that follows at once takes one more wait for the disk.
   static constexpr std::int64_t kSilence_ns = 500'000'000;
-  // A run that the drive begins this soon after an interruption counts as the continuation of the last one.
-  static constexpr std::int64_t kGoesOn_ns = 60'000'000'000;
 
   // The store must outlive it.
   RunLog(RunStore& store, RunLogOptions options) : store_(store), options_(std::move(options)) {}
@@ -79,19 +75,19 @@ class RunLog {
   // `lost` records of the stream are missing here: the run ends.
   void gap(std::uint64_t lost);
   // The request whose number a later record will have. Must come before that record.
-  void request(Request request);
+  void request(Request request) { requests_.add(std::move(request)); }
   // Recording was interrupted, for instance by a crash: the next run says so.
-  void interrupted(std::string how) { interrupted_ = std::move(how); }
-  // A run that begins within kGoesOn_ns from now, and not by an operator, counts as begun by the service.
-  void goes_on() noexcept { goes_on_until_ns_ = now_.raw_ns + kGoesOn_ns; }
+  void interrupted(std::string how) { interruption_.came(std::move(how)); }
+  // See Interruption::goes_on().
+  void goes_on() noexcept { interruption_.goes_on(now_.raw_ns); }
   // The service ends: so does the run.
   void finish();
 
   // What is being recorded; null: nothing.
   [[nodiscard]] const RunProgress* progress() const noexcept { return run_ ? &*run_ : nullptr; }
   // Why the current run is not recorded (any more); empty: it is, or there is none.
-  [[nodiscard]] const std::string& stopped() const noexcept { return stopped_; }
-  [[nodiscard]] std::int64_t stopped_ns() const noexcept { return stopped_ns_; }
+  [[nodiscard]] const std::string& stopped() const noexcept { return interruption_.why(); }
+  [[nodiscard]] std::int64_t stopped_ns() const noexcept { return interruption_.stopped_ns(); }
   [[nodiscard]] std::size_t kept_bytes() const noexcept { return kept_.bytes(); }
 
  private:
@@ -103,24 +99,17 @@ class RunLog {
   void end(const Record& edge);
   void end_now(const std::string& why, bool another = false);
   void stop(const std::string& why);
-  void keep_label(const RunHeader& header);
   void fail(std::vector<NewEntry> batch, const std::string& reason);
   void close(std::vector<NewEntry> batch, std::string why, bool another = false);
   [[nodiscard]] std::vector<NewEntry> take_batch();
   [[nodiscard]] std::vector<NewEntry> take_notes(std::int64_t t_ns);
   void note(StoredEvent event);
   void publish(std::string kind, std::uint64_t position, std::string body);
-  [[nodiscard]] const Request* request_of(const Record& record) const noexcept;
   void note_request(const Record& record);
   [[nodiscard]] RunHeader make_header(const Request* request, std::int64_t first_t_ns);
   void add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector<NewEntry>& batch);
   [[nodiscard]] StoredEvent own_event(std::string text) const;
   [[nodiscard]] std::string utc_now() const { return iso_utc(now_.utc_ns); }
-
-  struct Early {
-    std::uint64_t number;  // of the record before it
-    StoredEvent event;
-  };
 
   RunStore& store_;
   const RunLogOptions options_;
@@ -128,16 +117,14 @@ class RunLog {
   BlockCutter cutter_;
   KeptBlocks kept_;
   bool follows_ = false;  // kept_ and cutter_ hold the whole stream since the birth of a waiting pipeline
-  std::deque<Early> early_;
+  EarlyEvents early_;
   StreamEvents told_by_stream_;
   std::vector<NewEntry> notes_;  // results and events since the last block
   std::vector<NewEntry> last_;   // the last block of a run that has just ended, not written yet
   std::int64_t last_ns_ = 0;     // when that run ended, ns of the raw clock
   std::optional<RunProgress> run_;
-  std::deque<Request> requests_;  // newest last
-  std::string stopped_, interrupted_;
-  std::string interrupted_label_, interrupted_comment_;  // of the run that was interrupted
-  std::int64_t stopped_ns_ = 0, goes_on_until_ns_ = INT64_MIN;
+  AwaitedRequests requests_;
+  Interruption interruption_;
 };
 
 }  // namespace dwell::record

@@ -196,7 +196,7 @@ std::int64_t RunReader::begin_ns() const noexcept { return impl_->begin_ns; }
 std::int64_t RunReader::end_ns() const noexcept { return impl_->end_ns; }
 
 std::optional<double> RunReader::span_s() const noexcept {
-  const bool child = !impl_->header.parent_id.empty();
+  const bool child = impl_->header.is_child();
   const std::int64_t from_ns = child ? impl_->header_ns : impl_->begin_ns;
   const std::int64_t to_ns = child ? impl_->ended_ns.value_or(from_ns) : impl_->end_ns;
   if (to_ns <= from_ns) return std::nullopt;

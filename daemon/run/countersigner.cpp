@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "daemon/clock.hpp"
+#include "daemon/record/audit.hpp"
 #include "daemon/record/key_file.hpp"
+#include "daemon/record/ledger_check.hpp"
 #include "daemon/record/run_reader.hpp"
 #include "daemon/record/signature.hpp"
 #include "daemon/record/utc_text.hpp"
@@ -54,8 +57,11 @@ std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view l
   // Checks the nesting first, since the parser recurses. No valid request nests.
   if (std::count(line.begin(), line.end(), '[') + std::count(line.begin(), line.end(), '{') > 64) return std::nullopt;
   const Json request = Json::parse(line, nullptr, false);
-  if (!request.is_object() || text_of(request, "verb") != "sign") return std::nullopt;
+  if (!request.is_object()) return std::nullopt;
+  const auto verb = text_of(request, "verb");
+  if (verb != "sign" && verb != "enter") return std::nullopt;
   SignRequest sign;
+  sign.enter = verb == "enter";
   sign.uid = uid;
   for (const auto& [name, to] :
        std::initializer_list<std::pair<const char*, std::string*>>{{"file", &sign.file},
@@ -67,13 +73,14 @@ std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view l
     *to = std::move(*text);
   }
   if (sign.file.empty()) return fail("no file: expected the path of a run file");
-  if (sign.words.meaning.empty()) return fail("no meaning: expected for instance \"reviewed\"");
+  if (sign.words.meaning.empty() && !sign.enter) return fail("no meaning: expected for instance \"reviewed\"");
   return sign;
 }
 
-std::string sign_answer(const record::Result<Countersigned>& result) {
+std::string sign_answer(const record::Result<Signed>& result) {
   if (!result) return dump(Json{{"error", result.error()}});
-  return dump(Json{{"run", result->run}, {"signature", Json::parse(record::to_json(result->signature))}});
+  if (!result->signature) return dump(Json{{"run", result->run}, {"entered", result->entered}});
+  return dump(Json{{"run", result->run}, {"signature", Json::parse(record::to_json(*result->signature))}});
 }
 
 record::Result<std::string> run_file_in(const std::string& directory, const std::string& file) {
@@ -85,7 +92,7 @@ record::Result<std::string> run_file_in(const std::string& directory, const std:
   const fs::path parent = asked.has_parent_path() ? fs::canonical(asked.parent_path(), failed) : folder;
   if (failed || parent != folder)
     return fail(file + " is not in the recording directory " + folder.string() +
-                ": the service signs the runs there alone; elsewhere sign with a key of your own");
+                ": the service signs the runs there alone, and its ledger knows no others");
   const std::string path = (folder / asked.filename()).string();
   if (asked.extension() != ".dwell") return fail(path + " is no run file, expected NAME.dwell");
   struct stat is {};
@@ -127,23 +134,23 @@ void Countersigner::run() {
     const Job job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
-    job.done(sign_or_why_not(job.request));
+    job.done(do_or_why_not(job.request));
     lock.lock();
   }
 }
 
 // An exception must not end the thread. Possible causes: no memory, or a user name that is not UTF-8.
-record::Result<Countersigned> Countersigner::sign_or_why_not(const SignRequest& request) const {
+record::Result<Signed> Countersigner::do_or_why_not(const SignRequest& request) const {
   try {
-    return sign(request);
+    const auto path = run_file_in(directory_, request.file);
+    if (!path) return fail(path.error() + (request.enter ? "" : "; a key of your own signs any run file"));
+    return request.enter ? enter(*path) : sign(request, *path);
   } catch (const std::exception& error) {
     return fail(request.file + ": " + error.what());
   }
 }
 
-record::Result<Countersigned> Countersigner::sign(const SignRequest& request) const {
-  const auto path = run_file_in(directory_, request.file);
-  if (!path) return fail(path.error());
+record::Result<Signed> Countersigner::sign(const SignRequest& request, const std::string& path) const {
   const User user = user_of(request.uid);
   record::PersonalSignature words = request.words;
   words.person = record::Person{request.uid, user.login};
@@ -153,14 +160,45 @@ record::Result<Countersigned> Countersigner::sign(const SignRequest& request) co
   // The key is read each time: the recorder makes it, and it may change.
   const auto key = record::SigningKey::load(record::key_path(directory_));
   if (!key) return fail(key.error());
-  auto signature = record::sign_by_service(*path, std::move(words), *key);
+  auto signature = record::sign_by_service(path, std::move(words), *key);
   if (!signature) return fail(signature.error());
-  const auto reader = record::RunReader::open(*path);
+  const auto reader = record::RunReader::open(path);
   if (!reader) return fail(reader.error());
-  Countersigned made{reader->header().run, std::move(*signature)};
-  if (const auto entered = enter_(made); !entered)
-    return fail(*path + " is signed, but the ledger does not know of it: " + entered.error());
-  return made;
+  const std::int64_t run = reader->header().run;
+  if (const auto entered = enter_(run, *signature); !entered)
+    return fail(path + " is signed, but the ledger does not know of it: " + entered.error());
+  return Signed{run, std::move(*signature), 1};
+}
+
+// The audit verifies the signatures, and that the file is the run that the ledger knows by its number.
+record::Result<Signed> Countersigner::enter(const std::string& path) const {
+  record::AuditOptions options;
+  options.ledger = directory_ + "/ledger.dwell-ledger";
+  auto ledger = record::check_ledger(options.ledger, options);
+  if (!ledger) return fail(ledger.error());
+  options.checked = std::make_shared<const record::CheckedLedger>(std::move(*ledger));
+  const auto audit = record::audit_run(path, options);
+  if (!audit) return fail(audit.error());
+  if (audit->state != record::AuditState::intact)
+    return fail(path + " is " + to_string(audit->state) + (audit->where.empty() ? "" : ": " + audit->where));
+  auto reader = record::RunReader::open(path);
+  if (!reader) return fail(reader.error());
+  Signed done{reader->header().run, std::nullopt, 0};
+  const record::LedgerRun* const known = options.checked->find(done.run);
+  if (known == nullptr)
+    return fail(path + (done.run == 0 ? ": is a child file, which no ledger knows" : ": the ledger knows no such run"));
+  const auto signatures = reader->signatures();
+  if (!signatures) return fail(signatures.error());
+  for (const record::PersonalSignature& signature : *signatures) {
+    const std::string body = to_json(signature);
+    if (std::any_of(known->signatures.begin(), known->signatures.end(),
+                    [&body](const record::PersonalSignature& one) { return to_json(one) == body; }))
+      continue;
+    if (const auto entered = enter_(done.run, signature); !entered)
+      return fail("the ledger could not be told of the signature of " + signature.name + ": " + entered.error());
+    ++done.entered;
+  }
+  return done;
 }
 
 }  // namespace dwell

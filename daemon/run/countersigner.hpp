@@ -1,6 +1,7 @@
 // Signs closed runs for users of this computer who ask over the control socket: the service's key vouches for their
-// words. A file's chain is followed before it is signed, which takes as long as reading the file. So a thread of its
-// own does one file after the other.
+// words. Enters signatures by persons' own keys into the ledger, which only the service may write. A file's chain is
+// followed before it is signed, which takes as long as reading the file. So a thread of its own does one file after the
+// other.
 #pragma once
 
 #include <condition_variable>
@@ -19,21 +20,24 @@ namespace dwell {
 
 struct SignRequest {
   std::string file;                 // its path, or its name in the recording directory
+  bool enter = false;               // sign nothing; enter into the ledger which persons' own keys have signed the file
   record::PersonalSignature words;  // name (empty: as the system calls the user), meaning, reason
   std::uint32_t uid = 0;            // who asks
 };
 
-// What was signed. run: its number on the ledger; 0: a child file.
-struct Countersigned {
+// What was done. run: its number on the ledger; 0: a child file, which no ledger knows.
+struct Signed {
   std::int64_t run = 0;
-  record::PersonalSignature signature;
+  std::optional<record::PersonalSignature> signature;  // of the service; none: it was not asked for one
+  std::size_t entered = 0;                             // signatures that the ledger did not know before
 };
 
-// Parses a line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}; the last two may be
-// missing. Fails with what was expected. nullopt: the line asks for something else.
+// Parses a line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}, of which the last two
+// may be missing, or {"verb":"enter","file":…}. Fails with what was expected. nullopt: the line asks for something
+// else.
 [[nodiscard]] std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid);
-// {"run":17,"signature":{…}} or {"error":…}
-[[nodiscard]] std::string sign_answer(const record::Result<Countersigned>& result);
+// {"run":17,"signature":{…}}, {"run":17,"entered":1} or {"error":…}
+[[nodiscard]] std::string sign_answer(const record::Result<Signed>& result);
 
 // The path of a file that may be signed: a regular file *.dwell in `directory` itself, and no link. Fails with what was
 // found.
@@ -41,9 +45,9 @@ struct Countersigned {
 
 class Countersigner {
  public:
-  // Enters the signature into the ledger. Called on the signing thread; may wait.
-  using Enter = std::function<record::Result<void>(const Countersigned&)>;
-  using Done = std::function<void(const record::Result<Countersigned>&)>;
+  // Enters a signature under this run into the ledger. Called on the signing thread; may wait.
+  using Enter = std::function<record::Result<void>(std::int64_t run, const record::PersonalSignature& signature)>;
+  using Done = std::function<void(const record::Result<Signed>&)>;
 
   // directory: that of the recordings, which holds the service's key. Starts the thread.
   Countersigner(std::string directory, Enter enter);
@@ -61,8 +65,9 @@ class Countersigner {
     Done done;
   };
   void run();
-  [[nodiscard]] record::Result<Countersigned> sign_or_why_not(const SignRequest& request) const;
-  [[nodiscard]] record::Result<Countersigned> sign(const SignRequest& request) const;
+  [[nodiscard]] record::Result<Signed> do_or_why_not(const SignRequest& request) const;
+  [[nodiscard]] record::Result<Signed> sign(const SignRequest& request, const std::string& path) const;
+  [[nodiscard]] record::Result<Signed> enter(const std::string& path) const;
 
   const std::string directory_;
   const Enter enter_;

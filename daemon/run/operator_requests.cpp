@@ -39,8 +39,15 @@ std::string OperatorRequests::obstacle(Verb verb) const {
   if (verb == Verb::rearm) return {};
   if (!run_.bracketed())
     return "not recording: the rig file has no [recording], and one run lasts as long as the service";
-  if (verb == Verb::start && !operators_run_.empty())
-    return operators_run_ + " goes on: stop it first, with dwellctl stop";
+  if (verb == Verb::start) {
+    const record::Obstacle recording = recorder_ == nullptr ? record::Obstacle{} : recorder_->obstacle();
+    if (!operators_run_.empty())
+      return recording.why.empty() ? operators_run_ + " goes on: stop it first, with dwellctl stop"
+                                   : "recording is stopped: " + recording.why + "; " + operators_run_ +
+                                         " then goes on by itself within 30 s";
+    if (recording.of_every_run)
+      return "recording is stopped: " + recording.why + "; start the run again then: the service tries every 30 s";
+  }
   if (verb == Verb::stop && operators_run_.empty() && !run_.latest().run.on) return "nothing to stop: no run goes on";
   return {};
 }

@@ -101,6 +101,7 @@ void print_record(Medians& medians, const Table& table) {
   table.plain("write and fdatasync of the same as 32 bytes each, CPU",
               text("%.1f ms/s", 1e3 * share("raw_file", "cpu_s")));
   table.plain("... with the waits for the disk", text("%.1f ms/s", 1e3 * share("raw_file", "all_s")));
+  table.plain("... of these fdatasync", text("%.1f ms/s", 1e3 * share("raw_file", "sync_s")));
   table.plain("reading a run file, samples", text("%.1f million/s", 1e-6 * share("run_reading/2", "items_per_second")));
 }
 

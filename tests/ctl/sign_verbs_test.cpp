@@ -29,9 +29,11 @@ TEST_F(SignVerbs, APersonSignsWithAKeyOfTheirOwn) {
   EXPECT_EQ(is.st_mode & 0777u, 0600u);
   EXPECT_EQ(test::run({"keygen", "--key", own}).code, 2);  // never replaces one
 
-  const Outcome outcome = test::run(
-      {"sign", run, "--meaning", "reviewed", "--name", "Anna Weber", "--reason", "for the certificate", "--key", own});
+  const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--name", "Anna Weber", "--reason",
+                                     "for the certificate", "--key", own, "--control", folder.path("none")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "  no ledger knows it: ")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "dwellctl sign --enter enters it")) << outcome.out;
   EXPECT_TRUE(holds(outcome.out, "Anna Weber: reviewed")) << outcome.out;
   EXPECT_TRUE(holds(outcome.out, "with the key anna@desk ")) << outcome.out;
 
@@ -39,9 +41,43 @@ TEST_F(SignVerbs, APersonSignsWithAKeyOfTheirOwn) {
   EXPECT_EQ(audit.code, 0) << audit.out;
   EXPECT_TRUE(holds(audit.out, ": intact\n  signed: ")) << audit.out;
   EXPECT_TRUE(holds(audit.out, "Anna Weber")) << audit.out;
+  EXPECT_TRUE(holds(audit.out, ", not trusted\n")) << audit.out;
+  const std::string persons = folder.file("persons", "# who may sign\n\n" + vkey);
+  for (const std::string& known : {own + ".pub", persons, vkey.substr(0, vkey.find('\n'))}) {
+    const Outcome pinned = test::run({"audit", run, "--person", known});
+    EXPECT_EQ(pinned.code, 0) << pinned.err;
+    EXPECT_TRUE(holds(pinned.out, "with the pinned key anna@desk ")) << pinned.out;
+    EXPECT_TRUE(holds(pinned.out, "intact, key ")) << "the service's key is not pinned by it: " << pinned.out;
+    const auto json = nlohmann::json::parse(test::run({"audit", run, "--json", "--person", known}).out);
+    EXPECT_EQ(json["files"][0]["signature_keys"][0]["trusted"], true);
+  }
+  EXPECT_EQ(test::run({"audit", run, "--person", folder.file("empty", "# nobody\n")}).code, 2);
   const Outcome show = test::run({"show", run});
   EXPECT_TRUE(holds(show.out, "signatures\n  Anna Weber: reviewed (for the")) << show.out;
   EXPECT_TRUE(holds(show.out, "certificate")) << show.out;
+}
+
+TEST_F(SignVerbs, ASignatureByAnOwnKeyIsEnteredIntoTheLedgerOfTheServiceAtHand) {
+  const std::string run = written("run.dwell"), own = folder.path("key"), control = folder.path("control");
+  ASSERT_EQ(test::run({"keygen", "--key", own}).code, 0);
+  test::ScriptedServer server(
+      {{"{\"run\":17,\"entered\":1}\n"}, {"{\"run\":17,\"entered\":0}\n"}, {"{\"error\":\"run.dwell is tampered\"}\n"}},
+      control);
+  const Outcome signed_by_own =
+      test::run({"sign", run, "--meaning", "reviewed", "--name", "A", "--key", own, "--control", control});
+  EXPECT_EQ(signed_by_own.code, 0) << signed_by_own.err;
+  EXPECT_TRUE(holds(signed_by_own.out, "\n  the ledger knows it\n")) << signed_by_own.out;
+  const auto request = nlohmann::json::parse(server.requests().at(0));
+  EXPECT_EQ(request["verb"], "enter");
+  EXPECT_EQ(request["file"], std::filesystem::absolute(run).string());
+  const Outcome again = test::run({"sign", run, "--enter", "--control", control});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_TRUE(holds(again.out, "the ledger knows all its signatures")) << again.out;
+  const Outcome refused = test::run({"sign", run, "--enter", "--control", control});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_TRUE(holds(refused.err, "run.dwell is tampered")) << refused.err;
+  EXPECT_EQ(test::run({"sign", run}).code, 2) << "neither --meaning nor --enter";
+  EXPECT_EQ(test::run({"sign", run, "--enter", "--control", folder.path("none")}).code, 3);
 }
 
 TEST_F(SignVerbs, WordsThatAreNotUtf8AreRefusedAndTheFileStaysAsItWas) {

@@ -8,11 +8,20 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/record/run_reader.hpp"
+#include "daemon/record/signature.hpp"
+#include "tests/record/audited.hpp"
 #include "tests/record/sample_run.hpp"
 #include "tests/record/scratch.hpp"
 
 namespace dwell {
 namespace {
+
+// Asks and waits for the answer.
+record::Result<Signed> answer_of(Countersigner& signer, const SignRequest& asked) {
+  std::promise<record::Result<Signed>> answer;
+  signer.ask(asked, [&answer](const record::Result<Signed>& made) { answer.set_value(made); });
+  return answer.get_future().get();
+}
 
 struct CountersignerTest : testing::Test {
   record::SampleRun written(const std::string& name, bool closed = true) const {
@@ -23,11 +32,12 @@ struct CountersignerTest : testing::Test {
   }
   void begin() {
     ASSERT_TRUE(key.save(scratch.path("key")));
-    signer.emplace(scratch.path(), [this](const Countersigned& made) -> record::Result<void> {
-      if (ledger_fails) return tl::unexpected(std::string("disk full"));
-      entered.push_back(made);
-      return {};
-    });
+    signer.emplace(scratch.path(),
+                   [this](std::int64_t, const record::PersonalSignature& signature) -> record::Result<void> {
+                     if (ledger_fails) return tl::unexpected(std::string("disk full"));
+                     entered.push_back(signature);
+                     return {};
+                   });
   }
   static SignRequest request(const std::string& file) {
     SignRequest request;
@@ -37,17 +47,12 @@ struct CountersignerTest : testing::Test {
     request.uid = getuid();
     return request;
   }
-  // Asks and waits for the answer.
-  record::Result<Countersigned> sign(const SignRequest& asked) {
-    std::promise<record::Result<Countersigned>> answer;
-    signer->ask(asked, [&answer](const record::Result<Countersigned>& made) { answer.set_value(made); });
-    return answer.get_future().get();
-  }
+  record::Result<Signed> sign(const SignRequest& asked) { return answer_of(*signer, asked); }
 
   const record::Scratch scratch;
   const record::SigningKey key = record::sample_key("bench2");
   bool ledger_fails = false;
-  std::vector<Countersigned> entered;
+  std::vector<record::PersonalSignature> entered;
   std::optional<Countersigner> signer;
 };
 
@@ -58,13 +63,13 @@ TEST_F(CountersignerTest, SignsAClosedRunForWhoAsksAndTheLedgerKnows) {
     const auto made = sign(request(file));
     ASSERT_TRUE(made) << made.error();
     EXPECT_EQ(made->run, 17);
-    ASSERT_TRUE(made->signature.person);
-    EXPECT_EQ(made->signature.person->uid, getuid());
+    ASSERT_TRUE(made->signature->person);
+    EXPECT_EQ(made->signature->person->uid, getuid());
   }
   signer.reset();
   ASSERT_EQ(entered.size(), 2u);
-  EXPECT_EQ(entered[0].signature.name, "Anna Weber");
-  EXPECT_LT(entered[0].signature.seq, entered[1].signature.seq);
+  EXPECT_EQ(entered[0].name, "Anna Weber");
+  EXPECT_LT(entered[0].seq, entered[1].seq);
   auto reader = record::RunReader::open(run.path);
   ASSERT_TRUE(reader) << reader.error();
   EXPECT_EQ(reader->signatures()->size(), 2u);
@@ -77,7 +82,7 @@ TEST_F(CountersignerTest, TakesTheNameOfTheSystemWhereNoneIsGiven) {
   asked.words.name.clear();
   const auto made = sign(asked);
   ASSERT_TRUE(made) << made.error();
-  EXPECT_NE(made->signature.name, "");
+  EXPECT_NE(made->signature->name, "");
 }
 
 TEST_F(CountersignerTest, TouchesNothingButClosedRunsInItsDirectory) {
@@ -119,9 +124,83 @@ TEST_F(CountersignerTest, AnswersEveryoneWhenItGoes) {
   begin();
   std::atomic<int> answers = 0;
   for (int i = 0; i < 40; ++i)
-    signer->ask(request("run.dwell"), [&answers](const record::Result<Countersigned>&) { ++answers; });
+    signer->ask(request("run.dwell"), [&answers](const record::Result<Signed>&) { ++answers; });
   signer.reset();
   EXPECT_EQ(answers, 40);
+}
+
+// The ledger of a directory with one run, the service's key, and a person's own key under the run.
+struct OwnKeySignatures : testing::Test {
+  static record::PersonalSignature words(const std::string& meaning) {
+    record::PersonalSignature words = record::sample_words();
+    words.meaning = meaning;
+    return words;
+  }
+  record::Result<Signed> enter() {
+    Countersigner signer(scratch.path(), [this](std::int64_t number, const record::PersonalSignature& signature) {
+      return ledger.run_signed(number, signature);
+    });
+    SignRequest request;
+    request.file = run;
+    request.enter = true;
+    return answer_of(signer, request);
+  }
+  // By the ledger and the pinned key.
+  [[nodiscard]] record::Audit audited() const {
+    record::AuditOptions options = record::with_ledger(scratch);
+    options.keys = {record::sample_key().public_key()};
+    return record::audited(run, options);
+  }
+
+  const record::Scratch scratch{true};
+  record::Ledger ledger = record::recorded(scratch, 1);
+  const std::string run = scratch.path("a.dwell");
+  const record::SigningKey own = record::sample_key("anna@desk");
+};
+
+TEST_F(OwnKeySignatures, AreEntriesOfTheLedgerOnce) {
+  const std::string before = record::Scratch::read(run);
+  ASSERT_TRUE(sign_by_own_key(run, words("reviewed"), own));
+  ASSERT_TRUE(sign_by_own_key(run, words("released"), own));
+  const auto first = enter(), again = enter();
+  ASSERT_TRUE(first) << first.error();
+  EXPECT_EQ(first->run, 1);
+  EXPECT_EQ(first->entered, 2u);
+  EXPECT_FALSE(first->signature);
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(again->entered, 0u);
+  EXPECT_EQ(audited().state, record::AuditState::intact) << audited().where;
+  scratch.write("a.dwell", before);
+  EXPECT_NE(audited().where.find("the signature of Anna"), std::string::npos) << "taken away: " << audited().where;
+}
+
+TEST_F(OwnKeySignatures, UnderAFileThatIsNotTheLedgersRunAreNotEntered) {
+  record::RunHeader another = record::sample_header(1, record::sample_key());
+  another.id = std::string(32, '7');
+  std::filesystem::remove(run);
+  record::write_sample(run, {.seed = 9, .header = another});
+  ASSERT_TRUE(sign_by_own_key(run, words("reviewed"), own));
+  const auto done = enter();
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().find("the ledger knows another run as run 1"), std::string::npos) << done.error();
+}
+
+TEST_F(OwnKeySignatures, UnderAChildFileAreInNoLedger) {
+  record::RunHeader child = record::sample_header(0, record::sample_key());
+  child.parent_id = std::string(32, '7');
+  std::filesystem::remove(run);
+  record::write_sample(run, {.seed = 9, .header = child});
+  ASSERT_TRUE(sign_by_own_key(run, words("reviewed"), own));
+  const auto done = enter();
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().find("is a child file, which no ledger knows"), std::string::npos) << done.error();
+}
+
+TEST(SignRequest, ToEnterSignaturesNeedsNoMeaning) {
+  const auto asked = parse_sign_request(R"({"verb":"enter","file":"a.dwell"})", 7);
+  ASSERT_TRUE(asked && *asked);
+  EXPECT_TRUE((*asked)->enter);
+  EXPECT_EQ(sign_answer(Signed{3, std::nullopt, 2}), R"({"run":3,"entered":2})");
 }
 
 TEST(SignRequest, NamesWhatIsMissingInALine) {
@@ -147,7 +226,7 @@ TEST(SignRequest, IsAnsweredWithTheSignatureOrTheReason) {
   EXPECT_EQ(sign_answer(tl::unexpected(std::string("no"))), R"({"error":"no"})");
   record::PersonalSignature signature;
   signature.name = "Anna";
-  const auto json = nlohmann::json::parse(sign_answer(Countersigned{3, signature}));
+  const auto json = nlohmann::json::parse(sign_answer(Signed{3, signature, 1}));
   EXPECT_EQ(json["run"], 3);
   EXPECT_EQ(json["signature"]["name"], "Anna");
 }

@@ -17,7 +17,9 @@ using Verb = OperatorRequest::Verb;
 struct OperatorRequestsTest : testing::Test {
   struct Sink final : record::RequestSink {
     void request(record::Request request) override { requests.push_back(std::move(request)); }
+    [[nodiscard]] record::Obstacle obstacle() const override { return in_the_way; }
     std::vector<record::Request> requests;
+    record::Obstacle in_the_way;
   };
 
   // Its threads do not run: what is asked for stays in the queue.
@@ -73,6 +75,28 @@ TEST_F(OperatorRequestsTest, AnOperatorsRunIsNotReplacedByAnother) {
   EXPECT_EQ(ask(Verb::stop), "");
   EXPECT_EQ(ask(Verb::start, "b"), "");
   EXPECT_EQ(sink.requests.size(), 3u) << "what is refused is not told of";
+}
+
+TEST_F(OperatorRequestsTest, WhereTheDiskIsFullARunThatGoesOnIsNotBlamedForIt) {
+  begin(true);
+  EXPECT_EQ(ask(Verb::start, "a"), "");
+  sink.in_the_way = {"disk full: 12 MB are free in /runs, a run needs 288 MB: free 276 MB more there", true};
+  EXPECT_EQ(ask(Verb::start, "b"),
+            "recording is stopped: disk full: 12 MB are free in /runs, a run needs 288 MB: free 276 MB more there; "
+            "run \"a\", started by anna (uid 1000) then goes on by itself within 30 s");
+  EXPECT_EQ(ask(Verb::stop), "");
+  EXPECT_EQ(sink.requests.size(), 2u) << "what is refused is not told of";
+}
+
+TEST_F(OperatorRequestsTest, ARunThatCouldNotBeRecordedIsRefusedWithTheReason) {
+  begin(true);
+  sink.in_the_way = {"disk full: free 276 MB more", true};
+  EXPECT_EQ(
+      ask(Verb::start, "a"),
+      "recording is stopped: disk full: free 276 MB more; start the run again then: the service tries every 30 s");
+  EXPECT_TRUE(sink.requests.empty());
+  sink.in_the_way = {"recorder fell behind", false};
+  EXPECT_EQ(ask(Verb::start, "a"), "") << "what ended the drive's run does not keep another from being recorded";
 }
 
 TEST_F(OperatorRequestsTest, WithoutARunThereIsNothingToStop) {

@@ -85,7 +85,7 @@ TEST_F(HandonCommand, ExportsNothingOfATamperedRunUnlessAskedTo) {
 }
 
 // A child file holds no stream: nothing may be said about readings, samples or losses as if there were none.
-TEST_F(HandonCommand, ReportsAnAmendmentAsWhatItIs) {
+TEST_F(HandonCommand, ReportsAChildFileAsWhatItIs) {
   ASSERT_EQ(say("export run.dwell --format csv -o out.csv").code, 0);
   ASSERT_EQ(say("keygen --key own.key").code, 0);
   const Said made = say("replay run.dwell --rig out.rig.toml -o child.dwell --key own.key");
@@ -93,16 +93,29 @@ TEST_F(HandonCommand, ReportsAnAmendmentAsWhatItIs) {
   ASSERT_EQ(say("report child.dwell -o child.html").code, 0);
   const std::string page = record::Scratch::read(scratch_.path("child.html"));
   const std::string id = test::select(run_).header().id;
-  EXPECT_NE(page.find("<h1>Amendment of run " + id.substr(0, 8)), std::string::npos);
-  EXPECT_NE(page.find("Amendment of run " + id + ", head "), std::string::npos);
+  EXPECT_NE(page.find("<h1>Child file of run " + id.substr(0, 8)), std::string::npos);
+  EXPECT_NE(page.find("Child file of run " + id + ", head "), std::string::npos);
   for (const char* untrue : {"Losses and faults", "Readings over time", "<th>samples</th>", "0.0 s</td>", "<td>0</td>"})
     EXPECT_EQ(page.find(untrue), std::string::npos) << untrue;
   const Said page_of_text = say("show child.dwell");
-  EXPECT_NE(page_of_text.out.find("amendment of run " + id.substr(0, 8)), std::string::npos) << page_of_text.out;
+  EXPECT_NE(page_of_text.out.find("child file of run " + id.substr(0, 8)), std::string::npos) << page_of_text.out;
   EXPECT_EQ(page_of_text.out.find("0 samples"), std::string::npos) << page_of_text.out;
   EXPECT_NE(page_of_text.out.find("covers     3.0 s"), std::string::npos) << page_of_text.out;
   const Said list = say("runs .");
   EXPECT_NE(list.out.find("3.0 s  closed"), std::string::npos) << list.out;
+}
+
+TEST_F(HandonCommand, TheReportTellsWhichPersonsKeyIsPinned) {
+  ASSERT_EQ(say("keygen --key own.key --name anna@desk").code, 0);
+  ASSERT_EQ(say("sign run.dwell --meaning reviewed --name Anna --key own.key --control none").code, 0);
+  const auto page = [&](const std::string& options) {
+    EXPECT_EQ(say("report run.dwell --overwrite -o out.html " + options).code, 0);
+    return record::Scratch::read(scratch_.path("out.html"));
+  };
+  EXPECT_NE(page("--person own.key.pub").find("with the pinned key anna@desk "), std::string::npos);
+  const std::string of_nobody = page("");
+  EXPECT_NE(of_nobody.find(", not trusted"), std::string::npos);
+  EXPECT_EQ(of_nobody.find("with the pinned key"), std::string::npos);
 }
 
 TEST_F(HandonCommand, TrustsThePinnedKeyAlone) {

@@ -23,7 +23,7 @@ TEST(Report, IsOnePageThatHoldsEverythingAndRunsNothing) {
   audit.state = record::AuditState::intact;
   audit.key = "1234";
   audit.head = "ab12";
-  audit.signatures = {"reviewed by o'brien"};
+  audit.signatures = {{"reviewed by o'brien", "", false}};
   const auto done = export_report(selection, audit, test::provenance(), scratch.path("report.html"), {});
   ASSERT_TRUE(done) << done.error();
   EXPECT_EQ(test::python("read_report.py", {scratch.path("report.html")}), 0);

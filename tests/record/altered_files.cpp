@@ -67,6 +67,14 @@ const SigningKey& sample_other() {
   return kKey;
 }
 
+PersonalSignature sample_words() {
+  PersonalSignature words;
+  words.name = "Anna";
+  words.meaning = "reviewed";
+  words.utc = "2026-11-24T08:00:00.000000Z";
+  return words;
+}
+
 RunHeader sample_header(std::int64_t run, const SigningKey& key) {
   RunHeader header;
   header.run = run;

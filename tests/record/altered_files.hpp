@@ -36,6 +36,9 @@ struct SampleFile {
 [[nodiscard]] const SigningKey& sample_key();    // the service's
 [[nodiscard]] const SigningKey& sample_other();  // anybody else's
 
+// What Anna says under a run: she has reviewed it.
+[[nodiscard]] PersonalSignature sample_words();
+
 // A header that is complete.
 [[nodiscard]] RunHeader sample_header(std::int64_t run, const SigningKey& key);
 

@@ -128,9 +128,31 @@ TEST(Audit, SignaturesAreListedWithWhoVouches) {
   const Audit audit = audited(path);
   ASSERT_EQ(audit.state, AuditState::intact) << audit.where;
   ASSERT_EQ(audit.signatures.size(), 2u);
-  EXPECT_TRUE(says(audit.signatures[0], "Anna Huber: reviewed")) << audit.signatures[0];
-  EXPECT_TRUE(says(audit.signatures[0], "countersigned by the service for user 1000 (anna)")) << audit.signatures[0];
-  EXPECT_TRUE(says(audit.signatures[1], "with the key somebody")) << audit.signatures[1];
+  const std::string countersigned = audit.signatures[0].text, own = audit.signatures[1].text;
+  EXPECT_TRUE(says(countersigned, "Anna Huber: reviewed")) << countersigned;
+  EXPECT_TRUE(says(countersigned, "countersigned by the service for user 1000 (anna)")) << countersigned;
+  EXPECT_TRUE(says(own, "with the key somebody")) << own;
+  EXPECT_TRUE(says(own, ", not trusted")) << own;
+}
+
+TEST(Audit, ASignatureByAPinnedPersonsKeySaysSoAndOneByAnotherKeyIsNotTrusted) {
+  const Scratch scratch(true);
+  const std::string path = scratch.path("a.dwell");
+  write_sample(path, {.seed = 6, .end = SampleEnd::signed_by_service});
+  const auto anna = SigningKey::make("anna@desk"), eve = SigningKey::make("anna@desk");
+  for (const auto* key : {&*anna, &*eve}) ASSERT_TRUE(sign_by_own_key(path, sample_words(), *key));
+  AuditOptions options;
+  options.persons = {anna->public_key()};
+  const Audit audit = audited(path, options);
+  ASSERT_EQ(audit.state, AuditState::intact) << audit.where;
+  ASSERT_EQ(audit.signatures.size(), 3u);
+  const AuditedSignature &service = audit.signatures[0], &hers = audit.signatures[1], &forged = audit.signatures[2];
+  EXPECT_FALSE(service.trusted) << "the service's own key is not pinned";
+  EXPECT_TRUE(hers.trusted);
+  EXPECT_EQ(hers.key, anna->public_key().fingerprint());
+  EXPECT_TRUE(says(hers.text, "with the pinned key anna@desk " + hers.key)) << hers.text;
+  EXPECT_FALSE(forged.trusted) << "the same name, another key";
+  EXPECT_TRUE(says(forged.text, "with the key anna@desk " + forged.key + ", not trusted")) << forged.text;
 }
 
 TEST(Audit, ASignatureThatNobodyVouchesForIsTampered) {
@@ -174,10 +196,7 @@ TEST(Audit, OnlySignaturesMayFollowTheEnd) {
 TEST(Audit, AJournalBesideARunOrALedgerIsTamperingAndIsNeverPlayedBack) {
   const Scratch scratch;
   (void)recorded(scratch, 1);
-  PersonalSignature words;
-  words.name = "Anna";
-  words.meaning = "reviewed";
-  words.utc = "2026-01-01T00:00:00Z";
+  PersonalSignature words = sample_words();
   words.person = Person{1000, "anna"};
   const std::string run = scratch.path("a.dwell");
   for (const char* stray : {"a.dwell-journal", "a.dwell-wal"}) {
@@ -203,10 +222,7 @@ TEST(Audit, AJournalBesideARunOrALedgerIsTamperingAndIsNeverPlayedBack) {
 
 TEST(Audit, OnlyAClosedRunIsSignedAndOnlyByTheKeyThatRecordedIt) {
   const Scratch scratch(true);
-  PersonalSignature signature;
-  signature.name = "Anna";
-  signature.meaning = "reviewed";
-  signature.utc = "2026-11-24T08:00:00.000000Z";
+  PersonalSignature signature = sample_words();
   signature.person = Person{1000, "anna"};
   const std::string open = scratch.path("a.dwell"), closed = scratch.path("b.dwell");
   write_sample(open, {.seed = 6, .end = SampleEnd::log_left});

@@ -131,6 +131,18 @@ TEST_F(RecorderTest, ADirectoryThatCannotBeUsedIsAnAlarmAndNothingMore) {
   EXPECT_TRUE(notices.hold("runs cannot be recorded: /proc/nowhere"));
 }
 
+TEST_F(RecorderTest, AFullDiskIsInTheWayOfEveryRunAndSaysHowMuchIsMissing) {
+  RecorderOptions options = recorder_options(scratch.path(), notices);
+  options.folder.room_bytes = 1'000'000'000'000'000;
+  Recorder recorder(options);
+  ASSERT_TRUE(eventually([&] { return !recorder.obstacle().why.empty(); }));
+  EXPECT_TRUE(recorder.obstacle().of_every_run);
+  const std::string why = recorder.obstacle().why;
+  EXPECT_NE(why.find("a run needs 1000000002 MB to begin: free "), std::string::npos) << why;
+  EXPECT_NE(why.find(" MB more there"), std::string::npos) << why;
+  EXPECT_FALSE(std::filesystem::exists(scratch.path("reserve"))) << "what is missing is not taken by the reserve";
+}
+
 TEST_F(RecorderTest, AThreadThatDoesNotTurnIsAnAlarm) {
   Recorder recorder(recorder_options(scratch.path(), notices));
   const RecorderState state = recorder.state(raw_now_ns() + 7'000'000'000);

@@ -34,6 +34,16 @@ struct FolderRig {
           log.record(r);
         }) {}
 
+  // 2.5 s, half a second after its pipeline was armed, and what closes it.
+  void record_a_run() {
+    stream.armed();
+    stream.play(0.5);
+    stream.begins();
+    stream.play(2.5);
+    stream.ends();
+    stream.play(1.5);
+  }
+
   Notices notices;
   RunFolder folder;
   RunLog log;
@@ -67,14 +77,7 @@ std::string broken(const std::string& directory) {
 TEST(RunFolder, RunsAreFilesOfTheirOwnThatAuditAsIntactAndTheLedgerKnowsThem) {
   const Scratch scratch;
   FolderRig rig(scratch.path());
-  for (int run = 0; run < 3; ++run) {
-    rig.stream.armed();
-    rig.stream.play(0.5);
-    rig.stream.begins();
-    rig.stream.play(2.5);
-    rig.stream.ends();
-    rig.stream.play(1.5);
-  }
+  for (int run = 0; run < 3; ++run) rig.record_a_run();
   rig.folder.settle();
   const auto files = run_files(scratch.path());
   ASSERT_EQ(files.size(), 3u) << rig.notices.text();
@@ -95,12 +98,7 @@ TEST(RunFolder, RunsAreFilesOfTheirOwnThatAuditAsIntactAndTheLedgerKnowsThem) {
 TEST(RunFolder, ACopyOfTheLedgerAloneKnowsTheRunsThatHaveEnded) {
   const Scratch scratch, elsewhere;
   FolderRig rig(scratch.path());
-  rig.stream.armed();
-  rig.stream.play(0.5);
-  rig.stream.begins();
-  rig.stream.play(2.5);
-  rig.stream.ends();
-  rig.stream.play(1.5);
+  rig.record_a_run();
   rig.folder.settle();
   const std::string copy = elsewhere.path("ledger.dwell-ledger");
   std::filesystem::copy_file(ledger_of(scratch.path()), copy);

@@ -38,6 +38,8 @@ claim "record faults: a dwell is measured" eventually 60 dwell_is '.state == "me
 claim "record faults: the disk is filled" fill_the_disk
 claim "record faults: recording stops with an alarm" eventually 20 health '.status == "degraded" and (.reason | test("disk full"))'
 claim "record faults: and a line in the log" log_has "recording stops: disk full; measuring goes on"
+claim "record faults: a start is refused with the room that is missing" eventually 10 \
+  refused "recording is stopped: disk full: .*free [0-9]+ MB more there" dwellctl start --label faults
 claim "record faults: the run was closed with the room kept for that" says "${second##*/}: intact$" audit "$second"
 claim "record faults: it says why it ended" shown "$second" 'any(.events[]; .text | test("recording stops: disk full"))'
 claim "record faults: and that it went on after an interruption" shown "$second" 'any(.events[]; .text | test("goes on after an interruption"))'

@@ -1,0 +1,83 @@
+#include "daemon/ctl/event_comparison.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace dwell::ctl {
+namespace {
+
+using record::StoredEvent;
+
+Difference difference(const char* what, std::string stored, std::string replayed) {
+  return {what, std::move(stored), std::move(replayed), kNaN, false};
+}
+
+std::string in_words(const StoredEvent& event) { return event.what + ": " + event.text; }
+
+// Of two events that are not the same.
+std::vector<Difference> differences(const StoredEvent& stored, const StoredEvent& replayed) {
+  std::vector<Difference> found;
+  for (const auto& [name, member] : std::initializer_list<std::pair<const char*, std::string StoredEvent::*>>{
+           {"event.utc", &StoredEvent::utc},
+           {"event.what", &StoredEvent::what},
+           {"event.text", &StoredEvent::text},
+           {"event.before", &StoredEvent::before},
+           {"event.after", &StoredEvent::after},
+           {"event.comment", &StoredEvent::comment}})
+    if (stored.*member != replayed.*member) found.push_back(difference(name, stored.*member, replayed.*member));
+  const auto person = [](const StoredEvent& event) {
+    return event.person ? record::who(*event.person) : std::string();
+  };
+  if (person(stored) != person(replayed)) found.push_back(difference("event.person", person(stored), person(replayed)));
+  return found;
+}
+
+}  // namespace
+
+record::Result<void> compare_events(const std::vector<StoredEvent>& replayed, record::RunReader& child,
+                                    ReplayFindings& to) {
+  struct Here {
+    std::vector<const StoredEvent*> replayed;  // what the child lacks of it
+    std::vector<StoredEvent> stored;           // of the child, not among the replayed ones
+  };
+  std::map<std::uint64_t, Here> at;
+  for (const StoredEvent& event : replayed) at[event.position].replayed.push_back(&event);
+  std::size_t others = 0;
+  const auto read = child.events([&](const StoredEvent& stored) {
+    ++to.events;
+    const auto found = at.find(stored.position);
+    if (found == at.end() || others == replayed.size()) {
+      to.add({stored.position, false, {}, difference("event", in_words(stored), {})});
+      return true;
+    }
+    std::vector<const StoredEvent*>& left = found->second.replayed;
+    const auto same = std::find_if(left.begin(), left.end(),
+                                   [&](const StoredEvent* one) { return differences(stored, *one).empty(); });
+    if (same != left.end()) {
+      left.erase(same);
+    } else {
+      found->second.stored.push_back(stored);
+      ++others;
+    }
+    return true;
+  });
+  if (!read) return read;
+  for (const auto& [position, here] : at) {
+    for (std::size_t i = 0; i < std::max(here.stored.size(), here.replayed.size()); ++i) {
+      if (i >= here.stored.size()) {
+        to.add({position, false, {}, difference("event", {}, in_words(*here.replayed[i]))});
+      } else if (i >= here.replayed.size()) {
+        to.add({position, false, {}, difference("event", in_words(here.stored[i]), {})});
+      } else {
+        for (Difference& found : differences(here.stored[i], *here.replayed[i]))
+          to.add({position, false, {}, std::move(found)});
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace dwell::ctl

@@ -1,0 +1,39 @@
+// The verbs that take a run file as they take a recording as text.
+#include "tests/ctl/replayed_runs.hpp"
+
+namespace dwell::ctl {
+namespace {
+
+using RunFileVerbs = ReplayTest;
+
+TEST_F(RunFileVerbs, IdentifyGivesTheDwellsThatTheRunStored) {
+  const std::string file = write("run.dwell");
+  const Printed seen = printed([&] { return identify_recording({.data = file, .method = "harmonic", .json = true}); });
+  ASSERT_EQ(seen.code, kDone) << seen.err;
+  const Value answer = seen.json(), same = replayed(file).json();
+  EXPECT_EQ(answer["dwells"], same["dwells"]) << "to the bit, and on the same axis";
+  EXPECT_EQ(answer["dwells"][0]["start_utc"], written.header.start_utc);
+  const Printed motion = printed([&] { return identify_recording({.data = file, .method = "motion", .json = true}); });
+  ASSERT_EQ(motion.code, kDone) << motion.err;
+  EXPECT_NEAR(motion.json()["motion"]["elements"][0]["stiffness"]["value"].get<double>(), 24000.0, 250.0);
+}
+
+TEST_F(RunFileVerbs, VerifyAndExportTakeARunFile) {
+  const std::string file = write("run.dwell");
+  const Printed verdict = printed([&] { return verify_recording({.data = file, .dwell = {}, .json = true}); });
+  EXPECT_EQ(verdict.code, kDone) << verdict.out << verdict.err;
+  EXPECT_EQ(verdict.json()["verdict"], "adequate");
+  const std::string out = folder.path("model");
+  EXPECT_EQ(printed([&] { return export_model({.data = file, .folder = out, .dwell = {}}); }).code, kDone);
+  EXPECT_NE(contents_of(out + "/mass.mtx").find("1 1 12.5"), std::string::npos);
+}
+
+TEST_F(RunFileVerbs, ARecordingAsTextNeedsItsRigFile) {
+  const std::string csv = folder.file("r.csv", "t,y0\n0,1\n1,2\n");
+  const Printed seen = printed([&] { return identify_recording({.data = csv}); });
+  EXPECT_EQ(seen.code, kUsage);
+  EXPECT_NE(seen.err.find("--rig"), std::string::npos) << seen.err;
+}
+
+}  // namespace
+}  // namespace dwell::ctl
