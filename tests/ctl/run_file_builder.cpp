@@ -26,8 +26,8 @@ std::string joined(const std::vector<double>& values, double scale) {
   return "[" + text + "]";
 }
 
-template <class T>
-T must(tl::expected<T, std::string> result) {
+template <class T, class Error>
+T must(tl::expected<T, Error> result) {
   if (!result) throw std::runtime_error(result.error());
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }

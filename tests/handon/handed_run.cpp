@@ -52,8 +52,8 @@ measures = "auxiliary"
 unit = "°C"
 )";
 
-template <class T>
-T must(tl::expected<T, std::string> result) {
+template <class T, class Error>
+T must(tl::expected<T, Error> result) {
   if (!result) throw std::runtime_error(result.error());
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
