@@ -1,24 +1,17 @@
 #include "daemon/ctl/child_file.hpp"
 
 #include <pwd.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #include <filesystem>
-#include <stdexcept>
 #include <utility>
+
+#include "daemon/record/random_id.hpp"
 
 namespace dwell::ctl {
 namespace {
 
 constexpr int kTogether = 200;  // entries per commit. A commit signs once and waits for the disk once
-
-std::string random_id() {
-  record::Digest bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("the system yields no random numbers");
-  return record::hex(bytes).substr(0, 32);
-}
 
 record::Person this_person() {
   const passwd* const user = ::getpwuid(::getuid());
@@ -44,10 +37,13 @@ record::Result<std::string> final_head(const std::string& path) {
   }
 }
 
-record::RunHeader child_header(const record::RunHeader& parent, std::string parent_head, record::KeptFile rig) {
+record::Result<record::RunHeader> child_header(const record::RunHeader& parent, std::string parent_head,
+                                               record::KeptFile rig) {
+  auto id = record::random_id();
+  if (!id) return tl::unexpected(id.error());
   record::RunHeader child = parent;
   child.run = 0;
-  child.id = random_id();
+  child.id = std::move(*id);
   child.begun_by = "replay";
   child.person = this_person();
   child.comment.clear();

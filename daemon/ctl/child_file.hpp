@@ -14,8 +14,8 @@ namespace dwell::ctl {
 [[nodiscard]] record::Result<std::string> final_head(const std::string& path);
 
 // The header of a child of this run, begun now by the user of this program. rig: path as given; text: of the rig file.
-[[nodiscard]] record::RunHeader child_header(const record::RunHeader& parent, std::string parent_head,
-                                             record::KeptFile rig);
+[[nodiscard]] record::Result<record::RunHeader> child_header(const record::RunHeader& parent, std::string parent_head,
+                                                             record::KeptFile rig);
 
 // Bound to one thread. A file that is not finished is removed again.
 class ChildFile {

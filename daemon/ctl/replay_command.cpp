@@ -251,12 +251,12 @@ Result<ChildFile> begin_child(const ReplayOptions& options, record::RunReader& r
   if (!text) return tl::unexpected(text.error());
   const auto key = signing_key(options.key);
   if (!key) return tl::unexpected(key.error());
-  record::RunHeader header =
-      child_header(reader.header(), std::move(*head), {options.rig, rig.sha256, std::move(*text)});
-  header.comment = options.comment;
-  header.channels.clear();
-  for (const Channel& channel : rig.rig.channels) header.channels.push_back(channel.name);
-  return ChildFile::create(options.output, header, *key, reader.begin_ns());
+  auto header = child_header(reader.header(), std::move(*head), {options.rig, rig.sha256, std::move(*text)});
+  if (!header) return tl::unexpected(header.error());
+  header->comment = options.comment;
+  header->channels.clear();
+  for (const Channel& channel : rig.rig.channels) header->channels.push_back(channel.name);
+  return ChildFile::create(options.output, *header, *key, reader.begin_ns());
 }
 
 // With another rig file: a result at each position where the run published one, and a final one where a dwell ends now.

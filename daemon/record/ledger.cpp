@@ -1,6 +1,5 @@
 #include "daemon/record/ledger.hpp"
 
-#include <openssl/rand.h>
 #include <time.h>
 
 #include <array>
@@ -11,6 +10,7 @@
 
 #include "daemon/record/chain_file.hpp"
 #include "daemon/record/ledger_book.hpp"
+#include "daemon/record/random_id.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -20,13 +20,6 @@ std::int64_t utc_now_ns() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-Result<std::string> random_id() {
-  Digest bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1)
-    return fails("the system yields no random numbers");
-  return hex(bytes).substr(0, 32);
 }
 
 // The origin of the notes names the id, which the first entry holds. So entries are read before notes.

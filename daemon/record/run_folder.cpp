@@ -1,6 +1,5 @@
 #include "daemon/record/run_folder.hpp"
 
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,6 +19,7 @@
 #include "daemon/record/last_entry.hpp"
 #include "daemon/record/ledger_book.hpp"
 #include "daemon/record/prepared_run.hpp"
+#include "daemon/record/random_id.hpp"
 #include "daemon/record/utc_text.hpp"
 
 namespace dwell::record {
@@ -27,19 +27,6 @@ namespace {
 
 constexpr const char* kClosed = "closed";
 constexpr const char* kCutOff = "cut off";
-
-Result<std::string> random_id() {
-  unsigned char bytes[16];
-  if (getrandom(bytes, sizeof bytes, 0) != static_cast<ssize_t>(sizeof bytes))
-    return tl::unexpected(std::string("no random numbers: ") + std::strerror(errno));
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string id;
-  for (const unsigned char byte : bytes) {
-    id += kDigits[byte >> 4];
-    id += kDigits[byte & 15u];
-  }
-  return id;
-}
 
 std::string file_of_run(const std::string& directory, std::int64_t run) {
   std::error_code failed;
