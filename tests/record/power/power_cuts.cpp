@@ -246,7 +246,7 @@ std::int64_t check_runs(const Recorded& recorded, const std::string& directory, 
     if (file != files.end()) {
       const auto audit = audit_run(file->second, options);
       if (!audit || audit->state == AuditState::tampered)
-        findings.add(name + ": " + (audit ? "tampered: " + audit->where : audit.error()));
+        findings.add(name + ": " + (audit ? "tampered: " + audit->where : std::string(audit.error())));
       if (audit) samples = audit->samples;
       const auto reader = RunReader::open(file->second);
       if (reader) held_ns = std::max(held_ns, reader->end_ns());
