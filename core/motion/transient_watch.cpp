@@ -32,7 +32,7 @@ std::size_t most_readings(const Rig& rig) {
 }  // namespace
 
 void TransientJob::run(const Rig& rig) {
-  if (readings.empty()) return;
+  if (readings.empty() && result.given > 0) return;
   MotionRecorder recorder(rig);
   for (const HoldRecord::Reading& reading : readings)
     recorder.take(

@@ -270,10 +270,9 @@ TEST_F(ApiTest, TheCurrentDwellHasItsTransientBesideItAndTheModelsVerdict) {
   snapshot.transient = transient;
   EXPECT_TRUE(get("/api/v1/dwell")["motion"].is_null());
   EXPECT_EQ(get("/api/v1/dwell")["motion_reason"], "too few readings: 30");
-  auto verified = std::make_shared<VerifiedDwell>();
-  verified->dwell.index = 1;
-  verified->verification.verdict = Verdict::adequate;
-  snapshot.verified = verified;
+  ModelVerdict adequate;
+  adequate.verdict = Verdict::adequate;
+  snapshot.models = std::make_shared<VerifiedModels>(VerifiedModels{{1, adequate}});
   EXPECT_TRUE(get("/api/v1/dwell")["model"].is_null()) << "it has not settled";
   snapshot.dwell.settled_s = 3.0;
   EXPECT_EQ(get("/api/v1/dwell")["model"]["verdict"], "not verified yet") << "the verified one is another";
@@ -296,10 +295,9 @@ TEST_F(ApiTest, TheCurrentDwellTellsHowOldItIs) {
 // The estimation hangs: the service went on telling "kept" and "adequate", without a doubt.
 TEST_F(ApiTest, AStaleDwellHasAReasonNotToRelyOnItAndNoVerdicts) {
   keep_a_limit(State::measuring);
-  auto verified = std::make_shared<VerifiedDwell>();
-  verified->dwell.index = 1;
-  verified->verification.verdict = Verdict::adequate;
-  snapshot.verified = verified;
+  ModelVerdict adequate;
+  adequate.verdict = Verdict::adequate;
+  snapshot.models = std::make_shared<VerifiedModels>(VerifiedModels{{1, adequate}});
   const Json fresh = get("/api/v1/dwell");
   EXPECT_EQ(fresh["limits"][0]["verdict"], "kept");
   EXPECT_EQ(fresh["model"]["verdict"], "adequate");

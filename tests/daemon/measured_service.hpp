@@ -33,6 +33,8 @@ struct MeasuredService {
     verified->dwell = snapshot.dwell;
     verified->verification = sample_verification();
     verified->verification.verdict = verdict;
+    snapshot.models = std::make_shared<VerifiedModels>(
+        VerifiedModels{{snapshot.dwell.index.value_or(0), in_short(verified->verification)}});
     snapshot.verified = std::move(verified);
   }
   // Three alarms: one of each state.
