@@ -24,8 +24,9 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& p
   verification_.follow(now, position);
   if (const auto& newest = transient_.newest()) object(now, newest->estimate);
   if (!work_->slot.free()) return;
-  // An estimate first: while the dwell settles, the operator waits for its numbers.
-  if (transient_.due()) {
+  // While the dwell settles the operator waits for an estimate, afterwards for the verdict on its model.
+  const bool settled = std::isfinite(now.settled_s);
+  if (transient_.due() && !(settled && verification_.due())) {
     work_->slot.put(transient_.hand_over());
     out_ = true;
   } else if (verification_.due()) {
