@@ -38,8 +38,8 @@ class HoldRefit {
   void begin_hold() noexcept { skipped_ = 0.0; }
   // Whether there are poles to start from.
   [[nodiscard]] bool possible() const noexcept;
-  // Fits the hold anew and believes the new poles. seen: the frequency that the drive's channel shows by itself. Returns
-  // false if no poles could be fitted. Cost: at most fit.affordable() passes over the samples.
+  // Fits the hold anew and believes the new poles. seen: the frequency that the drive's channel shows by itself.
+  // Returns false if no poles could be fitted. Cost: at most fit.affordable() passes over the samples.
   bool make(const SeenFrequency& seen, const HoldNow& now);
 
  private:

@@ -110,10 +110,9 @@ TEST(TransientText, OnceTheDwellHasSettledStillSaysWhyTheTransientGaveNoCoeffici
   none->estimate.reason = "the chain of the rig file does not explain y1";
   none->agreement = std::nullopt;
   view.transient = none;
-  EXPECT_NE(
-      dwell_text(view).find("agreement  not known, since any motion gives no coefficients: the chain of the rig "
-                            "file does not explain y1\n"),
-      std::string::npos)
+  EXPECT_NE(dwell_text(view).find("agreement  not known, since any motion gives no coefficients: the chain of the rig "
+                                  "file does not explain y1\n"),
+            std::string::npos)
       << dwell_text(view);
 }
 
