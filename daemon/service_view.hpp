@@ -57,7 +57,7 @@ struct ServiceView {
   config::VerificationSettings verification{};  // what is asked of the model, as the rig file has it
 };
 
-// The current dwell with what stands beside it: its coefficients from the transient, what is known of its model, its
+// The current dwell with what stands beside it: its coefficients by any motion, what is known of its model, its
 // age. Its limits have a verdict only while it is measured. Where it is stale, a doubt that names every element says
 // why: then neither limits nor model have a verdict.
 [[nodiscard]] DwellView live_dwell(const ServiceView& now);

@@ -63,8 +63,8 @@ class SettlingWindows {
   // Judges the hold by the window that look() took. t_s: its end; time_constant_s: of the identified chain, NaN: not
   // known.
   [[nodiscard]] SettlingDetector::Verdict judge(int from, int to, double t_s, double time_constant_s) noexcept;
-  // The verdict is settled. left_at_verdict(): unit of the channel's reading, SettlingDetector::left() at the verdict;
-  // 0 where another than the windows has given it.
+  // The verdict is settled. left_at_verdict(): what the windows left of the transient at the verdict, in the unit of
+  // the channel's reading; 0 if the fit gave the verdict.
   void keep_left() noexcept;
   void forget_left() noexcept { std::fill(left_.begin(), left_.end(), 0.0); }
   [[nodiscard]] double left_at_verdict(int c) const noexcept { return left_[static_cast<std::size_t>(c)]; }

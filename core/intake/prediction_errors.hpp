@@ -12,12 +12,13 @@ class PredictionErrors {
  public:
   // Whether there were enough errors for a median.
   [[nodiscard]] bool known() const noexcept { return seen_ > kFewest; }
-  // The next error: while the median is not known, and of a reading of the motion from then on.
+  // An error while the median is not known: of any reading.
   void learn(double error) noexcept {
     ++seen_;
     median_ =
         seen_ <= 8 ? std::max(median_, error) : median_ * (error > median_ ? 1 + 5 * kMedianStep : 1 - 5 * kMedianStep);
   }
+  // An error afterwards: of a reading of the motion alone.
   void add(double error) noexcept { median_ *= kTowards[error > median_ ? 1 : 0]; }
   // Another motion has begun, with this error.
   void jump(double error) noexcept { median_ = std::max(median_, error / kJumped); }

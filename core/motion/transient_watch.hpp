@@ -1,12 +1,14 @@
 // Coefficients by the method of any motion beside a dwell: when they are estimated, and from which readings.
 //
-// A stretch begins one and a half periods before its first hold. estimate_motion() is given its readings two periods
-// after the hold began, and again each time they have become half as many more, until the dwell ends or the stretch is
-// as long as an estimate may be. So all estimates of a stretch together cost three times the last one. Readings that
-// contradict the chain are looked at again when they are four times as many, since such an estimate costs more.
-// Whatever came before, the readings are looked at when the dwell has settled. Until the dwell has settled they are its
-// only coefficients, from the transient. Afterwards they are a second opinion on the dwell's. A dwell that has ended
-// gets a last one, from all of its stretch. An idle rig costs nothing.
+// A stretch begins one and a half periods before its first hold. An estimate of it is due
+// - when it covers two periods of the hold;
+// - each time its readings have become 1.5 times as many, up to what an estimate may take. All of these together cost
+//   three times the last one. Where the readings contradict the chain: four times as many, since such an estimate also
+//   looks for what is missing, which costs ten times as much;
+// - when the dwell has settled;
+// - when the dwell has ended: the last one, from all of the stretch.
+// Until the dwell has settled the estimates are its only coefficients, afterwards a second opinion. An idle rig costs
+// nothing.
 //
 //   state        what is so                              left for
 //   waiting      no dwell is on                          gathering, when a dwell begins
@@ -25,6 +27,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/motion/hold_record.hpp"
@@ -45,6 +48,9 @@ struct TransientEstimate {
   // Position of the last of them in the stream of the run. They are the newest `given` samples up to there, without
   // those of auxiliary channels.
   std::uint64_t last = 0;
+  // The dwell that has been held against it, once that has settled, and what speaks against the dwell; empty: nothing.
+  std::optional<int> dwell{};
+  std::string objection{};
 };
 
 // Work for whoever has time: run(), then TransientWatch::take_back(). Owns all it needs; may go to another thread.
@@ -53,9 +59,8 @@ struct TransientJob {
   std::uint64_t stretch = 0;
   std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came; empty: the result is known
   TransientEstimate result;
-  std::shared_ptr<const Dwell> of;  // the dwell that has ended, of which this is the last; null: the dwell is on
-
-  std::vector<ChannelFault> at_fault;  // channels whose readings are
+  std::shared_ptr<const Dwell> of;     // the dwell that has ended, of which this is the last; null: the dwell is on
+  std::vector<ChannelFault> at_fault;  // see MotionOptions
 
   // Takes seconds; allocates. The rig must be the watch's.
   void run(const Rig& rig);

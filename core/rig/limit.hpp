@@ -25,7 +25,7 @@ struct JudgedLimit {
   Bounds bounds;  // SI
   LimitVerdict verdict = LimitVerdict::none;
   std::string reason;    // why there is no verdict; empty: there is one
-  bool doubted = false;  // it is a doubt about the number: kDoubtedNumber, and the doubt
+  bool doubted = false;  // `reason` is kDoubtedNumber followed by a doubt
 };
 inline constexpr const char* kDoubtedNumber = "the number must not be relied on";
 

@@ -99,7 +99,7 @@ int sign_with_own_key(const Service& service, const SignOptions& options) {
                     {"not_in_ledger", why.empty() ? Json(nullptr) : Json(why)}},
                signed_text(*signature, options.file) +
                    (entered ? "  the ledger knows it\n"
-                            : "  no ledger knows it: " + printable(why) +
+                            : "  not in the ledger: " + printable(why) +
                                   "; where the service has this file, dwellctl sign --enter enters it\n"),
                service.json);
 }

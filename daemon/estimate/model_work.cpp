@@ -19,7 +19,7 @@ void ModelWork::ended(const Dwell& dwell, std::uint64_t position) {
 }
 
 void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline) {
-  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) take_back(std::move(*job));
+  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) take_back(std::move(*job), now);
   transient_.follow(now, readings_at_fault(work_->rig, pipeline, now));
   verification_.follow(now, position);
   if (const auto& newest = transient_.newest()) object(now, newest->estimate);
@@ -35,9 +35,18 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& p
   }
 }
 
-void ModelWork::take_back(LongJob job) {
+void ModelWork::take_back(LongJob job, const Dwell& now) {
   if (auto* const transient = std::get_if<TransientJob>(&job)) {
-    if (transient->of) object(*transient->of, transient->result.estimate);
+    TransientEstimate& result = transient->result;
+    const Dwell& dwell = transient->of ? *transient->of : now;
+    if (dwell.index && std::isfinite(dwell.settled_s)) {
+      result.dwell = dwell.index;
+      if (const auto objection = objection_to(dwell, result.estimate)) result.objection = objection->what;
+    }
+    if (transient->of) {
+      object(dwell, result.estimate);
+      news_ = std::make_shared<const TransientEstimate>(result);
+    }
     const auto before = transient_.newest();
     transient_.take_back(std::move(*transient));
     if (transient_.newest() != before) news_ = transient_.newest();

@@ -52,7 +52,7 @@ class ModelWork {
   const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
   TransientWatch transient_;
   VerificationWatch verification_;
-  void take_back(LongJob job);
+  void take_back(LongJob job, const Dwell& now);
   void object(const Dwell& dwell, const MotionEstimate& motion);
   template <class Change>
   void change_verdict(int dwell, Change change);

@@ -157,7 +157,7 @@ export class History {
     if (was.value === 0) return null;
     const change = (now.value - was.value) / Math.abs(was.value);
     const U = Math.hypot(now.U95, was.U95) / Math.abs(was.value);
-    const beyond = Math.abs(change) > dwell.moved_beyond * U;
+    const beyond = isNumber(dwell.moved_beyond) && Math.abs(change) > dwell.moved_beyond * U;
     const sign = change < 0 ? '\u2212' : '+';
     const { value, u } = numberText(100 * Math.abs(change), 100 * U, '%');
     return { beyond, text: `${beyond ? 'moved by ' : ''}${Number(value) === 0 ? '' : sign}${value} ± ${u} % since ${which}` };

@@ -48,11 +48,11 @@ export const dwellsPath = (run) => `/api/v1/runs/${encodeURIComponent(run.file)}
 export function fromRun(run) {
   const audit = auditOf(run);
   const altered = run.audit?.state === 'tampered';
-  return { tone: audit.tone, text: `From the file of run ${run.run}${run.label ? `, “${run.label}”` : ''}: not of now. Audit: ${audit.text}${altered ? '. Do not rely on these numbers' : ''}.` };
+  return { tone: audit.tone, text: `From the file of run ${run.run}${run.label ? `, “${run.label}”` : ''}: an earlier run. Audit: ${audit.text}${altered ? '. Do not rely on these numbers' : ''}.` };
 }
 
 // Why the table of dwells is empty; '': it is not. With each run the service's list begins anew.
 export function noDwellsText(dwells, runs) {
   if (dwells.length > 0) return '';
-  return `No dwell of this run has ended yet.${earlierRuns(runs).length > 0 ? ' Those of an earlier run: choose it above.' : ''}`;
+  return `No dwell of this run has ended yet.${earlierRuns(runs).length > 0 ? ' To see those of an earlier run, choose it above.' : ''}`;
 }

@@ -1,4 +1,5 @@
-// Why the current run is not recorded, and how the next one goes on from there.
+// Why the current run is not recorded, and what the next recorded run takes over from it: label, comment, and what came
+// between.
 #pragma once
 
 #include <cstdint>

@@ -81,10 +81,10 @@ struct StoredResult {
   std::string dwell;
 };
 
-// An estimate from the transient or a verification, as published. Both JSON texts are objects; to_json() puts them in
+// An estimate by any motion or a verification, as published. Both JSON texts are objects; to_json() puts them in
 // as they are.
 struct StoredModel {
-  std::string kind;            // of the entry: "estimate" of coefficients from the transient, or "verification"
+  std::string kind;            // of the entry: "estimate" of coefficients by any motion, or "verification"
   std::uint64_t position = 0;  // records of the stream before it was published
   std::string utc;
   std::string from;    // the stretch of the stream that it was computed from

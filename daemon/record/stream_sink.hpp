@@ -34,7 +34,7 @@ struct VerifiedDwell;
 
 namespace dwell::record {
 
-// What the thread for long work computes: coefficients from the transient, or a verification. Both say which readings
+// What the thread for long work computes: coefficients by any motion, or a verification. Both say which readings
 // they were computed from. Never null.
 using ModelResult = std::variant<std::shared_ptr<const TransientEstimate>, std::shared_ptr<const VerifiedDwell>>;
 

@@ -42,7 +42,7 @@ struct DwellView {
   std::vector<ChannelLabel> channels;  // one per Dwell::phasors
   RunInfo run;
   Dwell dwell;
-  // Of a live dwell: its coefficients from the transient, whose `reason` says why there are none; null: nothing is
+  // Of a live dwell: its coefficients by any motion, whose `reason` says why there are none; null: nothing is
   // known of it.
   std::shared_ptr<const MotionView> transient = nullptr;
   // Of a live dwell that has settled and is not stale; of a finished one, as far as its service knows.

@@ -27,13 +27,17 @@ std::string stretch_text(const Json& from) {
 }
 
 std::string estimate_text(const Json& from, const Json& result) {
-  const Json& elements = child_of(child_of(result, "motion"), "elements");
+  const Json &elements = child_of(child_of(result, "motion"), "elements"), &objection = child_of(result, "objection");
+  const std::string against =
+      objection.is_object() && child_of(objection, "dwell").is_number_integer()
+          ? "; against dwell " + child_of(objection, "dwell").dump() + ": " + text_of(child_of(objection, "what"))
+          : "";
   if (!elements.is_array())
-    return stretch_text(from) + "no coefficients: " + text_of(child_of(result, "motion_reason"));
+    return stretch_text(from) + "no coefficients: " + text_of(child_of(result, "motion_reason")) + against;
   const auto found = std::count_if(elements.begin(), elements.end(), [](const Json& element) {
     return child_of(element, "identifiable").is_boolean() && child_of(element, "identifiable").get<bool>();
   });
-  return stretch_text(from) + std::to_string(found) + " of " + std::to_string(elements.size()) + " elements";
+  return stretch_text(from) + std::to_string(found) + " of " + std::to_string(elements.size()) + " elements" + against;
 }
 
 std::string verification_line(const Json& result) {

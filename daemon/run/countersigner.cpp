@@ -92,7 +92,7 @@ record::Result<std::string> run_file_in(const std::string& directory, const std:
   const fs::path parent = asked.has_parent_path() ? fs::canonical(asked.parent_path(), failed) : folder;
   if (failed || parent != folder)
     return fail(file + " is not in the recording directory " + folder.string() +
-                ": the service signs the runs there alone, and its ledger knows no others");
+                ": the service signs and enters only run files in its recording directory");
   const std::string path = (folder / asked.filename()).string();
   if (asked.extension() != ".dwell") return fail(path + " is no run file, expected NAME.dwell");
   struct stat is {};

@@ -22,7 +22,9 @@ record::StoredModel stored(const TransientEstimate& of, const Rig& rig) {
   view.from_s = of.from_s;
   view.until_s = of.until_s;
   view.given = of.given;
-  const Json result{{"motion", json_value(view)}, {"motion_reason", of.estimate.reason}};
+  const Json objection =
+      of.dwell && !of.objection.empty() ? Json{{"dwell", *of.dwell}, {"what", of.objection}} : Json(nullptr);
+  const Json result{{"motion", json_value(view)}, {"motion_reason", of.estimate.reason}, {"objection", objection}};
   return {"estimate", 0, {}, dump(stretch(of.last, of.given, of.from_s, of.until_s)), dump(result)};
 }
 

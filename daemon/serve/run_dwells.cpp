@@ -73,6 +73,19 @@ Result<void> take_model(const record::Entry& entry, std::map<int, ModelVerdict>&
   return {};
 }
 
+// What any motion held against a dwell, by its newest estimate that has an opinion.
+Result<void> take_objection(const record::Entry& entry, std::map<int, ModelVerdict>& models) {
+  const auto stored = record::parse_model("estimate", entry.body);
+  if (!stored) return bad_entry(entry, stored.error());
+  const Json result = Json::parse(stored->result, nullptr, false);
+  if (!result.is_object() || !result.contains("objection") || !result["objection"].is_object()) return {};
+  const Json &objection = result["objection"], dwell = objection.value("dwell", Json()),
+             what = objection.value("what", Json());
+  if (!dwell.is_number_integer() || !what.is_string()) return bad_entry(entry, "an objection without dwell or words");
+  models[dwell.get<int>()].objection = what.get<std::string>();
+  return {};
+}
+
 // Hands each entry of the kind to take(), in order, until the deadline.
 template <class Take>
 Result<void> each(ChainReader& chain, const char* kind, SteadyClock::time_point deadline, const Take& take) {
@@ -105,6 +118,8 @@ Result<StoredRun> read_run(const std::string& path) {
   if (!chain) return tl::unexpected(chain.error());
   std::size_t bytes = 0;
   auto read = each(*chain, "verification", deadline, [&](const auto& entry) { return take_model(entry, run.models); });
+  if (read)
+    read = each(*chain, "estimate", deadline, [&](const auto& entry) { return take_objection(entry, run.models); });
   if (read) {
     read = each(*chain, "result", deadline, [&](const record::Entry& entry) -> Result<void> {
       if (const auto front = record::front_of(entry.body); front && !front->final) return {};

@@ -32,7 +32,7 @@ TEST_F(SignVerbs, APersonSignsWithAKeyOfTheirOwn) {
   const Outcome outcome = test::run({"sign", run, "--meaning", "reviewed", "--name", "Anna Weber", "--reason",
                                      "for the certificate", "--key", own, "--control", folder.path("none")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_TRUE(holds(outcome.out, "  no ledger knows it: ")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "  not in the ledger: ")) << outcome.out;
   EXPECT_TRUE(holds(outcome.out, "dwellctl sign --enter enters it")) << outcome.out;
   EXPECT_TRUE(holds(outcome.out, "Anna Weber: reviewed")) << outcome.out;
   EXPECT_TRUE(holds(outcome.out, "with the key anna@desk ")) << outcome.out;

@@ -142,7 +142,8 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
 }
 
 TEST(LiveModel, TellsWhatAnyMotionHoldsAgainstADwellWhileItIsOnAndAfterItsEnd) {
-  LiveRig live(clamped_chain(), 0.005, 1e-5);
+  test::CollectingSink sink;
+  LiveRig live(clamped_chain(), 0.005, 1e-5, &sink);
   live.gain_of_y1 = 1.1;
   live.silent_from_s = 20.0;
   const auto objection = [&] {
@@ -155,6 +156,14 @@ TEST(LiveModel, TellsWhatAnyMotionHoldsAgainstADwellWhileItIsOnAndAfterItsEnd) {
   live.run(30.0);
   EXPECT_NE(live.latest().dwell.index, 1);
   EXPECT_TRUE(objection().starts_with("any motion: the chain of the rig file does not explain")) << objection();
+
+  const TransientEstimate* recorded = nullptr;
+  for (const auto& [position, model] : sink.models)
+    if (const auto* const estimate = std::get_if<std::shared_ptr<const TransientEstimate>>(&model))
+      recorded = estimate->get();
+  ASSERT_TRUE(recorded);
+  EXPECT_EQ(recorded->dwell, 1);
+  EXPECT_EQ(recorded->objection, objection()) << "and it is recorded";
 }
 
 TEST(LiveModel, HoldsNothingAgainstADwellThatIsRight) {

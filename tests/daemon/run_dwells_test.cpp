@@ -114,6 +114,21 @@ TEST_F(RunDwellsTest, TellsTheDwellsThatEndedWithTheVerdictsOfTheFile) {
   EXPECT_EQ(one, stored) << "otherwise as it is in the file";
 }
 
+TEST_F(RunDwellsTest, ADwellKeepsWhatAnyMotionHeldAgainstIt) {
+  for (const char* const what : {"any motion: an earlier estimate", "any motion: the chain does not explain y1"}) {
+    TransientEstimate estimate;
+    estimate.estimate.reason = "the chain does not explain y1";
+    estimate.dwell = 2;
+    estimate.objection = what;
+    run.models.push_back(stored_model(std::make_shared<const TransientEstimate>(estimate), rig));
+    run.models.back().utc = "2026-07-01T10:12:11Z";
+  }
+  write(run, key);
+  EXPECT_EQ(asked(at)["dwells"][1]["model"]["objection"], "any motion: the chain does not explain y1");
+  EXPECT_EQ(asked(at)["dwells"][1]["model"]["verdict"], "adequate");
+  EXPECT_TRUE(asked(at)["dwells"][0]["model"].is_null());
+}
+
 TEST_F(RunDwellsTest, ARunThatWasCutOffIsReadAsFarAsItGoes) {
   run.closed = false;
   write(run, key);

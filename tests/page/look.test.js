@@ -258,7 +258,7 @@ test('a closed run is downloaded as it lies on the disk, with its audit beside i
   const row = page.locator('#run-rows tr', { hasText: 'to download' });
   await row.locator('td', { hasText: '– not audited: the run goes on' }).waitFor();
   assert.equal(await row.locator('a').count(), 0);
-  assert.match(await page.locator('#dwells-none').innerText(), /^(No dwell of this run has ended yet\. Those of an earlier run|$)/);
+  assert.match(await page.locator('#dwells-none').innerText(), /^(No dwell of this run has ended yet\. To see those of an earlier run|$)/);
   assert.equal((await order('stop', {})).status(), 200);
   await row.locator('td', { hasText: '✓ intact' }).waitFor({ timeout: 2 * PATIENCE_MS });
   const [download] = await Promise.all([page.waitForEvent('download'), row.locator('a').click()]);
@@ -334,9 +334,9 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   await bench.service.end();
   await bench.startService();
   await page.reload();
-  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. Those of an earlier run: choose it above\.$/ }).waitFor();
+  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. To see those of an earlier run, choose it above\.$/ }).waitFor();
   await page.selectOption('#dwells-run', { index: 1 });
-  await page.locator('#dwells-of', { hasText: /^From the file of run \d+.*: not of now\. Audit: / }).waitFor();
+  await page.locator('#dwells-of', { hasText: /^From the file of run \d+.*: an earlier run\. Audit: / }).waitFor();
   const row = page.locator('#dwell-rows tr').first();
   await row.waitFor();
   const { value, U95, unit } = newest.elements[0].stiffness;
@@ -409,7 +409,7 @@ test('an empty table of dwells says where those of earlier runs are', async () =
     await route.fulfill({ json: { ...answer, runs: answer.runs.map((run) => ({ ...run, state: 'closed', dwells: 3 })) } });
   });
   await page.goto(bench.url);
-  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. Those of an earlier run: choose it above\.$/ }).waitFor();
+  await page.locator('#dwells-none', { hasText: /^No dwell of this run has ended yet\. To see those of an earlier run, choose it above\.$/ }).waitFor();
   assert.equal(await page.locator('#dwells-table').isVisible(), false);
   await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.close();

@@ -31,7 +31,7 @@ test('a run that is closed can be downloaded, any other has the reason', () => {
 test('an empty table of dwells says that a new run has begun it anew', () => {
   assert.equal(noDwellsText([{}], []), '');
   assert.equal(noDwellsText([], [{ dwells: 0 }]), 'No dwell of this run has ended yet.');
-  assert.equal(noDwellsText([], [{ dwells: 4 }, { dwells: 0 }]), 'No dwell of this run has ended yet. Those of an earlier run: choose it above.');
+  assert.equal(noDwellsText([], [{ dwells: 4 }, { dwells: 0 }]), 'No dwell of this run has ended yet. To see those of an earlier run, choose it above.');
   assert.equal(noDwellsText([], [{ dwells: 4, state: 'recording' }]), 'No dwell of this run has ended yet.');
 });
 
