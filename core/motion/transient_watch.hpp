@@ -5,10 +5,10 @@
 // - each time its readings have become 1.5 times as many, up to what an estimate may take. All of these together cost
 //   three times the last one. Where the readings contradict the chain: four times as many, since such an estimate also
 //   looks for what is missing, which costs ten times as much;
-// - when the dwell has settled;
-// - when the dwell has ended: the last one, from all of the stretch.
-// Until the dwell has settled the estimates are its only coefficients, afterwards a second opinion. An idle rig costs
-// nothing.
+// - when a dwell that had settled has ended: the last one, from the beginning of the stretch on, with a fifth of the
+//   readings that an estimate may take.
+// Until the dwell has settled the estimates are its only coefficients; the newest and the last are a second opinion on
+// it. A dwell that is measured costs nothing, nor does an idle rig.
 //
 //   state        what is so                              left for
 //   waiting      no dwell is on                          gathering, when a dwell begins
@@ -96,13 +96,12 @@ class TransientWatch {
  private:
   // The readings from shortly before a hold on, of one dwell.
   struct Stretch {
-    std::optional<int> dwell;      // its index; none: no dwell is on
-    std::uint64_t number = 0;      // of stretches so far
-    double start_s = kNaN;         // when its first hold began …
-    double hold_s = kNaN;          // … and its newest
-    double settled_s = kNaN;       // of the dwell
-    std::size_t handed = 0;        // readings in the last job …
-    double handed_until_s = kNaN;  // … and the newest of them
+    std::optional<int> dwell;  // its index; none: no dwell is on
+    std::uint64_t number = 0;  // of stretches so far
+    double start_s = kNaN;     // when its first hold began …
+    double hold_s = kNaN;      // … and its newest
+    double settled_s = kNaN;   // of the dwell
+    std::size_t handed = 0;    // readings in the last job
   };
 
   void wait();

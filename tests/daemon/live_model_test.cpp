@@ -132,7 +132,7 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
   ASSERT_EQ(now.dwell.state, State::measuring) << now.dwell.settling_reason;
   ASSERT_TRUE(now.transient);
   ASSERT_EQ(now.transient->estimate.reason, "");
-  EXPECT_GT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "a second opinion on the dwell's own data";
+  EXPECT_LT(now.transient->until_s, now.dwell.verdict_s + 0.5) << "taken over by the dwell, until that ends";
   ASSERT_TRUE(now.transient_agreement);
   EXPECT_LT(now.transient_agreement->e_n, 1.5) << "eight differences, over U";
   ASSERT_TRUE(now.verified);
@@ -141,7 +141,7 @@ TEST(LiveModel, ComparesWithTheDwellOnceThatHasSettledAndVerifiesItsModel) {
       << (now.verified->verification.reasons.empty() ? "" : now.verified->verification.reasons.front());
 }
 
-TEST(LiveModel, TellsWhatAnyMotionHoldsAgainstADwellWhileItIsOnAndAfterItsEnd) {
+TEST(LiveModel, TellsAndRecordsWhatAnyMotionHoldsAgainstADwellThatHasEnded) {
   test::CollectingSink sink;
   LiveRig live(clamped_chain(), 0.005, 1e-5, &sink);
   live.gain_of_y1 = 1.1;
@@ -152,7 +152,6 @@ TEST(LiveModel, TellsWhatAnyMotionHoldsAgainstADwellWhileItIsOnAndAfterItsEnd) {
   };
   live.run(19.0);
   ASSERT_EQ(live.latest().dwell.state, State::measuring) << live.latest().dwell.settling_reason;
-  EXPECT_TRUE(objection().starts_with("any motion: the chain of the rig file does not explain")) << objection();
   live.run(30.0);
   EXPECT_NE(live.latest().dwell.index, 1);
   EXPECT_TRUE(objection().starts_with("any motion: the chain of the rig file does not explain")) << objection();
