@@ -346,7 +346,7 @@ test('a dwell of an earlier run is chosen and opened by keyboard, also after a r
   await page.keyboard.press('Enter');
   await page.locator('#dwell-content li', { hasText: /c₁ = .* ± .* kN\/m/ }).waitFor();
   assert.match(await page.locator('#dwell-title').innerText(), /^Dwell \d+ of run \d+$/);
-  await page.locator('#dwell-content li', { hasText: 'not of now' }).waitFor();
+  await page.locator('#dwell-content li', { hasText: 'an earlier run' }).waitFor();
   await check(page, 'earlier-dwell-desk');
   await page.keyboard.press('Escape');
   await page.setViewportSize(SIZES.phone);
