@@ -93,9 +93,9 @@ class Course {
     out_.noise = local_noise(rig_, out_.data);
     measure_sizes();
     intensities_ = 0;
-    if (!activity_.stretches.empty() && out_.data.readings.front().t_ns < activity_.stretches.front().from_ns)
-      add_stretch(out_.data.readings.front().t_ns, kAtRest * activity_.stretches.front().amplitude);
-    for (const auto& stretch : activity_.stretches)
+    if (!activity_.amplitudes.empty() && out_.data.readings.front().t_ns < activity_.amplitudes.front().from_ns)
+      add_stretch(out_.data.readings.front().t_ns, kAtRest * activity_.amplitudes.front().amplitude);
+    for (const auto& stretch : activity_.amplitudes)
       if (stretch.from_ns <= out_.data.readings.back().t_ns) add_stretch(stretch.from_ns, stretch.amplitude);
     if (intensities_ == 0) add_stretch(out_.data.readings.front().t_ns, kUnseen);
     const std::size_t fewest = kPerUnknown * unknowns();

@@ -116,8 +116,8 @@ TableActivity table_activity(const Rig& rig, const MotionData& data, const std::
   out.moves = true;
   out.onset_ns = moving->from_ns;
   for (const Block& block : blocks) out.amplitude = std::max(out.amplitude, block.amplitude() / per_m);
-  out.stretches = joined({moving, blocks.end()}, still);
-  for (auto& stretch : out.stretches) stretch.amplitude /= per_m;
+  out.amplitudes = joined({moving, blocks.end()}, still);
+  for (auto& from : out.amplitudes) from.amplitude /= per_m;
   return out;
 }
 

@@ -23,7 +23,7 @@ struct TableActivity {
     std::int64_t from_ns;
     double amplitude;
   };
-  std::vector<AmplitudeFrom> stretches;
+  std::vector<AmplitudeFrom> amplitudes;  // by time; the last one holds to the end
 };
 
 // The channel by which the activity is judged; -1: no channel shows the table.

@@ -21,10 +21,10 @@ constexpr double kFirst = 2.0;
 constexpr double kGrowth = 1.5;
 // … once the readings contradict the chain. An estimate then looks for what is missing, and costs ten times as much.
 constexpr double kGrowthContradicted = 4.0;
-// Bounds the work of the last estimate of a dwell: 14 000 readings of a table and two masses, some seconds where they
-// come irregularly, ten times as long where they contradict the chain. Five times as many would keep a processor busy
-// for minutes after each dwell. Halved, less of the dwell has a say.
-constexpr std::size_t kMostOfLast = 100'000;
+// Of the readings that an estimate may take, this part is enough for the last one: 14 000 of a table and two masses,
+// some seconds where they come irregularly, ten times as long where they contradict the chain. With all of them a
+// processor is busy for minutes after each dwell. Halved, less of the dwell has a say.
+constexpr double kPartOfLast = 0.2;
 // If a hold of so many periods ends while the dwell settles, the drive has changed, and another stretch begins. A ramp
 // leaves a hold every period. Longer: an operator's change of the drive goes unnoticed. Shorter: a slow ramp is torn.
 constexpr double kSteady = 8.0;
@@ -36,27 +36,30 @@ std::size_t most_readings(const Rig& rig) {
 }  // namespace
 
 void TransientJob::run(const Rig& rig) {
-  if (readings.empty() && result.given > 0) return;
   MotionRecorder recorder(rig);
   for (const HoldRecord::Reading& reading : readings)
     recorder.take(
         {.t_ns = reading.t_ns, .value = reading.value, .channel = static_cast<std::uint16_t>(reading.channel)});
   MotionOptions options;
   options.at_fault = at_fault;
-  if (of) options.most_work = kMostOfLast;
   result.estimate = estimate_motion(rig, recorder.data(), options);
 }
 
 TransientWatch::TransientWatch(const Rig& rig)
-    : period_s_(1.0 / rig.excitation.frequency_hz), record_(most_readings(rig)) {
+    : period_s_(1.0 / rig.excitation.frequency_hz),
+      most_of_last_(static_cast<std::size_t>(kPartOfLast * static_cast<double>(most_readings(rig)))),
+      record_(most_readings(rig)) {
   for (const Channel& channel : rig.channels) counts_.push_back(channel.measures != Quantity::auxiliary);
 }
 
 void TransientWatch::take(const Record& record, std::int64_t t_ns, std::uint64_t position) noexcept {
   if (record.kind != Kind::sample || record.channel >= counts_.size() || !counts_[record.channel]) return;
-  if (record_.push({t_ns, record.value, record.channel})) last_ = position;
   now_s_ = to_s(t_ns);
+  if (phase_ == Phase::gathering && settled() && record_.size() >= most_of_last_) phase_ = Phase::complete;
+  if (phase_ != Phase::complete && record_.push({t_ns, record.value, record.channel})) last_ = position;
 }
+
+bool TransientWatch::settled() const noexcept { return std::isfinite(stretch_.settled_s); }
 
 void TransientWatch::follow(const Dwell& now, std::vector<ChannelFault> at_fault) {
   const bool on = now.index && (now.state == State::settling || now.state == State::measuring);
@@ -70,7 +73,7 @@ void TransientWatch::follow(const Dwell& now, std::vector<ChannelFault> at_fault
 
 void TransientWatch::wait() {
   if (phase_ == Phase::waiting) return;
-  before_ = job();
+  keep_for_last();
   phase_ = Phase::waiting;
   record_.roll();
   stretch_.dwell.reset();
@@ -79,7 +82,7 @@ void TransientWatch::wait() {
 
 void TransientWatch::begin(const Dwell& now) {
   if (now.index != stretch_.dwell) {
-    if (phase_ != Phase::waiting) before_ = job();
+    if (phase_ != Phase::waiting) keep_for_last();
     newest_.reset();
   }
   stretch_ = {.dwell = now.index, .number = stretch_.number + 1, .start_s = now.start_s};
@@ -87,62 +90,64 @@ void TransientWatch::begin(const Dwell& now) {
   phase_ = Phase::gathering;
 }
 
+void TransientWatch::keep_for_last() {
+  unreported_.reset();
+  if (record_.size() > 0 && record_.size() <= most_of_last_) unreported_ = job();
+}
+
 void TransientWatch::ended(const Dwell& dwell) {
   if (dwell.index == stretch_.dwell) wait();
-  if (!before_ || before_->dwell != dwell.index) return;
+  if (!unreported_ || unreported_->dwell != dwell.index) return;
   if (std::isfinite(dwell.settled_s)) {
-    final_ = std::move(before_);
-    final_->of = std::make_shared<const Dwell>(dwell);
+    last_job_ = std::move(unreported_);
+    last_job_->ended = std::make_shared<const Dwell>(dwell);
   }
-  before_.reset();
+  unreported_.reset();
 }
 
 bool TransientWatch::due() const noexcept {
   if (out_) return false;
-  if (final_) return true;
-  if (phase_ != Phase::gathering || std::isfinite(stretch_.settled_s)) return false;
+  if (last_job_) return true;
+  if (phase_ != Phase::gathering || settled()) return false;
   const std::size_t size = record_.size(), handed = stretch_.handed;
   if (handed == 0) return size > 0 && (record_.full() || now_s_ - stretch_.start_s >= kFirst * period_s_);
   const double growth = newest_ && newest_->estimate.contradicted ? kGrowthContradicted : kGrowth;
   return static_cast<double>(size) >= growth * static_cast<double>(handed) || (record_.full() && size > handed);
 }
 
+// The stretch as it stands; it has readings.
 TransientJob TransientWatch::job() const {
   TransientJob job;
   job.dwell = stretch_.dwell;
   job.stretch = stretch_.number;
   job.at_fault = at_fault_;
-  if (newest_ && newest_->last == last_ && record_.size() == newest_->given) {
-    job.result = *newest_;
-    return job;
-  }
   job.readings = record_.readings();
-  job.result.given = job.readings.size();
-  job.result.last = last_;
-  if (job.readings.empty()) return job;
   job.result.from_s = to_s(job.readings.front().t_ns);
   job.result.until_s = to_s(job.readings.back().t_ns);
+  job.result.given = job.readings.size();
+  job.result.last = last_;
   return job;
 }
 
 TransientJob TransientWatch::hand_over() {
   out_ = true;
-  if (final_) {
-    TransientJob last = std::move(*final_);
-    final_.reset();
+  if (last_job_) {
+    TransientJob last = std::move(*last_job_);
+    last_job_.reset();
     return last;
   }
-  phase_ = Phase::estimating;
   TransientJob next = job();
   stretch_.handed = next.result.given;
   return next;
 }
 
-void TransientWatch::take_back(TransientJob job) {
+std::shared_ptr<const TransientEstimate> TransientWatch::take_back(TransientJob job) {
   out_ = false;
-  if (phase_ == Phase::estimating) phase_ = Phase::gathering;
-  if (phase_ != Phase::waiting && !job.of && job.stretch == stretch_.number)
-    newest_ = std::make_shared<const TransientEstimate>(std::move(job.result));
+  const bool last = job.ended != nullptr;
+  if (!last && (phase_ == Phase::waiting || job.stretch != stretch_.number)) return nullptr;
+  auto estimate = std::make_shared<const TransientEstimate>(std::move(job.result));
+  if (!last) newest_ = estimate;
+  return estimate;
 }
 
 }  // namespace dwell

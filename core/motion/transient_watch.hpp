@@ -1,19 +1,19 @@
 // Coefficients by the method of any motion beside a dwell: when they are estimated, and from which readings.
 //
-// A stretch begins one and a half periods before its first hold. An estimate of it is due
+// A stretch begins one and a half periods before its first hold. While the dwell settles, an estimate of it is due
 // - when it covers two periods of the hold;
 // - each time its readings have become 1.5 times as many, up to what an estimate may take. All of these together cost
 //   three times the last one. Where the readings contradict the chain: four times as many, since such an estimate also
-//   looks for what is missing, which costs ten times as much;
-// - when a dwell that had settled has ended: the last one, from the beginning of the stretch on, with a fifth of the
-//   readings that an estimate may take.
-// Until the dwell has settled the estimates are its only coefficients; the newest and the last are a second opinion on
-// it. A dwell that is measured costs nothing, nor does an idle rig.
+//   looks for what is missing, which costs ten times as much.
+// A dwell that has settled and ended gets a last estimate. Its stretch grows to a fifth of the readings that an
+// estimate may take; a transient that is longer gets none, since none of the dwell's own data would be in it. While a
+// dwell is measured, and while the rig is idle, nothing is estimated.
 //
-//   state        what is so                              left for
-//   waiting      no dwell is on                          gathering, when a dwell begins
-//   gathering    the stretch grows                       estimating, when a job is handed over
-//   estimating   it grows, a job is out                  gathering, when the job comes back
+//   state      what is so                                 left for
+//   waiting    no dwell is on                             gathering, when a dwell begins
+//   gathering  the stretch grows                          complete, when its dwell has settled and the last estimate
+//                                                         needs no more readings
+//   complete   it takes no more readings                  gathering, when another stretch begins
 //
 // From any state the end of a dwell leads to waiting. Another dwell begins another stretch and drops the estimate.
 // Within a dwell a drive that leaves a hold of some periods begins another stretch too, and the estimate stays until
@@ -48,19 +48,19 @@ struct TransientEstimate {
   // Position of the last of them in the stream of the run. They are the newest `given` samples up to there, without
   // those of auxiliary channels.
   std::uint64_t last = 0;
-  // The dwell that has been held against it, once that has settled, and what speaks against the dwell; empty: nothing.
+  // Of the last estimate of a dwell that has ended: its index, and what any motion holds against it; empty: nothing.
   std::optional<int> dwell{};
   std::string objection{};
 };
 
 // Work for whoever has time: run(), then TransientWatch::take_back(). Owns all it needs; may go to another thread.
 struct TransientJob {
-  std::optional<int> dwell;  // its index
-  std::uint64_t stretch = 0;
-  std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came; empty: the result is known
+  std::optional<int> dwell;                   // the index of the stretch's dwell
+  std::uint64_t stretch = 0;                  // its number
+  std::vector<HoldRecord::Reading> readings;  // in the device's own numbers, as they came
   TransientEstimate result;
-  std::shared_ptr<const Dwell> of;     // the dwell that has ended, of which this is the last; null: the dwell is on
   std::vector<ChannelFault> at_fault;  // see MotionOptions
+  std::shared_ptr<const Dwell> ended;  // the dwell has ended so, and this is its last estimate; null: it is on
 
   // Takes seconds; allocates. The rig must be the watch's.
   void run(const Rig& rig);
@@ -69,7 +69,7 @@ struct TransientJob {
 // Bound to one thread.
 class TransientWatch {
  public:
-  enum class Phase : std::uint8_t { waiting, gathering, estimating };
+  enum class Phase : std::uint8_t { waiting, gathering, complete };
 
   // Everything that is kept of the stream is allocated here: 24 bytes for each reading that an estimate takes.
   explicit TransientWatch(const Rig& rig);
@@ -79,15 +79,16 @@ class TransientWatch {
   // The dwell as it stands now, and the channels that it withholds because their readings are at fault. A few times a
   // second. Where a dwell ends, copies its readings: a millisecond at most.
   void follow(const Dwell& now, std::vector<ChannelFault> at_fault = {});
-  // A dwell has ended; before follow() knows, or after. A dwell that has settled gets a last estimate, from all of its
-  // stretch. It replaces one that waits for the dwell before.
+  // A dwell has ended; follow() may have been told already. Its last estimate replaces one of the dwell before that
+  // still waits.
   void ended(const Dwell& dwell);
 
   // Whether a job is to be done now; at most one is out at a time.
   [[nodiscard]] bool due() const noexcept;
   // Copies the readings. Only if due(). Allocates; a millisecond at most.
   [[nodiscard]] TransientJob hand_over();
-  void take_back(TransientJob job);
+  // The estimate, to be handed on; null: its stretch is over, and it is not the last one of its dwell.
+  std::shared_ptr<const TransientEstimate> take_back(TransientJob job);
 
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
   // Of the dwell that is on; null: there is none yet. Never changed once handed out.
@@ -104,12 +105,15 @@ class TransientWatch {
     std::size_t handed = 0;    // readings in the last job
   };
 
+  [[nodiscard]] bool settled() const noexcept;
   void wait();
   void begin(const Dwell& now);
+  void keep_for_last();
   [[nodiscard]] TransientJob job() const;
 
   std::vector<bool> counts_;  // by Rig::channels: all but auxiliary ones
   double period_s_;           // of the nominal drive
+  std::size_t most_of_last_;  // readings of a last estimate
   HoldRecord record_;
   Phase phase_ = Phase::waiting;
   Stretch stretch_;
@@ -118,8 +122,9 @@ class TransientWatch {
   bool out_ = false;        // a job is
   std::vector<ChannelFault> at_fault_;
   std::shared_ptr<const TransientEstimate> newest_;
-  std::optional<TransientJob> before_;  // of the dwell before, until its end is reported
-  std::optional<TransientJob> final_;   // of a dwell that has ended; waits
+  // The last estimate of a dwell whose end is not reported yet: it may turn out only then that the dwell has settled.
+  std::optional<TransientJob> unreported_;
+  std::optional<TransientJob> last_job_;  // of a dwell that has ended; waits to be handed over
 };
 
 }  // namespace dwell

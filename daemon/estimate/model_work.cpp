@@ -19,7 +19,7 @@ void ModelWork::ended(const Dwell& dwell, std::uint64_t position) {
 }
 
 void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline) {
-  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) take_back(std::move(*job), now);
+  if (auto job = work_->slot.collect(); job && std::exchange(out_, false)) take_back(std::move(*job));
   transient_.follow(now, readings_at_fault(work_->rig, pipeline, now));
   verification_.follow(now, position);
   if (const auto& newest = transient_.newest()) object(now, newest->estimate);
@@ -35,21 +35,13 @@ void ModelWork::turn(const Dwell& now, std::uint64_t position, const Pipeline& p
   }
 }
 
-void ModelWork::take_back(LongJob job, const Dwell& now) {
+void ModelWork::take_back(LongJob job) {
   if (auto* const transient = std::get_if<TransientJob>(&job)) {
-    TransientEstimate& result = transient->result;
-    const Dwell& dwell = transient->of ? *transient->of : now;
-    if (dwell.index && std::isfinite(dwell.settled_s)) {
-      result.dwell = dwell.index;
-      if (const auto objection = objection_to(dwell, result.estimate)) result.objection = objection->what;
+    if (transient->ended) {
+      transient->result.dwell = transient->dwell;
+      transient->result.objection = object(*transient->ended, transient->result.estimate);
     }
-    if (transient->of) {
-      object(dwell, result.estimate);
-      news_ = std::make_shared<const TransientEstimate>(result);
-    }
-    const auto before = transient_.newest();
-    transient_.take_back(std::move(*transient));
-    if (transient_.newest() != before) news_ = transient_.newest();
+    if (auto estimate = transient_.take_back(std::move(*transient))) news_ = std::move(estimate);
     return;
   }
   verification_.take_back(std::move(std::get<VerificationJob>(job)));
@@ -63,16 +55,17 @@ void ModelWork::take_back(LongJob job, const Dwell& now) {
   });
 }
 
-// What any motion holds against a dwell that has settled. An estimate that says nothing about the chain takes nothing
-// back.
-void ModelWork::object(const Dwell& dwell, const MotionEstimate& motion) {
-  if (motion.elements.empty() && !motion.contradicted) return;
-  if (!dwell.index || !std::isfinite(dwell.settled_s)) return;
+// What any motion holds against a dwell that has settled; empty: nothing. It becomes part of the dwell's verdict. An
+// estimate that says nothing about the chain changes no verdict.
+std::string ModelWork::object(const Dwell& dwell, const MotionEstimate& motion) {
+  if (motion.elements.empty() && !motion.contradicted) return {};
+  if (!dwell.index || !std::isfinite(dwell.settled_s)) return {};
   const std::optional<Objection> objection = objection_to(dwell, motion);
-  const std::string what = objection ? objection->what : std::string();
+  std::string what = objection ? objection->what : std::string();
   const VerifiedModel* const known = verdict_on(models_.get(), *dwell.index);
-  if (known != nullptr ? known->model.objection == what : what.empty()) return;
-  change_verdict(*dwell.index, [&](ModelVerdict& verdict) { verdict.objection = what; });
+  const bool is_new = known != nullptr ? known->model.objection != what : !what.empty();
+  if (is_new) change_verdict(*dwell.index, [&](ModelVerdict& verdict) { verdict.objection = what; });
+  return what;
 }
 
 // Readers may still hold the list, so it is replaced and never altered.

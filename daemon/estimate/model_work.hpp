@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/dwell/pipeline.hpp"
@@ -39,9 +40,9 @@ class ModelWork {
     if (readings != nullptr) verification_.take(*readings, origin_ns);
   }
   // Call a few times a second on the one object that may use the slot. now: the current dwell, as it stood after the
-  // record `position`; pipeline: that it comes from, of which only the channels' conditions are asked. Takes finished
-  // work back and hands the next job over, in a millisecond at most. Drops a job that another object has handed over
-  // before.
+  // record `position`. pipeline: the dwell's; its channel() and condition_reason() are asked, nothing else. Takes
+  // finished work back and hands the next job over, in a millisecond at most. Drops a job that another object has
+  // handed over before.
   void turn(const Dwell& now, std::uint64_t position, const Pipeline& pipeline);
   // What the last turn() took back; each once.
   [[nodiscard]] std::optional<record::ModelResult> take_news() noexcept { return std::exchange(news_, std::nullopt); }
@@ -49,14 +50,14 @@ class ModelWork {
   void show(const Dwell& now, Snapshot& to) const;
 
  private:
-  const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
-  TransientWatch transient_;
-  VerificationWatch verification_;
-  void take_back(LongJob job, const Dwell& now);
-  void object(const Dwell& dwell, const MotionEstimate& motion);
+  void take_back(LongJob job);
+  std::string object(const Dwell& dwell, const MotionEstimate& motion);
   template <class Change>
   void change_verdict(int dwell, Change change);
 
+  const std::shared_ptr<LongWork> work_;  // shared with the worker, which has the slot's other side
+  TransientWatch transient_;
+  VerificationWatch verification_;
   std::shared_ptr<const VerifiedModels> models_;
   std::optional<record::ModelResult> news_;
   bool out_ = false;  // the job in the slot is this one's

@@ -53,8 +53,8 @@ class Service {
     if (!transient_.due()) return;
     TransientJob job = transient_.hand_over();
     job.run(rig_);
-    if (job.of) compare(*job.of, job.result.estimate);
-    transient_.take_back(std::move(job));
+    if (job.ended) compare(*job.ended, job.result.estimate);
+    (void)transient_.take_back(std::move(job));
   }
   void compare(const Dwell& dwell, const MotionEstimate& motion) {
     if (const auto objection = objection_to(dwell, motion)) lines_.push_back(objection->what);
