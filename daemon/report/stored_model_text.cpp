@@ -5,6 +5,7 @@
 #include "core/base/wording.hpp"
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/number_text.hpp"
+#include "daemon/report/objection_json.hpp"
 
 namespace dwell {
 namespace {
@@ -27,11 +28,10 @@ std::string stretch_text(const Json& from) {
 }
 
 std::string estimate_text(const Json& from, const Json& result) {
-  const Json &elements = child_of(child_of(result, "motion"), "elements"), &objection = child_of(result, "objection");
-  const std::string against =
-      objection.is_object() && child_of(objection, "dwell").is_number_integer()
-          ? "; against dwell " + child_of(objection, "dwell").dump() + ": " + text_of(child_of(objection, "what"))
-          : "";
+  const Json& elements = child_of(child_of(result, "motion"), "elements");
+  std::string against;
+  if (const auto objection = objection_in(result); objection && *objection)
+    against = "; against dwell " + std::to_string((*objection)->dwell) + ": " + (*objection)->what;
   if (!elements.is_array())
     return stretch_text(from) + "no coefficients: " + text_of(child_of(result, "motion_reason")) + against;
   const auto found = std::count_if(elements.begin(), elements.end(), [](const Json& element) {

@@ -7,6 +7,7 @@
 #include "daemon/report/dwell_json_value.hpp"
 #include "daemon/report/json_parts.hpp"
 #include "daemon/report/motion_report.hpp"
+#include "daemon/report/objection_json.hpp"
 #include "daemon/report/verification_json.hpp"
 
 namespace dwell {
@@ -22,9 +23,8 @@ record::StoredModel stored(const TransientEstimate& of, const Rig& rig) {
   view.from_s = of.from_s;
   view.until_s = of.until_s;
   view.given = of.given;
-  const Json objection =
-      of.dwell && !of.objection.empty() ? Json{{"dwell", *of.dwell}, {"what", of.objection}} : Json(nullptr);
-  const Json result{{"motion", json_value(view)}, {"motion_reason", of.estimate.reason}, {"objection", objection}};
+  const Json result{
+      {"motion", json_value(view)}, {"motion_reason", of.estimate.reason}, {"objection", json_objection(of)}};
   return {"estimate", 0, {}, dump(stretch(of.last, of.given, of.from_s, of.until_s)), dump(result)};
 }
 

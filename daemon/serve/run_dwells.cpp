@@ -18,6 +18,7 @@
 #include "daemon/report/dwell_brief.hpp"
 #include "daemon/report/dwell_json.hpp"
 #include "daemon/report/json_parts.hpp"
+#include "daemon/report/objection_json.hpp"
 #include "daemon/report/verification_json.hpp"
 #include "daemon/serve/api.hpp"
 #include "daemon/serve/page_query.hpp"
@@ -40,49 +41,73 @@ struct StoredDwell {
   std::string brief;     // JSON
 };
 
+// The newest verdict on each dwell's model, by the dwell's index. If these are too many or too long, those with the
+// lowest indices are dropped.
+class Verdicts {
+ public:
+  // change(ModelVerdict&).
+  template <class Change>
+  void change(int dwell, const Change& change) {
+    ModelVerdict& verdict = verdicts_[dwell];
+    bytes_ -= verdict.objection.size();
+    change(verdict);
+    bytes_ += verdict.objection.size();
+    while (verdicts_.size() > 1 && (verdicts_.size() > RunDwells::kDwells || bytes_ > kBytesOfDwells)) {
+      bytes_ -= verdicts_.begin()->second.objection.size();
+      verdicts_.erase(verdicts_.begin());
+    }
+  }
+  [[nodiscard]] std::optional<ModelVerdict> of(int dwell) const {
+    const auto found = verdicts_.find(dwell);
+    return found != verdicts_.end() ? std::optional(found->second) : std::nullopt;
+  }
+
+ private:
+  std::map<int, ModelVerdict> verdicts_;
+  std::size_t bytes_ = 0;  // of all objections
+};
+
 struct StoredRun {
   std::string path;
   record::FileIdentity identity{};
   std::int64_t number = 0;
-  std::string rig;                     // its name; empty: the rig file cannot be read
-  std::map<int, ModelVerdict> models;  // the newest on each dwell, by its index
-  std::deque<StoredDwell> dwells;      // the newest, oldest first
-  std::size_t forgotten = 0;           // older ones
+  std::string rig;  // its name; empty: the rig file cannot be read
+  Verdicts models;
+  std::deque<StoredDwell> dwells;  // the newest, oldest first
+  std::size_t forgotten = 0;       // older ones
 };
 
 tl::unexpected<record::Failure> bad_entry(const record::Entry& entry, const std::string& what) {
   return fails("entry " + std::to_string(entry.seq) + ": " + what);
 }
 
-Result<DwellView> dwell_in(const record::Entry& entry, const std::map<int, ModelVerdict>& models) {
+Result<DwellView> dwell_in(const record::Entry& entry, const Verdicts& models) {
   const auto result = record::parse_result(entry.body);
   if (!result) return bad_entry(entry, result.error());
   auto view = dwell_from_json(Json::parse(result->dwell, nullptr, false));
   if (!view) return bad_entry(entry, view.error());
   if (!view->dwell.index) return bad_entry(entry, "a dwell without an index");
-  if (const auto known = models.find(*view->dwell.index); known != models.end()) view->model = known->second;
+  view->model = models.of(*view->dwell.index);
   return std::move(*view);
 }
 
-Result<void> take_model(const record::Entry& entry, std::map<int, ModelVerdict>& models) {
+Result<void> take_model(const record::Entry& entry, Verdicts& models) {
   const auto stored = record::parse_model("verification", entry.body);
   if (!stored) return bad_entry(entry, stored.error());
   const auto view = verification_from_json(Json::parse(stored->result, nullptr, false));
   if (!view) return bad_entry(entry, view.error());
-  if (view->dwell) models[*view->dwell] = in_short(view->verification);
+  if (view->dwell) models.change(*view->dwell, [&](ModelVerdict& of) { of = in_short(view->verification); });
   return {};
 }
 
-// What any motion held against a dwell, by its newest estimate that has an opinion.
-Result<void> take_objection(const record::Entry& entry, std::map<int, ModelVerdict>& models) {
+// What any motion held against a dwell when that had ended.
+Result<void> take_objection(const record::Entry& entry, Verdicts& models) {
   const auto stored = record::parse_model("estimate", entry.body);
   if (!stored) return bad_entry(entry, stored.error());
-  const Json result = Json::parse(stored->result, nullptr, false);
-  if (!result.is_object() || !result.contains("objection") || !result["objection"].is_object()) return {};
-  const Json &objection = result["objection"], dwell = objection.value("dwell", Json()),
-             what = objection.value("what", Json());
-  if (!dwell.is_number_integer() || !what.is_string()) return bad_entry(entry, "an objection without dwell or words");
-  models[dwell.get<int>()].objection = what.get<std::string>();
+  auto objection = objection_in(Json::parse(stored->result, nullptr, false));
+  if (!objection) return bad_entry(entry, objection.error());
+  if (*objection)
+    models.change((*objection)->dwell, [&](ModelVerdict& of) { of.objection = std::move((*objection)->what); });
   return {};
 }
 
@@ -160,8 +185,9 @@ Result<HttpReply> dwell_answer(const StoredRun& run, int index) {
   const auto stored =
       std::find_if(run.dwells.rbegin(), run.dwells.rend(), [&](const auto& d) { return d.index == index; });
   if (stored == run.dwells.rend())
-    return http_error(404, "no dwell of this run with the index " + std::to_string(index) + " has ended" +
-                               (run.forgotten > 0 ? ", or it is an old one: run dwellctl show for these" : ""));
+    return http_error(404,
+                      "no dwell of this run with the index " + std::to_string(index) + " has ended" +
+                          (run.forgotten > 0 ? ", or it is not among the newest: dwellctl show FILE has all" : ""));
   auto chain = ChainReader::open(run.path, record::ChainSort::run);
   if (!chain) return tl::unexpected(chain.error());
   chain->seek(stored->seq, "result");
@@ -179,7 +205,7 @@ std::string why_not(const ServiceView& now, std::string_view file) {
   static const record::ListedRuns kNone;
   const record::ListedRuns& all = now.recording.runs ? *now.recording.runs : kNone;
   const auto run = std::find_if(all.begin(), all.end(), [&](const auto& listed) { return listed.file == file; });
-  if (run == all.end()) return "there is no run of this name: expected FILE as /api/v1/runs tells it";
+  if (run == all.end()) return "there is no run of this name: expected a FILE that /api/v1/runs lists";
   if (run->state == "recording" || (now.recording.state->recording && now.recording.state->run.file == file))
     return "the run goes on: /api/v1/dwells tells its dwells";
   return run->linked ? "its file is a link, and none is followed" : "";

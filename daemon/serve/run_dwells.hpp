@@ -20,7 +20,8 @@ namespace dwell {
 
 class RunDwells {
  public:
-  // Runs that are remembered once read, until their files change. Each takes up to 4 MB (kBytesOfDwells).
+  // Runs that are remembered once read, until their files change. Each takes up to 4 MB for its dwells, and as
+  // much for what is held against them (kBytesOfDwells).
   static constexpr std::size_t kRuns = 4;
   // Dwells of a run that are remembered: its newest, as many as the service keeps of the current run.
   static constexpr std::size_t kDwells = 1000;

@@ -166,7 +166,35 @@ TEST_F(RunDwellsTest, AHostileFileIsKeptInBounds) {
   EXPECT_GE(told["forgotten"], 500);
   EXPECT_EQ(told["dwells"].size(), 100U);
   EXPECT_EQ(told["dwells"].back()["index"], 1500);
-  expect_error(404, at + "/1", "dwellctl show");
+  expect_error(404, at + "/1", "dwellctl show FILE has all");
+}
+
+// Descending, so that each is the first to be dropped.
+TEST_F(RunDwellsTest, AHostileFilesObjectionsAreKeptInBounds) {
+  for (int dwell = 3000; dwell > 0; --dwell) {
+    TransientEstimate estimate;
+    estimate.estimate.reason = "none";
+    estimate.dwell = dwell;
+    estimate.objection = std::string(8000, 'x');
+    run.models.push_back(stored_model(std::make_shared<const TransientEstimate>(estimate), rig));
+    run.models.back().utc = "2026-07-01T10:12:11Z";
+  }
+  write(run, key);
+  const Json told = asked(at);
+  EXPECT_EQ(told["dwells"].size(), 3U);
+  EXPECT_TRUE(told["dwells"][0]["model"].is_null()) << "dropped: 4 MB hold the newest 500";
+}
+
+TEST_F(RunDwellsTest, AnObjectionThatCannotBeReadIsTheReason) {
+  TransientEstimate estimate;
+  estimate.dwell = 2;
+  estimate.objection = "any motion: …";
+  run.models.push_back(stored_model(std::make_shared<const TransientEstimate>(estimate), rig));
+  run.models.back().utc = "2026-07-01T10:12:11Z";
+  std::string& result = run.models.back().result;
+  result.replace(result.find("\"dwell\":2"), 9, "\"dwell\":-2");
+  write(run, key);
+  expect_error(409, at, "objection: dwell: expected an integer from 0 to 1e9");
 }
 
 TEST_F(RunDwellsTest, WhatIsNoRunOfTheListIsNotOpened) {
