@@ -9,6 +9,7 @@
 #include "core/result/condition.hpp"
 #include "daemon/ctl/json_member.hpp"
 #include "daemon/report/dwell_text.hpp"
+#include "daemon/report/model_text.hpp"
 #include "daemon/report/number_text.hpp"
 #include "daemon/report/table.hpp"
 
@@ -137,7 +138,7 @@ std::string earlier_runs_text(const Json& runs) {
   if (files == 0) return {};
   return "earlier runs: " + std::to_string(dwells) + (dwells == 1 ? " dwell in " : " dwells in ") +
          std::to_string(files) + (files == 1 ? " file" : " files") +
-         "; dwellctl runs names them, dwellctl show FILE shows one's dwells, as does the page\n";
+         "; dwellctl runs lists them, dwellctl show FILE and the page show the dwells of one\n";
 }
 
 std::string dwells_table(const std::vector<DwellView>& dwells) {
@@ -159,7 +160,7 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
       frequencies.push_back(!first    ? NumberText{}
                             : settled ? number_text(d.frequency_hz.value, kNormal95 * d.frequency_hz.u, "Hz")
                                       : number_text(d.frequency_hz.value, "Hz", 4));
-      models.push_back(first && view.model ? to_string(view.model->verdict) : "");
+      models.push_back(first && view.model ? model_brief(*view.model) : "");
       if (i >= d.elements.size()) {
         elements.emplace_back();
         stiffness.emplace_back();
@@ -179,8 +180,9 @@ std::string dwells_table(const std::vector<DwellView>& dwells) {
                                              : "");
       notes.push_back(e.identifiable ? "" : e.reason);
     }
-    for (const Doubt& doubt : d.doubts)
-      doubts.push_back("dwell " + (d.index ? std::to_string(*d.index) : "") + ": " + doubt_text(doubt));
+    const std::string whose = "dwell " + (d.index ? std::to_string(*d.index) : "") + ": ";
+    for (const Doubt& doubt : d.doubts) doubts.push_back(whose + doubt_text(doubt));
+    if (view.model && !view.model->objection.empty()) doubts.push_back(whose + view.model->objection);
   }
   Table table;
   table.add("dwell", std::move(numbers), Align::right);

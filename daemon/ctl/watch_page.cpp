@@ -277,7 +277,7 @@ std::string verdict_of(const WatchState& state) {
   const auto& model = state.dwell()->model;
   if (!model) return {};
   const std::string why = state.why_unverified();
-  return std::string(" · model ") + to_string(model->verdict) + (why.empty() ? "" : ": " + why);
+  return " · model " + model_brief(*model) + (why.empty() ? "" : ": " + why);
 }
 
 std::string where_of(std::size_t page, std::size_t pages) {

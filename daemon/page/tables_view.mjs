@@ -6,7 +6,7 @@ import { beginEarlier, earlierDwells, runOfDwell } from './earlier_view.mjs';
 import { limitOf, SHAPES } from './limits.mjs';
 import { ageText, instantText, isNumber, joined, NORMAL_95, NO_NUMBER, numberText, plainText, secondsText } from './number.mjs';
 import { noDwellsText, olderRunsText, runOf } from './runs.mjs';
-import { isWell, utcMs } from './wording.mjs';
+import { isWell, modelBrief, utcMs } from './wording.mjs';
 
 const $ = (id) => document.getElementById(id);
 const EVENTS_SHOWN = 100;
@@ -107,7 +107,7 @@ function showDwells(view) {
     const before = !earlier && dwell !== null && d.start_utc !== dwell.start_utc;
     setText(node.firstChild.firstChild, before ? `${d.index}, earlier run` : String(d.index));
     setText(node.children[1], instantText(utcMs(d, d.end_s), nowMs));
-    setText(node.children[node.children.length - 2], d.model?.verdict ?? NO_NUMBER); // may come after the dwell's end
+    setText(node.children[node.children.length - 2], modelBrief(d.model) ?? NO_NUMBER); // may come after the dwell's end
   });
 }
 

@@ -104,6 +104,12 @@ export function modelOf(dwell, verification) {
   return { text, tone: bad ? 'care' : 'calm' };
 }
 
+// The same as a cell of a table.
+export function modelBrief(model) {
+  if (!model) return null;
+  return model.verdict + (model.consistent === false ? ', not consistent' : '') + (model.objection ? ', contradicted' : '');
+}
+
 export function frequencyText(dwell) {
   const f = dwell.frequency_hz;
   if (!f || !isNumber(f.value)) return null;

@@ -93,6 +93,13 @@ std::string agreement_text(const DwellView& view) {
          verdict_on(*view.transient->agreement);
 }
 
+std::string model_brief(const ModelVerdict& model) {
+  std::string text = to_string(model.verdict);
+  if (!model.consistent.value_or(true)) text += ", not consistent";
+  if (!model.objection.empty()) text += ", contradicted";
+  return text;
+}
+
 std::string model_text(const ModelVerdict& model) {
   std::string text = to_string(model.verdict);
   if (std::isfinite(model.seen)) text += ", off by " + join(number_text(100.0 * model.seen, 100.0 * model.U, "%"));

@@ -27,5 +27,8 @@ namespace dwell {
 
 // "adequate, off by 1.2 % ± 0.8 % (accuracy 5 %)".
 [[nodiscard]] std::string model_text(const ModelVerdict& model);
+// "adequate, not consistent, contradicted": a cell of a table. contradicted: any motion holds something against the
+// dwell.
+[[nodiscard]] std::string model_brief(const ModelVerdict& model);
 
 }  // namespace dwell

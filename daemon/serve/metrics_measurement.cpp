@@ -60,6 +60,15 @@ void write_model(const ServiceView& now, Exposition& out) {
   out.gauge("dwell_model_verdict", "The verdict on the current dwell's model: 1 for what holds.");
   write_states(out, "verdict", model ? model->verdict : Verdict::not_verified, kVerdicts);
   if (!model) return;
+  out.gauge(
+      "dwell_model_consistent",
+      "Whether noise and stated uncertainties explain all that the model leaves over: 1 yes, 0 no. Absent: it could "
+      "not be asked.");
+  if (model->consistent) out.sample(*model->consistent ? 1 : 0);
+  out.gauge("dwell_model_contradicted",
+            "Whether the method of any motion holds something against the current dwell: 1 yes. 0: no, or it was not "
+            "asked yet.");
+  out.sample(model->objection.empty() ? 0 : 1);
   out.gauge("dwell_model_error_ratio",
             "Error of the model's prediction in the channel that decides, as part of its rms.");
   out.sample(model->seen);

@@ -85,7 +85,16 @@ TEST(Tables, DwellsShowTheVerdictsOnTheirLimitsAndModels) {
   EXPECT_NE(text.find("24.010 ±   0.027 kN/m limit violated  60.20 ± 0.79 N·s/m limit kept"), std::string::npos)
       << text;
   EXPECT_NE(text.find("  model"), std::string::npos) << text;
-  EXPECT_NE(text.find("  adequate"), std::string::npos) << text;
+  EXPECT_NE(text.find("  adequate\n"), std::string::npos) << text;
+}
+
+// The cell said "adequate" alone.
+TEST(Tables, DwellsShowWhatIsHeldAgainstTheirModels) {
+  DwellView view = make_view(test::sample_dwell(), test::sample_rig(), {});
+  view.model = ModelVerdict{Verdict::adequate, false, 0.05, 0.012, 0.004, "any motion: the chain does not explain y1"};
+  const std::string text = dwells_table({view});
+  EXPECT_NE(text.find("  adequate, not consistent, contradicted\n"), std::string::npos) << text;
+  EXPECT_EQ(text.substr(0, text.find('\n')), "dwell 1: any motion: the chain does not explain y1");
 }
 
 // A stuck or clipped reading, and garbage, in a table that stays one.

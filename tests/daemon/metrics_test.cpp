@@ -80,6 +80,7 @@ TEST_F(Metrics, NoStateIsToldThatTheEstimationNoLongerRenews) {
   verify(Verdict::adequate);
   for (ChannelView& channel : snapshot.channels) channel.clock.jitter_s = 1e-4;
   const std::vector<std::string> states{"dwell_model_verdict",
+                                        "dwell_model_contradicted",
                                         "dwell_model_error_ratio",
                                         "dwell_model_error_uncertainty_ratio",
                                         "dwell_channel_up",
@@ -132,6 +133,14 @@ TEST_F(Metrics, AStateIsOneOfItsNames) {
             "dwell_state{state=\"complete\"} 0\ndwell_state{state=\"fault\"} 0\n");
   verify(Verdict::not_adequate);
   EXPECT_NE(of("dwell_model_verdict").find("{verdict=\"not adequate\"} 1\n"), std::string::npos);
+  EXPECT_EQ(of("dwell_model_consistent"), "dwell_model_consistent 1\n");
+  EXPECT_EQ(of("dwell_model_contradicted"), "dwell_model_contradicted 0\n");
+  auto models = std::make_shared<VerifiedModels>(*snapshot.models);
+  models->front().model.objection = "any motion: the chain does not explain y1";
+  models->front().model.consistent.reset();
+  snapshot.models = models;
+  EXPECT_EQ(of("dwell_model_consistent"), "");
+  EXPECT_EQ(of("dwell_model_contradicted"), "dwell_model_contradicted 1\n");
 }
 
 TEST_F(Metrics, AChannelsSamplesAddUp) {

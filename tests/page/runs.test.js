@@ -44,9 +44,9 @@ test('earlier runs with dwells can be chosen, the newest first', () => {
 
 test('numbers from a file say so, with its audit', () => {
   assert.deepEqual(fromRun({ run: 3, label: 'oil', ...audit('intact') }),
-    { tone: 'calm', text: 'From the file of run 3, “oil”: not of now. Audit: ✓ intact.' });
+    { tone: 'calm', text: 'From the file of run 3, “oil”: an earlier run. Audit: ✓ intact.' });
   assert.deepEqual(fromRun({ run: 3, label: '', ...audit('tampered', { where: 'entry 5' }) }),
-    { tone: 'alarm', text: 'From the file of run 3: not of now. Audit: ▲ tampered: entry 5. Do not rely on these numbers.' });
+    { tone: 'alarm', text: 'From the file of run 3: an earlier run. Audit: ▲ tampered: entry 5. Do not rely on these numbers.' });
 });
 
 test('the run of a dwell is found by its begin, which recorder and estimation state each by their own reading of the clock', () => {

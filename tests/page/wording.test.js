@@ -1,7 +1,7 @@
 // What the first line says in each situation.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frequencyText, limitsText, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
+import { frequencyText, limitsText, modelBrief, modelOf, playsRecording, warningsText, runFact, sinceMs, stateOf, troubles } from '../../daemon/page/wording.mjs';
 import { dwellOf, idleOf, settlingOf, toldFreshness } from './sample.js';
 
 function viewOf(dwell, more = {}) {
@@ -92,7 +92,9 @@ test('the model is told with figures, and colours only where it is not good', ()
   assert.match(of({ ...model, seen: 0, U: 0.015 }).text, /off by 0\.0 ± 1\.5 %/);
   assert.equal(of({ ...model, verdict: 'not adequate' }).tone, 'care');
   assert.equal(of({ ...model, consistent: false }).tone, 'care');
-  assert.deepEqual(of({ ...model, objection: 'any motion: the chain does not explain y1' }).tone, 'care');
+  assert.equal(of({ ...model, objection: 'any motion: the chain does not explain y1' }).tone, 'care');
+  assert.equal(modelBrief(model), 'adequate');
+  assert.equal(modelBrief({ ...model, consistent: false, objection: 'any motion: …' }), 'adequate, not consistent, contradicted');
   assert.match(of({ ...model, objection: 'any motion: the chain does not explain y1' }).text, /; any motion: the chain does not explain y1$/);
   assert.equal(modelOf(dwellOf()), null);
   assert.equal(modelOf(null), null);
