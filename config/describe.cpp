@@ -40,9 +40,9 @@ std::string rate_note(const RigFile& file, const DeviceSettings& device) {
   if (!device.asked_rate_hz) {
     if (folding.harmonic == 0 || folding.distance_hz() >= kClearOfHarmonics * drive.frequency_hz) return {};
     const double beside_hz = rate_beside_foldings(asked_hz, drive.frequency_hz, drive.harmonics);
-    return "warning: device " + device.name + " samples at " + number_text(asked_hz) +
-           " Hz, near a whole multiple of " + number_text(drive.frequency_hz) + " Hz: harmonic " +
-           std::to_string(folding.harmonic) + " of the drive, if there is any, folds onto " +
+    return "device " + device.name + " samples at " + number_text(asked_hz) + " Hz, near a whole multiple of " +
+           number_text(drive.frequency_hz) + " Hz: harmonic " + std::to_string(folding.harmonic) +
+           " of the drive, if there is any, folds onto " +
            (folding.onto == 0 ? std::string("a constant") : "harmonic " + std::to_string(folding.onto)) +
            (beside_hz != asked_hz ? "; " + number_text(beside_hz) + " Hz would keep them apart" : "");
   }
@@ -58,8 +58,8 @@ std::string line_note(const DeviceSettings& device) {
   if (!(device.most_rate_hz > 0) || rate_hz <= device.most_rate_hz) return {};
   char most[32];
   std::snprintf(most, sizeof most, "%.3g", device.most_rate_hz);
-  return "warning: device " + device.name + " is asked for " + number_text(rate_hz) + " Hz, its serial line carries " +
-         most + " Hz at most: choose a higher baud, fewer registers or a lower rate";
+  return "device " + device.name + " is asked for " + number_text(rate_hz) + " Hz, its serial line carries " + most +
+         " Hz at most: choose a higher baud, fewer registers or a lower rate";
 }
 
 void describe_devices(Draft& draft) {

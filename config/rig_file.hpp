@@ -101,11 +101,11 @@ inline constexpr std::size_t kMaxDevices = 1000;
 // The covariance of all coefficients is (2n + 2)² numbers, told ten times a second: 0.3 MB each at 100 masses.
 inline constexpr std::size_t kMaxMasses = 100;
 
-// "The line cannot carry this rate", with the highest that it can; empty: it can, or that is not known.
+// A warning: the line cannot carry this rate, with the highest that it can. Empty: it can, or that is not known.
 [[nodiscard]] std::string line_note(const DeviceSettings& device);
 
-// Why a device's rate was shifted, or, where it may not be, which harmonic of the drive it folds: one line for people;
-// empty: neither.
+// One line for people: why a device's rate was shifted; or, a warning, which harmonic of the drive a rate folds that
+// was not (DeviceSettings::asked_rate_hz is not set). Empty: neither.
 [[nodiscard]] std::string rate_note(const RigFile& file, const DeviceSettings& device);
 
 // Reads and checks the file at `path`. Fails with every mistake (of syntax errors the first), sorted by position; a

@@ -60,9 +60,13 @@ void print_summary(const RigFile& file) {
   std::printf("%s: rig \"%s\", %d masses, %d elements, %zu channels, %zu devices\n", file.path.c_str(),
               dwell::printable(file.rig.name).c_str(), file.rig.mass_count(), file.rig.element_count(),
               file.rig.channels.size(), file.devices.size());
-  for (const dwell::config::DeviceSettings& device : file.devices)
-    for (const std::string& note : {dwell::config::rate_note(file, device), dwell::config::line_note(device)})
-      if (!note.empty()) std::printf("%s: %s\n", file.path.c_str(), dwell::printable(note).c_str());
+  const auto tell = [&](const char* front, const std::string& note) {
+    if (!note.empty()) std::printf("%s: %s%s\n", file.path.c_str(), front, dwell::printable(note).c_str());
+  };
+  for (const dwell::config::DeviceSettings& device : file.devices) {
+    tell(device.asked_rate_hz ? "" : "warning: ", dwell::config::rate_note(file, device));
+    tell("warning: ", dwell::config::line_note(device));
+  }
 }
 
 // What only the service needs, beside a rig file without mistakes.

@@ -53,7 +53,13 @@ tl::expected<std::unique_ptr<Session>, std::string> Session::make(config::RigFil
   for (const config::DeviceSettings& settings : impl->file.devices) {
     const auto table = drivers(settings.driver);
     if (!table) return tl::unexpected("device " + settings.name + ": " + table.error());
-    if (const std::string note = config::rate_note(impl->file, settings); !note.empty()) log.info(note);
+    if (const std::string note = config::rate_note(impl->file, settings); !note.empty()) {
+      if (settings.asked_rate_hz)
+        log.info(note);
+      else
+        log.warning(note);
+    }
+    if (const std::string note = config::line_note(settings); !note.empty()) log.warning(note);
     auto device =
         DeviceHost::make(settings, impl->file.directory, **table,
                          [lines = DriverLines(settings.name, log)](dwell_level level, const char* message) mutable {

@@ -44,7 +44,7 @@ TEST(RateShift, ARateThatTheLineCannotCarryIsToldWithTheMostThatItCan) {
   EXPECT_TRUE(line_note(device).empty());
   device.most_rate_hz = 61.4;
   EXPECT_EQ(line_note(device),
-            "warning: device amplifier is asked for 500 Hz, its serial line carries 61.4 Hz at most: choose a higher "
+            "device amplifier is asked for 500 Hz, its serial line carries 61.4 Hz at most: choose a higher "
             "baud, fewer registers or a lower rate");
   device.rate_hz = 61;
   EXPECT_TRUE(line_note(device).empty());

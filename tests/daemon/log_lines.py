@@ -57,7 +57,8 @@ INDIRECT = {
     ],
     "daemon/run/recording.cpp": [("notice.text", None, None, None)],  # the notices of the record, each found by itself
     "daemon/run/session.cpp": [
-        ("info(note)", "info", "config/describe.cpp", " Hz, near a whole multiple of "),
+        ("warning(note)", "warning", "config/describe.cpp", " Hz, near a whole multiple of "),
+        ("warning(note)", "warning", "config/describe.cpp", " Hz at most: choose a higher baud"),
         ("info(note)", "info", "config/describe.cpp", "; rate_shift = false forbids it"),
     ],
     "daemon/service.cpp": [("config::to_string(", "error", "config/mistake.cpp", ": ")],
