@@ -2,104 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
-#include <filesystem>
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <semaphore>
 #include <thread>
 #include <vector>
 
-#include "daemon/serve/http_request.hpp"
+#include "tests/daemon/http_server_fixture.hpp"
 #include "tests/daemon/sockets.hpp"
-#include "tests/record/scratch.hpp"
 
 namespace dwell {
 namespace {
 
 using test::Answer;
 using test::Client;
+using test::expect_error;
+using test::HttpServerTest;
 using test::read_answer;
-
-// A server that answers /hello, on a port of the kernel's choice.
-struct HttpServerTest : testing::Test {
-  void begin(HttpOptions options = {}) {
-    options.port = 0;
-    auto made = HttpServer::make(
-        loop, options,
-        [this](const HttpRequest& request) {
-          const std::string_view path = request.path();
-          if (request.method == HttpRequest::Method::post)
-            return HttpReply{200, std::string(request.content_type) + "," + std::string(request.authorization) + "," +
-                                      std::string(request.origin) + "," + std::string(request.cookie) + "," +
-                                      std::string(request.from) + "," + std::string(request.body)};
-          if (path == "/hello") return HttpReply{200, "{\"hello\":\"" + std::string(request.query()) + "\"}"};
-          if (path == "/page") return HttpReply{200, "bytes", "text/html", "\"tag\"", "default-src 'self'"};
-          if (path == "/large") return HttpReply{200, std::string(5'000'000, ' ')};
-          if (path.substr(0, 6) == "/file/") {
-            HttpReply reply{200, {}, "application/vnd.sqlite3"};
-            reply.file_name = path.substr(6);
-            reply.file = folder.path(reply.file_name);
-            return reply;
-          }
-          if (path == "/later") return later([] { return HttpReply{200, "read"}; });
-          if (path == "/hangs")
-            return later([this] {
-              hold.acquire();
-              return HttpReply{200, "held"};
-            });
-          if (path == "/throws") return later([]() -> HttpReply { throw std::runtime_error("no"); });
-          if (path == "/throw") throw std::runtime_error("no");
-          return http_error(404, "nothing here");
-        },
-        [](const HttpRequest&) { return StreamBegin{}; });
-    ASSERT_TRUE(made) << made.error().message;
-    server = std::move(*made);
-    port = server->port();
-    thread.emplace(loop);
-  }
-  Answer ask(const std::string& request) {
-    Client client = Client::tcp(port);
-    client.send(request);
-    return read_answer(client);
-  }
-  HttpStats stats() {
-    return thread->on_loop([this] { return server->stats(); });
-  }
-
-  static HttpReply later(std::function<HttpReply()> make) {
-    HttpReply reply;
-    reply.later = std::move(make);
-    return reply;
-  }
-
-  // A file of pseudo-random bytes.
-  std::string made_file(const std::string& name, std::size_t bytes) {
-    std::string text(bytes, '\0');
-    std::uint32_t state = 1;
-    for (char& c : text) c = static_cast<char>((state = state * 1664525U + 1013904223U) >> 24U);
-    folder.write(name, text);
-    return text;
-  }
-  std::string ask_for_file(const std::string& name, const char* method = "GET") {
-    return std::string(method) + " /file/" + name + " HTTP/1.1\r\nHost: localhost\r\n\r\n";
-  }
-
-  const record::Scratch folder;
-  std::counting_semaphore<> hold{0};  // a disk that hangs until it is released
-  EventLoop loop;
-  std::unique_ptr<HttpServer> server;
-  std::uint16_t port = 0;
-  std::optional<test::LoopThread> thread;
-};
-
-void expect_error(const Answer& answer, int status) {
-  EXPECT_EQ(answer.status, status) << answer.head;
-  const auto json = nlohmann::json::parse(answer.body, nullptr, false);
-  ASSERT_TRUE(json.is_object()) << answer.body;
-  EXPECT_TRUE(json["error"].is_string());
-  EXPECT_EQ(json["status"], status);
-}
 
 TEST_F(HttpServerTest, AnswersOverAndOverOnOneConnection) {
   begin();
@@ -129,152 +45,6 @@ TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
   EXPECT_EQ(answer.status, 200);
   EXPECT_NE(answer.head.find("Content-Length: 12\r\n"), std::string::npos) << answer.head;
   EXPECT_EQ(client.all(), "");
-}
-
-TEST_F(HttpServerTest, AnAnswerThatWaitsForTheDiskHoldsNobodyUp) {
-  HttpOptions options;
-  options.downloads = 2;
-  begin(options);
-  std::deque<Client> waiting;
-  for (int i = 0; i < 2; ++i) {
-    waiting.push_back(Client::tcp(port));
-    waiting.back().send("GET /hangs HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  }
-  while (stats().requests < 2) std::this_thread::yield();
-  expect_error(ask("GET /later HTTP/1.1\r\nHost: localhost\r\n\r\n"), 503);
-  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 200) << "others are served";
-  hold.release(2);
-  for (Client& client : waiting) EXPECT_EQ(read_answer(client).body, "held");
-  EXPECT_EQ(ask("GET /later HTTP/1.1\r\nHost: localhost\r\n\r\n").body, "read");
-  expect_error(ask("GET /throws HTTP/1.1\r\nHost: localhost\r\n\r\n"), 500);
-  Client head = Client::tcp(port);
-  head.send("HEAD /later HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-  EXPECT_NE(read_answer(head, true).head.find("Content-Length: 4\r\n"), std::string::npos);
-}
-
-TEST_F(HttpServerTest, AnAnswerThatStillWaitsDoesNotKeepTheServer) {
-  begin();
-  Client client = Client::tcp(port);
-  client.send("GET /hangs HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  while (stats().requests < 1) std::this_thread::yield();
-  thread.reset();
-  hold.release();
-  server.reset();
-  EXPECT_EQ(client.all(), "");
-}
-
-TEST_F(HttpServerTest, AFileIsSentAsItIsAndTheConnectionGoesOn) {
-  const std::string bytes = made_file("a.dwell", 700'001);
-  begin();
-  Client client = Client::tcp(port);
-  for (int i = 0; i < 2; ++i) {
-    client.send(ask_for_file("a.dwell"));
-    const Answer answer = read_answer(client);
-    EXPECT_EQ(answer.status, 200);
-    EXPECT_TRUE(answer.body == bytes);
-    for (const char* field :
-         {"Content-Disposition: attachment; filename=\"a.dwell\"\r\n", "Cache-Control: no-store\r\n",
-          "Content-Type: application/vnd.sqlite3\r\n", "X-Content-Type-Options: nosniff\r\n"})
-      EXPECT_NE(answer.head.find(field), std::string::npos) << field << answer.head;
-  }
-  client.send(ask_for_file("a.dwell", "HEAD"));
-  EXPECT_NE(read_answer(client, true).head.find("Content-Length: 700001\r\n"), std::string::npos);
-  made_file("empty.dwell", 0);
-  client.send(ask_for_file("empty.dwell"));
-  EXPECT_EQ(read_answer(client).status, 200);
-  client.send("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  EXPECT_EQ(read_answer(client).status, 200);
-}
-
-TEST_F(HttpServerTest, AFileThatIsNoCompleteRunIsRefusedWithTheReason) {
-  made_file("a.dwell", 1000);
-  made_file("a.dwell-wal", 10);
-  std::filesystem::create_symlink(folder.path("a.dwell"), folder.path("link.dwell"));
-  std::filesystem::create_directory(folder.path("folder.dwell"));
-  begin();
-  Client client = Client::tcp(port);
-  for (const auto& [name, status] :
-       {std::pair("a.dwell", 409), {"link.dwell", 409}, {"folder.dwell", 409}, {"none.dwell", 404}}) {
-    client.send(ask_for_file(name));
-    expect_error(read_answer(client), status);
-  }
-}
-
-// Retention may delete a run while it is downloaded: the open file keeps its bytes until the download has ended.
-TEST_F(HttpServerTest, AFileThatIsDeletedMeanwhileArrivesAndOneThatIsAlteredBreaksOff) {
-  const std::string bytes = made_file("a.dwell", 12'000'000);
-  begin();
-  for (const bool deleted : {true, false}) {
-    made_file("a.dwell", bytes.size());
-    Client client = Client::tcp(port, 4096);
-    client.send(ask_for_file("a.dwell"));
-    client.until("\r\n\r\n");
-    EXPECT_TRUE(client.exactly(1000) == bytes.substr(0, 1000));
-    if (deleted)
-      std::filesystem::remove(folder.path("a.dwell"));
-    else
-      std::filesystem::resize_file(folder.path("a.dwell"), bytes.size() + 1);
-    const std::string rest = client.exactly(bytes.size() - 1000);
-    if (deleted) {
-      EXPECT_TRUE(rest == bytes.substr(1000));
-    } else {
-      EXPECT_LT(rest.size(), bytes.size() - 1000);
-    }
-  }
-}
-
-TEST_F(HttpServerTest, WhoDoesNotReadADownloadLosesItsPlace) {
-  made_file("a.dwell", 30'000'000);
-  HttpOptions options;
-  options.downloads = 1;
-  options.request_time = std::chrono::milliseconds(200);
-  begin(options);
-  Client slow = Client::tcp(port, 4096);
-  slow.send(ask_for_file("a.dwell"));
-  slow.until("\r\n\r\n");
-  int status = 503;
-  while (status == 503) {
-    Client client = Client::tcp(port);
-    client.send(ask_for_file("a.dwell", "HEAD"));
-    status = read_answer(client, true).status;
-  }
-  EXPECT_EQ(status, 200);
-}
-
-TEST_F(HttpServerTest, SoManyFilesAreOnTheirWayAtOnceAndAllElseIsServedMeanwhile) {
-  made_file("a.dwell", 30'000'000);
-  HttpOptions options;
-  options.downloads = 2;
-  begin(options);
-  std::vector<Client> slow;
-  for (int i = 0; i < 2; ++i) {
-    slow.push_back(Client::tcp(port, 4096));
-    slow.back().send(ask_for_file("a.dwell"));
-    slow.back().until("\r\n\r\n");
-  }
-  expect_error(ask(ask_for_file("a.dwell")), 503);
-  EXPECT_EQ(ask("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 200);
-  slow.clear();
-  int status = 503;
-  while (status == 503) {
-    Client client = Client::tcp(port);
-    client.send(ask_for_file("a.dwell", "HEAD"));
-    status = read_answer(client, true).status;
-  }
-  EXPECT_EQ(status, 200) << "a client that has gone leaves its place";
-}
-
-TEST_F(HttpServerTest, AServerThatEndsWhileAFileIsOnItsWayLeavesNothingBehind) {
-  made_file("a.dwell", 30'000'000);
-  begin();
-  Client client = Client::tcp(port, 4096);
-  client.send(ask_for_file("a.dwell"));
-  client.until("\r\n\r\n");
-  thread->on_loop([this] {
-    server.reset();
-    return 0;
-  });
-  EXPECT_LT(client.all().size(), 30'000'000u);
 }
 
 TEST_F(HttpServerTest, APageCarriesItsPolicyAndIsSentOnce) {
