@@ -160,8 +160,7 @@ typedef struct dwell_traits {
   int32_t leads; /* 1: stamps may run ahead of the clock, as those of a recording played faster than time; of all others
                   * a stamp in the future is a mistake, and its sample is dropped */
   double most_rate_hz; /* readings of a channel per second that the line can carry at most */
-  int32_t recorded; /* 1: it plays what was recorded before, in place of a rig: operators are told that nothing of it is
-                     * of now */
+  int32_t recorded;    /* 1: it plays a recording in place of a rig: operators are told that its readings are old */
 } dwell_traits;
 
 typedef struct dwell_driver_table {

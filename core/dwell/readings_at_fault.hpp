@@ -1,4 +1,4 @@
-// Which channels a dwell withholds because of what their devices do to the readings.
+// The channels whose readings are so faulty that a dwell withholds them.
 #pragma once
 
 #include <vector>

@@ -112,7 +112,8 @@ class ChannelIntake {
 
  private:
   [[nodiscard]] double apart() const noexcept;
-  // How many of the run's first readings pass all checks of a plain reading except that of the motion gate.
+  // Number of readings, from the run's first on, that pass every check of a plain reading. The motion gate's is not
+  // among these checks.
   [[nodiscard]] std::size_t plain_ones(const PlainRun& run) const noexcept;
   [[nodiscard]] HeldReadings::Again again() const noexcept;
   [[nodiscard]] PileUp::Noise noise() const noexcept;

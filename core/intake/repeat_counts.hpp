@@ -73,6 +73,7 @@ class RepeatCounts {
   }
 
  private:
+  // After kEnough pairs of readings with fewer than kHardlyAny interrupting ones, the register is not held.
   static constexpr std::int64_t kEnough = 4096, kHardlyAny = 8;
   // Largest part of the readings that a gateway may repeat at random, so that the times of its other answers are still
   // known. If more repeat, or if the pattern stays unclear, a register is assumed. Then an instant is known no better

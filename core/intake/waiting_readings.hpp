@@ -1,4 +1,4 @@
-// Readings of which it is not decided yet whether they belong to the motion.
+// Readings that wait: whether they belong to the motion is not decided yet.
 #pragma once
 
 #include <algorithm>

@@ -94,8 +94,8 @@ struct Excitation {
 
 inline constexpr int kMaxHarmonics = 8;
 
-// The part of Rig::tolerance below which a deviation is neither told nor counted against the drive. Halved, sound
-// dwells get warnings. Doubled, errors of a fifth of what is allowed go unsaid.
+// A deviation of less than this part of Rig::tolerance is neither told nor counted against the drive. Halved: sound
+// dwells get warnings. Doubled: an error of 0.2 of the tolerance goes unsaid.
 inline constexpr double kToleranceShare = 0.1;
 
 // low < high, SI. One of them may be infinite: there is no bound on that side.

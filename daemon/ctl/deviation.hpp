@@ -4,8 +4,8 @@
 //   element  stiffness                         damping
 //         1  +0.31 ± 0.12 % moved              -0.4 ± 1.9 %
 //
-// What counts as moved: core/result/moved.hpp. The list of ended dwells counts more than what was told live: there the
-// data are cut back to before the drive changed.
+// core/result/moved.hpp defines when a coefficient has moved. If a dwell is in the list of ended dwells, its numbers
+// there are used, not those told live: they hold no data of after the drive changed.
 //
 // Bound to one thread, not real-time: allocates.
 #pragma once

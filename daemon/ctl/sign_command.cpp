@@ -100,7 +100,7 @@ int sign_with_own_key(const Service& service, const SignOptions& options) {
                signed_text(*signature, options.file) +
                    (entered ? "  the ledger knows it\n"
                             : "  not in the ledger: " + printable(why) +
-                                  "; where the service has this file, dwellctl sign --enter enters it\n"),
+                                  ". Where the service has this file, dwellctl sign --enter enters it\n"),
                service.json);
 }
 

@@ -5,7 +5,7 @@
 //     0 … 23   the header, the same on every page but for the page's first element
 //    24 … 123  ten elements of ten registers each
 //   124        the generation again, as in register 0
-//   125 … 128  which coefficients violate their limit, and of which that is undecided
+//   125 … 128  bit by bit, an element each: c violates its limit; r does; c's limit is undecided; r's is
 //
 // One Modbus answer holds 125 registers at most. So one read takes registers 0 … 124 of a page from one image, and a
 // second one, from 124 on, the rest with its generation. A client that reads in pieces compares the generations of the

@@ -16,10 +16,10 @@ class Interruption {
   // A run that the drive begins this soon after an interruption counts as the continuation of the last one.
   static constexpr std::int64_t kGoesOn_ns = 60'000'000'000;
 
-  // The run that goes on says `how` the last one was interrupted.
-  void came(std::string how) { how_ = std::move(how); }
+  // How the last run was interrupted, in words; the run that goes on says it.
+  void interrupted_by(std::string how) { how_ = std::move(how); }
   // This run is interrupted, or could not begin: the one that goes on keeps its label and comment.
-  void of(const RunHeader& run) {
+  void keep_label_of(const RunHeader& run) {
     label_ = run.label;
     comment_ = run.comment;
   }
@@ -38,7 +38,7 @@ class Interruption {
   // Why the current run is not recorded (any more); empty: it is, or there is none.
   [[nodiscard]] const std::string& why() const noexcept { return why_; }
   [[nodiscard]] std::int64_t stopped_ns() const noexcept { return stopped_ns_; }
-  [[nodiscard]] const std::string& how() const noexcept { return how_; }
+  [[nodiscard]] const std::string& interrupted_by() const noexcept { return how_; }
   [[nodiscard]] const std::string& label() const noexcept { return label_; }
   [[nodiscard]] const std::string& comment() const noexcept { return comment_; }
 

@@ -131,7 +131,7 @@ void RunLog::gap(std::uint64_t lost) {
   if (run_) {
     const std::string run = named(run_->header);
     note(own_event(text));
-    interruption_.of(run_->header);
+    interruption_.keep_label_of(run_->header);
     end_now(why);
     interrupted(run + " ended: " + text);
     stop(text);
@@ -227,7 +227,7 @@ void RunLog::begin(const Record& edge) {
   }
   add_early_events(born, batch.back().t_ns, batch);
   if (auto begun = store_.begin(run.header, run.first_t_ns, batch); !begun) {
-    interruption_.of(run.header);
+    interruption_.keep_label_of(run.header);
     return stop(begun.error());
   }
   run.committed_ns = now_.raw_ns;
@@ -243,8 +243,8 @@ void RunLog::begin(const Record& edge) {
 void RunLog::add_early_events(std::uint64_t born, std::int64_t t_ns, std::vector<NewEntry>& batch) {
   std::vector<NewEntry> early = early_.take_from(born, t_ns);
   std::move(early.begin(), early.end(), std::back_inserter(batch));
-  if (interruption_.how().empty()) return;
-  StoredEvent event = own_event("goes on after an interruption: " + interruption_.how());
+  if (interruption_.interrupted_by().empty()) return;
+  StoredEvent event = own_event("goes on after an interruption: " + interruption_.interrupted_by());
   event.position = cutter_.number() + 1 - born;
   batch.push_back({"event", t_ns, to_json(event)});
 }
@@ -274,7 +274,7 @@ void RunLog::fail(std::vector<NewEntry> batch, const std::string& reason) {
   StoredEvent event = own_event("recording stops: " + reason);
   event.position = run_->records;
   batch.push_back({"event", run_->last_t_ns, to_json(event)});
-  interruption_.of(run_->header);
+  interruption_.keep_label_of(run_->header);
   close(std::move(batch), reason);
   interrupted(run + " ended: " + reason);
   stop(reason);

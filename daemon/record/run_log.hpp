@@ -77,7 +77,7 @@ class RunLog {
   // The request whose number a later record will have. Must come before that record.
   void request(Request request) { requests_.add(std::move(request)); }
   // Recording was interrupted, for instance by a crash: the next run says so.
-  void interrupted(std::string how) { interruption_.came(std::move(how)); }
+  void interrupted(std::string how) { interruption_.interrupted_by(std::move(how)); }
   // See Interruption::goes_on().
   void goes_on() noexcept { interruption_.goes_on(now_.raw_ns); }
   // The service ends: so does the run.

@@ -32,9 +32,9 @@ struct Signed {
   std::size_t entered = 0;                             // signatures that the ledger did not know before
 };
 
-// Parses a line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…}, of which the last two
-// may be missing, or {"verb":"enter","file":…}. Fails with what was expected. nullopt: the line asks for something
-// else.
+// Parses a line of the control socket: {"verb":"sign","file":…,"meaning":…,"name":…,"reason":…} or
+// {"verb":"enter","file":…}. name and reason may be missing. Fails with what was expected. nullopt: the line asks for
+// something else.
 [[nodiscard]] std::optional<record::Result<SignRequest>> parse_sign_request(std::string_view line, std::uint32_t uid);
 // {"run":17,"signature":{…}}, {"run":17,"entered":1} or {"error":…}
 [[nodiscard]] std::string sign_answer(const record::Result<Signed>& result);

@@ -43,10 +43,10 @@ std::string OperatorRequests::obstacle(Verb verb) const {
     const record::Obstacle recording = recorder_ == nullptr ? record::Obstacle{} : recorder_->obstacle();
     if (!operators_run_.empty())
       return recording.why.empty() ? operators_run_ + " goes on: stop it first, with dwellctl stop"
-                                   : "recording is stopped: " + recording.why + "; " + operators_run_ +
-                                         " then goes on by itself within 30 s";
+                                   : "recording is stopped: " + recording.why + "; once that is mended, " +
+                                         operators_run_ + " goes on by itself within 30 s";
     if (recording.of_every_run)
-      return "recording is stopped: " + recording.why + "; start the run again then: the service tries every 30 s";
+      return "recording is stopped: " + recording.why + "; once that is mended, wait 30 s and start the run again";
   }
   if (verb == Verb::stop && operators_run_.empty() && !run_.latest().run.on) return "nothing to stop: no run goes on";
   return {};

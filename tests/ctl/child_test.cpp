@@ -35,6 +35,15 @@ struct ChildTest : ReplayTest {
   }
 };
 
+std::vector<Record> stream_with_fault_and_loss() {
+  StreamBuilder builder(bench(), {.frequency_hz = 6.0, .amplitude = 3e-3, .ramp_s = 0.2}, 6);
+  builder.run_to(5.0);
+  builder.add(Kind::fault, 0, static_cast<std::uint8_t>(Fault::timeout), 3.0);
+  builder.add(Kind::loss, 1, static_cast<std::uint8_t>(Loss::late), 2.0);
+  builder.run_to(12.0);
+  return builder.end();
+}
+
 TEST_F(ChildTest, AChildHoldsWhatTheOtherRigFileGivesAndTheParentStaysAsItIs) {
   const std::string parent = write("run.dwell"), child = folder.path("child.dwell");
   const std::string before = contents_of(parent);
@@ -163,13 +172,8 @@ TEST_F(ChildTest, AChildIsComparedWithItsParent) {
 }
 
 TEST_F(ChildTest, EachEventThatIsAnotherIsNamed) {
-  StreamBuilder builder(bench(), {.frequency_hz = 6.0, .amplitude = 3e-3, .ramp_s = 0.2}, 6);
-  builder.run_to(5.0);
-  builder.add(Kind::fault, 0, static_cast<std::uint8_t>(Fault::timeout), 3.0);
-  builder.add(Kind::loss, 1, static_cast<std::uint8_t>(Loss::late), 2.0);
-  builder.run_to(12.0);
   const std::string parent = folder.path("run.dwell"), child = folder.path("child.dwell");
-  test::write_run(parent, bench().rig_text(), builder.end());
+  test::write_run(parent, bench().rig_text(), stream_with_fault_and_loss());
   ASSERT_EQ(make_child(parent, bench().rig_text(1.002), child).code, kDone);
   const record::RunHeader header = record::RunReader::open(child)->header();
   const auto differences = [&](const std::function<bool(record::StoredEvent&)>& alter) {
@@ -212,12 +216,7 @@ TEST_F(ChildTest, EachEventThatIsAnotherIsNamed) {
 }
 
 TEST_F(ChildTest, AChildHoldsTheEventsOfItsReplay) {
-  StreamBuilder builder(bench(), {.frequency_hz = 6.0, .amplitude = 3e-3, .ramp_s = 0.2}, 6);
-  builder.run_to(5.0);
-  builder.add(Kind::fault, 0, static_cast<std::uint8_t>(Fault::timeout), 3.0);
-  builder.add(Kind::loss, 1, static_cast<std::uint8_t>(Loss::late), 2.0);
-  builder.run_to(12.0);
-  const std::vector<Record> stream = builder.end();
+  const std::vector<Record> stream = stream_with_fault_and_loss();
   const std::string parent = folder.path("run.dwell"), child = folder.path("child.dwell");
   test::write_run(parent, bench().rig_text(), stream);
   const std::string other = bench().rig_text(1.002);

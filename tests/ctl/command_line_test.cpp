@@ -225,11 +225,10 @@ TEST(CommandLine, ChannelsAndDwellsAreTablesOrJson) {
   EXPECT_EQ(table.code, 0) << table.err;
   EXPECT_NE(table.out.find("the last 1 of 7\n"), std::string::npos);
   EXPECT_EQ(Json::parse(run({"dwells", "--json", "--url", server.url()}).out), Json::parse(dwells));
-  EXPECT_EQ(
-      run({"dwells", "--url", server.url()}).out,
-      "no dwell of this run has been completed\n"
-      "earlier runs: 6 dwells in 2 files; dwellctl runs names them, dwellctl show FILE shows one's dwells, as does "
-      "the page\n");
+  EXPECT_EQ(run({"dwells", "--url", server.url()}).out,
+            "no dwell of this run has been completed\n"
+            "earlier runs: 6 dwells in 2 files; dwellctl runs lists them, dwellctl show FILE and the page show the "
+            "dwells of one\n");
 }
 
 TEST(CommandLine, CheckAsksTheServiceAndIsNoIfAChannelIsSilent) {

@@ -83,7 +83,7 @@ TEST_F(OperatorRequestsTest, WhereTheDiskIsFullARunThatGoesOnIsNotBlamedForIt) {
   sink.in_the_way = {"disk full: 12 MB are free in /runs, a run needs 288 MB: free 276 MB more there", true};
   EXPECT_EQ(ask(Verb::start, "b"),
             "recording is stopped: disk full: 12 MB are free in /runs, a run needs 288 MB: free 276 MB more there; "
-            "run \"a\", started by anna (uid 1000) then goes on by itself within 30 s");
+            "once that is mended, run \"a\", started by anna (uid 1000) goes on by itself within 30 s");
   EXPECT_EQ(ask(Verb::stop), "");
   EXPECT_EQ(sink.requests.size(), 2u) << "what is refused is not told of";
 }
@@ -93,7 +93,7 @@ TEST_F(OperatorRequestsTest, ARunThatCouldNotBeRecordedIsRefusedWithTheReason) {
   sink.in_the_way = {"disk full: free 276 MB more", true};
   EXPECT_EQ(
       ask(Verb::start, "a"),
-      "recording is stopped: disk full: free 276 MB more; start the run again then: the service tries every 30 s");
+      "recording is stopped: disk full: free 276 MB more; once that is mended, wait 30 s and start the run again");
   EXPECT_TRUE(sink.requests.empty());
   sink.in_the_way = {"recorder fell behind", false};
   EXPECT_EQ(ask(Verb::start, "a"), "") << "what ended the drive's run does not keep another from being recorded";
