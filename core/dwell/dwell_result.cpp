@@ -8,13 +8,6 @@
 namespace dwell {
 namespace {
 
-constexpr int kManyRestarts = 6;  // of a hold in a row: these need an explanation
-// Periods after the drive's channel was last found not to deliver. By then the quarter of a period that the loss cut
-// short is over, and the window of two periods holds its full number of readings.
-constexpr double kPeriodsToReturn = 2.5;
-// Parts of the drive's frequency within which a line is called its harmonic. Any line lies so near one of them by
-// chance in one of 50 cases.
-constexpr double kAtHarmonic = 0.01;
 // Longest time left that is stated, in times watched so far. The time left is extrapolated from the decay seen so far.
 // If it is so long, the slowest oscillation has lost a few percent of its size at most. Noise and a wrong pole look
 // like that even if nothing decays. Halved: slow rigs go without a time for longer. Doubled: more times that mean
@@ -35,106 +28,6 @@ double foreign_part(const LiveChannels& live, const Rig& rig) {
 }
 
 }  // namespace
-
-std::string Pipeline::Impl::foreign_oscillations() const {
-  std::string lines;
-  for (const Complex pole : modes.poles().beside) {
-    if (!(pole.imag() > 0)) continue;
-    lines += (lines.empty() ? "; an oscillation that is not the chain's, at " : " and at ") +
-             std::to_string(pole.imag() / kTwoPi).substr(0, 5) + " Hz";
-    const double w = tracker.omega();
-    if (const int m = unfitted_harmonic(pole.imag(), w, kAtHarmonic * w, harmonics()); m > 0)
-      lines += " (harmonic " + std::to_string(m) + " of the drive: excitation.harmonics leaves it out)";
-  }
-  return lines;
-}
-
-// While the drive's channel is lost, and shortly after, the newest window holds few of its readings. That must not be
-// reported as too low a sampling rate.
-std::string Pipeline::Impl::unseen_reason() const {
-  if (states.state() != State::fault) return "";
-  const std::string& name = rig.channels[static_cast<std::size_t>(drive_channel())].name;
-  if (!delivers(drive_channel())) return "the drive is not seen: " + name + " is " + live[drive_channel()].fault_name();
-  if (at.lost_ns != INT64_MIN && to_s(now_ns - at.lost_ns) < kPeriodsToReturn * period_s())
-    return "the drive is not seen yet: " + name + " delivers again, its first periods are awaited";
-  return "";
-}
-
-std::string Pipeline::Impl::barred_reason() const {
-  if (std::string reason = unseen_reason(); !reason.empty()) return reason;
-  if (windows.length().too_few() && !states.measuring())
-    return rig.channels[static_cast<std::size_t>(drive_channel())].name + " has too few samples a period for " +
-           std::to_string(harmonics()) + " harmonics: at least " + std::to_string(2 * (harmonics() + 1)) +
-           " are needed" +
-           (live[drive_channel()].intake().held() ? "; it is " + live[drive_channel()].intake().held_reason() : "");
-  if (states.phase() == Phase::interlocked) return "the interlock is open";
-  if (states.phase() == Phase::idle) return tracker.at_rest_reason();
-  if (delivers(drive_channel())) {
-    if (std::string reason = reference.unusable_reason(now_ns); !reason.empty()) return reason;
-    if (states.settling() && reference.pulses_contradict(tracker.omega()))
-      return reference.contradiction_of_pulses(tracker.omega());
-  }
-  if (states.state() == State::fault)
-    return "the drive is not seen yet in " + rig.channels[static_cast<std::size_t>(drive_channel())].name;
-  if (out_of_search())
-    return "the drive is at " + brief(tracker.omega() / kTwoPi, 6) + " Hz, outside the search range of " +
-           brief(rig.excitation.search_low_hz, 6) + " to " + brief(rig.excitation.search_high_hz, 6) +
-           " Hz (excitation.search)";
-  if (const auto other = contradicting_omega()) return reference.contradiction_of_statement(*other);
-  if (states.settling() && states.restarts() >= kManyRestarts)
-    return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
-  return "";
-}
-
-// Names the settled data that do not count, and why.
-std::string Pipeline::Impl::left_out_of_dwell() const {
-  if (!states.measuring() || blocks().count() == 0) return "";
-  const std::int64_t from_ns = blocks().block(0).begin_ns;
-  const double left_s = to_s(from_ns - at.settled_ns),
-               kept_s = to_s(blocks().block(blocks().count() - 1).end_ns - from_ns);
-  if (!(left_s > period_s() / kQuarters)) return "";
-  if (left_s + kept_s > rig.memory_s)
-    return "; only the newest " + brief(kept_s) + " s count (estimation memory = " + brief(rig.memory_s) + ")";
-  return "; the first " + brief(left_s, 2) + " s do not count: the drive's frequency was not known yet";
-}
-
-std::string Pipeline::Impl::settling_reason() const {
-  if (std::string reason = barred_reason(); !reason.empty()) return reason;
-  if (states.settling()) {
-    if (states.unconfirmed())
-      return "the transient seems to be over, but readings are rounded: more data must confirm it";
-    if (verdict.worst_channel >= 0 && verdict.worst_left > 1 && std::isfinite(verdict.worst_left)) {
-      const std::string times = std::to_string(verdict.worst_left);
-      return taken_back_reason() + "transient left in " +
-             rig.channels[static_cast<std::size_t>(verdict.worst_channel)].name + ": " +
-             times.substr(0, times.find('.') + 2) + " times the allowed size" +
-             (rig.mass_count() > 0 && !std::isfinite(provisional_chain.time_constant_s()) &&
-                      blocks().serials() - at.steady_serial > 10 * kQuarters
-                  ? "; the coefficients so far give a chain whose oscillations grow: check signs, channel order and "
-                    "masses"
-                  : "") +
-             (live[verdict.worst_channel].intake().held()
-                  ? ", which is " + live[verdict.worst_channel].intake().held_reason()
-                  : foreign_oscillations());
-    }
-    if (states.restarts() > 0) return tracker.unsteady_reason(to_s(now_ns - at.armed_ns));
-    return "too few periods seen: " + brief(to_s(now_ns - at.steady_ns) / period_s(), 2);
-  }
-  const std::string since = brief(axis_s(at.settled_ns), 4) + " s";
-  return (modes.removal().active() ? "since " + since + " the natural oscillations are below the allowed size"
-                                   : "the windows since " + since + " agree") +
-         left_out_of_dwell();
-}
-
-// Text before the reason why the rig settles again; empty: no verdict was taken back.
-std::string Pipeline::Impl::taken_back_reason() const {
-  const auto& taken_back = modes.taken_back();
-  if (!taken_back) return "";
-  return "the verdict at " + brief(axis_s(taken_back->verdict_ns), 4) +
-         " s was premature and is taken back: the transient in " +
-         rig.channels[static_cast<std::size_t>(taken_back->channel)].name + " was " + brief(taken_back->left, 2) +
-         " times the allowed size; ";
-}
 
 // Noise below half a step does not smooth rounding. If the sampling rate is near a multiple of the frequency, rounding
 // then repeats with the motion: one period has all its independent errors.
@@ -199,82 +92,94 @@ void Pipeline::Impl::warn_of_hum(double seconds, Dwell& dwell) const {
     }
 }
 
-DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
+// What is known of the dwell without its data.
+Dwell Pipeline::Impl::heading() const {
   Dwell dwell;
   dwell.state = states.state();
   dwell.memory_time_predicted_s = std::isfinite(provisional_chain.time_constant_s())
                                       ? -provisional_chain.time_constant_s() * std::log(rig.tolerance)
                                       : kNaN;
   dwell.settling_reason = settling_reason();
-  if (at.origin_ns == INT64_MIN) return DwellDraft(std::move(dwell));
-  const bool active = !states.at_rest();
-  if (active) {
-    dwell.index = states.index();
-    dwell.start_s = axis_s(at.start_ns);
-  }
+  if (at.origin_ns == INT64_MIN || states.at_rest()) return dwell;
+  dwell.index = states.index();
+  dwell.start_s = axis_s(at.start_ns);
+  return dwell;
+}
+
+Pipeline::Impl::Evaluated Pipeline::Impl::evaluated(int to, bool with_open) const {
   int quarters_left = 0;
   for (int i = 0; i < to; ++i) quarters_left += blocks().block(i).quarters;
-  const bool settled = states.measuring() && quarters_left >= kFewestQuarters;
-  const int from = settled ? 0 : std::max(0, to - kQuarters * windows.length().periods());
-  const Refined refined = data.gather(from, to, with_open, now_ns, at.steady_ns);
-  // ω in the middle of the data.
-  const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);
-  dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
+  Evaluated of;
+  of.settled = states.measuring() && quarters_left >= kFewestQuarters;
+  of.to = to;
+  of.from = of.settled ? 0 : std::max(0, to - kQuarters * windows.length().periods());
+  const std::int64_t begin_ns = of.from < blocks().count() ? blocks().block(of.from).begin_ns : now_ns;
+  of.with_open = with_open;
+  const bool to_now = with_open || to == 0;
+  of.seconds = to_s((to_now ? now_ns : blocks().block(to - 1).end_ns) - begin_ns);
+  of.last_ns = to_now ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns);
+  return of;
+}
+
+std::vector<ChannelResult> Pipeline::Impl::channel_results(const Evaluated& of, bool up_to_now) const {
   std::vector<ChannelResult> results;
   HarmonicFits fits(data.totals(), harmonics());
   for (int c = 0; c < live.count(); ++c) {
     results.push_back(result_of(c, up_to_now, fits));
     if (out_of_search()) results.back().withheld = "the drive is outside the search range";
   }
-  const double seconds = to_s((with_open || to == 0 ? now_ns : blocks().block(to - 1).end_ns) -
-                              (from < blocks().count() ? blocks().block(from).begin_ns : now_ns));
-  if (settled) look_within(from, to, seconds, fits, results);
+  if (of.settled) look_within(of.from, of.to, of.seconds, fits, results);
   for (ChannelResult& result : results)
     for (int h = 1; h <= harmonics(); ++h)
       result.fit.X[static_cast<std::size_t>(h - 1)] *= std::polar(1.0, h * data.bend(data.totals().t_ref_ns()));
-  double u = refined.u;
-  if (settled) {
-    look_at_settling(results);
-    warn_of_change(results, seconds, dwell);
-    if (from_motion()) u *= frequency_widens(results[static_cast<std::size_t>(drive_channel())]);
-    if (from_motion()) u = std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, reference.stated().u));
-  }
-  for (int c = 0; c < live.count(); ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
-  if (settled) {
-    std::vector<Folded> folded;
-    for (int c = 0; c < live.count(); ++c) {
-      const auto i = static_cast<std::size_t>(c);
-      folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[c].sampling(), w / kTwoPi, seconds));
-      results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
-    }
-    warn_of_folded(rig, folded, dwell);
-  }
-  // The frequency of a drifting drive is not one: its spread over the dwell is added.
-  report_phasors(rig, results, w, std::hypot(u, data.drift().rate * seconds / std::sqrt(12.0)), dwell);
-  if (!active || out_of_search()) dwell.frequency_hz = {};
-  dwell.end_s =
-      axis_s(with_open || to == 0 ? at.last_sample_ns : std::min(at.last_sample_ns, blocks().block(to - 1).end_ns));
+  return results;
+}
+
+// u: of ω by the fit of the table, rad/s. A table that is not steady, or read late by the refresh of its register,
+// widens it; what is stated of the frequency bounds that.
+double Pipeline::Impl::u_omega_of(double u, const ChannelResult& table, double seconds) const {
+  if (!from_motion()) return u;
+  u *= frequency_widens(table);
+  return std::min(std::hypot(u, refresh_u_omega(seconds)), std::max(u, reference.stated().u));
+}
+
+// Widens the channels by what harmonics that are not fitted fold onto the fundamental, and warns of it.
+void Pipeline::Impl::widen_by_folding(std::vector<ChannelResult>& results, double w, double seconds,
+                                      Dwell& dwell) const {
+  std::vector<Folded> folded;
   for (int c = 0; c < live.count(); ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    folded.push_back(folded_onto_fundamental(rig, rig.channels[i], live[c].sampling(), w / kTwoPi, seconds));
+    results[i].folded_u = folded.back().part * std::abs(results[i].fit.X[0]) / std::numbers::sqrt3;
+  }
+  warn_of_folded(rig, folded, dwell);
+}
+
+void Pipeline::Impl::warn_of_readings(const std::vector<ChannelResult>& results, Dwell& dwell) const {
+  for (int c = 0; c < live.count(); ++c) {
+    const auto i = static_cast<std::size_t>(c);
     const auto warn = [&](const std::string& of) {
-      dwell.warnings.push_back({WarningKind::readings, rig.channels[static_cast<std::size_t>(c)].name + ": " + of});
+      dwell.warnings.push_back({WarningKind::readings, rig.channels[i].name + ": " + of});
     };
     for (const std::string& warning : live[c].warnings(rig.tolerance)) warn(warning);
-    if (!(results[static_cast<std::size_t>(c)].quantization_u > 0)) continue;  // noise smooths the steps of rounding
+    if (!(results[i].quantization_u > 0)) continue;  // noise smooths the steps of rounding
     if (const std::string reason = live[c].intake().coarse_reason(); !reason.empty()) warn(reason);
   }
-  if (!settled) {
-    if (states.measuring()) {
-      dwell.settling_reason =
-          "too few data: the newest may have been taken while the drive changed; hold the drive longer";
-      dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
-    } else if (active) {
-      if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
-          verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns))
-        dwell.settles_in_s = verdict.settles_in_s;
-      dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
-    }
-    return DwellDraft(std::move(dwell));
-  }
+}
+
+// A dwell without coefficients: says why, and how long it may last.
+void Pipeline::Impl::tell_not_settled(Dwell& dwell) const {
+  if (states.at_rest()) return;
+  if (states.measuring())
+    dwell.settling_reason =
+        "too few data: the newest may have been taken while the drive changed; hold the drive longer";
+  else if (barred_reason().empty() && !(foreign_part(live, rig) > kMostForeign) &&
+           verdict.settles_in_s <= kFarthest * to_s(now_ns - at.steady_ns))
+    dwell.settles_in_s = verdict.settles_in_s;
+  dwell.warnings.push_back({WarningKind::not_settled, kNotSettled + dwell.settling_reason});
+}
+
+void Pipeline::Impl::tell_settled(Dwell& dwell) const {
   dwell.settled_s = axis_s(std::max(at.settled_ns, blocks().count() > 0 ? blocks().block(0).begin_ns : at.settled_ns));
   dwell.verdict_s = axis_s(at.verdict_ns);
   dwell.memory_time_s = axis_s(at.settled_ns) - axis_s(at.steady_ns);
@@ -286,9 +191,37 @@ DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
                               "signs, instants and masses"});
   if (std::string missed = reference.missed(); !missed.empty())
     dwell.warnings.push_back({WarningKind::sync_pulses, std::move(missed)});
-  const std::string reason = reference.unfit_reason(refined, results[static_cast<std::size_t>(drive_channel())].fit, w,
-                                                    u, refresh_u_omega(seconds));
-  if (!reason.empty()) {
+}
+
+DwellDraft Pipeline::Impl::draft(int to, bool with_open, bool up_to_now) const {
+  Dwell dwell = heading();
+  if (at.origin_ns == INT64_MIN) return DwellDraft(std::move(dwell));
+  const Evaluated of = evaluated(to, with_open);
+  const Refined refined = data.gather(of.from, of.to, of.with_open, now_ns, at.steady_ns);
+  dwell.t_ref_s = axis_s(data.totals().t_ref_ns());
+  dwell.end_s = axis_s(of.last_ns);
+  const double w = data.omega_at(data.totals().t_ref_ns(), refined.omega);  // in the middle of the data
+  std::vector<ChannelResult> results = channel_results(of, up_to_now);
+  const ChannelResult& table = results[static_cast<std::size_t>(drive_channel())];
+  double u = refined.u;
+  if (of.settled) {
+    look_at_settling(results);
+    warn_of_change(results, of.seconds, dwell);
+    u = u_omega_of(u, table, of.seconds);
+  }
+  for (int c = 0; c < live.count(); ++c) judge_readings(c, results[static_cast<std::size_t>(c)]);
+  if (of.settled) widen_by_folding(results, w, of.seconds, dwell);
+  // The frequency of a drifting drive is not one: its spread over the dwell is added.
+  report_phasors(rig, results, w, std::hypot(u, data.drift().rate * of.seconds / std::sqrt(12.0)), dwell);
+  if (states.at_rest() || out_of_search()) dwell.frequency_hz = {};
+  warn_of_readings(results, dwell);
+  if (!of.settled) {
+    tell_not_settled(dwell);
+    return DwellDraft(std::move(dwell));
+  }
+  tell_settled(dwell);
+  if (const std::string reason = reference.unfit_reason(refined, table.fit, w, u, refresh_u_omega(of.seconds));
+      !reason.empty()) {
     dwell.settling_reason = reason;
     dwell.warnings.push_back({WarningKind::no_coefficients, "no coefficients: " + reason});
     return DwellDraft(std::move(dwell));

@@ -3,7 +3,7 @@
 // pipeline.cpp takes the stream in. dwell_cycle.cpp watches the drive and reports events to the dwell's state machine.
 // dwell_settling.cpp judges by windows whether the transient has decayed. dwell_transient.cpp carries out the verdicts
 // of the transient's model (core/transient/transient_model.hpp). dwell_inputs.cpp handles the interlock and the sync
-// input. dwell_result.cpp makes the reports.
+// input. dwell_reasons.cpp says why the dwell is where it is, and dwell_result.cpp makes the reports.
 #pragma once
 
 #include <algorithm>
@@ -199,6 +199,23 @@ struct Pipeline::Impl {
   // ended keeps them.
   [[nodiscard]] Dwell evaluate(int to, bool with_open, bool up_to_now) const;
   [[nodiscard]] DwellDraft draft(int to, bool with_open, bool up_to_now) const;
+  // The blocks [from, to) of an evaluation, and the open one with `with_open`.
+  struct Evaluated {
+    int from, to;
+    bool with_open;
+    bool settled;          // they give coefficients; otherwise they are the newest window
+    double seconds;        // that they cover
+    std::int64_t last_ns;  // their last sample
+  };
+  [[nodiscard]] Evaluated evaluated(int to, bool with_open) const;
+  [[nodiscard]] Dwell heading() const;
+  // From data.totals(), which hold the sums of these blocks.
+  [[nodiscard]] std::vector<ChannelResult> channel_results(const Evaluated& of, bool up_to_now) const;
+  [[nodiscard]] double u_omega_of(double u, const ChannelResult& table, double seconds) const;
+  void widen_by_folding(std::vector<ChannelResult>& results, double w, double seconds, Dwell& dwell) const;
+  void warn_of_readings(const std::vector<ChannelResult>& results, Dwell& dwell) const;
+  void tell_not_settled(Dwell& dwell) const;
+  void tell_settled(Dwell& dwell) const;
   [[nodiscard]] std::string settling_reason() const;
   [[nodiscard]] std::string left_out_of_dwell() const;
   [[nodiscard]] std::string taken_back_reason() const;

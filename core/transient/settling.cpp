@@ -81,7 +81,7 @@ double SettlingDetector::allowed(const Reading& now) const noexcept {
 }
 
 // Whether an earlier window agrees with the newest, so that it may count after the fact.
-bool SettlingDetector::agrees(int window, const Window& now, std::span<const Reading> readings) noexcept {
+bool SettlingDetector::agrees(int window, const Window& now, std::span<const Reading> readings) const noexcept {
   const Window& then = windows_[static_cast<std::size_t>(window)];
   // The drive must agree more closely than the channels: a ramp of the drive is no transient that decays.
   const double u_table = std::hypot(then.table_u, now.table_u);
@@ -101,83 +101,92 @@ bool SettlingDetector::agrees(int window, const Window& now, std::span<const Rea
   return true;
 }
 
+// While much of the transient is left, the coefficients are off, and so is the T that they give: takes the longest T of
+// the last quarter of the hold. A chain that would not decay gives none: T is then a sixth of the time watched. A
+// transient of that T is gone, and a longer one shows as a difference between any two windows.
+SettlingDetector::Decay SettlingDetector::decay(const Window& now, double period_s) const noexcept {
+  const double seen_s = windows_.empty() ? 0.0 : now.t_s - windows_.front().t_s;
+  double T = 0.0;
+  bool known = std::isfinite(now.time_constant_s);
+  for (std::size_t i = windows_.size(); i-- > 0 && windows_[i].t_s > now.t_s - 0.25 * seen_s;) {
+    known = known && std::isfinite(windows_[i].time_constant_s);
+    T = std::max(T, windows_[i].time_constant_s);
+  }
+  if (known) return {std::max(T, now.time_constant_s), 1.01 * period_s};
+  return {seen_s / 6, std::max(1.01 * period_s, seen_s - seen_s / 6)};
+}
+
+// Largest transient that may be left in a channel, whose newest reading is b.
+double SettlingDetector::most_left(int c, const Reading& b, double t_s, const Decay& decay) const noexcept {
+  double left = INFINITY, latest = 0.0;
+  for (int i = 0; i < static_cast<int>(windows_.size()); ++i) {
+    const double apart = t_s - windows_[static_cast<std::size_t>(i)].t_s;
+    const double q = decay.T > 0 ? std::exp(-apart / decay.T) : 0.0;
+    // Several modes can cancel in one window, but hardly in all windows of a period.
+    double difference = 0.0, power = 0.0;
+    for (int j = std::max(0, i - kQuarters + 1); j <= i; ++j) {
+      const Reading& a = reading(j, c);
+      if (!a.usable) continue;
+      difference = std::max(difference, distance(a, b) + sigmas::kNoise * std::hypot(a.u, b.u));
+      // The variance of a variance from N residuals is 2/N of its square.
+      power = std::max(power,
+                       a.variance - b.variance +
+                           sigmas::kNoise * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
+    }
+    // The last windows overlap the newest: their difference beyond the noise counts as it is.
+    if (apart <= decay.as_it_is_s) {
+      const Reading& a = reading(i, c);
+      latest = std::max(latest, distance(a, b) - sigmas::kNoise * std::numbers::sqrt2 * std::hypot(a.u, b.u));
+      continue;
+    }
+    left =
+        std::min(left, std::max(difference * q / (1 - q), std::sqrt(2 * std::max(0.0, power) * q * q / (1 - q * q))));
+  }
+  return std::max(left, latest);
+}
+
+// rms distance of a channel's windows, from window `from` on for a time constant, from its newest reading.
+double SettlingDetector::spread(int c, const Reading& newest, int from, double T) const noexcept {
+  if (!newest.usable) return 0.0;
+  const double until_s = windows_[static_cast<std::size_t>(from)].t_s + T;
+  double sum = 0.0, compared = 0.0;
+  for (int i = from; i < static_cast<int>(windows_.size()); ++i) {
+    if (compared > 0 && windows_[static_cast<std::size_t>(i)].t_s > until_s) break;
+    sum += std::norm(reading(i, c).relative - newest.relative);
+    compared += 1;
+  }
+  return std::sqrt(sum / compared);
+}
+
 SettlingDetector::Verdict SettlingDetector::update(std::int64_t first, std::int64_t last, double t_s,
                                                    double table_amplitude, double table_u,
                                                    std::span<const Reading> readings, double period_s,
                                                    double time_constant_s) noexcept {
-  Window now{first, last, t_s, table_amplitude, table_u, time_constant_s};
+  const Window now{first, last, t_s, table_amplitude, table_u, time_constant_s};
+  const Decay decay = this->decay(now, period_s);
   Verdict verdict;
-  verdict.settles_in_s = kNaN;
-  const int count = static_cast<int>(windows_.size());
-  const double seen_s = windows_.empty() ? 0.0 : t_s - windows_.front().t_s;
-  // While much of the transient is left, the coefficients are off, and so is the T that they give: take the longest T
-  // of the last quarter of the hold. A chain that would not decay gives none: T is then a sixth of the time watched. A
-  // transient of that T is gone, and a longer one shows as a difference between any two windows.
-  double T = 0.0;
-  bool known = std::isfinite(time_constant_s);
-  for (int i = count; i-- > 0 && windows_[static_cast<std::size_t>(i)].t_s > t_s - 0.25 * seen_s;) {
-    known = known && std::isfinite(windows_[static_cast<std::size_t>(i)].time_constant_s);
-    T = std::max(T, windows_[static_cast<std::size_t>(i)].time_constant_s);
-  }
-  T = known ? std::max(T, time_constant_s) : seen_s / 6;
-  const double as_it_is_s = known ? 1.01 * period_s : std::max(1.01 * period_s, seen_s - T);
   double longest = 0.0;  // expected time left
   for (int c = 0; c < channels_; ++c) {
     const Reading& b = readings[static_cast<std::size_t>(c)];
     if (!b.usable) continue;
-    const double limit = allowed(b);
-    double left = INFINITY, latest = 0.0;
-    for (int i = 0; i < count; ++i) {
-      const double apart = t_s - windows_[static_cast<std::size_t>(i)].t_s;
-      const double q = T > 0 ? std::exp(-apart / T) : 0.0;
-      // Several modes can cancel in one window, but hardly in all windows of a period.
-      double difference = 0.0, power = 0.0;
-      for (int j = std::max(0, i - kQuarters + 1); j <= i; ++j) {
-        const Reading& a = reading(j, c);
-        if (!a.usable) continue;
-        difference = std::max(difference, distance(a, b) + sigmas::kNoise * std::hypot(a.u, b.u));
-        // The variance of a variance from N residuals is 2/N of its square.
-        power = std::max(
-            power, a.variance - b.variance +
-                       sigmas::kNoise * 2 * std::max(a.variance, b.variance) / std::sqrt(std::max(1.0, b.samples)));
-      }
-      // The last windows overlap the newest: their difference beyond the noise counts as it is.
-      if (apart <= as_it_is_s) {
-        const Reading& a = reading(i, c);
-        latest = std::max(latest, distance(a, b) - sigmas::kNoise * std::numbers::sqrt2 * std::hypot(a.u, b.u));
-        continue;
-      }
-      left =
-          std::min(left, std::max(difference * q / (1 - q), std::sqrt(2 * std::max(0.0, power) * q * q / (1 - q * q))));
-    }
-    const double ratio = std::max(left, latest) / limit;
+    const double ratio = most_left(c, b, t_s, decay) / allowed(b);
     if (ratio > verdict.worst_left || verdict.worst_channel < 0) verdict.worst_left = ratio, verdict.worst_channel = c;
-    if (ratio > 1 && std::isfinite(ratio)) longest = std::max(longest, T * std::log(ratio));
+    if (ratio > 1 && std::isfinite(ratio)) longest = std::max(longest, decay.T * std::log(ratio));
   }
 
-  // Finds how far back the windows agree with this one.
-  int agreeing = static_cast<int>(windows_.size());
+  // How far back the windows agree with this one.
+  const int count = static_cast<int>(windows_.size());
+  int agreeing = count;
   while (agreeing > 0 && agrees(agreeing - 1, now, readings)) --agreeing;
-  const double agreed_s = agreeing < static_cast<int>(windows_.size())
-                              ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s
-                              : period_s;
+  const double agreed_s =
+      agreeing < count ? t_s - windows_[static_cast<std::size_t>(agreeing)].t_s + period_s : period_s;
   const double wanted_s = kPeriodsToTell * period_s - agreed_s;
-  if (verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s) {
-    verdict.settled = true;
-    verdict.settles_in_s = 0.0;
-    const Window& from = windows_[static_cast<std::size_t>(agreeing)];
+  verdict.settled = verdict.worst_left <= 1 && wanted_s <= 1e-9 * period_s;
+  if (verdict.settled) {
+    for (int c = 0; c < channels_; ++c)
+      left_[static_cast<std::size_t>(c)] = spread(c, readings[static_cast<std::size_t>(c)], agreeing, decay.T);
     // The window before did not agree, and the first that does may hold the end of what it saw: skip a quarter.
-    for (int c = 0; c < channels_; ++c) {
-      double sum = 0.0, compared = 0.0;
-      for (int i = agreeing; i < static_cast<int>(windows_.size()); ++i) {
-        if (compared > 0 && windows_[static_cast<std::size_t>(i)].t_s > from.t_s + T) break;
-        sum += std::norm(reading(i, c).relative - readings[static_cast<std::size_t>(c)].relative);
-        compared += 1;
-      }
-      left_[static_cast<std::size_t>(c)] =
-          readings[static_cast<std::size_t>(c)].usable ? std::sqrt(sum / compared) : 0.0;
-    }
-    verdict.from_serial = agreeing == 0 ? from.first : from.first + 1;
+    verdict.from_serial = windows_[static_cast<std::size_t>(agreeing)].first + (agreeing == 0 ? 0 : 1);
   } else {
     verdict.settles_in_s = std::max(longest, std::max(0.0, wanted_s));
     if (verdict.worst_left <= 1) verdict.worst_channel = -1;

@@ -79,7 +79,15 @@ class SettlingDetector {
   [[nodiscard]] const Reading& reading(int window, int channel) const noexcept;
   void remember(const Window& window, std::span<const Reading> readings) noexcept;
   [[nodiscard]] double allowed(const Reading& now) const noexcept;
-  [[nodiscard]] bool agrees(int window, const Window& now, std::span<const Reading> readings) noexcept;
+  [[nodiscard]] bool agrees(int window, const Window& now, std::span<const Reading> readings) const noexcept;
+  // The time constant of what may be left, and the age up to which a window's difference from the newest counts as it
+  // is; both in s.
+  struct Decay {
+    double T, as_it_is_s;
+  };
+  [[nodiscard]] Decay decay(const Window& now, double period_s) const noexcept;
+  [[nodiscard]] double most_left(int channel, const Reading& newest, double t_s, const Decay& decay) const noexcept;
+  [[nodiscard]] double spread(int channel, const Reading& newest, int from, double T) const noexcept;
 
   int channels_;
   double tolerance_;
