@@ -17,7 +17,7 @@ constexpr double kOneInterval = 1.0 / 16;
 constexpr int kCalm = 65536;
 // Relative wander of a period against the computer's clock in 1 s: three times that of a crystal of 2 ppm a minute.
 constexpr double kWander = 1e-7;
-constexpr double kKnown = 0.1;        // of the period: if the instant is known better, refreshes can be counted
+constexpr double kKnownTo = 0.1;      // of the period: if the instant is known better, refreshes can be counted
 constexpr int kMissed = 16;           // consecutive values that may be missed, if they cannot be counted
 constexpr double kLongest_ns = 1e11;  // of a period not known yet
 
@@ -156,7 +156,7 @@ RefreshClock::Instant RefreshClock::refreshed(std::int64_t after_ns, std::int64_
     // Refreshes since the one before, up to the first after the reading at after_ns.
     const double first = std::max(1.0, std::ceil((after - t.high) / T.high));
     const auto counts = [&](double refreshes) {
-      return t.high - t.low + refreshes * (T.high - T.low) < kKnown * T.low;
+      return t.high - t.low + refreshes * (T.high - T.low) < kKnownTo * T.low;
     };
     if (interval > T.high) {
       // Several refreshes, or a gap in polling; the newest value shows. If a refresh may be as near to the reading as

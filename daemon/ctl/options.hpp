@@ -3,12 +3,30 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
+#include "daemon/ctl/commands.hpp"
 #include "daemon/record/utf8.hpp"
 
 namespace dwell::ctl {
 
 inline CLI::Option* add_json(CLI::App* verb, bool& json) { return verb->add_flag("--json", json, "print JSON"); }
+
+inline void add_service(CLI::App* verb, Service& service) {
+  verb->add_option("--url", service.url, "address of the service's HTTP interface")
+      ->envname("DWELL_URL")
+      ->capture_default_str();
+  verb->add_option("--token-file", service.token_file,
+                   "holds the token that the service asks for from another computer")
+      ->envname("DWELL_TOKEN_FILE");
+  add_json(verb, service.json);
+}
+
+inline void add_control(CLI::App* verb, Service& service) {
+  verb->add_option("--control", service.control, "the service's control socket")
+      ->envname("DWELL_CONTROL")
+      ->capture_default_str();
+}
 
 // The keys that a verb trusts: pinned_keys() reads them.
 inline CLI::Option* add_pinned_keys(CLI::App* verb, std::vector<std::string>& keys) {
