@@ -28,8 +28,12 @@ Json coefficient(const Coefficient& c, const char* unit) {
 // Most objects of a dwell's JSON are shares of budgets. An initializer list would copy each member several times.
 Json budget_share(const BudgetShare& share) {
   Json::object_t object;
-  object.reserve(3);
+  object.reserve(5);
   object.emplace("source", share.source);
+  if (share.kind != SourceKind::other) object.emplace("kind", to_string(share.kind));
+  if (!share.channel.empty()) object.emplace("channel", share.channel);
+  if (!share.device.empty()) object.emplace("device", share.device);
+  if (share.mass > 0) object.emplace("mass", share.mass);
   object.emplace("stiffness_share", json_number(share.stiffness_share));
   object.emplace("damping_share", json_number(share.damping_share));
   return object;

@@ -49,6 +49,17 @@ ChannelPhasor phasor(const Json& value) {
   return p;
 }
 
+// The kind and whose it is: of a program that knew none, they are left out.
+BudgetShare budget_share(const Json& value) {
+  BudgetShare share{
+      string_of(value, "source"), real_of(value, "stiffness_share"), real_of(value, "damping_share"), {}, {}};
+  if (value.contains("kind")) share.kind = named(string_of(value, "kind"), "kind", SourceKind::second_order);
+  if (value.contains("channel")) share.channel = string_of(value, "channel");
+  if (value.contains("device")) share.device = string_of(value, "device");
+  if (value.contains("mass")) share.mass = integer(value["mass"], "mass");
+  return share;
+}
+
 ElementEstimate element(const Json& value, Motion& motion) {
   ElementEstimate e;
   e.k = integer(member(value, "k"), "k");
@@ -61,13 +72,7 @@ ElementEstimate element(const Json& value, Motion& motion) {
   e.stiffness = coefficient(member(value, "stiffness"));
   e.damping = coefficient(member(value, "damping"));
   e.loss_factor = estimate(member(value, "loss_factor"));
-  for (const Json& share : array_of(value, "budget")) {
-    e.budget.push_back({string_of(share, "source"),
-                        real_of(share, "stiffness_share"),
-                        real_of(share, "damping_share"),
-                        SourceKind::other,
-                        {}});
-  }
+  for (const Json& share : array_of(value, "budget")) e.budget.push_back(budget_share(share));
   return e;
 }
 
@@ -138,7 +143,7 @@ std::optional<LiveAge> age_of(const Json& value) {
 
 // The interface has the text alone. Of all kinds only this one is treated in another way.
 WarningKind kind_of(const std::string& warning) {
-  return warning.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::unknown;
+  return warning.starts_with(kNotSettled) ? WarningKind::not_settled : WarningKind::other;
 }
 
 DwellView parse(const Json& value) {

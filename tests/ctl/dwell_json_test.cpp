@@ -46,7 +46,7 @@ TEST(DwellJson, HasTheFieldsOfTheInterfaceAndTheirNames) {
   EXPECT_EQ(names_of(element["stiffness"]), (Names{"value", "u", "dof", "U95", "significant", "unit"}));
   EXPECT_EQ(names_of(element["damping"]), names_of(element["stiffness"]));
   EXPECT_EQ(names_of(element["loss_factor"]), (Names{"value", "u"}));
-  EXPECT_EQ(names_of(element["budget"][0]), (Names{"source", "stiffness_share", "damping_share"}));
+  EXPECT_EQ(names_of(element["budget"][0]), (Names{"source", "kind", "channel", "stiffness_share", "damping_share"}));
 }
 
 TEST(DwellJson, CarriesTheValuesWithTheirUnits) {
@@ -127,6 +127,25 @@ TEST(DwellJson, DoubtsNameTheirElementsAndAreRepeatedAsWarningsOnce) {
   EXPECT_EQ(back->dwell.doubts[0].elements, (std::vector<int>{1, 3}));
   EXPECT_EQ(back->dwell.warnings, dwell.warnings);
   EXPECT_EQ(back->dwell.unstated, dwell.unstated);
+}
+
+TEST(DwellJson, AShareOfABudgetTellsItsKindAndWhoseItIs) {
+  Dwell dwell = test::sample_dwell();
+  dwell.elements[0].budget = {{"turnaround of amplifier (y0, y1)", 0.5, 0.5, SourceKind::turnaround, {}, "amplifier"},
+                              {"mass 2", 0.3, 0.3, SourceKind::mass, {}, {}, 2},
+                              {"noise of y1", 0.2, 0.2, SourceKind::noise, "y1"}};
+  const Json json = json_value(make_view(dwell, test::sample_rig(), {}));
+  const Json& budget = json["elements"][0]["budget"];
+  EXPECT_EQ(budget[0]["kind"], "turnaround");
+  EXPECT_EQ(budget[0]["device"], "amplifier");
+  EXPECT_FALSE(budget[0].contains("channel"));
+  EXPECT_EQ(budget[1]["kind"], "mass");
+  EXPECT_EQ(budget[1]["mass"], 2);
+  EXPECT_EQ(budget[2]["kind"], "noise");
+  EXPECT_EQ(budget[2]["channel"], "y1");
+  const auto back = dwell_from_json(json);
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(json_value(*back)["elements"], json["elements"]);
 }
 
 TEST(DwellJson, IdleHasNoIndexAndOnlyACompleteDwellSaysWhatEndedIt) {

@@ -167,12 +167,17 @@ test('labels do not overlap and stay beside the circle', () => {
 });
 
 test('the budget says what to do about the largest part, noise of all channels as one', () => {
-  const element = { budget: [{ source: 'noise of y1', stiffness_share: 0.2, damping_share: 0.5 }, { source: 'scale of y1', stiffness_share: 0.5, damping_share: 0.1 },
-    { source: 'noise of y0', stiffness_share: 0.2, damping_share: 0.4 }, { source: 'frequency', stiffness_share: 0.001, damping_share: 0 }] };
+  const element = { budget: [{ source: 'noise of y1', kind: 'noise', channel: 'y1', stiffness_share: 0.2, damping_share: 0.5 },
+    { source: 'scale of y1', kind: 'scale', channel: 'y1', stiffness_share: 0.5, damping_share: 0.1 },
+    { source: 'noise of y0', kind: 'noise', channel: 'y0', stiffness_share: 0.2, damping_share: 0.4 },
+    { source: 'frequency', kind: 'frequency', stiffness_share: 0.001, damping_share: 0 }] };
   assert.deepEqual(budgetOf(element, 'stiffness').bars, [{ source: 'scale of y1', share: 0.5 }, { source: 'noise of all channels', share: 0.4 }]);
   assert.equal(budgetOf(element, 'stiffness').advice, 'calibrate the scale of y1');
   assert.equal(budgetOf(element, 'damping').advice, 'measure longer');
   assert.equal(budgetOf({}, 'damping').advice, null);
-  assert.equal(adviceOn('mass 2'), 'weigh mass 2 more exactly');
-  assert.equal(adviceOn('errors to second order'), 'look at: errors to second order');
+  assert.equal(adviceOn({ source: 'm2', kind: 'mass', mass: 2 }), 'weigh mass 2 more exactly');
+  assert.equal(adviceOn({ source: 'delay of noise of y', kind: 'delay', channel: 'noise of y' }), 'measure the delay of noise of y', 'a channel may have any name');
+  assert.equal(adviceOn({ source: 'delay of line', kind: 'delay', device: 'line' }), 'measure the delay of line');
+  assert.equal(adviceOn({ source: 'turnaround of line (y0, y1)', kind: 'turnaround', device: 'line' }), 'measure the delay of line');
+  assert.equal(adviceOn({ source: 'errors to second order', kind: 'second order' }), 'look at: errors to second order');
 });

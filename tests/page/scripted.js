@@ -152,7 +152,8 @@ export class ScriptedService {
     const dwell = dwellOf();
     const start_s = (index - 1 - DWELLS) * DWELL_S;
     const elements = Array.from({ length: ELEMENTS }, (_, i) => ({ ...structuredClone(dwell.elements[0]), k: i + 1,
-      budget: [{ source: 'scale of y1', stiffness_share: 0.6, damping_share: 0.1 }, { source: 'noise of y1', stiffness_share: 0.4, damping_share: 0.9 }] }));
+      budget: [{ source: 'scale of y1', kind: 'scale', channel: 'y1', stiffness_share: 0.6, damping_share: 0.1 },
+        { source: 'noise of y1', kind: 'noise', channel: 'y1', stiffness_share: 0.4, damping_share: 0.9 }] }));
     for (const { k, stiffness, damping } of elements) {
       stiffness.value *= 1 + 1e-4 * noise(s, k);
       damping.value *= 1 + 1e-3 * noise(s, k + ELEMENTS);
